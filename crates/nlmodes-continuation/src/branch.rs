@@ -1,0 +1,90 @@
+/// What a branch passes at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum EventKind {
+    /// The parameter turns.
+    ParameterFold,
+    /// A watched unknown turns.
+    UnknownFold {
+        /// Its index.
+        index: usize,
+    },
+    /// Another branch crosses: `det [J; tᵀ]` changes its sign.
+    BranchPoint,
+    /// The system passes from one smooth piece to another.
+    PatternChange {
+        /// Piece before.
+        from: u64,
+        /// Piece after.
+        to: u64,
+    },
+    /// The tangent turns within a step too short to resolve.
+    Kink,
+}
+
+/// A point of a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchPoint {
+    /// Unknowns, n.
+    pub x: Vec<f64>,
+    /// Parameter.
+    pub p: f64,
+    /// Unit tangent, n + 1, in the direction of travel.
+    pub tangent: Vec<f64>,
+    /// Largest entry of the residual in magnitude.
+    pub residual: f64,
+    /// Newton iterations of the last correction.
+    pub iterations: usize,
+    /// The smooth piece, [`crate::ParametricSystem::pattern`].
+    pub pattern: u64,
+    /// What happens here.
+    pub events: Vec<EventKind>,
+}
+
+impl BranchPoint {
+    /// Unknowns and parameter as one vector `z`, n + 1.
+    pub fn z(&self) -> Vec<f64> {
+        let mut z = self.x.clone();
+        z.push(self.p);
+        z
+    }
+}
+
+/// Why a branch has no further points.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum StopReason {
+    /// A coordinate reached its bound; the last point lies on it.
+    Bound {
+        /// Index in `z`; n is the parameter.
+        coordinate: usize,
+        /// The bound.
+        value: f64,
+    },
+    /// The number of points asked for is reached.
+    MaxPoints,
+    /// The branch came back to where it began.
+    Closed,
+    /// The observer asked to stop.
+    Stopped,
+    /// No step, however short, could be shown to stay on the branch.
+    StepTooSmall {
+        /// The last step tried.
+        step: f64,
+        /// Why it was refused.
+        refusal: String,
+    },
+}
+
+/// A branch: always returned, with the reason why it ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branch {
+    /// The points, in order.
+    pub points: Vec<BranchPoint>,
+    /// Why there are no more.
+    pub stop: StopReason,
+    /// Evaluations of residual and Jacobian.
+    pub evaluations: usize,
+    /// Steps that were tried and refused.
+    pub refused_steps: usize,
+}

@@ -1,0 +1,218 @@
+use nlmodes_linalg::{DenseLu, Mat};
+
+use crate::{Linearization, ParametricSystem};
+
+/// The plane `normal · z = offset` on which a correction looks for its point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hyperplane {
+    /// Normal, n + 1.
+    pub normal: Vec<f64>,
+    /// Offset.
+    pub offset: f64,
+}
+
+impl Hyperplane {
+    /// Through `point`, across `normal`.
+    pub fn through(point: &[f64], normal: &[f64]) -> Self {
+        Self { normal: normal.to_vec(), offset: dot(point, normal) }
+    }
+
+    /// Where coordinate `index` of `dim` has this value.
+    pub fn fixing(index: usize, value: f64, dim: usize) -> Self {
+        let mut normal = vec![0.0; dim];
+        normal[index] = 1.0;
+        Self { normal, offset: value }
+    }
+}
+
+/// Where a correction looks for its point: the equation that makes n equations for n + 1 unknowns square.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Surface {
+    Plane(Hyperplane),
+    Sphere { center: Vec<f64>, radius: f64 },
+}
+
+impl Surface {
+    /// Signed distance of `z` from the surface, for a sphere to first order.
+    fn defect(&self, z: &[f64]) -> f64 {
+        match self {
+            Self::Plane(plane) => dot(&plane.normal, z) - plane.offset,
+            Self::Sphere { center, radius } => {
+                let d = distance(z, center);
+                0.5 * (d * d / radius - radius)
+            }
+        }
+    }
+
+    fn normal(&self, z: &[f64], into: &mut [f64]) {
+        match self {
+            Self::Plane(plane) => into.copy_from_slice(&plane.normal),
+            Self::Sphere { center, radius } => {
+                into.iter_mut().zip(z).zip(center).for_each(|((n, z), c)| *n = (z - c) / radius);
+            }
+        }
+    }
+}
+
+/// A converged correction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Correction {
+    /// The point, n + 1.
+    pub z: Vec<f64>,
+    /// Unit tangent there, n + 1, pointing to the side of the surface to which its normal points.
+    pub tangent: Vec<f64>,
+    /// Sign of `det [J; tᵀ]`.
+    pub orientation: f64,
+    /// Largest entry of the residual in magnitude.
+    pub residual: f64,
+    /// Newton steps taken.
+    pub iterations: usize,
+    /// Smooth piece of the system at the point.
+    pub pattern: u64,
+}
+
+/// Why a correction was given up.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Failure {
+    pub residual: f64,
+    pub iterations: usize,
+    pub why: &'static str,
+}
+
+/// Newton's method on a hyperplane or a sphere, with its work space.
+#[derive(Debug)]
+pub struct Corrector {
+    /// Residual, largest entry, at which a point counts as found.
+    pub tolerance: f64,
+    /// Newton steps permitted.
+    pub max_iterations: usize,
+    pub(crate) evaluations: usize,
+    linearization: Linearization,
+    bordered: Mat<f64>,
+    lu: DenseLu,
+    update: Vec<f64>,
+    normal: Vec<f64>,
+}
+
+impl Corrector {
+    /// For systems of n equations.
+    pub fn new(n: usize, tolerance: f64, max_iterations: usize) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+            evaluations: 0,
+            linearization: Linearization::new(n),
+            bordered: Mat::zeros(n + 1, n + 1),
+            lu: DenseLu::default(),
+            update: vec![0.0; n + 1],
+            normal: vec![0.0; n + 1],
+        }
+    }
+
+    pub(crate) fn evaluate<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64]) -> Result<f64, S::Error> {
+        self.evaluations += 1;
+        let n = z.len() - 1;
+        system.linearize(&z[..n], z[n], &mut self.linearization)?;
+        Ok(self.linearization.residual_norm())
+    }
+
+    /// Jacobian of the point evaluated last, n × (n + 1).
+    pub(crate) fn jacobian(&self) -> &Mat<f64> {
+        &self.linearization.jacobian
+    }
+
+    /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.
+    pub(crate) fn correct<S: ParametricSystem>(
+        &mut self,
+        system: &mut S,
+        guess: &[f64],
+        surface: &Surface,
+    ) -> Result<Correction, Failure> {
+        let mut z = guess.to_vec();
+        let failure = |residual, iterations, why| Failure { residual, iterations, why };
+        let mut norm = self.evaluate(system, &z).map_err(|_| failure(f64::INFINITY, 0, "the system has no residual"))?;
+        let mut defect = surface.defect(&z);
+        for iteration in 0..=self.max_iterations {
+            surface.normal(&z, &mut self.normal);
+            self.factor_bordered().map_err(|why| failure(norm, iteration, why))?;
+            if norm <= self.tolerance && defect.abs() <= self.tolerance {
+                return Ok(self.finish(system, z, norm, iteration));
+            }
+            if iteration == self.max_iterations {
+                break;
+            }
+            self.newton_update(-defect);
+            (z, norm) = self
+                .advance(system, &z, norm.max(defect.abs()))
+                .ok_or_else(|| failure(norm, iteration, "Newton's method does not lower the residual"))?;
+            defect = surface.defect(&z);
+        }
+        Err(failure(norm, self.max_iterations, "Newton's method took too many iterations"))
+    }
+
+    fn factor_bordered(&mut self) -> Result<(), &'static str> {
+        let n = self.normal.len() - 1;
+        for (j, border) in self.normal.iter().enumerate() {
+            let from = self.linearization.jacobian.col(j);
+            let mut to = self.bordered.col_mut(j);
+            for i in 0..n {
+                to[i] = from[i];
+            }
+            to[n] = *border;
+        }
+        self.lu.refactor(&self.bordered).map_err(|_| "the bordered Jacobian is singular")
+    }
+
+    fn newton_update(&mut self, surface_defect: f64) {
+        let n = self.linearization.residual.len();
+        self.update[..n].iter_mut().zip(&self.linearization.residual).for_each(|(u, r)| *u = -r);
+        self.update[n] = surface_defect;
+        self.lu.solve_in_place(&mut self.update);
+    }
+
+    /// The longest of four halved steps that does not raise the residual much; a semismooth residual may rise a little.
+    fn advance<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64], norm: f64) -> Option<(Vec<f64>, f64)> {
+        let mut best: Option<(Vec<f64>, f64)> = None;
+        let mut factor = 1.0;
+        for _ in 0..4 {
+            let trial: Vec<f64> = z.iter().zip(&self.update).map(|(a, d)| a + factor * d).collect();
+            if let Ok(trial_norm) = self.evaluate(system, &trial) {
+                if trial_norm <= norm.max(self.tolerance) {
+                    return Some((trial, trial_norm));
+                }
+                if trial_norm.is_finite() && best.as_ref().is_none_or(|(_, b)| trial_norm < *b) {
+                    best = Some((trial, trial_norm));
+                }
+            }
+            factor *= 0.5;
+        }
+        let (trial, _) = best.filter(|(_, b)| *b < 10.0 * norm)?;
+        let again = self.evaluate(system, &trial).ok()?;
+        Some((trial, again))
+    }
+
+    /// Tangent and orientation at the point evaluated last, whose bordered matrix is factored.
+    fn finish<S: ParametricSystem>(&mut self, system: &S, z: Vec<f64>, residual: f64, iterations: usize) -> Correction {
+        let n = z.len() - 1;
+        let mut tangent = vec![0.0; n + 1];
+        tangent[n] = 1.0;
+        self.lu.solve_in_place(&mut tangent);
+        let length = dot(&tangent, &tangent).sqrt();
+        tangent.iter_mut().for_each(|t| *t /= length);
+        let orientation = self.lu.determinant_sign();
+        Correction { z, tangent, orientation, residual, iterations, pattern: system.pattern() }
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// `a + s b`.
+pub(crate) fn along(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + s * b).collect()
+}

@@ -1,0 +1,62 @@
+//! Numerical continuation of `R(x, p) = 0`, n equations for n unknowns and one parameter.
+//!
+//! ```text
+//! R : ℝⁿ × ℝ → ℝⁿ ,   z = (x, p) ,   R(z) = 0 ,   J = ∂R/∂z   (n × (n + 1))
+//! ```
+//!
+//! The curve is followed by steps of pseudo-arclength: predict along the unit tangent `t` (`J t = 0`), correct by Newton on the
+//! hyperplane across it. So turning points in `p` and in any unknown are nothing special. Made for residuals that are only piecewise
+//! smooth: a step counts only when prediction, correction, turn of the tangent and a check at half the step agree, and what the
+//! branch passed is located and named.
+//!
+//! | symbol | item | shape |
+//! | --- | --- | --- |
+//! | `R`, `J` | [`Linearization`] of a [`ParametricSystem`] | n, n × (n + 1) |
+//! | `z` | unknowns, then parameter | n + 1 |
+//! | `t` | [`BranchPoint::tangent`] | n + 1 |
+//! | `h` | step along the curve, [`StepSettings`] | |
+//!
+//! There are no units here: scale a problem so that its unknowns are near one.
+//!
+//! ```
+//! use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem};
+//!
+//! struct Circle;
+//! impl ParametricSystem for Circle {
+//!     type Error = std::convert::Infallible;
+//!     fn dim(&self) -> usize { 1 }
+//!     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Self::Error> {
+//!         out.residual[0] = x[0] * x[0] + p * p - 1.0;
+//!         (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (2.0 * x[0], 2.0 * p);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let settings = Continuation { bounds: vec![Bound { coordinate: 0, min: -0.5, max: 2.0 }], ..Default::default() };
+//! let branch = settings.run(&mut Circle, &[1.0], 0.0, &[0.0, 1.0], |_| std::ops::ControlFlow::Continue(()))?;
+//! let fold = branch.points.iter().find(|q| q.events.contains(&EventKind::ParameterFold)).expect("the circle turns");
+//! assert!((fold.p - 1.0).abs() < 1e-10 && fold.x[0].abs() < 1e-6);
+//! assert!((branch.points.last().unwrap().x[0] + 0.5).abs() < 1e-10);
+//! # Ok::<(), nlmodes_continuation::ContinuationError<std::convert::Infallible>>(())
+//! ```
+//!
+//! References: E. L. Allgower, K. Georg, *Introduction to Numerical Continuation Methods*, SIAM 2003,
+//! doi:10.1137/1.9780898719154; A. Dhooge, W. Govaerts, Yu. A. Kuznetsov, *MATCONT*, ACM TOMS 29 (2003),
+//! doi:10.1145/779359.779362.
+
+mod arms;
+mod branch;
+pub mod conformance;
+mod continuation;
+mod corrector;
+mod error;
+mod events;
+mod step;
+mod system;
+
+pub use branch::{Branch, BranchPoint, EventKind, StopReason};
+pub use continuation::{Bound, Continuation};
+pub use corrector::{Correction, Corrector, Hyperplane};
+pub use error::ContinuationError;
+pub use step::StepSettings;
+pub use system::{Linearization, ParametricSystem};

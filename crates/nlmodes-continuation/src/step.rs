@@ -1,0 +1,134 @@
+use crate::corrector::{Correction, Corrector, Failure, Hyperplane, Surface, along, distance, dot};
+use crate::{ContinuationError, ParametricSystem};
+
+/// Length of a step and what makes it credible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepSettings {
+    /// First step. Default 0.01.
+    pub initial: f64,
+    /// Shortest step. Where it is refused, the arms around the point are looked for. Default 1e-6.
+    pub min: f64,
+    /// Distance at which arms are looked for. Default 1e-3.
+    pub arm: f64,
+    /// Longest step. Default 0.1.
+    pub max: f64,
+    /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
+    pub max_turn: f64,
+    /// Largest distance from the predicted to the corrected point, as a share of the step. Default 0.3.
+    pub max_correction: f64,
+    /// Turn beyond which, or a change of pattern upon which, the middle of the step is checked too. Default 0.1 rad.
+    pub checked_turn: f64,
+    /// Residual, largest entry, at which a point counts as found. Default 1e-11.
+    pub tolerance: f64,
+    /// Newton iterations permitted a step. Default 8.
+    pub max_iterations: usize,
+}
+
+impl Default for StepSettings {
+    fn default() -> Self {
+        Self {
+            initial: 0.01,
+            min: 1e-6,
+            arm: 1e-3,
+            max: 0.1,
+            max_turn: 0.35,
+            max_correction: 0.3,
+            checked_turn: 0.1,
+            tolerance: 1e-11,
+            max_iterations: 8,
+        }
+    }
+}
+
+impl StepSettings {
+    pub(crate) fn check<E: std::error::Error + 'static>(&self) -> Result<(), ContinuationError<E>> {
+        let positive = [
+            ("initial step", self.initial),
+            ("shortest step", self.min),
+            ("distance of arms", self.arm),
+            ("longest step", self.max),
+            ("largest turn", self.max_turn),
+            ("largest correction", self.max_correction),
+            ("tolerance", self.tolerance),
+        ];
+        for (what, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(ContinuationError::Setting { what, value, expected: "a positive number" });
+            }
+        }
+        if self.min > self.max {
+            return Err(ContinuationError::Setting {
+                what: "shortest step",
+                value: self.min,
+                expected: "at most the longest",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A point from which steps start.
+#[derive(Debug, Clone)]
+pub(crate) struct Foot {
+    pub z: Vec<f64>,
+    pub tangent: Vec<f64>,
+    pub pattern: u64,
+}
+
+/// Corrects at distance `h` along the tangent of `foot`, without judging the result.
+pub(crate) fn reach<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    foot: &Foot,
+    h: f64,
+) -> Result<Correction, Failure> {
+    let predicted = along(&foot.z, h, &foot.tangent);
+    corrector.correct(system, &predicted, &Surface::Plane(Hyperplane::through(&predicted, &foot.tangent)))
+}
+
+/// A step of length `h` that is shown to stay on the branch, or the reason why it is refused.
+pub(crate) fn step<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+    h: f64,
+) -> Result<Correction, String> {
+    let end = reach(system, corrector, foot, h)
+        .map_err(|f| format!("{} (residual {:.1e} after {} iterations)", f.why, f.residual, f.iterations))?;
+    let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
+    if moved > settings.max_correction * h {
+        return Err(format!("the corrected point lies {:.2} steps from the predicted one", moved / h));
+    }
+    let turn = dot(&end.tangent, &foot.tangent).clamp(-1.0, 1.0).acos();
+    if turn > settings.max_turn {
+        return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
+    }
+    if turn > settings.checked_turn || end.pattern != foot.pattern {
+        check_middle(system, corrector, foot, h, &end)?;
+    }
+    Ok(end)
+}
+
+/// The point at half the step must lie on the cubic through both ends: a jump to another arm does not.
+fn check_middle<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    foot: &Foot,
+    h: f64,
+    end: &Correction,
+) -> Result<(), String> {
+    let middle = reach(system, corrector, foot, 0.5 * h).map_err(|f| format!("at half the step, {}", f.why))?;
+    let chord = distance(&end.z, &foot.z);
+    let cubic: Vec<f64> = (0..end.z.len())
+        .map(|i| 0.5 * (foot.z[i] + end.z[i]) + chord / 8.0 * (foot.tangent[i] - end.tangent[i]))
+        .collect();
+    // The middle in the plane is not the middle of the arc: only the distance across the tangent counts.
+    let gap: Vec<f64> = middle.z.iter().zip(&cubic).map(|(a, b)| a - b).collect();
+    let on_tangent = dot(&gap, &middle.tangent);
+    let off = (dot(&gap, &gap) - on_tangent * on_tangent).max(0.0).sqrt();
+    if off > 0.03 * h {
+        return Err(format!("the point at half the step lies {:.2} steps off the curve through both ends", off / h));
+    }
+    Ok(())
+}

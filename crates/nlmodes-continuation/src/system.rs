@@ -1,0 +1,50 @@
+use nlmodes_linalg::Mat;
+
+/// Residual and Jacobian of a [`ParametricSystem`] at a point.
+#[derive(Debug, Clone)]
+pub struct Linearization {
+    /// `R(x, p)`, n.
+    pub residual: Vec<f64>,
+    /// `[∂R/∂x, ∂R/∂p]`, n × (n + 1).
+    pub jacobian: Mat<f64>,
+}
+
+impl Linearization {
+    /// Room for a system of n equations.
+    pub fn new(n: usize) -> Self {
+        Self { residual: vec![0.0; n], jacobian: Mat::zeros(n, n + 1) }
+    }
+
+    /// Largest entry of the residual in magnitude; infinite if any entry is not finite.
+    pub fn residual_norm(&self) -> f64 {
+        let largest = self.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        if self.residual.iter().all(|r| r.is_finite()) { largest } else { f64::INFINITY }
+    }
+}
+
+/// n equations `R(x, p) = 0` for n unknowns and a parameter.
+///
+/// The system may keep work space and remember the point that it was evaluated at last.
+pub trait ParametricSystem {
+    /// What an evaluation can fail with.
+    type Error: std::error::Error + 'static;
+
+    /// Number of equations and unknowns n.
+    fn dim(&self) -> usize;
+
+    /// Writes residual and Jacobian at `(x, p)`; every entry of `out` must be written.
+    ///
+    /// # Errors
+    /// If the residual does not exist there. The continuation then tries a shorter step.
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Self::Error>;
+
+    /// The smooth piece of a piecewise smooth system on which the point evaluated last lies; equal numbers, equal pieces.
+    fn pattern(&self) -> u64 {
+        0
+    }
+
+    /// Told of every point that the branch accepts, for systems with a moving phase condition or warm starts.
+    fn accepted(&mut self, x: &[f64], p: f64) {
+        let _ = (x, p);
+    }
+}

@@ -1,0 +1,67 @@
+use crate::HarmonicCoefficients;
+
+/// A coordinate of a motion: a degree of freedom or a sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coordinate {
+    /// Where it is along the structure, m.
+    pub position: f64,
+    /// What it measures: `axial`, `deflection`, `rotation`.
+    pub kind: String,
+}
+
+/// One point of a nonlinear mode: a periodic motion with its modal quantities.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalPoint {
+    /// Nonlinear modal frequency `ω̃`, rad/s.
+    pub omega: f64,
+    /// Complex Fourier coefficients of all coordinates, eq. (20).
+    pub coefficients: HarmonicCoefficients,
+    /// Kinetic energy averaged over a period `E_av`, J.
+    pub kinetic_energy: f64,
+    /// Kinetic and strain energy, J.
+    pub total_energy: f64,
+    /// Nonlinear modal amplitude `q̃` of eqs. (21), (22), m·√kg.
+    pub modal_amplitude: f64,
+    /// Real amplitude of the fundamental of the first contact coordinate, signed against its phase anchor, m.
+    pub fundamental: f64,
+    /// Largest displacement of the first contact coordinate toward its stop, m.
+    pub peak: f64,
+    /// Share of the period in which the first contact is closed.
+    pub contact_fraction: f64,
+    /// Closed intervals a period, over all contacts.
+    pub contact_intervals: usize,
+    /// Largest contact force, N.
+    pub peak_contact_force: f64,
+    /// Norm of the scaled residual.
+    pub residual: f64,
+    /// What happened here: `grazing`, `fold`, `branch-point`, …
+    pub events: Vec<String>,
+}
+
+/// Why a branch ended, and whether that is where it was meant to end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchEnd {
+    /// Short name: `max-energy`, `frequency-window`, `max-points`, `no-convergence`, …
+    pub reason: String,
+    /// The sentence for a person.
+    pub message: String,
+    /// False if the computation ended before one of the limits that were asked for.
+    pub complete: bool,
+}
+
+/// A nonlinear mode over energy: computed or measured points in the order in which they were found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalBranch {
+    /// Name in legends, for instance `MS-HBM, 3 harmonics`.
+    pub label: String,
+    /// Coordinates of every motion.
+    pub coordinates: Vec<Coordinate>,
+    /// Index of the first contact coordinate, where there is one.
+    pub contact_coordinate: Option<usize>,
+    /// Signed position of the first stop along its coordinate, m (`+g₀` for a stop on the positive side).
+    pub stop: Option<f64>,
+    /// The points.
+    pub points: Vec<ModalPoint>,
+    /// Why there are no more.
+    pub end: BranchEnd,
+}

@@ -1,0 +1,58 @@
+use num_complex::Complex64;
+
+/// Complex Fourier coefficients of a periodic motion of several coordinates, eq. (7):
+/// `q_d(t) = Re Σ_{n=0}^{H} q_{d,n} e^{inωt}`.
+///
+/// Shape: coordinates × (H + 1); the unit is that of the coordinate. The mean `q_{d,0}` is real.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HarmonicCoefficients {
+    n_coordinates: usize,
+    n_harmonics: usize,
+    values: Vec<Complex64>,
+}
+
+impl HarmonicCoefficients {
+    /// All zero.
+    pub fn zeros(n_coordinates: usize, n_harmonics: usize) -> Self {
+        Self { n_coordinates, n_harmonics, values: vec![Complex64::default(); n_coordinates * (n_harmonics + 1)] }
+    }
+
+    /// Number of coordinates.
+    pub fn n_coordinates(&self) -> usize {
+        self.n_coordinates
+    }
+
+    /// Highest harmonic H.
+    pub fn n_harmonics(&self) -> usize {
+        self.n_harmonics
+    }
+
+    /// Coefficients `q_{d,0} … q_{d,H}` of coordinate `d`.
+    ///
+    /// # Panics
+    /// If there is no coordinate `d`.
+    pub fn of(&self, d: usize) -> &[Complex64] {
+        let width = self.n_harmonics + 1;
+        &self.values[d * width..(d + 1) * width]
+    }
+
+    /// As [`Self::of`], to be written.
+    ///
+    /// # Panics
+    /// If there is no coordinate `d`.
+    pub fn of_mut(&mut self, d: usize) -> &mut [Complex64] {
+        let width = self.n_harmonics + 1;
+        &mut self.values[d * width..(d + 1) * width]
+    }
+
+    /// Value of coordinate `d` at the phase `tau = ωt` (rad).
+    pub fn value(&self, d: usize, tau: f64) -> f64 {
+        self.derivative(d, tau, 0)
+    }
+
+    /// `order`-th derivative of coordinate `d` with respect to `tau = ωt`, at the phase `tau`.
+    pub fn derivative(&self, d: usize, tau: f64, order: u32) -> f64 {
+        let terms = self.of(d).iter().enumerate();
+        terms.map(|(n, q)| (Complex64::new(0.0, n as f64).powu(order) * q * Complex64::cis(n as f64 * tau)).re).sum()
+    }
+}
