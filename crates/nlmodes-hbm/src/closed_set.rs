@@ -1,0 +1,92 @@
+use std::collections::HashMap;
+
+use nlmodes_linalg::Mat;
+
+use crate::{CondensedStructure, HbmError};
+
+/// The contact problem while one set of contacts is closed: everything is linear in `y = Wᵀ b + g₀`.
+#[derive(Debug, Clone)]
+pub(crate) struct ClosedSet {
+    pub closed: Vec<bool>,
+    /// `S = dλ/dy`, c × c, row-major: `λ = S y`.
+    pub s: Vec<f64>,
+    /// Row i is what must not turn negative, as a combination of `y`: the gap of an open contact, the force of a closed one
+    /// times its own compliance (so that both are lengths).
+    pub guard: Vec<f64>,
+    /// `D = −K_NN⁻¹ W S Wᵀ`, n_N × n_N, row-major: `q_N = b − D b + r`.
+    pub d: Vec<f64>,
+    /// `r = K_NN⁻¹ W S g₀`, n_N.
+    pub r: Vec<f64>,
+}
+
+impl ClosedSet {
+    pub fn new(structure: &CondensedStructure, closed: &[bool]) -> Result<Self, HbmError> {
+        let (c, n) = (closed.len(), structure.n_contact_dofs());
+        let s = structure.compliance.sensitivity(closed).map_err(HbmError::Compliance)?;
+        let a = structure.compliance.a();
+        let gap_rows = a * &s;
+        let guard = Mat::from_fn(c, c, |i, j| {
+            if closed[i] { a[(i, i)] * s[(i, j)] } else { gap_rows[(i, j)] + if i == j { 1.0 } else { 0.0 } }
+        });
+        let k_inv_w_s = &structure.k_inv_w * &s;
+        let d = &k_inv_w_s * structure.model.w().transpose();
+        let r = (0..n).map(|i| (0..c).map(|j| k_inv_w_s[(i, j)] * structure.gaps[j]).sum()).collect();
+        let d = rows(&d).into_iter().map(|v| -v).collect();
+        Ok(Self { closed: closed.to_vec(), s: rows(&s), guard: rows(&guard), d, r })
+    }
+
+    /// Guard `i` at the given `y`.
+    pub fn guard_value(&self, i: usize, y: &[f64]) -> f64 {
+        let c = y.len();
+        self.guard[i * c..(i + 1) * c].iter().zip(y).map(|(g, y)| g * y).sum()
+    }
+
+    /// Force of contact `i` at the given `y`.
+    pub fn force(&self, i: usize, y: &[f64]) -> f64 {
+        let c = y.len();
+        self.s[i * c..(i + 1) * c].iter().zip(y).map(|(s, y)| s * y).sum()
+    }
+
+    pub fn is_open(&self) -> bool {
+        !self.closed.contains(&true)
+    }
+}
+
+fn rows(m: &Mat<f64>) -> Vec<f64> {
+    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+}
+
+/// The closed sets met so far; a period has few, and neighbouring iterates share them.
+#[derive(Debug, Clone)]
+pub(crate) struct SetTable {
+    sets: Vec<ClosedSet>,
+    index: HashMap<Vec<bool>, usize>,
+}
+
+impl SetTable {
+    /// Index of the set in which all contacts are open.
+    pub const OPEN: usize = 0;
+
+    pub fn new(structure: &CondensedStructure) -> Result<Self, HbmError> {
+        let mut table = Self { sets: Vec::new(), index: HashMap::new() };
+        table.find(structure, &vec![false; structure.n_contacts()])?;
+        Ok(table)
+    }
+
+    pub fn find(&mut self, structure: &CondensedStructure, closed: &[bool]) -> Result<usize, HbmError> {
+        if let Some(&i) = self.index.get(closed) {
+            return Ok(i);
+        }
+        self.sets.push(ClosedSet::new(structure, closed)?);
+        self.index.insert(closed.to_vec(), self.sets.len() - 1);
+        Ok(self.sets.len() - 1)
+    }
+
+    pub fn get(&self, i: usize) -> &ClosedSet {
+        &self.sets[i]
+    }
+
+    pub fn len(&self) -> usize {
+        self.sets.len()
+    }
+}

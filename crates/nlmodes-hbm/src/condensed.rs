@@ -1,0 +1,140 @@
+use nlmodes_contact::LcpMatrix;
+use nlmodes_linalg::{DenseLu, Mat, SparseCholesky};
+use nlmodes_model::{MasslessContactModel, held_modes};
+
+use crate::HbmError;
+
+/// A mode of the structure with its contacts held, as the contact degrees of freedom see it.
+#[derive(Debug, Clone)]
+pub struct HeldMode {
+    /// Squared angular frequency `λ_k`, rad²/s².
+    pub lambda: f64,
+    /// Column of the mode in [`CondensedStructure::shapes`].
+    pub column: usize,
+    /// `g_k = φ_kᵀ K_LN`, n_N.
+    pub g: Vec<f64>,
+    /// `h_k = K_NN⁻¹ g_kᵀ`, n_N.
+    pub h: Vec<f64>,
+    /// `s_k = g_k h_k`, rad²/s²: how strongly the mode takes part in the motion of the contacts.
+    pub s: f64,
+}
+
+/// A structure with massless contacts, reduced once to what the periodic problem needs.
+///
+/// With the modes of the held structure, `K_LL φ_k = λ_k M_LL φ_k`, eq. (8) reads
+///
+/// ```text
+/// q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n ,   η_k,n = −g_k q_N,n / (λ_k − ν²) ,   ν = nω ,   Ψ = −K_LL⁻¹ K_LN
+/// b_n   = −K_NN⁻¹ K_NL q_L,n = T(ν²) q_N,n
+/// T(ν²) = T_0 + Σ_k ν²/(λ_k (λ_k − ν²)) h_k g_k ,   T_0 = K_NN⁻¹ K_NL K_LL⁻¹ K_LN
+/// ```
+///
+/// The static part is exact whatever the number of modes. `b(t)` is where the massless contact nodes would be without stops.
+#[derive(Debug, Clone)]
+pub struct CondensedStructure {
+    pub(crate) model: MasslessContactModel,
+    pub(crate) modes: Vec<HeldMode>,
+    pub(crate) shapes: Mat<f64>,
+    pub(crate) psi: Mat<f64>,
+    pub(crate) t0: Mat<f64>,
+    /// `K_NN⁻¹ W`, n_N × c.
+    pub(crate) k_inv_w: Mat<f64>,
+    pub(crate) compliance: LcpMatrix,
+    pub(crate) gaps: Vec<f64>,
+    n_held: usize,
+}
+
+impl CondensedStructure {
+    /// Reduces `model` with its lowest `n_modes` held modes, all of them where there are fewer.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
+    pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
+        let held = held_modes(&model, n_modes)?;
+        let psi = static_shapes(&model)?;
+        let k_nn = DenseLu::factor(model.k_nn())
+            .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
+        let coupling = model.k_ln().transpose() * &psi;
+        let t0 = solve_columns(&k_nn, &(-coupling));
+        let k_inv_w = solve_columns(&k_nn, model.w());
+        let compliance = symmetric(&(model.w().transpose() * &k_inv_w));
+        let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
+        let g = held.shapes.transpose() * model.k_ln();
+        let scale = (0..t0.nrows()).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let modes = (0..held.omega.len()).filter_map(|k| {
+            let row: Vec<f64> = (0..g.ncols()).map(|d| g[(k, d)]).collect();
+            let mut h = row.clone();
+            k_nn.solve_in_place(&mut h);
+            let s: f64 = row.iter().zip(&h).map(|(g, h)| g * h).sum();
+            let lambda = held.omega[k] * held.omega[k];
+            // Modes that leave the contacts at rest (the axial family of a beam under a transverse stop) do not take part.
+            (s > 1e-20 * scale * lambda).then_some(HeldMode { lambda, column: k, g: row, h, s })
+        });
+        let modes = modes.collect();
+        let gaps = model.contacts().iter().map(|c| c.gap).collect();
+        let n_held = held.omega.len();
+        Ok(Self { model, modes, shapes: held.shapes, psi, t0, k_inv_w, compliance, gaps, n_held })
+    }
+
+    /// The structure that was reduced.
+    pub fn model(&self) -> &MasslessContactModel {
+        &self.model
+    }
+
+    /// Held modes that move the contacts, ascending.
+    pub fn modes(&self) -> &[HeldMode] {
+        &self.modes
+    }
+
+    /// Held modes computed, with those that leave the contacts at rest.
+    pub fn n_held_modes(&self) -> usize {
+        self.n_held
+    }
+
+    /// Shapes of the held modes, n_L × modes.
+    pub fn shapes(&self) -> &Mat<f64> {
+        &self.shapes
+    }
+
+    /// Contact compliance `A = Wᵀ K_NN⁻¹ W`, eqs. (11), (13); c × c, m/N.
+    pub fn compliance(&self) -> &LcpMatrix {
+        &self.compliance
+    }
+
+    /// Number of contact degrees of freedom n_N.
+    pub fn n_contact_dofs(&self) -> usize {
+        self.t0.nrows()
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.gaps.len()
+    }
+}
+
+/// `Ψ = −K_LL⁻¹ K_LN`.
+fn static_shapes(model: &MasslessContactModel) -> Result<Mat<f64>, HbmError> {
+    let k_ll = SparseCholesky::factor(model.k_ll(), "stiffness K_LL of the structure with its contacts held")
+        .map_err(|source| HbmError::Linalg { what: "static response to the contacts", source })?;
+    let mut psi = Mat::zeros(model.k_ln().nrows(), model.k_ln().ncols());
+    for d in 0..psi.ncols() {
+        let mut column: Vec<f64> = model.k_ln().col(d).iter().map(|v| -v).collect();
+        k_ll.solve_in_place(&mut column);
+        psi.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
+    }
+    Ok(psi)
+}
+
+fn solve_columns(lu: &DenseLu, rhs: &Mat<f64>) -> Mat<f64> {
+    let mut x = rhs.clone();
+    for d in 0..x.ncols() {
+        let mut column: Vec<f64> = x.col(d).iter().copied().collect();
+        lu.solve_in_place(&mut column);
+        x.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
+    }
+    x
+}
+
+fn symmetric(a: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+}

@@ -1,0 +1,100 @@
+use nlmodes_contact::LcpError;
+use nlmodes_linalg::LinalgError;
+use nlmodes_modal::ModalError;
+use nlmodes_model::ModelError;
+use thiserror::Error;
+
+/// Why a periodic problem cannot be set up or evaluated.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HbmError {
+    /// No harmonic, or more than can be handled.
+    #[error("{found} harmonics were asked for; 1 to {most} are possible")]
+    Harmonics {
+        /// Harmonics asked for.
+        found: usize,
+        /// Most harmonics.
+        most: usize,
+    },
+    /// The samples of a period cannot carry the harmonics.
+    #[error("{harmonics} harmonics need at least {needed} samples a period, not {samples}")]
+    Samples {
+        /// Harmonics asked for.
+        harmonics: usize,
+        /// Samples asked for.
+        samples: usize,
+        /// Fewest samples.
+        needed: usize,
+    },
+    /// The mode number is zero or beyond the number of modes.
+    #[error("mode {mode} does not exist: the structure has {available} modes")]
+    NoSuchMode {
+        /// The mode asked for, from 1.
+        mode: usize,
+        /// Modes that there are.
+        available: usize,
+    },
+    /// The linear mode does not move any contact.
+    #[error(
+        "mode {mode} ({frequency_hz:.4} Hz) never touches: its largest motion at a contact is {ratio:.1e} of its largest motion"
+    )]
+    NeverTouches {
+        /// The mode, from 1.
+        mode: usize,
+        /// Its frequency, Hz.
+        frequency_hz: f64,
+        /// Contact motion over largest motion.
+        ratio: f64,
+    },
+    /// A contact touches without force at rest, so that no linear motion precedes contact.
+    #[error(
+        "contact {contact} touches at rest without force (gap {gap:e} m): there is no linear mode to start from"
+    )]
+    TouchesAtRest {
+        /// Index of the contact.
+        contact: usize,
+        /// Its gap.
+        gap: f64,
+    },
+    /// The mode has no frequency (a rigid-body mode).
+    #[error("mode {mode} is a rigid-body mode: it has no frequency to start from")]
+    RigidBodyMode {
+        /// The mode, from 1.
+        mode: usize,
+    },
+    /// Frequency or coefficients are not usable numbers.
+    #[error("the motion has frequency {omega} rad/s and energy {energy} J; both must be positive and finite")]
+    Motion {
+        /// Angular frequency.
+        omega: f64,
+        /// Averaged kinetic energy.
+        energy: f64,
+    },
+    /// The contact problem at one instant has no solution.
+    #[error("the contact problem at phase {tau:.6} rad")]
+    Contact {
+        /// Phase `ωt`.
+        tau: f64,
+        /// The failure.
+        #[source]
+        source: LcpError,
+    },
+    /// The contact compliance cannot be used.
+    #[error("the contact compliance")]
+    Compliance(#[source] LcpError),
+    /// The structure with its contacts held cannot be factored.
+    #[error("{what}")]
+    Linalg {
+        /// What was being computed.
+        what: &'static str,
+        /// The failure.
+        #[source]
+        source: LinalgError,
+    },
+    /// The linear model.
+    #[error("the linear model")]
+    Model(#[from] ModelError),
+    /// The Fourier basis.
+    #[error("the Fourier basis")]
+    Basis(#[from] ModalError),
+}

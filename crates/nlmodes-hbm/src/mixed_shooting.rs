@@ -1,0 +1,342 @@
+use nlmodes_contact::LcpSolver;
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_linalg::Mat;
+
+use crate::energy::KineticEnergy;
+use crate::series::{RealSeries, Symmetry};
+use crate::sweep::{ContactSweep, Switching};
+use crate::transfer::Plane;
+use crate::{CondensedStructure, HbmError};
+
+/// Most harmonics that are accepted.
+pub const MAX_HARMONICS: usize = 4096;
+
+/// What distinguishes one mixed shooting-harmonic balance problem from another on the same structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MixedShootingSettings {
+    /// Highest harmonic `N_h` of the linear degrees of freedom, eq. (7).
+    pub harmonics: usize,
+    /// Which motions are admitted.
+    pub symmetry: Symmetry,
+    /// How the instants of contact are treated.
+    pub switching: Switching,
+}
+
+/// What numbers near one mean: lengths, frequencies and energies of the problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Length, m: amplitude of the contact at grazing.
+    pub length: f64,
+    /// Angular frequency, rad/s: that of the linear mode.
+    pub omega: f64,
+    /// Averaged kinetic energy, J: that at grazing.
+    pub energy: f64,
+}
+
+/// Mixed shooting-harmonic balance with massless contacts, eqs. (6)-(16), as a system for continuation.
+///
+/// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, and the
+/// frequency; the parameter is `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives `q_N(t)` at each
+/// instant, and the equations are
+///
+/// ```text
+/// A_n b_n − B_n 𝓕_n(q_N(t)) = 0 ,  n = 0 … N_h        connectivity (14) through eq. (8), in a form without poles
+/// ln(E_av(ω, b)/E_ref) − p = 0                          energy condition of (16)
+/// ```
+///
+/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N,n = 𝓕_n(q_N(t))`. But `q_N,n` vanishes where
+/// `nω` meets an eigenfrequency of the held structure, and cannot tell solutions apart there; `b_n` does, for `q_N(t)` is a
+/// function of `b(t)`, not the other way round.
+///
+/// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: an anchor is added, and with it an unknown δ
+/// that multiplies `B_n db_n/dτ`; on a solution of a conservative system δ = 0, which [`MixedShooting::unfolding`] lets one check.
+/// The anchor `Σ n (c_n s̄_n − s_n c̄_n) = 0` holds the phase of the last accepted point; for a motion with
+/// a cosine fundamental it is the paper's `Im q_{a,1} = 0`.
+///
+/// Unknown vector: `b/length` (n_N × width, one degree of freedom after the other, [`RealSeries`]), `ω/omega`, and δ.
+pub struct MixedShooting<'s> {
+    structure: &'s CondensedStructure,
+    settings: MixedShootingSettings,
+    pub(crate) scales: Scales,
+    pub(crate) sweep: ContactSweep,
+    b: Vec<f64>,
+    pub(crate) q: Vec<f64>,
+    /// `dq_N/db`, row-major.
+    dq_db: Vec<f64>,
+    product: Vec<f64>,
+    plane: Plane,
+    energy: KineticEnergy,
+    anchor: Vec<f64>,
+}
+
+impl<'s> MixedShooting<'s> {
+    /// Sets up the problem; the contact problems are solved by `solver`.
+    ///
+    /// # Errors
+    /// [`HbmError::Harmonics`], [`HbmError::Samples`], or what the contact solver has against the compliance.
+    pub fn new(
+        structure: &'s CondensedStructure,
+        settings: MixedShootingSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        if settings.harmonics == 0 || settings.harmonics > MAX_HARMONICS {
+            return Err(HbmError::Harmonics { found: settings.harmonics, most: MAX_HARMONICS });
+        }
+        let series = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
+        let n = structure.n_contact_dofs();
+        let size = n * series.width();
+        let mut anchor = vec![0.0; size];
+        if let Some(sine) = series.sine(1) {
+            anchor[sine] = 1.0;
+        }
+        Ok(Self {
+            structure,
+            settings,
+            scales,
+            sweep: ContactSweep::new(structure, series, settings.switching, solver)?,
+            b: vec![0.0; size],
+            q: vec![0.0; size],
+            dq_db: vec![0.0; size * size],
+            product: vec![0.0; series.width() * series.width()],
+            plane: Plane::new(n),
+            energy: KineticEnergy::new(n),
+            anchor,
+        })
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &'s CondensedStructure {
+        self.structure
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> MixedShootingSettings {
+        self.settings
+    }
+
+    /// The scales of the unknowns.
+    pub fn scales(&self) -> Scales {
+        self.scales
+    }
+
+    /// Layout of the coefficients of one degree of freedom.
+    pub fn series(&self) -> RealSeries {
+        self.sweep.series
+    }
+
+    /// Index of the frequency in the unknown vector.
+    pub fn frequency_index(&self) -> usize {
+        self.b.len()
+    }
+
+    /// The unfolding parameter δ of the unknown vector `x`, if there is one; zero on a solution.
+    pub fn unfolding(&self, x: &[f64]) -> Option<f64> {
+        x.get(self.b.len() + 1).copied()
+    }
+
+    /// Angular frequency of the unknown vector `x`, rad/s.
+    pub fn omega(&self, x: &[f64]) -> f64 {
+        x[self.b.len()] * self.scales.omega
+    }
+
+    /// Averaged kinetic energy at the parameter `p`, J.
+    pub fn energy(&self, p: f64) -> f64 {
+        self.scales.energy * p.exp()
+    }
+
+    /// Contact pattern, coefficients of `q_N` and their derivative for the unknown vector `x`.
+    pub(crate) fn solve_contact(&mut self, x: &[f64]) -> Result<(), HbmError> {
+        self.b.iter_mut().zip(x).for_each(|(b, x)| *b = x * self.scales.length);
+        self.sweep.run(self.structure, &self.b)?;
+        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
+        let size = n * width;
+        self.dq_db.fill(0.0);
+        (0..size).for_each(|i| self.dq_db[i * size + i] = 1.0);
+        let mut constant = vec![0.0; width];
+        self.q.fill(0.0);
+        for (set, averages) in &self.sweep.spectra {
+            let set = self.sweep.sets.get(*set);
+            self.sweep.series.multiplication(averages, &mut self.product);
+            self.sweep.series.coefficients_of(averages, &mut constant);
+            for d in 0..n {
+                for m in 0..width {
+                    let row = &mut self.dq_db[(d * width + m) * size..(d * width + m + 1) * size];
+                    for e in 0..n {
+                        let factor = set.d[d * n + e];
+                        let block = &mut row[e * width..(e + 1) * width];
+                        let from = &self.product[m * width..(m + 1) * width];
+                        block.iter_mut().zip(from).for_each(|(r, p)| *r -= factor * p);
+                    }
+                    self.q[d * width + m] += set.r[d] * constant[m];
+                }
+            }
+        }
+        for i in 0..size {
+            let row = &self.dq_db[i * size..(i + 1) * size];
+            self.q[i] += crate::energy::inner(row, &self.b);
+        }
+        Ok(())
+    }
+
+    /// Coefficients `m` of all contact degrees of freedom.
+    fn column(values: &[f64], width: usize, m: usize) -> Vec<f64> {
+        values.iter().skip(m).step_by(width).copied().collect()
+    }
+
+    /// Coefficients of `b` and `q_N` belonging to real coefficient `m`, for the point evaluated last.
+    pub(crate) fn coefficients(&self, m: usize) -> (Vec<f64>, Vec<f64>) {
+        let width = self.sweep.series.width();
+        (Self::column(&self.b, width, m), Self::column(&self.q, width, m))
+    }
+
+    /// Rows of eq. (14) for real coefficient `m`, with the unfolding term; `plane` is that of its harmonic.
+    fn connectivity_rows(&self, m: usize, nu: Nu, unfolding: f64, out: &mut Linearization) {
+        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
+        let (size, scale) = (n * width, 1.0 / self.scales.length);
+        let rotated = self.rotated(m);
+        let plane = &self.plane;
+        for d in 0..n {
+            let row = d * width + m;
+            let (mut value, mut slope, mut turn) = (0.0, 0.0, 0.0);
+            for e in 0..n {
+                let (b, q) = (self.b[e * width + m], self.q[e * width + m]);
+                value += plane.a[d * n + e] * b - plane.b[d * n + e] * q;
+                slope += plane.da[d * n + e] * b - plane.db[d * n + e] * q;
+                let from = &self.dq_db[(e * width + m) * size..(e * width + m + 1) * size];
+                for (j, derivative) in from.iter().enumerate() {
+                    out.jacobian[(row, j)] -= plane.b[d * n + e] * derivative;
+                }
+                out.jacobian[(row, e * width + m)] += plane.a[d * n + e];
+                if let Some((other, factor)) = rotated {
+                    let rotate = plane.b[d * n + e] * factor;
+                    turn += rotate * self.b[e * width + other];
+                    slope += unfolding * plane.db[d * n + e] * factor * self.b[e * width + other];
+                    out.jacobian[(row, e * width + other)] += unfolding * rotate;
+                }
+            }
+            out.residual[row] = (value + unfolding * turn) * scale;
+            out.jacobian[(row, size)] = slope * nu.d_omega * self.scales.omega * scale;
+            if self.settings.symmetry == Symmetry::None {
+                out.jacobian[(row, size + 1)] = turn * scale;
+            }
+        }
+    }
+
+    /// The coefficient of `b` that `db/dτ` brings to coefficient `m`, and its factor.
+    fn rotated(&self, m: usize) -> Option<(usize, f64)> {
+        let (n, is_sine) = self.sweep.series.harmonic(m);
+        let sine = (n > 0).then(|| self.sweep.series.sine(n)).flatten()?;
+        Some(if is_sine { (n, -(n as f64)) } else { (sine, n as f64) })
+    }
+
+    fn energy_row(&mut self, omega: f64, p: f64, gradient_q: &[f64], totals: &EnergyTotals, out: &mut Linearization) -> Result<(), HbmError> {
+        let size = self.b.len();
+        let energy = totals.value;
+        if !(energy.is_finite() && energy > 0.0) {
+            return Err(HbmError::Motion { omega, energy });
+        }
+        let row = size;
+        out.residual[row] = (energy / self.scales.energy).ln() - p;
+        for (i, weight) in gradient_q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            for j in 0..size {
+                out.jacobian[(row, j)] += weight * self.dq_db[i * size + j];
+            }
+        }
+        for j in 0..size {
+            out.jacobian[(row, j)] = (out.jacobian[(row, j)] + totals.d_b[j]) * self.scales.length / energy;
+        }
+        out.jacobian[(row, size)] = totals.d_omega * self.scales.omega / energy;
+        out.jacobian[(row, out.residual.len())] = -1.0;
+        Ok(())
+    }
+
+    fn anchor_row(&self, x: &[f64], out: &mut Linearization) {
+        let row = self.b.len() + 1;
+        out.residual[row] = crate::energy::inner(&self.anchor, x);
+        self.anchor.iter().enumerate().for_each(|(j, a)| out.jacobian[(row, j)] = *a);
+    }
+}
+
+/// Squared angular frequency of a harmonic and its derivative with respect to ω.
+#[derive(Clone, Copy)]
+struct Nu {
+    squared: f64,
+    d_omega: f64,
+}
+
+struct EnergyTotals {
+    value: f64,
+    d_b: Vec<f64>,
+    d_omega: f64,
+}
+
+impl ParametricSystem for MixedShooting<'_> {
+    type Error = HbmError;
+
+    fn dim(&self) -> usize {
+        self.b.len() + if self.settings.symmetry == Symmetry::None { 2 } else { 1 }
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), HbmError> {
+        let omega = self.omega(x);
+        if !(omega.is_finite() && omega > 0.0) {
+            return Err(HbmError::Motion { omega, energy: self.energy(p) });
+        }
+        self.solve_contact(x)?;
+        fill_zero(&mut out.jacobian);
+        let width = self.sweep.series.width();
+        let unfolding = self.unfolding(x).unwrap_or(0.0);
+        let mut totals = EnergyTotals { value: 0.0, d_b: vec![0.0; self.b.len()], d_omega: 0.0 };
+        let mut gradient_q = vec![0.0; self.b.len()];
+        for n in 0..=self.settings.harmonics {
+            let nu = Nu { squared: (n as f64 * omega).powi(2), d_omega: 2.0 * (n * n) as f64 * omega };
+            if n == 0 { self.plane.set_static(self.structure) } else { self.plane.set(self.structure, nu.squared) }
+            for m in std::iter::once(n).chain((n > 0).then(|| self.sweep.series.sine(n)).flatten()) {
+                self.connectivity_rows(m, nu, unfolding, out);
+                if n == 0 {
+                    continue;
+                }
+                let (b, q) = self.coefficients(m);
+                self.energy.set(self.structure, &self.plane, nu.squared, &b, &q);
+                totals.value += self.energy.value;
+                totals.d_omega += self.energy.d_nu2 * nu.d_omega;
+                for d in 0..b.len() {
+                    totals.d_b[d * width + m] = self.energy.d_b[d];
+                    gradient_q[d * width + m] = self.energy.d_q[d];
+                }
+            }
+        }
+        // dr/d(b/length) = length · dr/db, and the rows are divided by the same length: nothing to scale.
+        self.energy_row(omega, p, &gradient_q, &totals, out)?;
+        if self.settings.symmetry == Symmetry::None {
+            self.anchor_row(x, out);
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        // FNV-1a over the sequence of closed contacts.
+        let bits = self.sweep.intervals.iter().flat_map(|i| self.sweep.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
+        bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    fn accepted(&mut self, x: &[f64], _p: f64) {
+        if self.settings.symmetry == Symmetry::Even {
+            return;
+        }
+        let (width, size) = (self.sweep.series.width(), self.b.len());
+        for i in 0..size {
+            let (d, m) = (i / width, i % width);
+            self.anchor[i] = self.rotated(m).map_or(0.0, |(other, factor)| factor * x[d * width + other]);
+        }
+        let length = crate::energy::inner(&self.anchor, &self.anchor).sqrt();
+        self.anchor.iter_mut().for_each(|a| *a /= length);
+    }
+}
+
+fn fill_zero(m: &mut Mat<f64>) {
+    for j in 0..m.ncols() {
+        m.col_mut(j).iter_mut().for_each(|v| *v = 0.0);
+    }
+}

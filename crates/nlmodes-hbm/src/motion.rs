@@ -1,0 +1,347 @@
+use std::f64::consts::{PI, TAU};
+
+use nlmodes_modal::{ContactInstant, HarmonicCoefficients, ModalPoint, TimeHistory};
+use num_complex::Complex64;
+
+use crate::energy::{held_coordinates, inner};
+use crate::sweep::ContactInterval;
+use crate::transfer::Plane;
+use crate::trigonometric::Trigonometric;
+use crate::{HbmError, MixedShooting, Symmetry};
+
+/// Largest deviations from what a motion with contact must satisfy, over the samples of a period, in scaled units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactMotion {
+    /// Largest penetration `max(−g)` over the length scale.
+    pub penetration: f64,
+    /// Largest tensile force `max(−λ)` over the largest force.
+    pub tension: f64,
+    /// Largest `|min(g, Aλ)|` over the length scale.
+    pub complementarity: f64,
+}
+
+impl MixedShooting<'_> {
+    /// The point with the unknowns `x`, as a nonlinear mode with its modal quantities.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, HbmError> {
+        self.solve_contact(x)?;
+        let omega = self.omega(x);
+        let held = self.held_motion(omega);
+        let coefficients = self.all_coordinates(&held, omega);
+        let (kinetic, strain) = self.energies(&held, omega);
+        let modal_amplitude = held.eta_1().map(|η| η.norm_sqr()).sum::<f64>().sqrt();
+        let first = self.structure().model().contacts()[0];
+        let (fraction, intervals) = self.contact_statistics();
+        Ok(ModalPoint {
+            omega,
+            fundamental: self.signed_fundamental(&coefficients, first.dof),
+            coefficients,
+            kinetic_energy: kinetic,
+            total_energy: kinetic + strain,
+            modal_amplitude,
+            peak: self.peak(first.side.sign(), fraction > 0.0),
+            contact_fraction: fraction,
+            contact_intervals: intervals,
+            peak_contact_force: self.peak_force(),
+            residual,
+            events: Vec::new(),
+        })
+    }
+
+    /// Complex `b_n`, `q_N,n` and `η_k,n` of all harmonics.
+    fn held_motion(&self, omega: f64) -> HeldMotion {
+        let (structure, series) = (self.structure(), self.series());
+        let (n_n, h) = (structure.n_contact_dofs(), series.n_harmonics);
+        let mut motion = HeldMotion::new(n_n, structure.modes().len(), h);
+        let mut plane = Plane::new(n_n);
+        let mut eta = vec![0.0; structure.modes().len()];
+        for n in 0..=h {
+            let nu2 = (n as f64 * omega).powi(2);
+            if n == 0 { plane.set_static(structure) } else { plane.set(structure, nu2) }
+            let sine = (n > 0).then(|| series.sine(n)).flatten();
+            for (m, unit) in std::iter::once((n, Complex64::ONE)).chain(sine.map(|m| (m, -Complex64::I))) {
+                let (b, q) = self.coefficients(m);
+                held_coordinates(structure, &plane, nu2, &b, &q, &mut eta);
+                motion.add(n, unit, &b, &q, &eta);
+            }
+        }
+        motion
+    }
+
+    /// `q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n` and `q_N,n`, in the order of the model.
+    fn all_coordinates(&self, held: &HeldMotion, omega: f64) -> HarmonicCoefficients {
+        let structure = self.structure();
+        let model = structure.model();
+        let h = self.series().n_harmonics;
+        let mut all = HarmonicCoefficients::zeros(model.dofs().len(), h);
+        for (d, &dof) in model.contact_dofs().iter().enumerate() {
+            all.of_mut(dof).copy_from_slice(&held.q[d]);
+        }
+        for (row, &dof) in model.linear_dofs().iter().enumerate() {
+            let target = all.of_mut(dof);
+            for (n, value) in target.iter_mut().enumerate() {
+                let nu2 = (n as f64 * omega).powi(2);
+                for (d, q) in held.q.iter().enumerate() {
+                    *value += q[n] * structure.psi[(row, d)];
+                }
+                for (mode, eta) in structure.modes().iter().zip(&held.eta) {
+                    *value += eta[n] * (nu2 / mode.lambda * structure.shapes()[(row, mode.column)]);
+                }
+            }
+        }
+        all
+    }
+
+    /// Averaged kinetic and strain energy.
+    ///
+    /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and `q_N`,
+    /// whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ g = 0`.
+    fn energies(&self, held: &HeldMotion, omega: f64) -> (f64, f64) {
+        let structure = self.structure();
+        let k_nn = structure.model().k_nn();
+        let n_n = structure.n_contact_dofs();
+        let (mut kinetic, mut strain) = (0.0, 0.0);
+        for n in 0..=self.series().n_harmonics {
+            let nu2 = (n as f64 * omega).powi(2);
+            let mean = if n == 0 { 1.0 } else { 0.5 };
+            for (mode, eta) in structure.modes().iter().zip(&held.eta) {
+                let coupling: Complex64 = mode.g.iter().zip(&held.q).map(|(g, q)| q[n] * *g).sum();
+                let share = nu2 / mode.lambda;
+                kinetic += 0.5 * mean * nu2 * eta[n].norm_sqr();
+                strain += 0.5 * mean * (share * nu2 * eta[n].norm_sqr() - 2.0 * share * (coupling.conj() * eta[n]).re);
+            }
+            for i in 0..n_n {
+                for j in 0..n_n {
+                    let k = k_nn[(i, j)];
+                    let static_q: Complex64 = (0..n_n).map(|e| held.q[e][n] * structure.t0[(j, e)]).sum();
+                    let force: Complex64 = held.q[j][n] - held.b[j][n];
+                    strain += 0.5 * mean * k * (held.q[i][n].conj() * static_q).re;
+                    strain -= 0.5 * mean * k * (held.b[i][n].conj() * held.b[j][n]).re;
+                    strain -= 0.5 * mean * k * (held.b[i][n].conj() * force).re;
+                }
+            }
+        }
+        let preload: f64 = self.mean_forces().iter().zip(&structure.gaps).map(|(λ, g)| λ * g).sum();
+        (kinetic, strain - 0.5 * preload)
+    }
+
+    /// Mean contact forces over a period, N.
+    pub fn mean_forces(&self) -> Vec<f64> {
+        let mut mean = vec![0.0; self.structure().n_contacts()];
+        for (set, averages) in &self.sweep.spectra {
+            let set = self.sweep.sets.get(*set);
+            for (i, mean) in mean.iter_mut().enumerate() {
+                for (j, y) in self.sweep.y.iter().enumerate() {
+                    // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
+                    let weighted: f64 = y.iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum();
+                    *mean += set.s[i * self.sweep.y.len() + j] * weighted;
+                }
+            }
+        }
+        mean
+    }
+
+    fn signed_fundamental(&self, coefficients: &HarmonicCoefficients, dof: usize) -> f64 {
+        let q = coefficients.of(dof)[1];
+        match self.series().symmetry {
+            Symmetry::Even => q.re,
+            Symmetry::None => q.norm().copysign(if q.re == 0.0 { 1.0 } else { q.re }),
+        }
+    }
+
+    /// Share of the period in which contact 0 is closed, and closed intervals a period over all contacts.
+    fn contact_statistics(&self) -> (f64, usize) {
+        let sweep = &self.sweep;
+        let end = sweep.end();
+        let closed_length = |i: &ContactInterval| if sweep.closed(i)[0] { i.to - i.from } else { 0.0 };
+        let fraction = sweep.intervals.iter().map(closed_length).sum::<f64>() / end;
+        let (Some(first), Some(last)) = (sweep.intervals.first(), sweep.intervals.last()) else { return (0.0, 0) };
+        let mut count = 0;
+        for contact in 0..self.structure().n_contacts() {
+            let is_closed = |i: &ContactInterval| sweep.closed(i)[contact];
+            let (mut runs, mut before) = (0, false);
+            for interval in &sweep.intervals {
+                let now = is_closed(interval);
+                runs += usize::from(now && !before);
+                before = now;
+            }
+            let (at_start, at_end) = (usize::from(is_closed(first)), usize::from(is_closed(last)));
+            let always = sweep.intervals.iter().all(is_closed);
+            count += match self.series().symmetry {
+                _ if always => 1,
+                // Mirrored at both ends: an interval that touches one is continued beyond it.
+                Symmetry::Even => 2 * runs - at_start - at_end,
+                Symmetry::None => runs - at_start.min(at_end),
+            };
+        }
+        (fraction, count)
+    }
+
+    fn peak(&self, side: f64, touches: bool) -> f64 {
+        let contact = self.structure().model().contacts()[0];
+        if touches {
+            return contact.gap;
+        }
+        // g = g₀ − side·q: the largest motion toward the stop is g₀ − min y while the contact is open.
+        let toward = Trigonometric { z: self.sweep.y[0].iter().map(|z| -z).collect() };
+        let _ = side;
+        contact.gap + largest(&toward, 0.0, self.sweep.end())
+    }
+
+    fn peak_force(&self) -> f64 {
+        let c = self.structure().n_contacts();
+        let mut peak = 0.0_f64;
+        for interval in &self.sweep.intervals {
+            let set = self.sweep.sets.get(interval.set);
+            for i in (0..c).filter(|&i| set.closed[i]) {
+                let mut force = Trigonometric { z: vec![Complex64::default(); self.sweep.y[0].len()] };
+                for (j, y) in self.sweep.y.iter().enumerate() {
+                    force.z.iter_mut().zip(y).for_each(|(f, y)| *f += y * set.s[i * c + j]);
+                }
+                peak = peak.max(largest(&force, interval.from, interval.to));
+            }
+        }
+        peak
+    }
+
+    /// Motion and force of contact `contact` over one period of the point with the unknowns `x`, at `samples` equidistant
+    /// instants and the end of the period.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    ///
+    /// # Panics
+    /// If there is no such contact.
+    pub fn time_history(
+        &mut self,
+        x: &[f64],
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, HbmError> {
+        self.solve_contact(x)?;
+        let omega = self.omega(x);
+        let of = self.structure().model().contacts()[contact];
+        let mut history = TimeHistory {
+            label: label.to_owned(),
+            time: Vec::with_capacity(samples + 1),
+            displacement: Vec::with_capacity(samples + 1),
+            velocity: Vec::with_capacity(samples + 1),
+            acceleration: Vec::with_capacity(samples + 1),
+            force: Vec::with_capacity(samples + 1),
+            stop: of.side.sign() * of.gap,
+            instants: self.instants(contact, omega),
+        };
+        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        for j in 0..=samples {
+            let tau = TAU * j as f64 / samples as f64;
+            let (gap, force) = self.contact_state(&y, contact, tau);
+            history.time.push(tau / omega);
+            history.displacement.push(of.side.sign() * (of.gap - gap[0]));
+            history.velocity.push(-of.side.sign() * omega * gap[1]);
+            history.acceleration.push(-of.side.sign() * omega * omega * gap[2]);
+            history.force.push(force);
+        }
+        Ok(history)
+    }
+
+    /// Gap with two derivatives by τ, and force, of a contact at the phase `tau`.
+    fn contact_state(&self, y: &[Trigonometric], contact: usize, tau: f64) -> ([f64; 3], f64) {
+        let set = self.sweep.sets.get(self.set_at(tau));
+        let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
+        let at = |order: usize| values.iter().map(|v| v[order]).collect::<Vec<f64>>();
+        if set.closed[contact] {
+            return ([0.0; 3], set.force(contact, &at(0)));
+        }
+        ([0, 1, 2].map(|order| set.guard_value(contact, &at(order))), 0.0)
+    }
+
+    fn set_at(&self, tau: f64) -> usize {
+        let tau = if self.series().symmetry == Symmetry::Even && tau > PI { TAU - tau } else { tau };
+        let at = self.sweep.intervals.partition_point(|i| i.to < tau).min(self.sweep.intervals.len() - 1);
+        self.sweep.intervals[at].set
+    }
+
+    /// Instants within a period at which the contact closes or opens.
+    fn instants(&self, contact: usize, omega: f64) -> Vec<ContactInstant> {
+        let mut found = Vec::new();
+        for pair in self.sweep.intervals.windows(2) {
+            let [before, after] = [0, 1].map(|k| self.sweep.closed(&pair[k])[contact]);
+            if before != after {
+                found.push(ContactInstant { time: pair[0].to / omega, touching: after });
+                if self.series().symmetry == Symmetry::Even {
+                    found.push(ContactInstant { time: (TAU - pair[0].to) / omega, touching: before });
+                }
+            }
+        }
+        found.sort_by(|a, b| a.time.total_cmp(&b.time));
+        found
+    }
+
+    /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn check_contact(&mut self, x: &[f64], samples: usize) -> Result<ContactMotion, HbmError> {
+        self.solve_contact(x)?;
+        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        let a = self.structure().compliance().a();
+        let length = self.scales.length;
+        let mut worst = ContactMotion::default();
+        for j in 0..samples {
+            let tau = TAU * (j as f64 + 0.5) / samples as f64;
+            let at: Vec<f64> = y.iter().map(|y| y.evaluate(tau)[0]).collect();
+            let set = self.sweep.sets.get(self.set_at(tau));
+            let force: Vec<f64> = (0..at.len()).map(|i| set.force(i, &at)).collect();
+            for i in 0..at.len() {
+                let row: Vec<f64> = (0..at.len()).map(|k| a[(i, k)]).collect();
+                let gap = (at[i] + inner(&row, &force)) / length;
+                let push = force[i] * a[(i, i)] / length;
+                worst.penetration = worst.penetration.max(-gap);
+                worst.tension = worst.tension.max(-push);
+                worst.complementarity = worst.complementarity.max(gap.min(push).abs());
+            }
+        }
+        Ok(worst)
+    }
+}
+
+/// Complex coefficients of `b`, `q_N` and `η`, each `[coordinate][harmonic]`.
+struct HeldMotion {
+    b: Vec<Vec<Complex64>>,
+    q: Vec<Vec<Complex64>>,
+    eta: Vec<Vec<Complex64>>,
+}
+
+impl HeldMotion {
+    fn new(n_contact_dofs: usize, n_modes: usize, harmonics: usize) -> Self {
+        let zeros = |n: usize| vec![vec![Complex64::default(); harmonics + 1]; n];
+        Self { b: zeros(n_contact_dofs), q: zeros(n_contact_dofs), eta: zeros(n_modes) }
+    }
+
+    fn add(&mut self, n: usize, unit: Complex64, b: &[f64], q: &[f64], eta: &[f64]) {
+        for (to, from) in [(&mut self.b, b), (&mut self.q, q), (&mut self.eta, eta)] {
+            to.iter_mut().zip(from).for_each(|(to, from)| to[n] += unit * *from);
+        }
+    }
+
+    fn eta_1(&self) -> impl Iterator<Item = &Complex64> {
+        self.eta.iter().map(|η| &η[1])
+    }
+}
+
+/// Largest value of `f` in `[from, to]`: samples, then the zero of the slope beside the best one.
+fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
+    let cells = 16 + 8 * f.z.len();
+    let width = (to - from) / cells as f64;
+    let at = |j: usize| from + width * j as f64;
+    let best = (0..=cells).map(|j| (j, f.evaluate(at(j))[0])).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((j, value)) = best else { return f64::NEG_INFINITY };
+    let (low, high) = (at(j.saturating_sub(1)), at((j + 1).min(cells)));
+    if f.evaluate(low)[1] > 0.0 && f.evaluate(high)[1] < 0.0 {
+        return value.max(f.evaluate(f.root(1, low, high))[0]);
+    }
+    value
+}

@@ -1,0 +1,188 @@
+use nlmodes_contact::{LcpMatrix, solver_by_name};
+use nlmodes_linalg::{DenseLu, Mat, select};
+use nlmodes_model::{DofKind, LinearModes, linear_modes};
+
+use crate::closed_set::ClosedSet;
+use crate::energy::inner;
+use crate::series::RealSeries;
+use crate::{CondensedStructure, HbmError, Scales};
+
+/// A linear mode at the amplitude at which the state of a contact is about to change: where the nonlinear mode begins.
+///
+/// With open contacts that is the amplitude of first touch; a contact that is pressed at rest counts as held, and its force
+/// is about to vanish once a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grazing {
+    /// Number of the linear mode, from 1.
+    pub mode: usize,
+    /// Angular eigenfrequency `ω_0,r`, rad/s.
+    pub omega: f64,
+    /// Averaged kinetic energy at grazing, J.
+    pub energy: f64,
+    /// The contact that grazes.
+    pub contact: usize,
+    /// Static `b`, m, n_N.
+    pub mean: Vec<f64>,
+    /// Amplitude of `b` in phase with the mode, m, n_N; the contact grazes at τ = 0.
+    pub fundamental: Vec<f64>,
+}
+
+impl Grazing {
+    /// Scales with which the problem has numbers near one.
+    pub fn scales(&self) -> Scales {
+        let length = self.fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
+        Scales { length, omega: self.omega, energy: self.energy }
+    }
+
+    /// Scaled unknowns of [`crate::MixedShooting`] at grazing, where `p = 0`.
+    pub fn unknowns(&self, series: RealSeries, dim: usize) -> Vec<f64> {
+        let (width, scale) = (series.width(), 1.0 / self.scales().length);
+        let mut x = vec![0.0; dim];
+        for d in 0..self.mean.len() {
+            x[d * width] = self.mean[d] * scale;
+            x[d * width + 1] = self.fundamental[d] * scale;
+        }
+        x[self.mean.len() * width] = 1.0;
+        x
+    }
+
+    /// Direction of growing amplitude at grazing, for the unknowns and the parameter.
+    pub fn direction(&self, series: RealSeries, dim: usize) -> Vec<f64> {
+        let (width, scale) = (series.width(), 1.0 / self.scales().length);
+        let mut t = vec![0.0; dim + 1];
+        for d in 0..self.mean.len() {
+            t[d * width + 1] = self.fundamental[d] * scale;
+        }
+        t[dim] = 2.0;
+        t
+    }
+}
+
+/// The grazing point of linear mode `mode` (from 1).
+///
+/// # Errors
+/// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`] or [`HbmError::TouchesAtRest`].
+pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, HbmError> {
+    let rest = Rest::of(structure)?;
+    let modes = modes_at_rest(structure, &rest, mode)?;
+    if mode == 0 || mode > modes.omega.len() {
+        return Err(HbmError::NoSuchMode { mode, available: modes.omega.len() });
+    }
+    let omega = modes.omega[mode - 1];
+    if !(omega.is_finite() && omega * omega > 1e-12 * structure.modes.first().map_or(0.0, |m| m.lambda)) {
+        return Err(HbmError::RigidBodyMode { mode });
+    }
+    let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
+    let unit = free_position(structure, &shape);
+    let set = ClosedSet::new(structure, &rest.closed)?;
+    let (contact, amplitude) = first_change(structure, &set, &rest, &unit, mode, omega, &shape)?;
+    let energy = 0.25 * omega * omega * amplitude * amplitude;
+    let fundamental = unit.iter().map(|b| amplitude * b).collect();
+    Ok(Grazing { mode, omega, energy, contact, mean: rest.b, fundamental })
+}
+
+/// The contact whose guard reaches zero first as the mode grows, and the amplitude that takes it there at τ = 0.
+fn first_change(
+    structure: &CondensedStructure,
+    set: &ClosedSet,
+    rest: &Rest,
+    unit: &[f64],
+    mode: usize,
+    omega: f64,
+    shape: &[f64],
+) -> Result<(usize, f64), HbmError> {
+    let w = structure.model.w();
+    let project = |b: &[f64]| -> Vec<f64> {
+        (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
+    };
+    let y_unit = project(unit);
+    let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
+    let largest = structure.model.dofs().iter().zip(shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
+    let largest = largest.fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
+    let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
+    let ratio = slopes.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / largest;
+    if ratio < 1e-9 {
+        return Err(HbmError::NeverTouches { mode, frequency_hz: omega / std::f64::consts::TAU, ratio });
+    }
+    let moving = (0..w.ncols()).filter(|&i| slopes[i].abs() > 1e-9 * largest);
+    let amplitude = |i: usize| -set.guard_value(i, &y_rest) / slopes[i];
+    let Some(contact) = moving.min_by(|&i, &j| amplitude(i).abs().total_cmp(&amplitude(j).abs())) else {
+        return Err(HbmError::NeverTouches { mode, frequency_hz: omega / std::f64::consts::TAU, ratio });
+    };
+    let found = amplitude(contact);
+    if found == 0.0 {
+        return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps[contact] });
+    }
+    Ok((contact, found))
+}
+
+/// The structure at rest, pressed against the stops whose gaps are negative.
+struct Rest {
+    closed: Vec<bool>,
+    b: Vec<f64>,
+}
+
+impl Rest {
+    fn of(structure: &CondensedStructure) -> Result<Self, HbmError> {
+        let (c, n) = (structure.n_contacts(), structure.n_contact_dofs());
+        if structure.gaps.iter().all(|g| *g >= 0.0) {
+            return Ok(Self { closed: vec![false; c], b: vec![0.0; n] });
+        }
+        // q_0 = (K_NN (I − T_0))⁻¹ W λ: the whole structure yields, not only the contact node.
+        let system = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 } - structure.t0[(i, j)]);
+        let lu = DenseLu::factor(&system)
+            .map_err(|source| HbmError::Linalg { what: "a structure that is pressed at rest but not supported", source })?;
+        let mut q = structure.k_inv_w.clone();
+        for i in 0..c {
+            let mut column: Vec<f64> = q.col(i).iter().copied().collect();
+            lu.solve_in_place(&mut column);
+            q.col_mut(i).iter_mut().zip(&column).for_each(|(q, v)| *q = *v);
+        }
+        let compliance = structure.model.w().transpose() * &q;
+        let compliance = Mat::from_fn(c, c, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
+        let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
+        let (mut closed, mut lambda) = (vec![false; c], vec![0.0; c]);
+        solver_by_name("active-set")
+            .and_then(|solver| solver.workspace(&compliance))
+            .and_then(|mut workspace| workspace.solve(&structure.gaps, &mut closed, &mut lambda))
+            .map_err(HbmError::Compliance)?;
+        let q: Vec<f64> = (0..n).map(|d| (0..c).map(|i| q[(d, i)] * lambda[i]).sum()).collect();
+        let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
+        Ok(Self { closed, b })
+    }
+}
+
+/// Linear modes with the contacts that are closed at rest held; shapes over all degrees of freedom.
+fn modes_at_rest(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result<LinearModes, HbmError> {
+    let model = &structure.model;
+    let contacts = model.contacts().iter().zip(&rest.closed);
+    let held: Vec<usize> = contacts.filter(|(_, closed)| **closed).map(|(contact, _)| contact.dof).collect();
+    if held.is_empty() {
+        return Ok(linear_modes(model.mass(), model.stiffness(), mode)?);
+    }
+    let free: Vec<usize> = (0..model.dofs().len()).filter(|i| !held.contains(i)).collect();
+    let part = |m| {
+        select(m, &free, &free).map_err(|source| HbmError::Linalg { what: "structure with pressed contacts held", source })
+    };
+    let modes = linear_modes(&part(model.mass())?, &part(model.stiffness())?, mode)?;
+    let mut shapes = Mat::zeros(model.dofs().len(), modes.omega.len());
+    for (i, &dof) in free.iter().enumerate() {
+        (0..modes.omega.len()).for_each(|k| shapes[(dof, k)] = modes.shapes[(i, k)]);
+    }
+    Ok(LinearModes { omega: modes.omega, shapes })
+}
+
+/// `b = −K_NN⁻¹ K_NL q_L` of a shape over all degrees of freedom.
+fn free_position(structure: &CondensedStructure, shape: &[f64]) -> Vec<f64> {
+    let model = &structure.model;
+    let q_l: Vec<f64> = model.linear_dofs().iter().map(|&i| shape[i]).collect();
+    let n = structure.n_contact_dofs();
+    let mut b: Vec<f64> = (0..n)
+        .map(|d| {
+            let column: Vec<f64> = model.k_ln().col(d).iter().copied().collect();
+            -inner(&column, &q_l)
+        })
+        .collect();
+    DenseLu::factor(model.k_nn()).expect("K_NN was factored when the structure was condensed").solve_in_place(&mut b);
+    b
+}

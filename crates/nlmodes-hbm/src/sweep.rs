@@ -1,0 +1,245 @@
+use std::f64::consts::{PI, TAU};
+
+use nlmodes_contact::{LcpSolver, LcpWorkspace};
+use nlmodes_modal::HarmonicBasis;
+use num_complex::Complex64;
+
+use crate::closed_set::SetTable;
+use crate::series::{RealSeries, Symmetry};
+use crate::switching::Tracer;
+use crate::{CondensedStructure, HbmError};
+
+/// How the instants of touching and leaving are treated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Switching {
+    /// Instants found as roots, Fourier integrals in closed form between them: no sampling error.
+    #[default]
+    Exact,
+    /// As in the paper: one contact problem a sample, discrete Fourier transform of the samples.
+    Sampled {
+        /// Samples a period.
+        samples: usize,
+    },
+}
+
+/// A stretch of phase in which the closed contacts stay the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactInterval {
+    /// Phase at which it begins, rad.
+    pub from: f64,
+    /// Phase at which it ends, rad.
+    pub to: f64,
+    /// The closed contacts, as an index into the sets of the sweep.
+    pub(crate) set: usize,
+}
+
+/// One period of the static contact problem, eqs. (11), (13): from `b` to the contact pattern.
+pub(crate) struct ContactSweep {
+    pub series: RealSeries,
+    pub sets: SetTable,
+    /// Intervals over `[0, π]` for even motions, else over `[0, 2π]`.
+    pub intervals: Vec<ContactInterval>,
+    /// Averages `(1/2π) ∫ χ e^{−ikτ}`, k = 0 … 2H, of each set with a closed contact that occurs.
+    pub spectra: Vec<(usize, Vec<Complex64>)>,
+    /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
+    pub y: Vec<Vec<Complex64>>,
+    switching: Switching,
+    workspace: Box<dyn LcpWorkspace>,
+    basis: HarmonicBasis,
+    y_t: Vec<Vec<f64>>,
+    dy_t: Vec<Vec<f64>>,
+    closed_t: Vec<Vec<bool>>,
+    set_t: Vec<usize>,
+    lambda: Vec<f64>,
+    at: Vec<f64>,
+}
+
+impl ContactSweep {
+    pub fn new(
+        structure: &CondensedStructure,
+        series: RealSeries,
+        switching: Switching,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let (c, h) = (structure.n_contacts(), series.n_harmonics);
+        let samples = match switching {
+            Switching::Exact => (8 * (h + 1)).next_power_of_two().max(64),
+            Switching::Sampled { samples } => samples,
+        };
+        let needed = 2 * h + 1;
+        if samples < needed {
+            return Err(HbmError::Samples { harmonics: h, samples, needed });
+        }
+        let zero = Complex64::default();
+        Ok(Self {
+            series,
+            sets: SetTable::new(structure)?,
+            intervals: Vec::new(),
+            spectra: Vec::new(),
+            y: vec![vec![zero; h + 1]; c],
+            switching,
+            workspace: solver.workspace(&structure.compliance).map_err(HbmError::Compliance)?,
+            basis: HarmonicBasis::new(h, samples)?,
+            y_t: vec![vec![0.0; samples]; c],
+            dy_t: vec![vec![0.0; samples]; c],
+            closed_t: vec![vec![false; c]; samples + 1],
+            set_t: vec![SetTable::OPEN; samples + 1],
+            lambda: vec![0.0; c],
+            at: vec![0.0; c],
+        })
+    }
+
+    /// Last phase of the sweep: π for even motions, else 2π.
+    pub fn end(&self) -> f64 {
+        if self.series.symmetry == Symmetry::Even { PI } else { TAU }
+    }
+
+    /// Solves the contact problem over a period for the coefficients `b` (n_N × width, one degree of freedom after the other).
+    pub fn run(&mut self, structure: &CondensedStructure, b: &[f64]) -> Result<(), HbmError> {
+        self.form_y(structure, b);
+        let samples = self.basis.n_samples();
+        for i in 0..self.y.len() {
+            self.basis.synthesize_with_slope(&self.y[i], &mut self.y_t[i], &mut self.dy_t[i]);
+        }
+        for j in 0..samples {
+            self.solve_sample(structure, j, j)?;
+        }
+        if self.series.symmetry == Symmetry::None {
+            self.set_t[samples] = self.set_t[0];
+        }
+        match self.switching {
+            Switching::Exact => self.trace(structure),
+            Switching::Sampled { .. } => {
+                self.collect_samples();
+                Ok(())
+            }
+        }
+    }
+
+    fn form_y(&mut self, structure: &CondensedStructure, b: &[f64]) {
+        let (width, w) = (self.series.width(), structure.model.w());
+        let mut of_dof = vec![Complex64::default(); self.series.n_harmonics + 1];
+        for (i, y) in self.y.iter_mut().enumerate() {
+            y.fill(Complex64::default());
+            y[0].re = structure.gaps[i];
+            for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
+                self.series.to_complex(&b[d * width..(d + 1) * width], &mut of_dof);
+                y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
+            }
+        }
+    }
+
+    fn solve_sample(&mut self, structure: &CondensedStructure, j: usize, from: usize) -> Result<(), HbmError> {
+        self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[from]);
+        let tau = TAU * j as f64 / self.basis.n_samples() as f64;
+        self.set_t[j] = self.solve_at(structure, tau, j)?;
+        Ok(())
+    }
+
+    /// Solves the problem for the `y` in `self.at`, starting from the closed contacts of sample `j`.
+    fn solve_at(&mut self, structure: &CondensedStructure, tau: f64, j: usize) -> Result<usize, HbmError> {
+        if self.at.iter().all(|y| *y >= 0.0) {
+            self.closed_t[j].fill(false);
+            return Ok(SetTable::OPEN);
+        }
+        self.workspace
+            .solve(&self.at, &mut self.closed_t[j], &mut self.lambda)
+            .map_err(|source| HbmError::Contact { tau, source })?;
+        self.sets.find(structure, &self.closed_t[j])
+    }
+
+    fn trace(&mut self, structure: &CondensedStructure) -> Result<(), HbmError> {
+        let samples = self.basis.n_samples();
+        let cells = if self.series.symmetry == Symmetry::Even { samples / 2 } else { samples };
+        let mut tracer = Tracer::new(&self.y);
+        for j in 0..cells {
+            let ends = [j, j + 1].map(|k| TAU * k as f64 / samples as f64);
+            let wrapped = (j + 1) % samples;
+            let slopes = |k: usize| (&self.y_t, &self.dy_t, k);
+            if tracer.is_quiet(&self.sets, self.set_t[j], self.set_t[j + 1], slopes(j), slopes(wrapped), ends[1] - ends[0])
+            {
+                tracer.extend(self.set_t[j], ends[0], ends[1]);
+                continue;
+            }
+            let (from, to) = (self.set_t[j], self.set_t[j + 1]);
+            let (workspace, lambda) = (&mut self.workspace, &mut self.lambda);
+            let mut solve = |tau: f64, y: &[f64], closed: &mut [bool]| {
+                workspace.solve(y, closed, lambda).map(|_| ()).map_err(|source| HbmError::Contact { tau, source })
+            };
+            tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
+        }
+        self.intervals = tracer.intervals;
+        self.integrate();
+        Ok(())
+    }
+
+    /// Fourier integrals of the indicators of the intervals, in closed form.
+    fn integrate(&mut self) {
+        self.spectra.clear();
+        let even = self.series.symmetry == Symmetry::Even;
+        for interval in &self.intervals {
+            if self.sets.get(interval.set).is_open() {
+                continue;
+            }
+            let found = self.spectra.iter().position(|(set, _)| *set == interval.set);
+            let at = found.unwrap_or_else(|| {
+                self.spectra.push((interval.set, vec![Complex64::default(); 2 * self.series.n_harmonics + 1]));
+                self.spectra.len() - 1
+            });
+            add_indicator(interval.from, interval.to, even, &mut self.spectra[at].1);
+        }
+    }
+
+    fn collect_samples(&mut self) {
+        let samples = self.basis.n_samples();
+        let step = TAU / samples as f64;
+        let even = self.series.symmetry == Symmetry::Even;
+        self.spectra.clear();
+        for set in 1..self.sets.len() {
+            let indicator: Vec<f64> =
+                self.set_t[..samples].iter().map(|s| if *s == set { 1.0 } else { 0.0 }).collect();
+            if indicator.contains(&1.0) {
+                let mut spectrum = vec![Complex64::default(); 2 * self.series.n_harmonics + 1];
+                self.basis.averages(&indicator, &mut spectrum);
+                if even {
+                    spectrum.iter_mut().for_each(|z| z.im = 0.0);
+                }
+                self.spectra.push((set, spectrum));
+            }
+        }
+        // A sample stands for the stretch around it.
+        let end = self.end();
+        self.intervals.clear();
+        for j in 0..=samples {
+            let (from, to) = ((j as f64 - 0.5) * step, (j as f64 + 0.5) * step);
+            let (from, to) = (from.max(0.0), to.min(end));
+            if from >= end {
+                break;
+            }
+            let set = self.set_t[j % samples];
+            match self.intervals.last_mut() {
+                Some(last) if last.set == set => last.to = to,
+                _ => self.intervals.push(ContactInterval { from, to, set }),
+            }
+        }
+    }
+
+    /// The closed contacts during an interval.
+    pub fn closed(&self, interval: &ContactInterval) -> &[bool] {
+        &self.sets.get(interval.set).closed
+    }
+}
+
+/// Adds `(1/2π) ∫_{from}^{to} e^{−ikτ} dτ`; for even motions the mirror interval too.
+fn add_indicator(from: f64, to: f64, even: bool, averages: &mut [Complex64]) {
+    let (a, b) = (Complex64::cis(-from), Complex64::cis(-to));
+    let (mut at_a, mut at_b) = (a, b);
+    averages[0].re += if even { 2.0 } else { 1.0 } * (to - from) / TAU;
+    for (k, average) in averages.iter_mut().enumerate().skip(1) {
+        // ∫ e^{−ikτ} = (e^{−ik·from} − e^{−ik·to}) / (ik)
+        let integral = (at_a - at_b) / Complex64::new(0.0, TAU * k as f64);
+        *average += if even { Complex64::new(2.0 * integral.re, 0.0) } else { integral };
+        at_a *= a;
+        at_b *= b;
+    }
+}

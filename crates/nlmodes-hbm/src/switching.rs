@@ -1,0 +1,178 @@
+use num_complex::Complex64;
+
+use crate::closed_set::{ClosedSet, SetTable};
+use crate::sweep::ContactInterval;
+use crate::trigonometric::Trigonometric;
+use crate::{CondensedStructure, HbmError};
+
+/// Samples of `y` and of `dy/dτ`, and the sample that is meant.
+type Sample<'a> = (&'a Vec<Vec<f64>>, &'a Vec<Vec<f64>>, usize);
+
+/// Solves the contact problem for given `y`, from and into the closed contacts.
+pub(crate) type Solve<'a> = dyn FnMut(f64, &[f64], &mut [bool]) -> Result<(), HbmError> + 'a;
+
+/// Narrowest cell that is divided further, rad.
+const FINEST: f64 = 1e-14;
+
+/// Finds the instants at which contacts close and open, cell by cell along the period.
+///
+/// While a set of contacts is closed, gaps and forces are trigonometric polynomials (the guards of [`ClosedSet`]); the first one
+/// that turns negative ends the interval, and its contact changes sides.
+pub(crate) struct Tracer<'a> {
+    y: &'a [Vec<Complex64>],
+    pub intervals: Vec<ContactInterval>,
+    guard: Trigonometric,
+    curvature: Vec<f64>,
+}
+
+impl<'a> Tracer<'a> {
+    pub fn new(y: &'a [Vec<Complex64>]) -> Self {
+        let curvature = y.iter().map(|z| Trigonometric { z: z.clone() }.curvature_bound()).collect();
+        Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature }
+    }
+
+    /// Appends a stretch with the contacts of `set` closed.
+    pub fn extend(&mut self, set: usize, from: f64, to: f64) {
+        match self.intervals.last_mut() {
+            Some(last) if last.set == set => last.to = to,
+            _ => self.intervals.push(ContactInterval { from, to, set }),
+        }
+    }
+
+    /// True if nothing can happen between two samples with the same closed contacts: every guard is so far from zero, for
+    /// its curvature, that it cannot dip below, or is monotonic.
+    pub fn is_quiet(
+        &self,
+        sets: &SetTable,
+        from: usize,
+        to: usize,
+        left: Sample,
+        right: Sample,
+        width: f64,
+    ) -> bool {
+        if from != to {
+            return false;
+        }
+        let set = sets.get(from);
+        let c = self.y.len();
+        (0..c).all(|i| {
+            let row = &set.guard[i * c..(i + 1) * c];
+            let sum = |t: &[Vec<f64>], j: usize| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
+            let low = sum(left.0, left.2).min(sum(right.0, right.2));
+            let bound: f64 = row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum();
+            low > 0.0
+                && (low > width * width / 8.0 * bound
+                    || sum(left.1, left.2) >= 0.0
+                    || sum(right.1, right.2) <= 0.0)
+        })
+    }
+
+    /// One cell from `ends[0]` to `ends[1]`, with the closed contacts known at both ends.
+    pub fn cell(
+        &mut self,
+        structure: &CondensedStructure,
+        sets: &mut SetTable,
+        solve: &mut Solve,
+        ends: [f64; 2],
+        at_ends: [usize; 2],
+    ) -> Result<(), HbmError> {
+        let (mut tau, mut set) = (ends[0], at_ends[0]);
+        let mut found: Vec<ContactInterval> = Vec::new();
+        for _ in 0..2 * self.y.len() + 4 {
+            let Some((instant, contact)) = self.first_event(sets.get(set), tau, ends[1]) else { break };
+            found.push(ContactInterval { from: tau, to: instant, set });
+            let mut closed = sets.get(set).closed.clone();
+            closed[contact] = !closed[contact];
+            set = sets.find(structure, &closed)?;
+            tau = instant;
+        }
+        if set == at_ends[1] {
+            found.push(ContactInterval { from: tau, to: ends[1], set });
+            found.iter().filter(|i| i.to > i.from).for_each(|i| self.extend(i.set, i.from, i.to));
+            return Ok(());
+        }
+        self.bisect(structure, sets, solve, ends, at_ends)
+    }
+
+    /// Where single changes do not explain what the solver finds (several contacts at once, degenerate instants): halve the cell.
+    fn bisect(
+        &mut self,
+        structure: &CondensedStructure,
+        sets: &mut SetTable,
+        solve: &mut Solve,
+        ends: [f64; 2],
+        at_ends: [usize; 2],
+    ) -> Result<(), HbmError> {
+        let middle = 0.5 * (ends[0] + ends[1]);
+        if ends[1] - ends[0] < FINEST || at_ends[0] == at_ends[1] {
+            self.extend(at_ends[0], ends[0], middle);
+            self.extend(at_ends[1], middle, ends[1]);
+            return Ok(());
+        }
+        let y: Vec<f64> = self.y.iter().map(|z| Trigonometric { z: z.clone() }.evaluate(middle)[0]).collect();
+        let mut closed = sets.get(at_ends[0]).closed.clone();
+        solve(middle, &y, &mut closed)?;
+        let set = sets.find(structure, &closed)?;
+        self.cell(structure, sets, solve, [ends[0], middle], [at_ends[0], set])?;
+        self.cell(structure, sets, solve, [middle, ends[1]], [set, at_ends[1]])
+    }
+
+    /// The first guard of `set` that turns negative after `from`, and its contact.
+    fn first_event(&mut self, set: &ClosedSet, from: f64, to: f64) -> Option<(f64, usize)> {
+        let mut first: Option<(f64, usize)> = None;
+        for contact in 0..self.y.len() {
+            self.form_guard(set, contact);
+            let end = first.map_or(to, |(tau, _)| tau);
+            if let Some(tau) = falls_below_zero(&self.guard, from, end) {
+                first = Some((tau, contact));
+            }
+        }
+        first
+    }
+
+    fn form_guard(&mut self, set: &ClosedSet, contact: usize) {
+        let c = self.y.len();
+        self.guard.z.clear();
+        self.guard.z.resize(self.y[0].len(), Complex64::default());
+        for (weight, y) in set.guard[contact * c..(contact + 1) * c].iter().zip(self.y) {
+            if *weight != 0.0 {
+                self.guard.z.iter_mut().zip(y).for_each(|(g, y)| *g += y * *weight);
+            }
+        }
+    }
+}
+
+/// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
+fn falls_below_zero(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
+    let (left, right) = (f.evaluate(from), f.evaluate(to));
+    let size: f64 = f.z.iter().map(|z| z.norm()).sum();
+    let noise = 64.0 * f64::EPSILON * size;
+    if left[0] < -noise {
+        // The caller's set does not fit at its own beginning: leave it to bisection.
+        return None;
+    }
+    let dips = left[1] < 0.0 && right[1] > 0.0;
+    if right[0] < -noise {
+        let rises_first = left[0] <= noise && left[1] >= 0.0;
+        if left[0] <= noise && !rises_first {
+            return Some(from);
+        }
+        let low = if rises_first { peak(f, from, to)? } else { from };
+        return Some(f.root(0, low, to));
+    }
+    if !dips {
+        return None;
+    }
+    let bottom = f.root(1, from, to);
+    let value = f.evaluate(bottom)[0];
+    (value < -noise).then(|| if left[0] > noise { f.root(0, from, bottom) } else { from })
+}
+
+/// A point at which `f`, zero and rising at `from`, is positive before it falls to `to`.
+fn peak(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
+    if f.evaluate(to)[1] < 0.0 && f.evaluate(from)[1] > 0.0 {
+        let top = f.root(1, from, to);
+        return (f.evaluate(top)[0] > 0.0).then_some(top);
+    }
+    None
+}
