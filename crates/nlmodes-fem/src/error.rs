@@ -1,0 +1,86 @@
+use nlmodes_model::{DofKind, ModelError};
+use thiserror::Error;
+
+use crate::{Direction, Support};
+
+/// Why a structure cannot be assembled.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FemError {
+    /// A number that has to be positive and finite is not.
+    #[error("the {what} is {value}, but has to be a positive finite number")]
+    NotPositive {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Poisson's ratio outside of 0 ≤ ν < 0.5.
+    #[error("Poisson's ratio is {value}, but has to be at least 0 and less than 0.5")]
+    PoissonsRatio {
+        /// The value.
+        value: f64,
+    },
+    /// A mesh without elements.
+    #[error("a mesh needs at least one element")]
+    NoElements,
+    /// Two neighbouring nodes have the same position in double precision.
+    #[error("element {element} of the mesh has no length: {elements} elements with grading {grading} are too many")]
+    DegenerateMesh {
+        /// The element, counted from 0.
+        element: usize,
+        /// Number of elements.
+        elements: usize,
+        /// First element length over last one.
+        grading: f64,
+    },
+    /// No node stands at the position asked for.
+    #[error("there is no node at {asked} m; the nearest one is node {node} at {nearest} m")]
+    NotANode {
+        /// Position asked for, m.
+        asked: f64,
+        /// Position of the nearest node, m.
+        nearest: f64,
+        /// Index of the nearest node.
+        node: usize,
+    },
+    /// A stop in a direction in which the elements have no displacement.
+    #[error("the stop at {position} m is {direction}, but a rod moves axially only")]
+    NoSuchDirection {
+        /// Position of the stop, m.
+        position: f64,
+        /// Its direction.
+        direction: Direction,
+    },
+    /// A stop at a degree of freedom that a support holds.
+    #[error("the {direction} stop at {position} m can never be touched: the end is {support} there")]
+    HeldDof {
+        /// Position of the stop, m.
+        position: f64,
+        /// Its direction.
+        direction: Direction,
+        /// The support that holds it.
+        support: Support,
+    },
+    /// The supports hold every degree of freedom.
+    #[error("the supports hold every degree of freedom: nothing is left to move")]
+    NothingMoves,
+    /// An element matrix has an entry that overflows.
+    #[error("the element from {from} m to {to} m has a {kind} entry that is not finite", kind = .kind.name())]
+    Overflow {
+        /// Start of the element, m.
+        from: f64,
+        /// End of the element, m.
+        to: f64,
+        /// Kind of the degree of freedom in whose row the entry stands.
+        kind: DofKind,
+    },
+    /// The assembled model is refused.
+    #[error("the assembled structure is not a valid model")]
+    Model(#[from] ModelError),
+}
+
+/// Checks a number that has to be positive and finite.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, FemError> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(FemError::NotPositive { what, value }) }
+}

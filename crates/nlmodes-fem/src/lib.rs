@@ -1,0 +1,64 @@
+//! Finite elements of straight one-dimensional structures: rods and Timoshenko beams in front of stops.
+//!
+//! ```text
+//! rod:   ρA ü = (EA u′)′
+//! beam:  ρA ẅ = (κGA (w′ − φ))′ ,   ρI φ̈ = (EI φ′)′ + κGA (w′ − φ) ,   and the rod along its axis
+//! ```
+//!
+//! A [`Rod`] or a [`Beam`] has a [`Material`], a section, a [`Mesh`] and two [`Support`]s; `assemble` turns it and a list of
+//! [`Stop`]s into a [`StructuralModel`](nlmodes_model::StructuralModel) of eqs. (4) and (5), `M q̈ + K q = W λ`, with sparse
+//! matrices of the free degrees of freedom.
+//!
+//! | symbol | name | unit | item |
+//! | --- | --- | --- | --- |
+//! | `E`, `G`, `ν`, `ρ` | moduli, Poisson's ratio, density | Pa, Pa, –, kg/m³ | [`Material`] |
+//! | `A`, `I`, `κ` | area, second moment of area, shear factor | m², m⁴, – | [`Section`] |
+//! | `l`, `L` | length of an element, of the structure | m | [`Mesh`] |
+//! | `u`, `w`, `φ` | axial displacement, deflection, rotation | m, m, rad | [`DofKind`](nlmodes_model::DofKind) |
+//! | `Φ` | shear parameter of an element | – | [`timoshenko_element`] |
+//! | `g₀` | gap at rest | m | [`Stop::gap`] |
+//!
+//! The names of the units are those of SI, but nothing depends on them: millimetres, newtons, tonnes and seconds do as well.
+//!
+//! ```
+//! use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
+//! use nlmodes_model::{Drop, MasslessContactModel, Side, linear_modes};
+//!
+//! let beam = Beam {
+//!     material: Material::new(181.36e9, 7730.0)?,
+//!     section: Section::rectangle(0.012, 0.020)?,
+//!     mesh: Mesh::graded(0.62975520, 21, 9.1958536)?, // refined towards the stop
+//!     mass_matrix: MassMatrix::Consistent,
+//!     start: Support::Clamped,
+//!     end: Support::Free,
+//! };
+//! let stop = Stop { position: 0.62975520, direction: Direction::Transverse, side: Side::Positive, gap: 1.03e-3 };
+//! let model = MasslessContactModel::new(&beam.assemble(&[stop])?, &Drop)?;
+//! let modes = linear_modes(model.mass(), model.stiffness(), 1)?;
+//! assert!((modes.omega[0] / std::f64::consts::TAU - 40.10).abs() < 0.005);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
+//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
+
+mod assembly;
+mod element;
+mod error;
+mod material;
+mod mesh;
+mod rod;
+mod section;
+mod stop;
+mod support;
+mod timoshenko;
+
+pub use element::{ElementMatrices, MassMatrix};
+pub use error::FemError;
+pub use material::Material;
+pub use mesh::Mesh;
+pub use rod::{Rod, rod_element};
+pub use section::Section;
+pub use stop::{Direction, Stop};
+pub use support::Support;
+pub use timoshenko::{Beam, timoshenko_element};

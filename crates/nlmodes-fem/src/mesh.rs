@@ -1,0 +1,148 @@
+use crate::FemError;
+use crate::error::positive;
+
+/// A node counts as standing at a position if it is not farther away than this share of the length of the mesh.
+const TOLERANCE: f64 = 1e-9;
+
+/// Nodes along a straight line from 0 to L.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    nodes: Vec<f64>,
+    lengths: Vec<f64>,
+}
+
+impl Mesh {
+    /// Equal elements.
+    ///
+    /// # Errors
+    /// As [`Mesh::graded`].
+    pub fn uniform(length: f64, elements: usize) -> Result<Self, FemError> {
+        Self::graded(length, elements, 1.0)
+    }
+
+    /// Element lengths in geometric progression: `h_i = h_0 q^i` with `h_0 / h_(n−1) = grading` and `Σ h_i = L`.
+    ///
+    /// The nodes are at `x_i = L (1 − q^i) / (1 − q^n)`, the last one exactly at `L`. A `grading` above one refines towards the
+    /// end. One element has no grading.
+    ///
+    /// ```
+    /// let mesh = nlmodes_fem::Mesh::graded(7.0, 3, 4.0)?;
+    /// for (x, expected) in mesh.nodes().iter().zip([0.0, 4.0, 6.0, 7.0]) {
+    ///     assert!((x - expected).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), nlmodes_fem::FemError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FemError::NotPositive`] for `length` and `grading`, [`FemError::NoElements`], [`FemError::DegenerateMesh`] if neighbouring
+    /// nodes cannot be told apart.
+    pub fn graded(length: f64, elements: usize, grading: f64) -> Result<Self, FemError> {
+        let (length, grading) = (positive("length", length)?, positive("mesh grading", grading)?);
+        let n = match elements {
+            0 => return Err(FemError::NoElements),
+            n => n as f64,
+        };
+        let log_q = if elements > 1 { -grading.ln() / (n - 1.0) } else { 0.0 };
+        // (1 − q^i) / (1 − q^n), without cancellation for q near one; i/n for q = 1.
+        let share = |i: usize| match log_q {
+            0.0 => i as f64 / n,
+            log_q => (i as f64 * log_q).exp_m1() / (n * log_q).exp_m1(),
+        };
+        let mut nodes: Vec<f64> = (0..=elements).map(|i| length * share(i)).collect();
+        nodes[elements] = length;
+        let first = length * share(1);
+        let lengths = (0..elements).map(|i| first * (i as f64 * log_q).exp()).collect();
+        let apart = |pair: &[f64]| pair[0].is_finite() && pair[1] > pair[0];
+        match nodes.windows(2).position(|pair| !apart(pair)) {
+            Some(element) => Err(FemError::DegenerateMesh { element, elements, grading }),
+            None => Ok(Self { nodes, lengths }),
+        }
+    }
+
+    /// Positions of the nodes, m, ascending from 0 to L.
+    pub fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Lengths of the elements, m.
+    pub fn element_lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// Length `L`, m.
+    pub fn length(&self) -> f64 {
+        self.nodes[self.lengths.len()]
+    }
+
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.lengths.len()
+    }
+
+    /// Index of the node at `position` (m), to 1e-9 of the length.
+    ///
+    /// # Errors
+    /// [`FemError::NotANode`] with the nearest one.
+    pub fn find_node(&self, position: f64) -> Result<usize, FemError> {
+        let distance = |i: usize| (self.nodes[i] - position).abs();
+        let after = self.nodes.partition_point(|x| *x < position).min(self.elements());
+        let before = after.saturating_sub(1);
+        let node = if distance(before) < distance(after) { before } else { after };
+        if distance(node) <= TOLERANCE * self.length() {
+            Ok(node)
+        } else {
+            Err(FemError::NotANode { asked: position, nearest: self.nodes[node], node })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_geometric_and_fill_the_line() {
+        for (elements, grading) in
+            [(1, 1.0), (1, 3.0), (100, 1.0), (21, 9.1958536), (21, 1.0 / 9.1958536), (7, 1.0 + 1e-12)]
+        {
+            let mesh = Mesh::graded(0.62975520, elements, grading).unwrap();
+            assert_eq!((mesh.nodes()[0], mesh.length(), mesh.elements()), (0.0, 0.62975520, elements));
+            let h = mesh.element_lengths();
+            assert!((h.iter().sum::<f64>() / mesh.length() - 1.0).abs() < 1e-14);
+            for (i, pair) in mesh.nodes().windows(2).enumerate() {
+                assert!(((pair[1] - pair[0]) / h[i] - 1.0).abs() < 1e-12);
+            }
+            if elements > 1 {
+                assert!((h[0] / h[elements - 1] / grading - 1.0).abs() < 1e-13);
+                assert!(h.windows(2).all(|w| (w[1] / w[0] / (h[1] / h[0]) - 1.0).abs() < 1e-13));
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_are_found_to_a_billionth_of_the_length() {
+        let mesh = Mesh::uniform(20.0, 100).unwrap();
+        for (position, node) in
+            [(0.0, 0), (20.0, 100), (0.2, 1), (7.4, 37), (7.4 + 1e-8, 37), (20.0 - 1e-8, 100), (-1e-9, 0)]
+        {
+            assert_eq!(mesh.find_node(position), Ok(node));
+        }
+        for (asked, nearest, node) in [(7.45, 7.4, 37), (25.0, 20.0, 100), (-3.0, 0.0, 0)] {
+            match mesh.find_node(asked).unwrap_err() {
+                FemError::NotANode { asked: a, nearest: x, node: i } => {
+                    assert!(a == asked && (x - nearest).abs() < 0.051 && i.abs_diff(node) <= 1);
+                }
+                other => panic!("{other}"),
+            }
+        }
+        assert!(mesh.find_node(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn impossible_meshes_are_refused() {
+        assert!(matches!(Mesh::uniform(-1.0, 3), Err(FemError::NotPositive { what: "length", value: -1.0 })));
+        assert!(matches!(Mesh::graded(1.0, 3, 0.0), Err(FemError::NotPositive { what: "mesh grading", .. })));
+        assert_eq!(Mesh::uniform(1.0, 0), Err(FemError::NoElements));
+        assert!(matches!(Mesh::graded(1.0, 3, 1e300), Err(FemError::DegenerateMesh { element: 1, .. })));
+    }
+}

@@ -1,0 +1,12 @@
+//! Assembled structures against closed forms, reference values and invariants.
+
+mod closed_forms;
+mod common;
+mod contacts;
+mod euler_bernoulli;
+mod redistribution;
+mod reference_values;
+mod rod;
+mod slender;
+mod thick;
+mod units;

@@ -1,0 +1,239 @@
+use std::sync::Arc;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::sparse::linalg::cholesky::{
+    LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky, supernodal,
+};
+use faer::{Conj, MatMut, Par, Side, Spec};
+
+use crate::{LinalgError, Mat, SparseMatrix};
+
+/// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
+const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
+
+/// Cholesky factorisation `P A Pᵀ = L Lᵀ` of a sparse symmetric positive definite matrix.
+///
+/// `P` is an approximate minimum degree ordering. Structures in one dimension fill in by a few entries per row, so that
+/// factor and solution cost O(n).
+///
+/// ```
+/// use nlmodes_linalg::{SparseCholesky, sparse_from_triplets};
+/// let a = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
+/// let factor = SparseCholesky::factor(&a, "stiffness matrix")?;
+/// let mut x = [0.0, 1.0];
+/// factor.solve_in_place(&mut x);
+/// assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14);
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SparseCholesky {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    values: Vec<f64>,
+}
+
+impl SparseCholesky {
+    /// Factors `a`, of which the lower triangle is read; `what` names it in errors.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotPositiveDefinite`] with the column whose pivot is negative, or so small (16 machine epsilons of
+    /// its diagonal entry) that the matrix is singular to working precision; [`LinalgError::Dimension`] if `a` is not square
+    /// or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
+    pub fn factor(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
+        check_square(a, what)?;
+        let symbolic =
+            factorize_symbolic_cholesky(a.symbolic(), Side::Lower, SymmetricOrdering::Amd, Default::default())
+                .map_err(|_| LinalgError::OutOfMemory { what })?;
+        let mut factor = Self { symbolic: Arc::new(symbolic), values: Vec::new() };
+        factor.refactor(a, what)?;
+        Ok(factor)
+    }
+
+    /// Factors another matrix with the same pattern; the ordering is kept. After an error the factor is not usable.
+    ///
+    /// # Errors
+    /// As [`SparseCholesky::factor`].
+    ///
+    /// # Panics
+    /// If the pattern is another one.
+    pub fn refactor(&mut self, a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
+        check_square(a, what)?;
+        let (par, params) = (Par::Seq, Spec::default());
+        let symbolic = &*self.symbolic;
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(par, params);
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| LinalgError::OutOfMemory { what })?;
+        let stack = MemStack::new(&mut memory);
+        self.values.clear();
+        self.values.resize(symbolic.len_val(), 0.0);
+        symbolic
+            .factorize_numeric_llt(&mut self.values, a.as_ref(), Side::Lower, Default::default(), par, stack, params)
+            .map_err(|LltError::NonPositivePivot { index }| {
+                // faer counts from one, in its own order.
+                LinalgError::NotPositiveDefinite { what, column: column(symbolic, index.saturating_sub(1)) }
+            })?;
+        self.check_pivots(a, what)
+    }
+
+    /// Overwrites `x` with `A⁻¹ x`.
+    ///
+    /// # Panics
+    /// If `x` has not [`SparseCholesky::dim`] entries.
+    pub fn solve_in_place(&self, x: &mut [f64]) {
+        assert_eq!(x.len(), self.dim(), "right-hand side of a {n} x {n} system", n = self.dim());
+        self.solve(MatMut::from_column_major_slice_mut(x, self.dim(), 1));
+    }
+
+    /// Overwrites every column of `x` (n × any) with `A⁻¹ x`.
+    ///
+    /// # Panics
+    /// If `x` has not [`SparseCholesky::dim`] rows.
+    pub fn solve_many(&self, x: &mut Mat<f64>) {
+        assert_eq!(x.nrows(), self.dim(), "right-hand side of a {n} x {n} system", n = self.dim());
+        self.solve(x.as_mut());
+    }
+
+    /// Number of rows.
+    pub fn dim(&self) -> usize {
+        self.symbolic.nrows()
+    }
+
+    fn solve(&self, x: MatMut<'_, f64>) {
+        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
+        let factor = LltRef::<usize, f64>::new(&self.symbolic, &self.values);
+        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
+    }
+
+    /// Compares each pivot `L_kk²` with the diagonal entry that it started from.
+    fn check_pivots(&self, a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
+        for (k, l) in self.diagonal().into_iter().enumerate() {
+            let column = column(&self.symbolic, k);
+            let start = a.get(column, column).copied().unwrap_or(0.0);
+            if l * l <= SMALLEST_PIVOT * start {
+                return Err(LinalgError::NotPositiveDefinite { what, column });
+            }
+        }
+        Ok(())
+    }
+
+    /// `L_kk` in the order of elimination.
+    fn diagonal(&self) -> Vec<f64> {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                s.col_ptr()[..s.ncols()].iter().map(|&first| self.values[first]).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
+                let block = |i| factor.supernode(i).val();
+                (0..s.n_supernodes()).flat_map(|i| (0..block(i).ncols()).map(move |k| block(i)[(k, k)])).collect()
+            }
+        }
+    }
+}
+
+/// Column of `A` that is eliminated at step `k`.
+fn column(symbolic: &SymbolicCholesky<usize>, k: usize) -> usize {
+    match symbolic.perm() {
+        Some(perm) => perm.arrays().0.get(k).copied().unwrap_or(k),
+        None => k,
+    }
+}
+
+fn check_square(a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
+    let (rows, columns) = a.shape();
+    if rows == 0 {
+        return Err(LinalgError::Dimension { what, expected: 1, found: 0 });
+    }
+    if rows != columns {
+        return Err(LinalgError::Dimension { what, expected: rows, found: columns });
+    }
+    if a.val().iter().any(|v| !v.is_finite()) {
+        return Err(LinalgError::NotFinite { what });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{multiply, sparse_from_triplets};
+
+    /// Stiffness of `n` unit springs in a row; the first end is held if `ground` is one.
+    fn chain(n: usize, ground: f64) -> SparseMatrix {
+        let mut entries = vec![(0, 0, ground)];
+        for i in 1..n {
+            entries.extend([(i - 1, i - 1, 1.0), (i, i, 1.0), (i - 1, i, -1.0), (i, i - 1, -1.0)]);
+        }
+        sparse_from_triplets(n, n, &entries).unwrap()
+    }
+
+    /// Five-point stencil on a grid: enough fill for supernodes.
+    fn grid(n: usize) -> SparseMatrix {
+        let mut entries = Vec::new();
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let at = |i: usize, j: usize| i * n + j;
+            entries.push((at(i, j), at(i, j), 4.0));
+            if i + 1 < n {
+                entries.extend([(at(i, j), at(i + 1, j), -1.0), (at(i + 1, j), at(i, j), -1.0)]);
+            }
+            if j + 1 < n {
+                entries.extend([(at(i, j), at(i, j + 1), -1.0), (at(i, j + 1), at(i, j), -1.0)]);
+            }
+        }
+        sparse_from_triplets(n * n, n * n, &entries).unwrap()
+    }
+
+    #[test]
+    fn solution_reproduces_the_right_hand_side() {
+        for a in [chain(1, 2.0), chain(37, 1.0), grid(30)] {
+            let n = a.nrows();
+            let factor = SparseCholesky::factor(&a, "test matrix").unwrap();
+            let b: Vec<f64> = (0..n).map(|i| ((7 * i) % 11) as f64 - 5.0).collect();
+            let (mut x, mut ax) = (b.clone(), vec![0.0; n]);
+            factor.solve_in_place(&mut x);
+            multiply(&a, &x, &mut ax);
+            assert!(ax.iter().zip(&b).all(|(l, r)| (l - r).abs() < 1e-10));
+            let mut both = Mat::from_fn(n, 2, |i, j| b[i] * (1 + j) as f64);
+            factor.solve_many(&mut both);
+            assert!((0..n).all(|i| (both[(i, 1)] - 2.0 * x[i]).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn pivots_multiply_to_the_determinant() {
+        let log_det = |a: &SparseMatrix| {
+            SparseCholesky::factor(a, "test matrix").unwrap().diagonal().iter().map(|l| 2.0 * l.ln()).sum::<f64>()
+        };
+        assert!(log_det(&chain(50, 1.0)).abs() < 1e-12);
+        let dense = grid(12).to_dense().self_adjoint_eigenvalues(Side::Lower).unwrap();
+        let expected: f64 = dense.iter().map(|v| v.ln()).sum();
+        assert!((log_det(&grid(12)) - expected).abs() < 1e-10);
+    }
+
+    #[test]
+    fn singular_and_indefinite_matrices_are_refused_with_the_column() {
+        for n in [2, 10, 200] {
+            let error = SparseCholesky::factor(&chain(n, 0.0), "stiffness matrix").unwrap_err();
+            assert!(matches!(error, LinalgError::NotPositiveDefinite { what: "stiffness matrix", .. }), "{error}");
+        }
+        let entries = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, -1.0)];
+        let error = SparseCholesky::factor(&sparse_from_triplets(3, 3, &entries).unwrap(), "diagonal").unwrap_err();
+        assert_eq!(error, LinalgError::NotPositiveDefinite { what: "diagonal", column: 2 });
+    }
+
+    #[test]
+    fn misshapen_matrices_are_refused() {
+        for (rows, columns) in [(2, 3), (0, 0)] {
+            let a = sparse_from_triplets(rows, columns, &[]).unwrap();
+            assert!(matches!(SparseCholesky::factor(&a, "a"), Err(LinalgError::Dimension { .. })));
+        }
+    }
+
+    #[test]
+    fn refactoring_keeps_the_pattern() {
+        let mut factor = SparseCholesky::factor(&chain(5, 1.0), "chain").unwrap();
+        factor.refactor(&chain(5, 2.0), "chain").unwrap();
+        let mut x = [0.0, 0.0, 0.0, 0.0, 1.0];
+        factor.solve_in_place(&mut x);
+        assert!((x[4] - 4.5).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,71 @@
+use thiserror::Error;
+
+/// What a factorisation or an eigenproblem refuses.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LinalgError {
+    /// Rows, columns or right-hand side do not fit.
+    #[error("{what}: {found} where {expected} was expected")]
+    Dimension {
+        /// The quantity whose size is wrong.
+        what: &'static str,
+        /// The size that it should have.
+        expected: usize,
+        /// The size that it has.
+        found: usize,
+    },
+    /// An entry is NaN or infinite.
+    #[error("{what} contains a value that is not finite")]
+    NotFinite {
+        /// The matrix or vector.
+        what: &'static str,
+    },
+    /// A pivot vanished: the matrix is singular to working precision.
+    #[error("the {what} is singular: pivot {pivot:e} in column {column}")]
+    Singular {
+        /// The matrix.
+        what: &'static str,
+        /// The column at which the factorisation stopped.
+        column: usize,
+        /// The pivot found there.
+        pivot: f64,
+    },
+    /// A Cholesky factorisation met a pivot that is not positive.
+    #[error("the {what} is not positive definite (found at column {column})")]
+    NotPositiveDefinite {
+        /// The matrix.
+        what: &'static str,
+        /// The column at which the factorisation stopped.
+        column: usize,
+    },
+    /// A matrix that has to be symmetric is not.
+    #[error("the {what} is not symmetric: {value:e} at ({row}, {column}), {mirrored:e} at ({column}, {row})")]
+    NotSymmetric {
+        /// The matrix.
+        what: &'static str,
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        value: f64,
+        /// The entry with row and column exchanged.
+        mirrored: f64,
+    },
+    /// The memory for a matrix or a factorisation could not be had.
+    #[error("not enough memory for the {what}")]
+    OutOfMemory {
+        /// The matrix.
+        what: &'static str,
+    },
+    /// The iteration for the lowest modes ended before all were found.
+    #[error("{converged} of {wanted} modes converged after {iterations} iterations")]
+    ModesNotConverged {
+        /// Modes asked for.
+        wanted: usize,
+        /// Modes found.
+        converged: usize,
+        /// Lanczos steps taken.
+        iterations: usize,
+    },
+}

@@ -1,0 +1,181 @@
+use faer::MatRef;
+
+use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, select, triplets};
+
+mod full;
+mod lanczos;
+mod refine;
+
+/// Up to this size, or if more than a third of the modes are wanted, the pencil is solved as a dense one.
+const DENSE_SIZE: usize = 600;
+
+/// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
+#[derive(Debug, Clone)]
+pub struct Modes {
+    /// λ, squared angular frequencies in rad²/s².
+    pub eigenvalues: Vec<f64>,
+    /// φ, one a column (n × modes). The largest component of each is positive.
+    pub vectors: Mat<f64>,
+}
+
+/// Lowest `count` modes of the sparse symmetric pencil `K φ = λ M φ`.
+///
+/// `M` may be singular (massless degrees of freedom): the modes with infinite λ are left out, and fewer than `count` come
+/// back if the pencil has no more. Massless degrees of freedom follow the others statically, `φ_0 = −K_00⁻¹ K_0m φ_m`. `K` may
+/// be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the pencil is then solved as
+/// `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
+///
+/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for small pencils, else by Lanczos steps in the inner
+/// product of `M`. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
+/// so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate ones.
+///
+/// The result is the same in every run. Where several components of φ have the largest magnitude, the first is positive.
+/// Modes of equal λ form an M-orthonormal, otherwise arbitrary basis.
+///
+/// ```
+/// use nlmodes_linalg::{lowest_modes, sparse_from_triplets};
+/// // Two unit masses between three unit springs: λ = 1 and 3.
+/// let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)])?;
+/// let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
+/// let modes = lowest_modes(&k, &m, 2)?;
+/// assert!((modes.eigenvalues[0] - 1.0).abs() < 1e-14 && (modes.eigenvalues[1] - 3.0).abs() < 1e-14);
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+///
+/// # Errors
+/// [`LinalgError::Dimension`] if the matrices are not square and of one size, [`LinalgError::NotSymmetric`],
+/// [`LinalgError::NotPositiveDefinite`] if no small shift makes the stiffness positive definite,
+/// [`LinalgError::ModesNotConverged`].
+pub fn lowest_modes(stiffness: &SparseMatrix, mass: &SparseMatrix, count: usize) -> Result<Modes, LinalgError> {
+    check(stiffness, mass)?;
+    let massless: Vec<usize> = (0..mass.nrows()).filter(|&i| diagonal(mass, i) <= 0.0).collect();
+    let wanted = count.min(mass.nrows() - massless.len());
+    if wanted == 0 {
+        return Ok(Modes { eigenvalues: Vec::new(), vectors: Mat::zeros(mass.nrows(), 0) });
+    }
+    let pencil = Pencil::new(stiffness, mass)?;
+    let mut modes = pencil.solve(wanted)?;
+    follow_statically(stiffness, &massless, &mut modes.vectors)?;
+    orient(&mut modes.vectors);
+    Ok(modes)
+}
+
+fn check(stiffness: &SparseMatrix, mass: &SparseMatrix) -> Result<(), LinalgError> {
+    for (what, a) in [("stiffness matrix", stiffness), ("mass matrix", mass)] {
+        for found in [a.nrows(), a.ncols()] {
+            if found != stiffness.nrows() {
+                return Err(LinalgError::Dimension { what, expected: stiffness.nrows(), found });
+            }
+        }
+        if a.val().iter().any(|v| !v.is_finite()) {
+            return Err(LinalgError::NotFinite { what });
+        }
+        if let Some((row, column, value, mirrored)) = asymmetry(a) {
+            return Err(LinalgError::NotSymmetric { what, row, column, value, mirrored });
+        }
+    }
+    Ok(())
+}
+
+fn diagonal(a: &SparseMatrix, i: usize) -> f64 {
+    a.get(i, i).copied().unwrap_or(0.0)
+}
+
+/// The pencil with the factor of `K + sM`.
+struct Pencil<'a> {
+    stiffness: &'a SparseMatrix,
+    mass: &'a SparseMatrix,
+    shift: f64,
+    factor: SparseCholesky,
+}
+
+impl<'a> Pencil<'a> {
+    /// Factors `K`, or `K + sM` if `K` is singular.
+    fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
+        match SparseCholesky::factor(stiffness, "stiffness matrix") {
+            Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor }),
+            Err(LinalgError::NotPositiveDefinite { .. }) => Self::singular(stiffness, mass),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Starts from a shift that only has to stand above rounding, and takes the first elastic λ as the final one.
+    fn singular(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
+        // Rayleigh quotients of unit vectors: λ_1 lies below each.
+        let quotients = (0..mass.nrows()).filter_map(|i| {
+            let quotient = diagonal(stiffness, i) / diagonal(mass, i);
+            (quotient > 0.0 && quotient.is_finite()).then_some(quotient)
+        });
+        let scale = quotients.fold(f64::INFINITY, f64::min);
+        let scale = if scale.is_finite() { scale } else { 1.0 };
+        let mut rough = Self::shifted(stiffness, mass, 1e-6 * scale);
+        for size in [1e-4, 1e-2] {
+            rough = rough.or_else(|_| Self::shifted(stiffness, mass, size * scale));
+        }
+        let rough = rough?;
+        let elastic = 1e-6 * rough.shift;
+        match rough.solve(8.min(mass.nrows()))?.eigenvalues.iter().find(|&&λ| λ > elastic) {
+            Some(&λ) => Self::shifted(stiffness, mass, λ).or(Ok(rough)),
+            None => Ok(rough),
+        }
+    }
+
+    fn shifted(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix, shift: f64) -> Result<Self, LinalgError> {
+        let sum = add_scaled(stiffness, shift, mass)?;
+        Ok(Self { stiffness, mass, shift, factor: SparseCholesky::factor(&sum, "shifted stiffness matrix")? })
+    }
+
+    /// Lowest modes, M-orthonormal, of those degrees of freedom that have mass.
+    fn solve(&self, count: usize) -> Result<Modes, LinalgError> {
+        let n = self.mass.nrows();
+        let vectors = if n <= DENSE_SIZE || 3 * count >= n {
+            full::invariant_subspace(self, count)?
+        } else {
+            lanczos::invariant_subspace(self, count)?
+        };
+        refine::rayleigh_ritz(self, vectors)
+    }
+}
+
+/// Replaces the components at the massless degrees of freedom by what equilibrium asks for.
+fn follow_statically(k: &SparseMatrix, massless: &[usize], vectors: &mut Mat<f64>) -> Result<(), LinalgError> {
+    if massless.is_empty() {
+        return Ok(());
+    }
+    let mut heavy = vec![true; k.nrows()];
+    massless.iter().for_each(|&i| heavy[i] = false);
+    let heavy: Vec<usize> = (0..k.nrows()).filter(|&i| heavy[i]).collect();
+    let factor = SparseCholesky::factor(&select(k, massless, massless)?, "stiffness of the massless coordinates")?;
+    let coupling = select(k, massless, &heavy)?;
+    let mut statics = Mat::zeros(massless.len(), vectors.ncols());
+    for (i, j, value) in triplets(&coupling) {
+        for r in 0..vectors.ncols() {
+            statics[(i, r)] -= value * vectors[(heavy[j], r)];
+        }
+    }
+    factor.solve_many(&mut statics);
+    for r in 0..vectors.ncols() {
+        massless.iter().enumerate().for_each(|(i, &dof)| vectors[(dof, r)] = statics[(i, r)]);
+    }
+    Ok(())
+}
+
+/// Makes the largest component of each column positive; of several equal ones, the first.
+fn orient(vectors: &mut Mat<f64>) {
+    for j in 0..vectors.ncols() {
+        let largest = vectors.col(j).iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        // Components that differ by rounding count as equal.
+        let first = vectors.col(j).iter().find(|v| v.abs() >= (1.0 - 1e-6) * largest);
+        if first.is_some_and(|v| *v < 0.0) {
+            vectors.col_mut(j).iter_mut().for_each(|v| *v = -*v);
+        }
+    }
+}
+
+/// Column `j` as a slice.
+fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
+    a.col(j).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+use super::*;
+use crate::{bilinear, multiply, sparse_from_triplets};
+
+/// Springs `k` and masses `m` in a row; held at the first end unless `free`.
+fn chain(n: usize, free: bool, mass: impl Fn(usize) -> f64) -> (SparseMatrix, SparseMatrix) {
+    let mut k = vec![(0, 0, if free { 0.0 } else { 1.0 })];
+    for i in 1..n {
+        k.extend([(i - 1, i - 1, 1.0), (i, i, 1.0), (i - 1, i, -1.0), (i, i - 1, -1.0)]);
+    }
+    let m: Vec<_> = (0..n).map(|i| (i, i, mass(i))).collect();
+    (sparse_from_triplets(n, n, &k).unwrap(), sparse_from_triplets(n, n, &m).unwrap())
+}
+
+/// `λ = 4 sin²((2r − 1) π / (4n + 2))` of `n` unit masses, held at one end.
+fn held_chain(n: usize, r: usize) -> f64 {
+    let angle = (2 * r - 1) as f64 * std::f64::consts::PI / (4 * n + 2) as f64;
+    4.0 * angle.sin().powi(2)
+}
+
+/// `λ = 4 sin²(r π / 2n)`, r = 0, 1 …, of `n` free unit masses.
+fn free_chain(n: usize, r: usize) -> f64 {
+    4.0 * (r as f64 * std::f64::consts::PI / (2 * n) as f64).sin().powi(2)
+}
+
+fn assert_modes(k: &SparseMatrix, m: &SparseMatrix, modes: &Modes) {
+    let n = k.nrows();
+    let largest_k = k.val().iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+    for (i, &λ) in modes.eigenvalues.iter().enumerate() {
+        let φ = column(modes.vectors.as_ref(), i);
+        let (mut kφ, mut mφ) = (vec![0.0; n], vec![0.0; n]);
+        multiply(k, φ, &mut kφ);
+        multiply(m, φ, &mut mφ);
+        let size = φ.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        let worst = kφ.iter().zip(&mφ).fold(0.0_f64, |l, (k, m)| l.max((k - λ * m).abs()));
+        assert!(worst <= 1e-10 * largest_k * size, "residual {worst:e} of mode {i}");
+        for j in 0..=i {
+            let product = bilinear(column(modes.vectors.as_ref(), j), m, φ);
+            assert!((product - f64::from(i == j)).abs() < 1e-12, "modes {i} and {j}: {product:e}");
+        }
+        let first = φ.iter().find(|v| v.abs() >= (1.0 - 1e-6) * size).unwrap();
+        assert!(*first > 0.0, "sign of mode {i}");
+    }
+}
+
+#[test]
+fn every_mode_of_a_short_chain_is_found() {
+    for n in [1, 2, 7, 60] {
+        let (k, m) = chain(n, false, |_| 1.0);
+        let modes = lowest_modes(&k, &m, n + 3).unwrap();
+        assert_eq!(modes.eigenvalues.len(), n);
+        for (r, λ) in modes.eigenvalues.iter().enumerate() {
+            assert!((λ / held_chain(n, r + 1) - 1.0).abs() < 1e-12, "n = {n}, r = {r}: {λ}");
+        }
+        assert_modes(&k, &m, &modes);
+    }
+}
+
+#[test]
+fn lanczos_is_as_accurate_as_the_closed_form() {
+    let n = 5000;
+    let (k, m) = chain(n, false, |_| 1.0);
+    let modes = lowest_modes(&k, &m, 40).unwrap();
+    for (r, λ) in modes.eigenvalues.iter().enumerate() {
+        assert!((λ / held_chain(n, r + 1) - 1.0).abs() < 1e-12, "r = {r}: {:e}", λ / held_chain(n, r + 1) - 1.0);
+    }
+    assert_modes(&k, &m, &modes);
+}
+
+#[test]
+fn rigid_body_mode_comes_first_with_eigenvalue_zero() {
+    for n in [40, 900] {
+        let (k, m) = chain(n, true, |_| 1.0);
+        let modes = lowest_modes(&k, &m, 12).unwrap();
+        assert!(modes.eigenvalues[0] >= 0.0 && modes.eigenvalues[0] < 1e-9 * modes.eigenvalues[1]);
+        for r in 1..12 {
+            // The entries of K + sM carry λ with the rounding of the largest λ.
+            assert!((modes.eigenvalues[r] / free_chain(n, r) - 1.0).abs() < 1e-10, "n = {n}, r = {r}");
+        }
+        assert_modes(&k, &m, &modes);
+    }
+}
+
+#[test]
+fn massless_coordinates_follow_statically() {
+    // Every other mass missing: springs of ½ between those that are left.
+    for n in [41, 801] {
+        let (k, m) = chain(n, false, |i| if i % 2 == 1 { 1.0 } else { 0.0 });
+        let modes = lowest_modes(&k, &m, n).unwrap();
+        let heavy = n / 2;
+        assert_eq!(modes.eigenvalues.len(), heavy);
+        for r in 1..=10 {
+            // The massless coordinate at the end carries no load.
+            assert!((modes.eigenvalues[r - 1] / (0.5 * held_chain(heavy, r)) - 1.0).abs() < 1e-12, "n = {n}, r = {r}");
+        }
+        let few = lowest_modes(&k, &m, 10).unwrap();
+        for (a, b) in few.eigenvalues.iter().zip(&modes.eigenvalues) {
+            assert!((a / b - 1.0).abs() < 1e-12);
+        }
+        assert_modes(&k, &m, &few);
+        let (mut kφ, φ) = (vec![0.0; n], column(few.vectors.as_ref(), 3));
+        multiply(&k, φ, &mut kφ);
+        assert!(kφ.iter().step_by(2).all(|f| f.abs() < 1e-13 * φ.iter().fold(0.0_f64, |l, v| l.max(v.abs()))));
+    }
+}
+
+#[test]
+fn repeated_eigenvalues_are_all_found() {
+    for n in [100, 700] {
+        // Three equal chains that do not touch.
+        let (one_k, one_m) = chain(n, false, |_| 1.0);
+        let thrice = |a: &SparseMatrix| {
+            let entries: Vec<_> =
+                (0..3).flat_map(|c| triplets(a).map(move |(i, j, v)| (i + c * n, j + c * n, v))).collect();
+            sparse_from_triplets(3 * n, 3 * n, &entries).unwrap()
+        };
+        let (k, m) = (thrice(&one_k), thrice(&one_m));
+        let modes = lowest_modes(&k, &m, 14).unwrap();
+        for (i, λ) in modes.eigenvalues.iter().enumerate() {
+            assert!((λ / held_chain(n, i / 3 + 1) - 1.0).abs() < 1e-11, "n = {n}, i = {i}: {λ}");
+        }
+        assert_modes(&k, &m, &modes);
+    }
+}
+
+#[test]
+fn results_are_the_same_in_every_run() {
+    let (k, m) = chain(800, false, |i| 1.0 + (i % 5) as f64);
+    let (a, b) = (lowest_modes(&k, &m, 9).unwrap(), lowest_modes(&k, &m, 9).unwrap());
+    assert_eq!((a.eigenvalues, a.vectors), (b.eigenvalues, b.vectors));
+}
+
+#[test]
+fn improper_pencils_are_refused() {
+    let (k, m) = chain(3, false, |_| 1.0);
+    let (_, small) = chain(2, false, |_| 1.0);
+    let error = lowest_modes(&k, &small, 1).unwrap_err();
+    assert_eq!(error, LinalgError::Dimension { what: "mass matrix", expected: 3, found: 2 });
+    let lopsided = sparse_from_triplets(3, 3, &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (0, 1, 0.5)]).unwrap();
+    assert!(matches!(lowest_modes(&k, &lopsided, 1), Err(LinalgError::NotSymmetric { row: 0, column: 1, .. })));
+    let negative = add_scaled(&m, -2.0, &m).unwrap();
+    assert!(matches!(lowest_modes(&negative, &m, 1), Err(LinalgError::NotPositiveDefinite { .. })));
+    assert!(lowest_modes(&k, &m, 0).unwrap().eigenvalues.is_empty());
+}

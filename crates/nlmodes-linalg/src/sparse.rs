@@ -1,0 +1,173 @@
+use faer::sparse::{CreationError, SparseColMat, Triplet as FaerTriplet};
+
+use crate::LinalgError;
+
+/// A sparse matrix in compressed columns.
+pub type SparseMatrix = SparseColMat<usize, f64>;
+
+/// One entry `(row, column, value)`; entries at the same place are added.
+pub type Triplet = (usize, usize, f64);
+
+/// Builds a sparse matrix from entries in any order.
+///
+/// ```
+/// use nlmodes_linalg::sparse_from_triplets;
+/// let a = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 0, 2.0), (0, 0, 3.0)])?;
+/// assert_eq!((a[(0, 0)], a[(1, 0)]), (4.0, 2.0));
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+///
+/// # Errors
+/// [`LinalgError::Dimension`] for an index outside the matrix (`found` is the index, `expected` the number of rows or
+/// columns that it must stay below), [`LinalgError::NotFinite`], [`LinalgError::OutOfMemory`].
+pub fn sparse_from_triplets(rows: usize, columns: usize, entries: &[Triplet]) -> Result<SparseMatrix, LinalgError> {
+    if entries.iter().any(|e| !e.2.is_finite()) {
+        return Err(LinalgError::NotFinite { what: "list of matrix entries" });
+    }
+    let entries: Vec<_> = entries.iter().map(|&(i, j, v)| FaerTriplet::new(i, j, v)).collect();
+    SparseColMat::try_new_from_triplets(rows, columns, &entries).map_err(|e| match e {
+        CreationError::OutOfBounds { row, .. } if row >= rows => {
+            LinalgError::Dimension { what: "row index of a matrix entry", expected: rows, found: row }
+        }
+        CreationError::OutOfBounds { col, .. } => {
+            LinalgError::Dimension { what: "column index of a matrix entry", expected: columns, found: col }
+        }
+        CreationError::Generic(_) => LinalgError::OutOfMemory { what: "sparse matrix" },
+    })
+}
+
+/// All stored entries of `a`, column by column.
+pub fn triplets(a: &SparseMatrix) -> impl Iterator<Item = Triplet> + '_ {
+    a.triplet_iter().map(|t| (t.row, t.col, *t.val))
+}
+
+/// `y = A x`.
+///
+/// # Panics
+/// If `x` has not as many entries as `a` has columns, or `y` as it has rows.
+pub fn multiply(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
+    assert_eq!((y.len(), x.len()), (a.nrows(), a.ncols()), "rows and columns of y = A x");
+    y.fill(0.0);
+    let rows = a.symbolic();
+    for (j, &xj) in x.iter().enumerate() {
+        for (&i, v) in rows.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+            y[i] += v * xj;
+        }
+    }
+}
+
+/// `xᵀ A y`.
+///
+/// # Panics
+/// If the sizes do not fit.
+pub fn bilinear(x: &[f64], a: &SparseMatrix, y: &[f64]) -> f64 {
+    let mut ay = vec![0.0; a.nrows()];
+    multiply(a, y, &mut ay);
+    assert_eq!(x.len(), ay.len(), "rows of a bilinear form");
+    x.iter().zip(&ay).map(|(x, y)| x * y).sum()
+}
+
+/// `A + s B`, two matrices of the same size.
+///
+/// # Errors
+/// [`LinalgError::Dimension`] if `b` is larger than `a`, [`LinalgError::NotFinite`] if `s` is not finite.
+pub fn add_scaled(a: &SparseMatrix, s: f64, b: &SparseMatrix) -> Result<SparseMatrix, LinalgError> {
+    let entries: Vec<_> = triplets(a).chain(triplets(b).map(|(i, j, v)| (i, j, s * v))).collect();
+    sparse_from_triplets(a.nrows(), a.ncols(), &entries)
+}
+
+/// Submatrix with the given rows and columns, in the given order.
+///
+/// ```
+/// use nlmodes_linalg::{select, sparse_from_triplets};
+/// let a = sparse_from_triplets(3, 3, &[(0, 0, 1.0), (1, 2, 2.0), (2, 2, 3.0)])?;
+/// let b = select(&a, &[2, 1], &[2])?;
+/// assert_eq!((b.nrows(), b.ncols(), b[(0, 0)], b[(1, 0)]), (2, 1, 3.0, 2.0));
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+///
+/// # Errors
+/// [`LinalgError::Dimension`] for an index outside the matrix.
+pub fn select(a: &SparseMatrix, rows: &[usize], columns: &[usize]) -> Result<SparseMatrix, LinalgError> {
+    let below = |what, indices: &[usize], expected| match indices.iter().find(|&&i| i >= expected) {
+        Some(&found) => Err(LinalgError::Dimension { what, expected, found }),
+        None => Ok(()),
+    };
+    below("selected row", rows, a.nrows())?;
+    below("selected column", columns, a.ncols())?;
+    // A row that is selected twice appears twice, so that each old row has a list of new ones.
+    let mut places = vec![Vec::new(); a.nrows()];
+    rows.iter().enumerate().for_each(|(new, &old)| places[old].push(new));
+    let mut entries = Vec::new();
+    for (new_j, &j) in columns.iter().enumerate() {
+        for (&i, &v) in a.symbolic().row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+            entries.extend(places[i].iter().map(|&new_i| (new_i, new_j, v)));
+        }
+    }
+    sparse_from_triplets(rows.len(), columns.len(), &entries)
+}
+
+/// The first entry that differs from its mirror image by more than rounding explains, as
+/// `(row, column, a_ij, a_ji)`; none if `a` is symmetric.
+///
+/// The difference is measured against `√|a_ii a_jj|` and against the entries themselves, `1e-10` of the larger: a scale that
+/// does not mix the units of displacements and rotations.
+pub fn asymmetry(a: &SparseMatrix) -> Option<(usize, usize, f64, f64)> {
+    let at = |i, j| a.get(i, j).copied().unwrap_or(0.0);
+    triplets(a).find_map(|(i, j, v)| {
+        let mirrored = if i < a.ncols() && j < a.nrows() { at(j, i) } else { 0.0 };
+        let diagonal = |k: usize| if k < a.nrows().min(a.ncols()) { at(k, k).abs() } else { 0.0 };
+        let scale = (diagonal(i) * diagonal(j)).sqrt().max(v.abs()).max(mirrored.abs());
+        ((v - mirrored).abs() > 1e-10 * scale).then_some((i, j, v, mirrored))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> SparseMatrix {
+        sparse_from_triplets(3, 2, &[(0, 0, 1.0), (2, 0, -2.0), (1, 1, 4.0), (1, 1, 1.0)]).unwrap()
+    }
+
+    #[test]
+    fn entries_at_one_place_are_added() {
+        assert_eq!(triplets(&sample()).collect::<Vec<_>>(), [(0, 0, 1.0), (2, 0, -2.0), (1, 1, 5.0)]);
+    }
+
+    #[test]
+    fn bad_entries_are_refused_with_their_index() {
+        let row = sparse_from_triplets(2, 2, &[(5, 1, 1.0)]).unwrap_err();
+        assert_eq!(row, LinalgError::Dimension { what: "row index of a matrix entry", expected: 2, found: 5 });
+        let column = sparse_from_triplets(2, 2, &[(1, 7, 1.0)]).unwrap_err();
+        assert_eq!(column, LinalgError::Dimension { what: "column index of a matrix entry", expected: 2, found: 7 });
+        assert!(matches!(sparse_from_triplets(1, 1, &[(0, 0, f64::NAN)]), Err(LinalgError::NotFinite { .. })));
+    }
+
+    #[test]
+    fn product_and_sum_agree_with_hand_calculation() {
+        let mut y = [9.0; 3];
+        multiply(&sample(), &[2.0, 3.0], &mut y);
+        assert_eq!(y, [2.0, 15.0, -4.0]);
+        assert_eq!(bilinear(&[1.0, 1.0, 1.0], &sample(), &[2.0, 3.0]), 13.0);
+        let sum = add_scaled(&sample(), 0.5, &sample()).unwrap();
+        assert_eq!(triplets(&sum).map(|t| t.2).collect::<Vec<_>>(), [1.5, -3.0, 7.5]);
+    }
+
+    #[test]
+    fn selection_keeps_the_asked_order_and_refuses_what_is_outside() {
+        let a = select(&sample(), &[2, 0], &[1, 0]).unwrap();
+        assert_eq!(triplets(&a).collect::<Vec<_>>(), [(0, 1, -2.0), (1, 1, 1.0)]);
+        assert!(matches!(select(&sample(), &[3], &[0]), Err(LinalgError::Dimension { expected: 3, found: 3, .. })));
+        assert!(matches!(select(&sample(), &[0], &[2]), Err(LinalgError::Dimension { expected: 2, found: 2, .. })));
+    }
+
+    #[test]
+    fn asymmetry_is_measured_against_the_diagonal() {
+        let near = 1e3 + 1e-9;
+        let a = sparse_from_triplets(2, 2, &[(0, 0, 1e6), (0, 1, 1e3), (1, 0, near), (1, 1, 2.0)]).unwrap();
+        assert_eq!(asymmetry(&a), None);
+        let b = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 0, 1e-3), (1, 1, 1.0)]).unwrap();
+        assert_eq!(asymmetry(&b), Some((1, 0, 1e-3, 0.0)));
+    }
+}

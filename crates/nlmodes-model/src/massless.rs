@@ -1,0 +1,253 @@
+use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, select, triplets};
+
+use crate::structure::check_matrix;
+use crate::{Contact, Dof, MassRedistribution, ModelError, RigidMotion, StructuralModel};
+
+/// A structure with massless contact nodes, partitioned as in eq. (12).
+///
+/// ```text
+/// | M_LL 0 | | q̈_L |   | K_LL K_LN | | q_L |   |  0  |
+/// |  0   0 | | q̈_N | + | K_NL K_NN | | q_N | = | W λ |
+/// ```
+#[derive(Debug, Clone)]
+pub struct MasslessContactModel {
+    pub(crate) dofs: Vec<Dof>,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) linear: Vec<usize>,
+    pub(crate) nonlinear: Vec<usize>,
+    pub(crate) mass: SparseMatrix,
+    pub(crate) stiffness: SparseMatrix,
+    pub(crate) m_ll: SparseMatrix,
+    pub(crate) k_ll: SparseMatrix,
+    pub(crate) k_ln: Mat<f64>,
+    pub(crate) k_nn: Mat<f64>,
+    pub(crate) w: Mat<f64>,
+}
+
+impl MasslessContactModel {
+    /// Redistributes the mass of `model` by `rule` and partitions it.
+    ///
+    /// # Errors
+    /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` does not do what its trait
+    /// asks for, and what else it reports; [`ModelError::Linalg`] if `K_NN` is not positive definite.
+    pub fn new(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<Self, ModelError> {
+        let n = model.dofs().len();
+        let nonlinear = contact_dofs(model);
+        let linear: Vec<usize> = (0..n).filter(|i| nonlinear.binary_search(i).is_err()).collect();
+        if nonlinear.is_empty() {
+            return Err(ModelError::NoContact);
+        }
+        if linear.is_empty() {
+            return Err(ModelError::NoLinearDof { dofs: n });
+        }
+        let mass = rule.redistribute(model)?;
+        check_matrix("redistributed mass matrix", &mass, n)?;
+        check_massless(rule.name(), &mass, &nonlinear)?;
+        let part = |a: &SparseMatrix, rows: &[usize], columns: &[usize]| {
+            select(a, rows, columns).map_err(ModelError::during("partition into linear and contact coordinates"))
+        };
+        let k_nn = part(model.stiffness(), &nonlinear, &nonlinear)?;
+        SparseCholesky::factor(&k_nn, "stiffness of the contact nodes K_NN")
+            .map_err(ModelError::during("static problem of the contact nodes"))?;
+        Ok(Self {
+            dofs: model.dofs().to_vec(),
+            contacts: model.contacts().to_vec(),
+            m_ll: part(&mass, &linear, &linear)?,
+            k_ll: part(model.stiffness(), &linear, &linear)?,
+            k_ln: part(model.stiffness(), &linear, &nonlinear)?.to_dense(),
+            k_nn: k_nn.to_dense(),
+            w: directions(model.contacts(), &nonlinear),
+            stiffness: model.stiffness().clone(),
+            mass,
+            linear,
+            nonlinear,
+        })
+    }
+
+    /// A rigid-body motion that is left when the contact degrees of freedom are held, so that `K_LL` is singular.
+    pub fn held_rigid_motion(&self) -> Option<RigidMotion> {
+        RigidMotion::of_held(&self.stiffness, &self.dofs, &self.nonlinear)
+    }
+
+    /// Cholesky factor of `K_LL`.
+    ///
+    /// # Errors
+    /// [`ModelError::HeldRigidBody`] if the structure can move as a rigid body with its contacts held: contact forces that are
+    /// constant in time could not be balanced then. [`ModelError::Linalg`] if `K_LL` is not positive definite otherwise.
+    pub fn factor_k_ll(&self) -> Result<SparseCholesky, ModelError> {
+        match self.held_rigid_motion() {
+            Some(motion) => Err(ModelError::HeldRigidBody { motion }),
+            None => SparseCholesky::factor(&self.k_ll, "stiffness with contacts held K_LL")
+                .map_err(ModelError::during("statics of the structure with its contacts held")),
+        }
+    }
+
+    /// All degrees of freedom, in the order of the structural model.
+    pub fn dofs(&self) -> &[Dof] {
+        &self.dofs
+    }
+
+    /// The contacts, in the order of the columns of `W`.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Indices in [`Self::dofs`] of the degrees of freedom without contact, ascending.
+    pub fn linear_dofs(&self) -> &[usize] {
+        &self.linear
+    }
+
+    /// Indices in [`Self::dofs`] of the contact degrees of freedom, ascending. Two stops at one degree of freedom share it.
+    pub fn contact_dofs(&self) -> &[usize] {
+        &self.nonlinear
+    }
+
+    /// Redistributed mass `M_R` of all degrees of freedom, n × n.
+    pub fn mass(&self) -> &SparseMatrix {
+        &self.mass
+    }
+
+    /// Stiffness `K` of all degrees of freedom, n × n.
+    pub fn stiffness(&self) -> &SparseMatrix {
+        &self.stiffness
+    }
+
+    /// `M̄_LL`, n_L × n_L.
+    pub fn m_ll(&self) -> &SparseMatrix {
+        &self.m_ll
+    }
+
+    /// `K_LL`, n_L × n_L.
+    pub fn k_ll(&self) -> &SparseMatrix {
+        &self.k_ll
+    }
+
+    /// `K_LN`, n_L × n_N.
+    pub fn k_ln(&self) -> &Mat<f64> {
+        &self.k_ln
+    }
+
+    /// `K_NN`, n_N × n_N, symmetric positive definite.
+    pub fn k_nn(&self) -> &Mat<f64> {
+        &self.k_nn
+    }
+
+    /// `W̄`, n_N × c, eq. (6): the force directions of the contacts.
+    pub fn w(&self) -> &Mat<f64> {
+        &self.w
+    }
+}
+
+/// Degrees of freedom with a contact, ascending, each once.
+pub(crate) fn contact_dofs(model: &StructuralModel) -> Vec<usize> {
+    let mut dofs: Vec<usize> = model.contacts().iter().map(|c| c.dof).collect();
+    dofs.sort_unstable();
+    dofs.dedup();
+    dofs
+}
+
+fn check_massless(rule: &'static str, mass: &SparseMatrix, nonlinear: &[usize]) -> Result<(), ModelError> {
+    let touches = |i: usize| nonlinear.binary_search(&i).is_ok();
+    match triplets(mass).find(|&(i, j, value)| value != 0.0 && (touches(i) || touches(j))) {
+        Some((row, column, value)) => Err(ModelError::MassAtContact { rule, row, column, value }),
+        None => Ok(()),
+    }
+}
+
+/// `W̄`: one column a contact, one row a contact degree of freedom.
+fn directions(contacts: &[Contact], nonlinear: &[usize]) -> Mat<f64> {
+    Mat::from_fn(nonlinear.len(), contacts.len(), |i, j| {
+        if contacts[j].dof == nonlinear[i] { contacts[j].direction() } else { 0.0 }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_chain::{chain, springs};
+    use crate::{DofKind, Drop, Side};
+
+    fn stop(dof: usize, side: Side) -> Contact {
+        Contact { dof, side, gap: 0.5 }
+    }
+
+    #[test]
+    fn partition_puts_every_entry_in_its_block() {
+        let contacts = vec![stop(4, Side::Positive), stop(1, Side::Negative), stop(4, Side::Negative)];
+        let model = MasslessContactModel::new(&chain(5, contacts), &Drop).unwrap();
+        assert_eq!((model.linear_dofs(), model.contact_dofs()), (&[0, 2, 3][..], &[1, 4][..]));
+        let w = model.w();
+        assert_eq!((w.nrows(), w.ncols()), (2, 3));
+        assert_eq!([w[(0, 0)], w[(0, 1)], w[(0, 2)]], [0.0, 1.0, 0.0]);
+        assert_eq!([w[(1, 0)], w[(1, 1)], w[(1, 2)]], [-1.0, 0.0, 1.0]);
+        let k = model.stiffness().to_dense();
+        for (i, &row) in model.linear_dofs().iter().enumerate() {
+            for (j, &column) in model.contact_dofs().iter().enumerate() {
+                assert_eq!(model.k_ln()[(i, j)], k[(row, column)]);
+            }
+            for (j, &column) in model.linear_dofs().iter().enumerate() {
+                assert_eq!(model.k_ll().get(i, j).copied().unwrap_or(0.0), k[(row, column)]);
+            }
+        }
+        assert_eq!((model.k_nn()[(0, 0)], model.k_nn()[(1, 1)], model.k_nn()[(0, 1)]), (2.0, 1.0, 0.0));
+        assert_eq!(model.m_ll().to_dense(), Mat::<f64>::identity(3, 3));
+    }
+
+    #[test]
+    fn structures_without_contact_or_without_anything_else_are_refused() {
+        let refused = |model| MasslessContactModel::new(&model, &Drop).unwrap_err();
+        assert_eq!(refused(chain(3, vec![])), ModelError::NoContact);
+        let everywhere = (0..3).map(|i| stop(i, Side::Positive)).collect();
+        assert_eq!(refused(chain(3, everywhere)), ModelError::NoLinearDof { dofs: 3 });
+    }
+
+    #[test]
+    fn loose_contact_nodes_are_refused() {
+        let model = springs(1, 0.0, vec![stop(0, Side::Positive)], &[(0, 0, 1.0)]);
+        let loose = StructuralModel::new(
+            nlmodes_linalg::sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)]).unwrap(),
+            nlmodes_linalg::sparse_from_triplets(2, 2, &[(0, 0, 1.0)]).unwrap(),
+            [model.dofs(), model.dofs()].concat(),
+            vec![stop(1, Side::Positive)],
+        );
+        let error = MasslessContactModel::new(&loose.unwrap(), &Drop).unwrap_err();
+        assert!(matches!(error, ModelError::Linalg { what: "static problem of the contact nodes", .. }), "{error}");
+    }
+
+    #[test]
+    fn rules_that_leave_mass_at_a_contact_are_refused() {
+        struct Nothing;
+        impl MassRedistribution for Nothing {
+            fn name(&self) -> &'static str {
+                "nothing"
+            }
+            fn redistribute(&self, model: &StructuralModel) -> Result<SparseMatrix, ModelError> {
+                Ok(model.mass().clone())
+            }
+        }
+        let error = MasslessContactModel::new(&chain(3, vec![stop(2, Side::Positive)]), &Nothing).unwrap_err();
+        assert_eq!(error, ModelError::MassAtContact { rule: "nothing", row: 2, column: 2, value: 1.0 });
+    }
+
+    #[test]
+    fn holding_the_contact_may_leave_a_rigid_body() {
+        // Free chain: held by its contact; two chains, only one of which has a contact: the other floats.
+        let mass: Vec<_> = (0..4).map(|i| (i, i, 1.0)).collect();
+        let free = springs(4, 0.0, vec![stop(3, Side::Positive)], &mass);
+        let model = MasslessContactModel::new(&free, &Drop).unwrap();
+        assert_eq!(model.held_rigid_motion(), None);
+        let mut x = [0.0, 0.0, 1.0];
+        model.factor_k_ll().unwrap().solve_in_place(&mut x);
+        assert!((x[0] - 1.0).abs() < 1e-14);
+        let across = free.dofs().iter().map(|d| Dof { kind: DofKind::Deflection, ..*d });
+        let dofs = free.dofs().iter().copied().chain(across).collect();
+        let twice = |a: &SparseMatrix| {
+            let entries: Vec<_> = triplets(a).flat_map(|(i, j, v)| [(i, j, v), (i + 4, j + 4, v)]).collect();
+            nlmodes_linalg::sparse_from_triplets(8, 8, &entries).unwrap()
+        };
+        let contacts = vec![stop(7, Side::Positive)];
+        let both = StructuralModel::new(twice(free.mass()), twice(free.stiffness()), dofs, contacts).unwrap();
+        let error = MasslessContactModel::new(&both, &Drop).unwrap().factor_k_ll().unwrap_err();
+        assert_eq!(error, ModelError::HeldRigidBody { motion: RigidMotion::Axial });
+    }
+}

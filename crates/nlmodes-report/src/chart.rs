@@ -1,0 +1,61 @@
+//! What a two-dimensional figure shows, apart from how it is drawn.
+
+mod draw;
+mod legend;
+mod scale;
+mod symbol;
+mod ticks;
+
+pub(crate) use legend::{Key, LegendEntry};
+pub(crate) use scale::Scale;
+pub(crate) use symbol::Shape;
+pub(crate) use ticks::{linear_ticks, scientific};
+
+use crate::svg::Stroke;
+
+/// Panels above each other that share their abscissa.
+#[derive(Debug)]
+pub(crate) struct Chart {
+    pub title: String,
+    pub x: Axis,
+    pub panels: Vec<Panel>,
+    /// Height of each panel, pixels.
+    pub panel_height: f64,
+    pub legend: Vec<LegendEntry>,
+}
+
+/// An axis: its label with the unit, and what it spans.
+#[derive(Debug)]
+pub(crate) struct Axis {
+    pub label: String,
+    pub scale: Scale,
+}
+
+/// Curves, symbols and reference lines over one ordinate, in the units of the axes.
+#[derive(Debug)]
+pub(crate) struct Panel {
+    pub y: Axis,
+    pub curves: Vec<Curve>,
+    pub symbols: Vec<Symbol>,
+    /// Abscissas of vertical lines.
+    pub verticals: Vec<(f64, Stroke)>,
+}
+
+/// A polyline; it is interrupted where a value is not finite.
+#[derive(Debug)]
+pub(crate) struct Curve {
+    /// What it is, in the `class` attribute: `branch`, `stop`, …
+    pub class: &'static str,
+    pub points: Vec<(f64, f64)>,
+    pub stroke: Stroke,
+}
+
+/// A symbol at a point, with a short name beside it where it has one.
+#[derive(Debug)]
+pub(crate) struct Symbol {
+    pub class: String,
+    pub at: (f64, f64),
+    pub shape: Shape,
+    pub fill: &'static str,
+    pub name: Option<String>,
+}

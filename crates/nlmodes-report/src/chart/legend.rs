@@ -1,0 +1,78 @@
+use super::Shape;
+use crate::svg::{Anchor, Stroke, Svg, text_width};
+
+const FONT: f64 = 13.0;
+const KEY: f64 = 30.0;
+const GAP: f64 = 18.0;
+/// Height of a row of the legend, pixels.
+pub(crate) const ROW: f64 = 20.0;
+
+/// What stands before a name in the legend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Key {
+    Line(Stroke),
+    Symbol(Shape, &'static str),
+}
+
+/// A name in the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LegendEntry {
+    pub key: Key,
+    pub name: String,
+}
+
+impl LegendEntry {
+    fn width(&self) -> f64 {
+        KEY + text_width(&self.name, FONT) + GAP
+    }
+}
+
+/// Breaks the entries into rows of at most `width`.
+pub(crate) fn rows(entries: &[LegendEntry], width: f64) -> Vec<&[LegendEntry]> {
+    let mut rows = Vec::new();
+    let mut rest = entries;
+    while !rest.is_empty() {
+        let mut used = 0.0;
+        let fitting = rest.iter().take_while(|entry| {
+            used += entry.width();
+            used <= width + GAP
+        });
+        let (row, tail) = rest.split_at(fitting.count().max(1));
+        rows.push(row);
+        rest = tail;
+    }
+    rows
+}
+
+/// Draws rows of entries from `corner` downwards.
+pub(crate) fn draw(svg: &mut Svg, rows: &[&[LegendEntry]], corner: (f64, f64)) {
+    for (index, row) in rows.iter().enumerate() {
+        let mut x = corner.0;
+        let y = corner.1 + (index as f64 + 0.5) * ROW;
+        for entry in *row {
+            draw_key(svg, entry.key, (x, y));
+            svg.text((x + KEY, y + 0.35 * FONT), Anchor::Start, FONT, &entry.name);
+            x += entry.width();
+        }
+    }
+}
+
+fn draw_key(svg: &mut Svg, key: Key, (x, y): (f64, f64)) {
+    match key {
+        Key::Line(stroke) => svg.line((x, y), (x + KEY - 6.0, y), &stroke),
+        Key::Symbol(shape, fill) => shape.draw(svg, "key", (x + 0.5 * (KEY - 6.0), y), fill),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_entry_has_a_place_even_if_it_is_wider_than_the_figure() {
+        let entry = |name: &str| LegendEntry { key: Key::Symbol(Shape::Dot, "red"), name: name.into() };
+        let entries = [entry("a"), entry(&"long ".repeat(50)), entry("b"), entry("c")];
+        let lengths: Vec<usize> = rows(&entries, 300.0).iter().map(|row| row.len()).collect();
+        assert_eq!(lengths, [1, 1, 2]);
+    }
+}

@@ -1,0 +1,108 @@
+use super::ticks::{Tick, linear_ticks, logarithmic_ticks};
+
+/// Span of values, relative to their size, below which they count as equal: their differences are rounding.
+const ROUNDING: f64 = 1e-9;
+/// Span, relative to its value, of a linear axis around equal values.
+const AROUND_EQUAL: f64 = 0.02;
+/// Narrowest span of a logarithmic axis, decades.
+const NARROWEST_DECADES: f64 = 0.1;
+
+/// Span of an axis and its division.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Scale {
+    Linear { low: f64, high: f64 },
+    Logarithmic { low: f64, high: f64 },
+}
+
+impl Scale {
+    /// Linear axis over all finite values with the share `margin` left free on each side; none without such a value.
+    pub fn linear(values: impl IntoIterator<Item = f64>, margin: f64) -> Option<Self> {
+        let (low, high) = extent(values, |value| value.is_finite())?;
+        let size = low.abs().max(high.abs());
+        let padding = match high - low {
+            _ if size == 0.0 => 0.5,
+            span if span <= ROUNDING * size => 0.5 * AROUND_EQUAL * size,
+            span => margin * span,
+        };
+        Some(Self::Linear { low: low - padding, high: high + padding })
+    }
+
+    /// Logarithmic axis over all positive finite values; `margin` as in [`Scale::linear`], in decades.
+    pub fn logarithmic(values: impl IntoIterator<Item = f64>, margin: f64) -> Option<Self> {
+        let (low, high) = extent(values, |value| value.is_finite() && value > 0.0)?;
+        let decades = (high / low).log10();
+        let padding = (margin * decades).max(0.5 * (NARROWEST_DECADES - decades));
+        Some(Self::Logarithmic { low: low * 10f64.powf(-padding), high: high * 10f64.powf(padding) })
+    }
+
+    /// The same axis, which now ends exactly at `low`.
+    pub fn starting_at(self, start: f64) -> Self {
+        match self {
+            Self::Linear { high, .. } if start < high => Self::Linear { low: start, high },
+            Self::Logarithmic { high, .. } if start < high && start > 0.0 => Self::Logarithmic { low: start, high },
+            unchanged => unchanged,
+        }
+    }
+
+    /// Its ends.
+    pub fn ends(self) -> (f64, f64) {
+        match self {
+            Self::Linear { low, high } | Self::Logarithmic { low, high } => (low, high),
+        }
+    }
+
+    /// Where a value lies between the ends, 0 … 1; none for a value that the axis cannot show.
+    pub fn place(self, value: f64) -> Option<f64> {
+        let share = match self {
+            Self::Linear { low, high } => (value - low) / (high - low),
+            Self::Logarithmic { low, high } => (value / low).ln() / (high / low).ln(),
+        };
+        share.is_finite().then_some(share)
+    }
+
+    /// Ticks within the ends, about `target` of them with a label.
+    pub fn ticks(self, target: usize) -> Vec<Tick> {
+        match self {
+            Self::Linear { low, high } => linear_ticks(low, high, target),
+            Self::Logarithmic { low, high } => logarithmic_ticks(low, high, target),
+        }
+    }
+}
+
+fn extent(values: impl IntoIterator<Item = f64>, usable: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
+    values.into_iter().filter(|value| usable(*value)).fold(None, |ends, value| {
+        let (low, high) = ends.unwrap_or((value, value));
+        Some((value.min(low), value.max(high)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_noise_does_not_fill_the_axis() {
+        let scale = Scale::linear([60.786_607_27, 60.786_607_27 + 1e-13], 0.05).unwrap();
+        let (low, high) = scale.ends();
+        assert!((high - low - 0.02 * 60.786_607_27).abs() < 1e-6, "{low} {high}");
+    }
+
+    #[test]
+    fn equal_values_have_an_axis_around_them() {
+        for value in [0.0, -3.0, 1e-300, 1e12] {
+            let scale = Scale::linear([value, value], 0.05).unwrap();
+            assert!((scale.place(value).unwrap() - 0.5).abs() < 1e-6, "{value}: {scale:?}");
+        }
+        assert!((Scale::logarithmic([8.0e8], 0.05).unwrap().place(8.0e8).unwrap() - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn values_that_no_axis_shows_are_left_out() {
+        assert_eq!(Scale::linear([f64::NAN, f64::INFINITY], 0.05), None);
+        assert_eq!(Scale::logarithmic([0.0, -1.0], 0.05), None);
+        let scale = Scale::logarithmic([0.0, 1.0, 100.0, f64::NAN], 0.0).unwrap();
+        assert_eq!(scale.ends(), (1.0, 100.0));
+        assert_eq!(scale.place(0.0), None);
+        assert_eq!(scale.place(-2.0), None);
+    }
+}

@@ -1,0 +1,49 @@
+use crate::palette;
+use crate::svg::{Stroke, Svg};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+const OUTLINE: Stroke = Stroke::solid(palette::INK, 1.0);
+
+/// Shape of a symbol.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Shape {
+    Circle,
+    Dot,
+    Triangle,
+    TriangleDown,
+    Square,
+    Diamond,
+    Pentagon,
+    Star,
+}
+
+impl Shape {
+    /// Draws the symbol with its middle at `at`.
+    pub fn draw(self, svg: &mut Svg, class: &str, at: (f64, f64), fill: &str) {
+        match self {
+            Self::Circle => svg.circle(class, at, 4.6, fill, &OUTLINE),
+            Self::Dot => svg.circle(class, at, 3.2, fill, &Stroke::solid(palette::INK, 0.0)),
+            Self::Triangle => svg.polygon(class, &corners(at, 3, 5.8, 0.0), fill, &OUTLINE),
+            Self::TriangleDown => svg.polygon(class, &corners(at, 3, 5.8, 0.5), fill, &OUTLINE),
+            Self::Square => svg.polygon(class, &corners(at, 4, 5.8, 0.5), fill, &OUTLINE),
+            Self::Diamond => svg.polygon(class, &corners(at, 4, 6.0, 0.0), fill, &OUTLINE),
+            Self::Pentagon => svg.polygon(class, &corners(at, 5, 5.4, 0.0), fill, &OUTLINE),
+            Self::Star => svg.polygon(class, &star(at), fill, &OUTLINE),
+        }
+    }
+}
+
+/// Corners of a regular polygon that stands on a side (`turn` 0.5: even, or upside down).
+fn corners(at: (f64, f64), n: usize, radius: f64, turn: f64) -> Vec<(f64, f64)> {
+    (0..n).map(|k| on_circle(at, radius, TAU * (k as f64 + turn) / n as f64)).collect()
+}
+
+fn star(at: (f64, f64)) -> Vec<(f64, f64)> {
+    (0..10).map(|k| on_circle(at, if k % 2 == 0 { 6.6 } else { 2.8 }, TAU * k as f64 / 10.0)).collect()
+}
+
+/// Point at `angle`, clockwise from above.
+fn on_circle(at: (f64, f64), radius: f64, angle: f64) -> (f64, f64) {
+    let (sin, cos) = (angle - FRAC_PI_2).sin_cos();
+    (at.0 + radius * cos, at.1 + radius * sin)
+}

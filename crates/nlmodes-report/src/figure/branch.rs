@@ -1,0 +1,196 @@
+use super::Figure;
+use super::events::EventSymbols;
+use crate::ReportError;
+use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::palette;
+use crate::svg::Stroke;
+use nlmodes_modal::{ModalBranch, ModalPoint};
+use std::f64::consts::TAU;
+
+/// Over what the frequency of a nonlinear mode is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Abscissa {
+    /// Averaged kinetic energy, J, on a logarithmic axis, as in Fig. 3 b.
+    Energy,
+    /// Nonlinear modal amplitude, m·√kg, on a linear axis, as in Fig. 8 a.
+    ModalAmplitude,
+}
+
+/// Frequency of nonlinear modes over energy or amplitude: several branches in one figure.
+///
+/// Each event has its own symbol. Where a branch starts at grazing, the linear mode below is drawn as a dashed line.
+#[derive(Debug, Clone)]
+pub struct BranchFigure<'a> {
+    abscissa: Abscissa,
+    branches: &'a [&'a ModalBranch],
+    title: String,
+    marks: Vec<(usize, usize, String)>,
+}
+
+impl<'a> BranchFigure<'a> {
+    /// A figure of these branches, named in the legend by their labels.
+    pub fn new(abscissa: Abscissa, branches: &'a [&'a ModalBranch]) -> Self {
+        Self { abscissa, branches, title: String::new(), marks: Vec::new() }
+    }
+
+    /// With a title; without one otherwise.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// With a name, for instance `P1`, beside point `point` of the branch number `branch`.
+    pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
+        self.marks.push((branch, point, name.into()));
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// Points with a value that the axes cannot show (NaN, an energy of zero) interrupt their curve.
+    ///
+    /// # Errors
+    /// [`ReportError::NothingToDraw`] if no branch has a point that the axes can show, [`ReportError::NoSuchPoint`] for
+    /// a mark on a point that does not exist.
+    pub fn render(&self) -> Result<Figure, ReportError> {
+        let mut events = EventSymbols::default();
+        let mut symbols = self.event_symbols(&mut events);
+        symbols.extend(self.mark_symbols()?);
+        let (x, y) = self.scales()?;
+        let lines = self.linear_modes(x.ends().0);
+        let legend = self.legend(!lines.is_empty(), &events);
+        let curves = lines.into_iter().chain(self.curves()).collect();
+        let y = Axis { label: "frequency in Hz".into(), scale: y };
+        let panel = Panel { y, curves, symbols, verticals: Vec::new() };
+        let x = Axis { label: self.abscissa.label().into(), scale: x };
+        let chart = Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 360.0, legend };
+        Ok(Figure::new(chart.draw()))
+    }
+
+    fn place(&self, point: &ModalPoint) -> (f64, f64) {
+        (self.abscissa.value(point), point.omega / TAU)
+    }
+
+    fn is_visible(&self, point: &ModalPoint) -> bool {
+        let (x, y) = self.place(point);
+        x.is_finite() && y.is_finite() && (x > 0.0 || self.abscissa == Abscissa::ModalAmplitude)
+    }
+
+    fn scales(&self) -> Result<(Scale, Scale), ReportError> {
+        let points = || self.branches.iter().flat_map(|branch| &branch.points).filter(|point| self.is_visible(point));
+        let x_values = points().map(|point| self.abscissa.value(point));
+        let grazing = self.branches.iter().filter_map(|branch| self.grazing_start(branch));
+        let grazing = grazing.map(|point| self.abscissa.value(point)).reduce(f64::min);
+        let x = self.abscissa.scale(x_values, grazing);
+        let y = Scale::linear(points().map(|point| point.omega / TAU), 0.06);
+        let reason = "no branch has a point with finite values";
+        x.zip(y).ok_or(ReportError::NothingToDraw { figure: self.abscissa.figure(), reason })
+    }
+
+    /// The grazing point of a branch that begins or ends there, and therefore needs a line for the linear mode below.
+    fn grazing_start<'p>(&self, branch: &'p ModalBranch) -> Option<&'p ModalPoint> {
+        let mut visible = branch.points.iter().filter(|point| self.is_visible(point));
+        let ends = [visible.clone().next(), visible.next_back()];
+        ends.into_iter().flatten().find(|point| point.events.iter().any(|event| event == "grazing"))
+    }
+
+    fn linear_modes(&self, start: f64) -> Vec<Curve> {
+        let lines = self.branches.iter().enumerate().filter_map(|(index, branch)| {
+            let (x, y) = self.place(self.grazing_start(branch)?);
+            let stroke = Stroke::dashed(palette::curve(index), 1.6);
+            Some(Curve { class: "linear-mode", points: vec![(start, y), (x, y)], stroke })
+        });
+        lines.collect()
+    }
+
+    fn curves(&self) -> impl Iterator<Item = Curve> {
+        self.branches.iter().enumerate().map(|(index, branch)| Curve {
+            class: "branch",
+            points: branch.points.iter().map(|point| self.place(point)).collect(),
+            stroke: branch_stroke(index),
+        })
+    }
+
+    fn event_symbols(&self, events: &mut EventSymbols) -> Vec<Symbol> {
+        let points = self.branches.iter().flat_map(|branch| &branch.points).filter(|point| self.is_visible(point));
+        let pairs = points.flat_map(|point| point.events.iter().map(move |event| (point, event)));
+        pairs
+            .map(|(point, event)| {
+                let (shape, fill) = events.of(event);
+                Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None }
+            })
+            .collect()
+    }
+
+    fn mark_symbols(&self) -> Result<Vec<Symbol>, ReportError> {
+        let symbol = |(branch, point, name): &(usize, usize, String)| {
+            let found = self.branches.get(*branch).and_then(|branch| branch.points.get(*point));
+            let found = found.ok_or_else(|| self.no_such_point(*branch, *point))?;
+            let (at, name) = (self.place(found), Some(name.clone()));
+            Ok(Symbol { class: "mark".into(), at, shape: Shape::Dot, fill: palette::INK, name })
+        };
+        self.marks.iter().map(symbol).collect()
+    }
+
+    fn no_such_point(&self, branch: usize, point: usize) -> ReportError {
+        let found = self.branches.get(branch);
+        let label = found.map_or_else(|| format!("number {branch}"), |branch| branch.label.clone());
+        ReportError::NoSuchPoint { point, branch: label, n_points: found.map_or(0, |branch| branch.points.len()) }
+    }
+
+    fn legend(&self, has_linear_mode: bool, events: &EventSymbols) -> Vec<LegendEntry> {
+        let branches = self.branches.iter().enumerate();
+        let branches = branches.map(|(index, branch)| entry(branch_stroke(index), &branch.label));
+        let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
+        branches.chain(linear).chain(events.legend()).collect()
+    }
+}
+
+fn branch_stroke(index: usize) -> Stroke {
+    Stroke::solid(palette::curve(index), 2.0)
+}
+
+fn entry(stroke: Stroke, name: &str) -> LegendEntry {
+    LegendEntry { key: Key::Line(stroke), name: name.into() }
+}
+
+impl Abscissa {
+    fn figure(self) -> &'static str {
+        match self {
+            Self::Energy => "frequency over energy",
+            Self::ModalAmplitude => "frequency over modal amplitude",
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Energy => "averaged kinetic energy in J",
+            Self::ModalAmplitude => "modal amplitude in m √kg",
+        }
+    }
+
+    fn value(self, point: &ModalPoint) -> f64 {
+        match self {
+            Self::Energy => point.kinetic_energy,
+            Self::ModalAmplitude => point.modal_amplitude,
+        }
+    }
+
+    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a share of the decades.
+    fn scale(self, values: impl Iterator<Item = f64>, grazing: Option<f64>) -> Option<Scale> {
+        match self {
+            Self::Energy => {
+                let scale = Scale::logarithmic(values, 0.04)?;
+                let (low, high) = scale.ends();
+                let start = grazing.map(|energy| energy * (low / high).powf(0.2));
+                Some(start.map_or(scale, |start| scale.starting_at(start.min(low))))
+            }
+            Self::ModalAmplitude => {
+                let scale = Scale::linear(values, 0.04)?;
+                let below = grazing.filter(|amplitude| *amplitude > 0.0);
+                Some(below.map_or(scale, |_| scale.starting_at(0.0)))
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Symbols of the events on a branch: distinct in shape as well as in colour.
+
+use crate::chart::{Key, LegendEntry, Shape};
+
+const KNOWN: [(&str, Shape, &str); 4] = [
+    ("grazing", Shape::Circle, "#f0e442"),
+    ("fold", Shape::Triangle, "#ffffff"),
+    ("branch-point", Shape::Square, "#56b4e9"),
+    ("kink", Shape::Diamond, "#cc79a7"),
+];
+const FURTHER: [Shape; 3] = [Shape::TriangleDown, Shape::Pentagon, Shape::Star];
+const FURTHER_FILLS: [&str; 2] = ["#e69f00", "#bbbbbb"];
+
+/// Events in the order in which they first occur, each with its symbol.
+#[derive(Debug, Default)]
+pub(super) struct EventSymbols {
+    names: Vec<(String, Shape, &'static str)>,
+    n_further: usize,
+}
+
+impl EventSymbols {
+    /// The symbol of an event; a name that is not known gets one that is still free.
+    pub fn of(&mut self, event: &str) -> (Shape, &'static str) {
+        if let Some((_, shape, fill)) = self.names.iter().find(|(name, ..)| name == event) {
+            return (*shape, *fill);
+        }
+        let known = KNOWN.iter().find(|(name, ..)| *name == event).map(|(_, shape, fill)| (*shape, *fill));
+        let (shape, fill) = known.unwrap_or_else(|| self.next_further());
+        self.names.push((event.into(), shape, fill));
+        (shape, fill)
+    }
+
+    fn next_further(&mut self) -> (Shape, &'static str) {
+        let index = self.n_further;
+        self.n_further += 1;
+        (FURTHER[index % FURTHER.len()], FURTHER_FILLS[index / FURTHER.len() % FURTHER_FILLS.len()])
+    }
+
+    /// An entry for each event that occurred.
+    pub fn legend(&self) -> impl Iterator<Item = LegendEntry> {
+        self.names
+            .iter()
+            .map(|(name, shape, fill)| LegendEntry { key: Key::Symbol(*shape, fill), name: name.replace('-', " ") })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_seven_kinds_of_events_differ_in_shape() {
+        let mut symbols = EventSymbols::default();
+        let names = ["fold", "a", "grazing", "b", "kink", "c", "branch-point"];
+        let shapes: Vec<Shape> = names.iter().map(|name| symbols.of(name).0).collect();
+        assert!(shapes.iter().enumerate().all(|(i, shape)| !shapes[..i].contains(shape)), "{shapes:?}");
+        assert_eq!(symbols.of("a"), symbols.of("a"));
+        assert_eq!(symbols.legend().count(), names.len());
+    }
+}

@@ -1,0 +1,146 @@
+use super::Figure;
+use crate::ReportError;
+use crate::chart::scientific;
+use crate::surface::{Line, Surface, SurfaceAxis};
+use crate::unit::Unit;
+use nlmodes_modal::{ModalBranch, ModalPoint};
+use std::f64::consts::TAU;
+
+const N_TIMES: usize = 64;
+/// More positions than these would hide the surface under its own lines.
+const MAX_POSITIONS: usize = 41;
+
+/// Motion of the structure over one period as a surface over position and time, as in Fig. 4, with the stop in blue.
+///
+/// It shows the coordinates of the kind (`axial`, `deflection`) of the contact, or of the first coordinate where there
+/// is no contact.
+#[derive(Debug, Clone)]
+pub struct MotionFigure<'a> {
+    branch: &'a ModalBranch,
+    point: usize,
+    clamped: Vec<f64>,
+}
+
+/// A position along the structure and the coordinate there, none where it is clamped.
+type Station = (f64, Option<usize>);
+
+impl<'a> MotionFigure<'a> {
+    /// A figure of the motion at point `point` of the branch.
+    pub fn new(branch: &'a ModalBranch, point: usize) -> Self {
+        Self { branch, point, clamped: Vec::new() }
+    }
+
+    /// With displacement zero at these positions, m, which have no coordinate because they are clamped.
+    pub fn clamped_at(mut self, positions: &[f64]) -> Self {
+        self.clamped.extend_from_slice(positions);
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`ReportError::NoSuchPoint`], [`ReportError::CoefficientShape`] if the point lacks the coordinates of the branch,
+    /// [`ReportError::TooFewPositions`], [`ReportError::NothingToDraw`] if the motion is not finite.
+    pub fn render(&self) -> Result<Figure, ReportError> {
+        let point = self.checked_point()?;
+        let kind = self.kind();
+        let stations = thinned(self.stations(kind), self.contact_position());
+        if stations.len() < 2 {
+            return Err(ReportError::TooFewPositions { kind: kind.into(), found: stations.len() });
+        }
+        let heights = heights(point, &stations);
+        let is_periodic = point.omega.is_finite() && point.omega > 0.0;
+        if !is_periodic || heights.iter().flatten().any(|value| !value.is_finite()) {
+            let reason = "the motion or its frequency is not finite";
+            return Err(ReportError::NothingToDraw { figure: "motion over a period", reason });
+        }
+        Ok(Figure::new(self.surface(point, kind, &stations, &heights).draw()))
+    }
+
+    fn checked_point(&self) -> Result<&ModalPoint, ReportError> {
+        let n_points = self.branch.points.len();
+        let missing = || ReportError::NoSuchPoint { point: self.point, branch: self.branch.label.clone(), n_points };
+        let point = self.branch.points.get(self.point).ok_or_else(missing)?;
+        let width = point.coefficients.n_harmonics() + 1;
+        let (found, expected) = (point.coefficients.n_coordinates(), self.branch.coordinates.len());
+        if found == expected {
+            return Ok(point);
+        }
+        Err(ReportError::CoefficientShape { point: self.point, found: (found, width), expected: (expected, width) })
+    }
+
+    fn kind(&self) -> &str {
+        let index = self.branch.contact_coordinate.unwrap_or(0);
+        self.branch.coordinates.get(index).map_or("", |coordinate| &coordinate.kind)
+    }
+
+    fn contact_position(&self) -> Option<f64> {
+        self.branch.coordinates.get(self.branch.contact_coordinate?).map(|coordinate| coordinate.position)
+    }
+
+    /// All positions in ascending order, each once; a coordinate goes before a clamp.
+    fn stations(&self, kind: &str) -> Vec<Station> {
+        let coordinates = self.branch.coordinates.iter().enumerate().filter(|(_, coordinate)| coordinate.kind == kind);
+        let free = coordinates.map(|(index, coordinate)| (coordinate.position, Some(index)));
+        let clamped = self.clamped.iter().map(|position| (*position, None));
+        let mut stations: Vec<Station> = free.chain(clamped).filter(|(position, _)| position.is_finite()).collect();
+        stations.sort_by(|a, b| a.0.total_cmp(&b.0));
+        stations.dedup_by(|a, b| a.0 == b.0);
+        stations
+    }
+
+    fn surface(&self, point: &ModalPoint, kind: &str, stations: &[Station], heights: &[Vec<f64>]) -> Surface {
+        let period = TAU / point.omega;
+        let positions: Vec<f64> = stations.iter().map(|(position, _)| *position).collect();
+        let times: Vec<f64> = (0..=N_TIMES).map(|k| period * k as f64 / N_TIMES as f64).collect();
+        let largest = heights.iter().flatten().chain(&self.branch.stop).fold(0.0, |m: f64, value| m.max(value.abs()));
+        let (name, z) = quantity(kind, largest);
+        let x = Unit::fine("m", positions.iter().fold(0.0, |m: f64, value| m.max(value.abs())));
+        let t = Unit::fine("s", period);
+        let scaled = |values: &[f64], unit: &Unit| values.iter().map(|value| value * unit.per_si).collect::<Vec<_>>();
+        let line = |y: f64| self.contact_position().map(|at| Line { x: at * x.per_si, z: y * z.per_si });
+        Surface {
+            title: self.title(point),
+            x: SurfaceAxis { label: format!("position in {}", x.symbol), values: scaled(&positions, &x) },
+            y: SurfaceAxis { label: format!("time in {}", t.symbol), values: scaled(&times, &t) },
+            z_label: format!("{name} in {}", z.symbol),
+            z: heights.iter().map(|row| scaled(row, &z)).collect(),
+            stop: self.branch.stop.filter(|stop| stop.is_finite()).and_then(line),
+            contact: stations.iter().position(|(position, _)| Some(*position) == self.contact_position()),
+        }
+    }
+
+    fn title(&self, point: &ModalPoint) -> String {
+        let frequency = format!("{:.4} Hz", point.omega / TAU);
+        format!("Point {}: {frequency}, averaged kinetic energy {} J", self.point, scientific(point.kinetic_energy))
+    }
+}
+
+/// Displacement at each position (rows) and time (columns) of one period.
+fn heights(point: &ModalPoint, stations: &[Station]) -> Vec<Vec<f64>> {
+    let phases: Vec<f64> = (0..=N_TIMES).map(|k| TAU * k as f64 / N_TIMES as f64).collect();
+    let value = |index: Option<usize>, phase: f64| index.map_or(0.0, |index| point.coefficients.value(index, phase));
+    stations.iter().map(|(_, index)| phases.iter().map(|phase| value(*index, *phase)).collect()).collect()
+}
+
+/// At most [`MAX_POSITIONS`] stations, evenly chosen, the ends and the contact among them.
+fn thinned(stations: Vec<Station>, contact: Option<f64>) -> Vec<Station> {
+    let n = stations.len();
+    if n <= MAX_POSITIONS {
+        return stations;
+    }
+    let mut chosen: Vec<usize> = (0..MAX_POSITIONS).map(|k| k * (n - 1) / (MAX_POSITIONS - 1)).collect();
+    chosen.extend(stations.iter().position(|(position, _)| Some(*position) == contact));
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen.into_iter().map(|index| stations[index]).collect()
+}
+
+fn quantity(kind: &str, largest: f64) -> (&'static str, Unit) {
+    match kind {
+        "axial" => ("axial displacement", Unit::fine("m", largest)),
+        "deflection" => ("deflection", Unit::fine("m", largest)),
+        "rotation" => ("rotation", Unit::fine("rad", largest)),
+        _ => ("displacement", Unit::fine("m", largest)),
+    }
+}

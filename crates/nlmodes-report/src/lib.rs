@@ -1,0 +1,78 @@
+//! Tables and figures of nonlinear modes.
+//!
+//! Everything here starts from a [`ModalBranch`](nlmodes_modal::ModalBranch) or a
+//! [`TimeHistory`](nlmodes_modal::TimeHistory), so that computed and measured modes share files, axes and figures.
+//! Frequencies become hertz here and nowhere before: `f = ω̃ / 2π`.
+//!
+//! | item | writes | shows |
+//! | --- | --- | --- |
+//! | [`write_branch`], [`BranchWriter`] | `branch.csv` | a row a point: frequency, energies, amplitudes, contact, events |
+//! | [`write_harmonics`] | `harmonics.npz` | frequencies and complex Fourier coefficients, eq. (7), for NumPy |
+//! | [`write_summary`] | `summary.json` | any serialisable summary |
+//! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
+//! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
+//! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
+//!
+//! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
+//!
+//! # Example
+//! An oscillator of mass 1 kg and eigenfrequency `ω₀` against a rigid stop at `g₀` swings with amplitude `a ≥ g₀` at
+//! `ω = π ω₀ / (π − arccos(g₀/a))`.
+//!
+//! ```
+//! use nlmodes_modal::{BranchEnd, Coordinate, HarmonicCoefficients, ModalBranch, ModalPoint};
+//! use nlmodes_report::{Abscissa, BranchFigure, write_branch};
+//! use std::f64::consts::PI;
+//!
+//! let (omega_0, stop) = (10.0, 1e-3);
+//! let point = |amplitude: f64| ModalPoint {
+//!     omega: PI * omega_0 / (PI - (stop / amplitude).acos()),
+//!     coefficients: HarmonicCoefficients::zeros(1, 1),
+//!     kinetic_energy: 0.25 * (omega_0 * amplitude).powi(2),
+//!     total_energy: 0.5 * (omega_0 * amplitude).powi(2),
+//!     modal_amplitude: amplitude,
+//!     fundamental: amplitude,
+//!     peak: stop,
+//!     contact_fraction: 0.0,
+//!     contact_intervals: 1,
+//!     peak_contact_force: 0.0,
+//!     residual: 0.0,
+//!     events: if amplitude == stop { vec!["grazing".into()] } else { Vec::new() },
+//! };
+//! let branch = ModalBranch {
+//!     label: "exact".into(),
+//!     coordinates: vec![Coordinate { position: 0.0, kind: "axial".into() }],
+//!     contact_coordinate: Some(0),
+//!     stop: Some(stop),
+//!     points: (0..50).map(|k| point(stop * (1.0 + 0.02 * f64::from(k)))).collect(),
+//!     end: BranchEnd { reason: "max-points".into(), message: "fifty points".into(), complete: true },
+//! };
+//! let folder = tempfile::tempdir()?;
+//! write_branch(folder.path().join("branch.csv"), &branch)?;
+//! let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).title("Oscillator with a stop").render()?;
+//! figure.write(folder.path().join("frequency_energy.svg"))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Why the figures are drawn here
+//! A figure of a motion needs the stop as a line that the surface hides where it is nearer; the plotting crate that was
+//! tried first (kuva 0.6) has no such line, and its logarithmic axes end at whole decades unless told otherwise. The
+//! modules `chart` and `surface` therefore describe what is shown, and the module `svg`, which alone knows the format,
+//! writes it to a hundredth of a pixel.
+//!
+//! # Reference
+//! Peter et al., Mechanical Systems and Signal Processing 120 (2019) 793-807: the equations and figures cited here.
+
+mod chart;
+mod error;
+mod figure;
+mod output;
+mod palette;
+mod surface;
+mod svg;
+mod table;
+mod unit;
+
+pub use error::ReportError;
+pub use figure::{Abscissa, BranchFigure, Figure, HistoryFigure, MotionFigure};
+pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_summary};

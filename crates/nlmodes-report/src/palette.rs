@@ -1,0 +1,43 @@
+//! Colours that readers with colour-blindness tell apart: the set of Okabe and Ito, and viridis for surfaces.
+
+/// Body text, frames, outlines.
+pub(crate) const INK: &str = "#222222";
+/// Grid at the labelled ticks.
+pub(crate) const GRID: &str = "#dddddd";
+/// Grid between the labelled ticks.
+pub(crate) const FINE_GRID: &str = "#f0f0f0";
+/// The stop.
+pub(crate) const STOP: &str = "#0050d0";
+/// Touching begins.
+pub(crate) const TOUCHING: &str = "#d62728";
+/// The body leaves.
+pub(crate) const LEAVING: &str = "#2ca02c";
+
+const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+
+const VIRIDIS: [[f64; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 45.0, 123.0],
+    [59.0, 82.0, 139.0],
+    [44.0, 114.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [40.0, 174.0, 128.0],
+    [94.0, 201.0, 98.0],
+    [173.0, 220.0, 48.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// Colour of the curve number `index`; the colours repeat after the seventh.
+pub(crate) fn curve(index: usize) -> &'static str {
+    CURVES[index % CURVES.len()]
+}
+
+/// Viridis from 0 (dark violet) to 1 (yellow).
+pub(crate) fn viridis(share: f64) -> String {
+    let last = VIRIDIS.len() - 1;
+    let place = share.clamp(0.0, 1.0) * last as f64;
+    let index = (place as usize).min(last - 1);
+    let weight = place - index as f64;
+    let channel = |c: usize| VIRIDIS[index][c] + weight * (VIRIDIS[index + 1][c] - VIRIDIS[index][c]);
+    format!("#{:02x}{:02x}{:02x}", channel(0).round() as u8, channel(1).round() as u8, channel(2).round() as u8)
+}

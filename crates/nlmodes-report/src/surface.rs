@@ -1,0 +1,35 @@
+//! A surface over position and time in a box, seen from the front, the right and above.
+
+mod draw;
+mod view;
+
+/// What the figure shows; the numbers are in the units of the labels.
+#[derive(Debug)]
+pub(crate) struct Surface {
+    pub title: String,
+    /// Along the structure.
+    pub x: SurfaceAxis,
+    /// Over time.
+    pub y: SurfaceAxis,
+    pub z_label: String,
+    /// Heights: a row for each of `x`, a column for each of `y`.
+    pub z: Vec<Vec<f64>>,
+    /// The stop.
+    pub stop: Option<Line>,
+    /// Row of `z` that is drawn bold: the motion of the contact.
+    pub contact: Option<usize>,
+}
+
+/// Ascending values of an axis and its label with the unit.
+#[derive(Debug)]
+pub(crate) struct SurfaceAxis {
+    pub label: String,
+    pub values: Vec<f64>,
+}
+
+/// A line along time at this position and height.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    pub x: f64,
+    pub z: f64,
+}

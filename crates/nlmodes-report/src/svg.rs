@@ -1,0 +1,161 @@
+//! Scalable vector graphics as text: the only place that knows the format.
+
+use std::fmt::Write;
+
+const FONTS: &str = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stroke {
+    pub color: &'static str,
+    pub width: f64,
+    pub dash: Option<&'static str>,
+}
+
+impl Stroke {
+    pub const fn solid(color: &'static str, width: f64) -> Self {
+        Self { color, width, dash: None }
+    }
+
+    pub const fn dashed(color: &'static str, width: f64) -> Self {
+        Self { color, width, dash: Some("6 4") }
+    }
+
+    fn attributes(&self) -> String {
+        let dash = self.dash.map(|dash| format!(r#" stroke-dasharray="{dash}""#)).unwrap_or_default();
+        format!(r#"stroke="{}" stroke-width="{}"{dash}"#, self.color, self.width)
+    }
+}
+
+/// Which part of a text stands at its position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A picture under construction; lengths in pixels from its upper left corner.
+#[derive(Debug)]
+pub(crate) struct Svg {
+    width: f64,
+    height: f64,
+    body: String,
+}
+
+impl Svg {
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: String::new() }
+    }
+
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: &Stroke) {
+        let (x1, y1, x2, y2) = (px(from.0), px(from.1), px(to.0), px(to.1));
+        self.push(&format!(r#"<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {}/>"#, stroke.attributes()));
+    }
+
+    pub fn polyline(&mut self, class: &str, points: &[(f64, f64)], stroke: &Stroke) {
+        let (class, points, stroke) = (escape(class), joined(points), stroke.attributes());
+        let join = r#"fill="none" stroke-linejoin="round" stroke-linecap="butt""#;
+        self.push(&format!(r#"<polyline class="{class}" points="{points}" {join} {stroke}/>"#));
+    }
+
+    pub fn polygon(&mut self, class: &str, points: &[(f64, f64)], fill: &str, stroke: &Stroke) {
+        let (class, points, stroke) = (escape(class), joined(points), stroke.attributes());
+        self.push(&format!(r#"<polygon class="{class}" points="{points}" fill="{fill}" {stroke}/>"#));
+    }
+
+    pub fn circle(&mut self, class: &str, center: (f64, f64), radius: f64, fill: &str, stroke: &Stroke) {
+        let (class, x, y, stroke) = (escape(class), px(center.0), px(center.1), stroke.attributes());
+        self.push(&format!(r#"<circle class="{class}" cx="{x}" cy="{y}" r="{}" fill="{fill}" {stroke}/>"#, px(radius)));
+    }
+
+    pub fn rectangle(&mut self, corner: (f64, f64), size: (f64, f64), fill: &str, stroke: &Stroke) {
+        let (x, y, w, h) = (px(corner.0), px(corner.1), px(size.0), px(size.1));
+        let stroke = stroke.attributes();
+        self.push(&format!(r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{fill}" {stroke}/>"#));
+    }
+
+    /// Text with its baseline at `at`, in the size of `size` pixels.
+    pub fn text(&mut self, at: (f64, f64), anchor: Anchor, size: f64, text: &str) {
+        self.push_text(&format!(r#"x="{}" y="{}""#, px(at.0), px(at.1)), anchor, size, text);
+    }
+
+    /// As [`Svg::text`], with a white rim that keeps it readable across lines.
+    pub fn haloed_text(&mut self, at: (f64, f64), anchor: Anchor, size: f64, text: &str) {
+        let halo = r#"stroke="white" stroke-width="3" stroke-linejoin="round" paint-order="stroke""#;
+        self.push_text(&format!(r#"x="{}" y="{}" {halo}"#, px(at.0), px(at.1)), anchor, size, text);
+    }
+
+    /// Text that reads upwards, centred at `at`.
+    pub fn vertical_text(&mut self, at: (f64, f64), size: f64, text: &str) {
+        let place = format!(r#"transform="translate({} {}) rotate(-90)""#, px(at.0), px(at.1));
+        self.push_text(&place, Anchor::Middle, size, text);
+    }
+
+    fn push_text(&mut self, place: &str, anchor: Anchor, size: f64, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let text = escape(text);
+        self.push(&format!(r#"<text {place} text-anchor="{anchor}" font-size="{size}">{text}</text>"#));
+    }
+
+    fn push(&mut self, element: &str) {
+        self.body.push_str(element);
+        self.body.push('\n');
+    }
+
+    /// The whole document.
+    pub fn finish(self) -> String {
+        let (width, height, body) = (px(self.width), px(self.height), self.body);
+        let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
+        let open = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{FONTS}" fill="black">"#);
+        let background = format!(r#"<rect width="{width}" height="{height}" fill="white"/>"#);
+        format!("{open}\n{background}\n{body}</svg>\n")
+    }
+}
+
+/// Width of a text in pixels, rather too wide than too narrow: the font is the viewer's.
+pub(crate) fn text_width(text: &str, size: f64) -> f64 {
+    0.6 * size * text.chars().count() as f64
+}
+
+/// Size, at most `size`, in which a text does not exceed `width`.
+pub(crate) fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
+    let share = width / text_width(text, size).max(width);
+    (10.0 * size * share).floor() / 10.0
+}
+
+fn joined(points: &[(f64, f64)]) -> String {
+    points.iter().fold(String::with_capacity(14 * points.len()), |mut text, (x, y)| {
+        let separator = if text.is_empty() { "" } else { " " };
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{separator}{},{}", px(*x), px(*y));
+        text
+    })
+}
+
+/// A length to a hundredth of a pixel, without needless zeros.
+fn px(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".into() } else { short.into() }
+}
+
+/// Text for elements and attributes; control characters, which XML does not allow, become spaces.
+fn escape(text: &str) -> String {
+    text.chars().fold(String::with_capacity(text.len()), |mut safe, character| {
+        match character {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\u{fffe}' | '\u{ffff}' => safe.push(' '),
+            control if control.is_control() => safe.push(' '),
+            other => safe.push(other),
+        }
+        safe
+    })
+}

@@ -1,0 +1,82 @@
+use crate::ReportError;
+use crate::output::replace_file;
+use nlmodes_modal::ModalBranch;
+use npyz::npz::NpzWriter;
+use npyz::{DType, TypeStr, WriterBuilder};
+use num_complex::Complex64;
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+/// Writes the motions of a branch as a NumPy archive, which `numpy.load` reads without `allow_pickle`.
+///
+/// | array | shape | type |
+/// | --- | --- | --- |
+/// | `omega` | points | float64, rad/s |
+/// | `coefficients` | points × coordinates × (harmonics + 1) | complex128, eq. (7) |
+/// | `dof_position_m` | coordinates | float64 |
+/// | `dof_kind` | coordinates | Unicode text |
+///
+/// # Errors
+/// [`ReportError::CoefficientShape`] if the points do not fit into one array, [`ReportError::Io`] if the file cannot
+/// be written.
+pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
+    let width = common_width(branch)?;
+    replace_file(path.as_ref(), |file| {
+        let mut archive = NpzWriter::new(file);
+        let omega: Vec<f64> = branch.points.iter().map(|point| point.omega).collect();
+        write_numbers(&mut archive, "omega", &omega)?;
+        write_coefficients(&mut archive, branch, width)?;
+        let positions: Vec<f64> = branch.coordinates.iter().map(|coordinate| coordinate.position).collect();
+        write_numbers(&mut archive, "dof_position_m", &positions)?;
+        let kinds: Vec<&str> = branch.coordinates.iter().map(|coordinate| coordinate.kind.as_str()).collect();
+        write_texts(&mut archive, "dof_kind", &kinds)?;
+        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+    })
+}
+
+/// Harmonics + 1, the same for all points; 1 for a branch without points.
+fn common_width(branch: &ModalBranch) -> Result<usize, ReportError> {
+    let width = branch.points.first().map_or(1, |point| point.coefficients.n_harmonics() + 1);
+    let expected = (branch.coordinates.len(), width);
+    for (index, point) in branch.points.iter().enumerate() {
+        let found = (point.coefficients.n_coordinates(), point.coefficients.n_harmonics() + 1);
+        if found != expected {
+            return Err(ReportError::CoefficientShape { point: index, found, expected });
+        }
+    }
+    Ok(width)
+}
+
+fn write_coefficients<W: Write + Seek>(
+    archive: &mut NpzWriter<W>,
+    branch: &ModalBranch,
+    width: usize,
+) -> io::Result<()> {
+    let n_coordinates = branch.coordinates.len();
+    let shape = [branch.points.len() as u64, n_coordinates as u64, width as u64];
+    let options = archive.array::<Complex64>("coefficients", Default::default())?;
+    let mut array = options.default_dtype().shape(&shape).begin_nd()?;
+    for point in &branch.points {
+        for d in 0..n_coordinates {
+            array.extend(point.coefficients.of(d).iter().copied())?;
+        }
+    }
+    array.finish()
+}
+
+fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
+    let options = archive.array::<f64>(name, Default::default())?;
+    let mut array = options.default_dtype().shape(&[values.len() as u64]).begin_nd()?;
+    array.extend(values.iter().copied())?;
+    array.finish()
+}
+
+/// Texts of NumPy's fixed width, that of the longest.
+fn write_texts<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, texts: &[&str]) -> io::Result<()> {
+    let longest = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+    let text_type: TypeStr = format!("<U{longest}").parse().map_err(io::Error::other)?;
+    let options = archive.array::<str>(name, Default::default())?;
+    let mut array = options.dtype(DType::Plain(text_type)).shape(&[texts.len() as u64]).begin_nd()?;
+    texts.iter().try_for_each(|text| array.push(text))?;
+    array.finish()
+}

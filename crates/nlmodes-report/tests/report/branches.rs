@@ -1,0 +1,155 @@
+use crate::{checked, of_class, points, samples, texts};
+use nlmodes_modal::ModalBranch;
+use nlmodes_report::{Abscissa, BranchFigure, ReportError};
+
+const BOTH: [Abscissa; 2] = [Abscissa::Energy, Abscissa::ModalAmplitude];
+
+#[test]
+fn curves_have_all_points_of_their_branches_and_the_legend_names_them() {
+    let (exact, looped) = (samples::rod(33, 1), samples::looped(100));
+    for abscissa in BOTH {
+        let figure = BranchFigure::new(abscissa, &[&exact, &looped]).title("a < b & c").render().unwrap();
+        let document = checked(&figure);
+        let lengths: Vec<usize> = of_class(&document, "branch").iter().map(|curve| points(*curve).len()).collect();
+        assert_eq!(lengths, [33, 100]);
+        let texts = texts(&document);
+        for text in ["a < b & c", "exact", "MS-HBM, 3 harmonics", "frequency in Hz", "branch point", "linear mode"] {
+            assert!(texts.iter().any(|found| found == text), "{text}: {texts:?}");
+        }
+    }
+}
+
+#[test]
+fn curves_are_not_rounded_to_whole_pixels() {
+    let branch = samples::rod(200, 1);
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let document = checked(&figure);
+    let points = points(of_class(&document, "branch")[0]);
+    assert!(points.windows(2).all(|pair| pair[1].0 > pair[0].0 && pair[1].1 < pair[0].1), "{points:?}");
+}
+
+#[test]
+fn energy_is_on_a_logarithmic_axis() {
+    let branch = samples::rod(3, 1);
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let document = checked(&figure);
+    let pixels = points(of_class(&document, "branch")[0]);
+    let ratio = |k: usize| (branch.points[k].kinetic_energy / branch.points[0].kinetic_energy).ln();
+    let expected = ratio(1) / ratio(2);
+    assert!(((pixels[1].0 - pixels[0].0) / (pixels[2].0 - pixels[0].0) - expected).abs() < 1e-3);
+}
+
+#[test]
+fn each_event_has_a_symbol_and_linear_mode_ends_at_grazing() {
+    let branch = samples::looped(100);
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let document = checked(&figure);
+    for (event, count) in [("grazing", 1), ("fold", 2), ("branch-point", 1), ("kink", 1), ("energy-fold", 1)] {
+        assert_eq!(of_class(&document, &format!("event {event}")).len(), count, "{event}");
+    }
+    let line = points(of_class(&document, "linear-mode")[0]);
+    assert_eq!(line[1], points(of_class(&document, "branch")[0])[0]);
+    assert!(line[0].0 < line[1].0 - 50.0 && line[0].1 == line[1].1, "{line:?}");
+}
+
+#[test]
+fn branch_that_begins_below_grazing_needs_no_line() {
+    let mut branch = samples::rod(10, 1);
+    branch.points[0].events.clear();
+    branch.points[3].events.push("grazing".into());
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    assert!(of_class(&checked(&figure), "linear-mode").is_empty());
+}
+
+#[test]
+fn narrow_frequency_range_is_labelled_with_full_numbers() {
+    let mut branch = samples::rod(10, 1);
+    for (k, point) in branch.points.iter_mut().enumerate() {
+        point.omega = std::f64::consts::TAU * (60.7866 + 1e-5 * k as f64);
+    }
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let texts = texts(&checked(&figure));
+    let ticks: Vec<&String> = texts.iter().filter(|text| text.starts_with("60.786")).collect();
+    assert!(ticks.len() >= 4 && ticks.windows(2).all(|pair| pair[0] != pair[1]), "{ticks:?}");
+}
+
+#[test]
+fn single_point_and_equal_points_are_drawn() {
+    for n in [1, 5] {
+        let mut branch = samples::rod(1, 1);
+        branch.points = vec![branch.points[0].clone(); n];
+        for abscissa in BOTH {
+            let figure = BranchFigure::new(abscissa, &[&branch]).render().unwrap();
+            assert_eq!(of_class(&checked(&figure), "branch").len(), 1, "{n} {abscissa:?}");
+        }
+    }
+}
+
+#[test]
+fn values_that_cannot_be_shown_interrupt_the_curve() {
+    let mut branch = samples::rod(20, 1);
+    branch.points[8].omega = f64::NAN;
+    branch.points[13].kinetic_energy = 0.0;
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let document = checked(&figure);
+    let lengths: Vec<usize> = of_class(&document, "branch").iter().map(|piece| points(*piece).len()).collect();
+    assert_eq!(lengths, [8, 4, 6]);
+}
+
+#[test]
+fn empty_branch_beside_another_stays_in_the_legend() {
+    let mut empty = samples::rod(0, 1);
+    empty.label = "measured".into();
+    let figure = BranchFigure::new(Abscissa::Energy, &[&empty, &samples::rod(5, 1)]).render().unwrap();
+    assert!(texts(&checked(&figure)).contains(&"measured".into()));
+}
+
+#[test]
+fn nothing_to_draw_is_an_error() {
+    let empty = samples::rod(0, 1);
+    let mut unknown = samples::rod(3, 1);
+    unknown.points.iter_mut().for_each(|point| point.omega = f64::NAN);
+    let cases: [&[&ModalBranch]; 3] = [&[], &[&empty], &[&unknown]];
+    for branches in cases {
+        let error = BranchFigure::new(Abscissa::Energy, branches).render().unwrap_err();
+        assert!(matches!(error, ReportError::NothingToDraw { .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn mark_on_a_point_that_does_not_exist_is_an_error() {
+    let branch = samples::rod(5, 1);
+    for (number, point) in [(0, 5), (1, 0)] {
+        let error = BranchFigure::new(Abscissa::Energy, &[&branch]).mark(number, point, "P").render().unwrap_err();
+        assert!(matches!(error, ReportError::NoSuchPoint { .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn extreme_values_neither_panic_nor_leave_the_picture_undefined() {
+    let extremes = [0.0, -0.0, 5e-324, 1e-300, 1.0, 1.0 + f64::EPSILON, -1.0, 1e300, f64::MAX, f64::MIN, f64::INFINITY];
+    for (first, last) in extremes.iter().flat_map(|first| extremes.iter().map(move |last| (*first, *last))) {
+        let mut branch = samples::rod(2, 1);
+        for (point, value) in branch.points.iter_mut().zip([first, last]) {
+            (point.omega, point.kinetic_energy, point.modal_amplitude) = (value, value, value);
+        }
+        for abscissa in BOTH {
+            match BranchFigure::new(abscissa, &[&branch]).render() {
+                Ok(figure) => drop(checked(&figure)),
+                Err(error) => assert!(matches!(error, ReportError::NothingToDraw { .. }), "{error:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn long_names_and_control_characters_stay_within_a_well_formed_picture() {
+    let mut branch = samples::rod(3, 1);
+    branch.label = "a \u{0} \u{b} \u{ffff} \"quoted\" <label> & ".repeat(20);
+    branch.points[1].events.push("odd \"event\" <&>".into());
+    let title = "very long title ".repeat(20);
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).title(&title).render().unwrap();
+    let document = checked(&figure);
+    let title = document.descendants().find(|node| node.text() == Some(title.as_str())).unwrap();
+    assert!(title.attribute("font-size").unwrap().parse::<f64>().unwrap() < 5.0);
+}
