@@ -1,13 +1,30 @@
 //! Linear algebra of `nlmodes`: the few factorisations and eigenproblems that its crates share.
 //!
-//! | problem | item |
-//! | --- | --- |
-//! | `A x = b`, A dense | [`DenseLu`] |
-//! | `A x = b`, A sparse, symmetric positive definite | [`SparseCholesky`] |
-//! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | [`lowest_modes`] |
+//! | problem | symbols | shape | item |
+//! | --- | --- | --- | --- |
+//! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
+//! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
+//! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
+//! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
 //!
 //! Everything is `f64` and non-generic. The generics of faer are compiled in the crate that calls them; keeping
 //! them here means that they are compiled once, and that the other crates build in seconds.
+//!
+//! ```
+//! use nlmodes_linalg::{SparseCholesky, lowest_modes, sparse_from_triplets};
+//!
+//! // A clamped rod of two elements with E = A = ρ = 1 and L = 2.
+//! let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
+//! let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 0.5)])?;
+//!
+//! let mut displacement = [0.0, 3.0]; // a force of 3 at the end
+//! SparseCholesky::factor(&k, "stiffness matrix")?.solve_in_place(&mut displacement);
+//! assert!((displacement[0] - 3.0).abs() < 1e-14 && (displacement[1] - 6.0).abs() < 1e-14);
+//!
+//! let modes = lowest_modes(&k, &m, 1)?;
+//! assert!((modes.eigenvalues[0] - (2.0 - 2.0_f64.sqrt())).abs() < 1e-14);
+//! # Ok::<(), nlmodes_linalg::LinalgError>(())
+//! ```
 
 mod cholesky;
 mod dense;
@@ -21,7 +38,7 @@ pub use dense::DenseLu;
 pub use error::LinalgError;
 pub use faer::Mat;
 pub use modes::{Modes, lowest_modes};
-pub use symmetric::symmetric_eigen;
 pub use sparse::{
     SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, multiply, select, sparse_from_triplets, triplets,
 };
+pub use symmetric::symmetric_eigen;

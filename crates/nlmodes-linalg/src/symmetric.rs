@@ -26,10 +26,14 @@ mod tests {
     #[test]
     fn a_rotated_diagonal_is_found_again() {
         let (c, s) = (0.6, 0.8);
-        let a = Mat::from_fn(2, 2, |i, j| [[c * c + 4.0 * s * s, -3.0 * c * s], [-3.0 * c * s, s * s + 4.0 * c * c]][i][j]);
+        let a =
+            Mat::from_fn(2, 2, |i, j| [[c * c + 4.0 * s * s, -3.0 * c * s], [-3.0 * c * s, s * s + 4.0 * c * c]][i][j]);
         let (values, vectors) = symmetric_eigen(&a).unwrap();
         assert!((values[0] - 1.0).abs() < 1e-14 && (values[1] - 4.0).abs() < 1e-14);
-        assert!((vectors[(0, 0)] * s - vectors[(1, 0)] * -c).abs() < 1e-14 || (vectors[(0, 0)] * s - vectors[(1, 0)] * c).abs() < 1e-14);
+        assert!(
+            (vectors[(0, 0)] * s - vectors[(1, 0)] * -c).abs() < 1e-14
+                || (vectors[(0, 0)] * s - vectors[(1, 0)] * c).abs() < 1e-14
+        );
         assert!(matches!(symmetric_eigen(&Mat::zeros(2, 3)), Err(LinalgError::Dimension { .. })));
     }
 }

@@ -47,10 +47,22 @@ pub fn frequencies(mass: &SparseMatrix, stiffness: &SparseMatrix, count: usize) 
     linear_modes(mass, stiffness, count).unwrap().omega
 }
 
-/// The lowest `count` angular frequencies of those modes that move in `kind`.
+/// Frequencies below this share of the highest one looked at are those of rigid-body modes.
+const RIGID: f64 = 1e-4;
+
+/// Number of rigid-body modes.
+pub fn rigid_modes(model: &StructuralModel) -> usize {
+    let omega = frequencies(model.mass(), model.stiffness(), 15);
+    omega.iter().filter(|w| **w < RIGID * omega[omega.len() - 1]).count()
+}
+
+/// The lowest `count` angular frequencies of those elastic modes that move in `kind`.
 pub fn frequencies_of(model: &StructuralModel, kind: DofKind, count: usize) -> Vec<f64> {
     let LinearModes { omega, shapes } = linear_modes(model.mass(), model.stiffness(), 3 * count + 3).unwrap();
     let moves = |r: usize| {
+        if omega[r] < RIGID * omega[omega.len() - 1] {
+            return false;
+        }
         let largest = |wanted: bool| {
             let sizes = model.dofs().iter().enumerate().filter(|(_, d)| (d.kind == kind) == wanted);
             sizes.fold(0.0_f64, |l, (i, _)| l.max(shapes[(i, r)].abs()))

@@ -4,13 +4,16 @@ use faer::linalg::solvers::LltError;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Par, Side};
 
-use super::Pencil;
+use super::{Pencil, diagonal};
 use crate::{LinalgError, Mat, add_scaled};
 
 /// With `K + sM = L Lᵀ`: the `count` largest eigenvalues of `L⁻¹ M L⁻ᵀ`, whose eigenvectors `u` give `φ = L⁻ᵀ u`. A singular
-/// `M` has eigenvalues zero there, which are left alone.
+/// `M` has eigenvalues zero there, which are left alone. Some vectors more than asked for come back: rounding mixes neighbours
+/// of high modes, and at the edge of the space they must not be missed.
 pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
+    let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
+    let kept = rank.min(count + count / 4 + 8);
     let k = add_scaled(pencil.stiffness, pencil.shift, pencil.mass)?.to_dense();
     let llt = k.llt(Side::Lower).map_err(|LltError::NonPositivePivot { index }| LinalgError::NotPositiveDefinite {
         what: "shifted stiffness matrix",
@@ -22,7 +25,7 @@ pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f6
     solve_lower_triangular_in_place(l, c.as_mut().transpose_mut(), Par::Seq);
     let failed = LinalgError::ModesNotConverged { wanted: count, converged: 0, iterations: 0 };
     let eigen = c.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
-    let mut vectors = Mat::from_fn(n, count, |i, j| eigen.U()[(i, n - 1 - j)]);
+    let mut vectors = Mat::from_fn(n, kept, |i, j| eigen.U()[(i, n - 1 - j)]);
     solve_upper_triangular_in_place(l.transpose(), vectors.as_mut(), Par::Seq);
     Ok(vectors)
 }

@@ -80,9 +80,10 @@ impl<'a> Run<'a> {
         loop {
             let mw = self.mass_times(w);
             let norm = dot(w, &mw).sqrt();
-            // The square root of a negative number, rounding of zero, ends the loop too.
-            if norm > 0.7 * before || !(norm > 0.0) {
-                return if norm > 0.0 { norm } else { 0.0 };
+            // The square root of a negative number, which is rounding of zero, is not positive either.
+            let vanishes = norm.is_nan() || norm == 0.0;
+            if vanishes || norm > 0.7 * before {
+                return if vanishes { 0.0 } else { norm };
             }
             before = norm;
             let overlap = basis.transpose() * &mw;
@@ -111,6 +112,11 @@ impl<'a> Run<'a> {
         let mut w = self.apply(&v);
         let alpha = dot(&w, &self.mass_times(&v));
         self.alpha.push(alpha);
+        // The three-term recurrence takes most of it; one pass through the basis is then enough nearly always.
+        w -= alpha * v;
+        if j > 0 {
+            w -= self.beta[j - 1] * self.vector(j - 1);
+        }
         let scale = self.alpha.iter().fold(0.0_f64, |s, a| s.max(a.abs()));
         let beta = self.orthogonalise(&mut w);
         self.beta.push(beta);

@@ -8,11 +8,11 @@ const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
 
 const MOST_SWEEPS: usize = 40;
 
-/// Modes of the pencil in the space of the columns of `x`, which come in the order of ascending λ.
+/// The lowest `count` modes of the pencil in the space of the columns of `x`, which come in the order of ascending λ.
 ///
 /// `G = (MX)ᵀ (K + sM)⁻¹ (MX)` with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations
 /// respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
-pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>) -> Result<Modes, LinalgError> {
+pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>, count: usize) -> Result<Modes, LinalgError> {
     orthonormalise(pencil, &mut x);
     let mass_x = mass_times(pencil, &x);
     let mut y = mass_x.clone();
@@ -22,6 +22,7 @@ pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>) -> Result<Modes, L
     let rotated = &x * &rotation;
     let mut order: Vec<usize> = (0..g.nrows()).filter(|&i| g[(i, i)] > 0.0).collect();
     order.sort_by(|&i, &j| g[(j, j)].total_cmp(&g[(i, i)]));
+    order.truncate(count);
     let eigenvalues = order.iter().map(|&i| (1.0 / g[(i, i)] - pencil.shift).max(0.0)).collect();
     let vectors = Mat::from_fn(rotated.nrows(), order.len(), |i, j| rotated[(i, order[j])]);
     Ok(Modes { eigenvalues, vectors })

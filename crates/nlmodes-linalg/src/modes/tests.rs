@@ -67,6 +67,16 @@ fn lanczos_is_as_accurate_as_the_closed_form() {
 }
 
 #[test]
+fn nearly_all_modes_are_as_accurate_as_few() {
+    let n = 300;
+    let (k, m) = chain(n, false, |_| 1.0);
+    let modes = lowest_modes(&k, &m, 295).unwrap();
+    for (r, λ) in modes.eigenvalues.iter().enumerate() {
+        assert!((λ / held_chain(n, r + 1) - 1.0).abs() < 1e-12, "r = {r}: {:e}", λ / held_chain(n, r + 1) - 1.0);
+    }
+}
+
+#[test]
 fn rigid_body_mode_comes_first_with_eigenvalue_zero() {
     for n in [40, 900] {
         let (k, m) = chain(n, true, |_| 1.0);

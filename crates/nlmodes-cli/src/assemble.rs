@@ -1,0 +1,71 @@
+//! From a checked scene to the structural model.
+
+use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::model::{Drop, MassRedistribution, Move, Side, StructuralModel};
+
+use crate::config::scene::{self, MassRule, Scene};
+
+/// The structure of the scene with its stops, contact mass kept.
+///
+/// # Errors
+/// What the element library has against it; a checked scene gives no reason for that.
+pub fn structural_model(scene: &Scene) -> Result<StructuralModel, FemError> {
+    let stops: Vec<Stop> = scene.contacts.iter().map(stop).collect();
+    let structure = &scene.structure;
+    let mesh = if structure.grading == 1.0 {
+        Mesh::uniform(structure.length, structure.elements)?
+    } else {
+        Mesh::graded(structure.length, structure.elements, structure.grading)?
+    };
+    let material = Material::new(structure.youngs_modulus, structure.density)?;
+    let mass_matrix = match structure.mass_matrix {
+        scene::MassMatrix::Consistent => MassMatrix::Consistent,
+        scene::MassMatrix::Lumped => MassMatrix::Lumped,
+    };
+    let [start, end] = [structure.start, structure.end].map(support);
+    match structure.section {
+        scene::Section::Rod { area } => Rod { material, area, mesh, mass_matrix, start, end }.assemble(&stops),
+        scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Beam {
+            material: material.with_poissons_ratio(poissons_ratio)?,
+            section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
+            mesh,
+            mass_matrix,
+            start,
+            end,
+        }
+        .assemble(&stops),
+    }
+}
+
+/// The rule by which the scene takes the mass away from its contacts; `None` where it stays.
+pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> {
+    match scene.method.mass_redistribution {
+        MassRule::Drop => Some(&Drop),
+        MassRule::Move => Some(&Move),
+        MassRule::None => None,
+    }
+}
+
+fn support(support: scene::Support) -> Support {
+    match support {
+        scene::Support::Clamped => Support::Clamped,
+        scene::Support::Pinned => Support::Pinned,
+        scene::Support::Sliding => Support::Sliding,
+        scene::Support::Free => Support::Free,
+    }
+}
+
+fn stop(contact: &scene::Contact) -> Stop {
+    Stop {
+        position: contact.at,
+        direction: match contact.direction {
+            scene::Direction::Axial => nlmodes::fem::Direction::Axial,
+            scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
+        },
+        side: match contact.side {
+            scene::Side::Positive => Side::Positive,
+            scene::Side::Negative => Side::Negative,
+        },
+        gap: contact.gap,
+    }
+}

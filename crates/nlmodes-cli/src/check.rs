@@ -1,0 +1,92 @@
+//! `nlmodes-cli check`: what would be computed, in a few lines.
+
+use crate::config::number;
+use crate::config::scene::{Contact, Continuation, Method, MethodKind, Scene, Section, Start, Structure};
+
+/// What the scene would compute.
+pub fn summary(scene: &Scene) -> String {
+    let mut lines = vec![scene.title.clone(), String::new()];
+    lines.push(row("structure", &structure(&scene.structure)));
+    lines.push(row("supports", &format!("start {}, end {}", scene.structure.start.name(), scene.structure.end.name())));
+    lines.push(row("mesh", &mesh(&scene.structure)));
+    for (i, contact) in scene.contacts.iter().enumerate() {
+        lines.push(row(&format!("contact {i}"), &stop(contact)));
+    }
+    lines.push(row("method", &method(&scene.method)));
+    lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
+    lines.push(row("results", &scene.output_directory.display().to_string()));
+    lines.push(String::new());
+    lines.push("The scene is sound; nothing was computed.".into());
+    lines.join("\n")
+}
+
+fn row(name: &str, text: &str) -> String {
+    format!("  {name:<12}{text}")
+}
+
+fn structure(structure: &Structure) -> String {
+    let (modulus, density) = (number(structure.youngs_modulus), number(structure.density));
+    let length = number(structure.length);
+    match structure.section {
+        Section::Rod { area } => {
+            format!("rod, {length} m long, {} m² of {modulus} Pa and {density} kg/m³", number(area))
+        }
+        Section::Beam { area, second_moment, .. } => format!(
+            "beam, {length} m long, {} m² and {} m⁴ of {modulus} Pa and {density} kg/m³",
+            number(area),
+            number(second_moment)
+        ),
+    }
+}
+
+fn mesh(structure: &Structure) -> String {
+    let elements = match structure.elements {
+        1 => "1 element,".into(),
+        n => format!("{n} elements,"),
+    };
+    let grading = match structure.grading {
+        1.0 => "of equal length".into(),
+        grading => format!("the first {} times as long as the last", number(grading)),
+    };
+    let dofs = structure.free_dofs();
+    format!("{elements} {grading}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
+}
+
+fn stop(contact: &Contact) -> String {
+    format!(
+        "{} m (node {}), {}, on the {} side, gap {} m",
+        number(contact.at),
+        contact.node,
+        contact.direction.name(),
+        contact.side.name(),
+        number(contact.gap)
+    )
+}
+
+fn method(method: &Method) -> String {
+    let kind = match method.kind {
+        MethodKind::MsHbm => "mixed shooting-harmonic balance",
+        MethodKind::Hbm => "harmonic balance",
+    };
+    let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", method.harmonics) };
+    format!(
+        "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
+        method.switching.name(),
+        method.samples,
+        method.mass_redistribution.name(),
+        method.contact_solver.name()
+    )
+}
+
+fn branch(continuation: &Continuation, mode: usize) -> String {
+    let from = match continuation.start {
+        Start::Grazing => "from grazing".into(),
+        Start::Frequency { hz, direction } => format!("from {} Hz, {}", number(hz), direction.name()),
+    };
+    let energy = continuation.max_energy_ratio.map(|ratio| format!("to {} times the grazing energy", number(ratio)));
+    let window = continuation.frequency_hz.map(|[low, high]| format!("within {} to {} Hz", number(low), number(high)));
+    let points = format!("at most {} points", continuation.max_points);
+    let parts: Vec<String> =
+        [Some(format!("mode {mode} {from}")), energy, window, Some(points)].into_iter().flatten().collect();
+    parts.join(", ")
+}

@@ -1,0 +1,121 @@
+//! The command line.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::config::{self, SceneFile, wants_colours};
+use crate::{Status, check, modes, run as study};
+
+/// Nonlinear modes of structures with one-sided contact
+#[derive(Debug, Parser)]
+#[command(name = "nlmodes-cli", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  nlmodes-cli check configs/rod.toml                             is the scene sound, and what would be computed?
+  nlmodes-cli run configs/rod.toml                               compute it; results go to results/rod
+  nlmodes-cli run configs/rod.toml --set method.harmonics=5 --out results/rod5
+
+Exit status:
+  0  done
+  1  the computation ended early: what was found is written, and why it ended is said
+  2  the scene or the call is wrong: nothing is written";
+
+const SET_HELP: &str = "\
+Replaces a value of the scene, or adds one. The key is a dotted path; stops go by number, from 0. May be given several times.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Compute the branch that a scene describes, and write tables, figures and a report
+    #[command(after_help = "\
+Example:
+  nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap")]
+    Run {
+        #[command(flatten)]
+        scene: SceneArguments,
+        /// Directory of the result files, instead of the one that the scene names
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// No progress; warnings and errors only
+        #[arg(long, short)]
+        quiet: bool,
+    },
+    /// Print the linear modes, with and without mass at the contacts
+    #[command(after_help = "Example:\n  nlmodes-cli modes configs/beam.toml --set structure.elements=40")]
+    Modes {
+        #[command(flatten)]
+        scene: SceneArguments,
+    },
+    /// Read and check a scene, and say what would be computed; computes and writes nothing
+    #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
+    Check {
+        #[command(flatten)]
+        scene: SceneArguments,
+    },
+    /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
+    #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
+    Schema,
+}
+
+#[derive(Debug, Args)]
+struct SceneArguments {
+    /// The scene, a TOML file
+    #[arg(value_name = "SCENE")]
+    path: PathBuf,
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP, allow_hyphen_values = true)]
+    overrides: Vec<String>,
+}
+
+/// Takes the command line apart and does what it says. Wrong calls end here with status 2.
+pub fn run() -> Status {
+    match CommandLine::parse().command {
+        Command::Run { scene, out, quiet } => with_scene(&scene, |mut file| {
+            if let Some(out) = out {
+                file.scene.output_directory = out;
+            }
+            if file.scene.contacts.is_empty() { no_contact(&file) } else { study::run(&file, quiet) }
+        }),
+        Command::Modes { scene } => with_scene(&scene, |file| modes::modes(&file)),
+        Command::Check { scene } => with_scene(&scene, |file| print(&check::summary(&file.scene))),
+        Command::Schema => print(&format!("{:#}", config::schema())),
+    }
+}
+
+/// Reads the scene, says what is wrong or looks wrong with it, and goes on if nothing stands in the way.
+fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status) -> Status {
+    match config::load(&arguments.path, &arguments.overrides) {
+        Ok(file) => {
+            if !file.warnings.is_empty() {
+                eprintln!("{}\n", file.warnings_text());
+            }
+            then(file)
+        }
+        Err(refused) => {
+            eprintln!("{}", refused.text(wants_colours()));
+            Status::Wrong
+        }
+    }
+}
+
+fn no_contact(file: &SceneFile) -> Status {
+    let help = ["a stop stands under a heading [[contact]]; `nlmodes-cli modes` computes the linear modes without one"];
+    eprintln!("{}", file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help));
+    Status::Wrong
+}
+
+/// Prints to standard output. A reader that has gone away, as in `| head`, is no error.
+fn print(text: &str) -> Status {
+    match writeln!(io::stdout(), "{text}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            eprintln!("error: cannot write to standard output: {error}");
+            Status::EndedEarly
+        }
+        _ => Status::Done,
+    }
+}

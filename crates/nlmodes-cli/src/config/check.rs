@@ -1,0 +1,40 @@
+//! From raw tables, of which every single value is sound, to a [`Scene`]: what must hold between the values.
+
+mod contact;
+mod continuation;
+mod method;
+mod nodes;
+mod plausible;
+mod structure;
+
+pub use nodes::free_dofs;
+
+use std::path::PathBuf;
+
+use crate::config::Findings;
+use crate::config::raw::RawScene;
+use crate::config::scene::Scene;
+
+/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
+pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
+    let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
+    let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
+    let contacts = contact::check(raw, mesh.as_ref(), findings);
+    let method = raw.method.as_ref().and_then(|method| method::check(method, raw, &contacts, findings));
+    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
+    let scene = Scene {
+        title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
+        structure: structure?,
+        contacts,
+        method: method?,
+        continuation: continuation?,
+        output_directory: output_directory(raw, stem),
+    };
+    plausible::warn(&scene, findings);
+    Some(scene)
+}
+
+fn output_directory(raw: &RawScene, stem: &str) -> PathBuf {
+    let written = raw.output.as_ref().and_then(|output| output.directory.as_ref());
+    written.map_or_else(|| PathBuf::from("results").join(stem), PathBuf::from)
+}

@@ -1,0 +1,124 @@
+use nlmodes_fem::Mesh;
+
+use crate::config::check::nodes::{holds, nearest, node_at};
+use crate::config::raw::{RawContact, RawScene, RawStructure};
+use crate::config::rule::number;
+use crate::config::scene::{Contact, Direction, StructureKind, Support};
+use crate::config::{Findings, Problem};
+
+/// The contacts that are sound; those that are not are in the findings.
+pub fn check(raw: &RawScene, mesh: Option<&Mesh>, findings: &mut Findings<'_>) -> Vec<Contact> {
+    let written = raw.contact.as_deref().unwrap_or_default();
+    let mut sound: Vec<(usize, Contact)> = Vec::new();
+    for (i, contact) in written.iter().enumerate() {
+        let structure = raw.structure.as_ref();
+        let movable = structure.is_none_or(|structure| can_move(i, contact, structure, findings));
+        let node = mesh.and_then(|mesh| node(i, contact, mesh, findings));
+        if let (true, Some(node), Some(mesh)) = (movable, node, mesh) {
+            let free =
+                structure.is_none_or(|structure| is_free(i, contact, (node, mesh.elements()), structure, findings));
+            let contact = plain(contact, node, mesh.nodes()[node]).filter(|_| free);
+            sound.extend(contact.map(|contact| (i, contact)));
+        }
+    }
+    let mut apart: Vec<(usize, Contact)> = Vec::new();
+    for contact in sound {
+        if apart.iter().all(|other| stand_apart(other, &contact, findings)) {
+            apart.push(contact);
+        }
+    }
+    apart.into_iter().map(|(_, contact)| contact).collect()
+}
+
+fn plain(raw: &RawContact, node: usize, at: f64) -> Option<Contact> {
+    Some(Contact { node, at, direction: raw.direction?, side: raw.side?, gap: raw.gap_m? })
+}
+
+/// Whether the structure moves in the direction of the contact at all.
+fn can_move(i: usize, contact: &RawContact, structure: &RawStructure, findings: &mut Findings<'_>) -> bool {
+    let rod = structure.kind == Some(StructureKind::Rod) && contact.direction == Some(Direction::Transverse);
+    if rod {
+        let path = format!("contact.{i}.direction");
+        let problem = Problem::error(format!("`{path}` cannot be \"transverse\" on a rod"));
+        let problem = problem.help("a rod moves along its axis only; structure.kind = \"beam\" moves across it too");
+        findings.put(&path, problem, "expected \"axial\"");
+    }
+    !rod
+}
+
+fn node(i: usize, contact: &RawContact, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
+    let at = contact.at_m?;
+    let node = node_at(mesh, at);
+    if node.is_none() {
+        off_node(i, at, mesh, findings);
+    }
+    node
+}
+
+fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
+    let path = format!("contact.{i}.at_m");
+    let nearest = nearest(mesh, at);
+    let length = mesh.length();
+    let label = format!(
+        "found {}, expected the position of a node; the nearest is {} m (node {nearest} of {})",
+        findings.written(&path),
+        number(mesh.nodes()[nearest]),
+        mesh.elements(),
+    );
+    let problem = if at > length {
+        Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)))
+    } else {
+        Problem::error(format!("`{path}` is not at a node of the mesh"))
+    };
+    findings.put(&path, problem, label);
+}
+
+/// Whether the node of the contact is free to move in its direction.
+fn is_free(
+    i: usize,
+    contact: &RawContact,
+    (node, last): (usize, usize),
+    structure: &RawStructure,
+    findings: &mut Findings<'_>,
+) -> bool {
+    let (end, support) = match node {
+        0 => ("start", structure.start),
+        _ if node == last => ("end", Some(structure.end.unwrap_or(Support::Free))),
+        _ => return true,
+    };
+    let (Some(kind), Some(support), Some(direction)) = (structure.kind, support, contact.direction) else {
+        return true;
+    };
+    let held = holds(kind, support, direction);
+    if held {
+        let path = format!("contact.{i}.at_m");
+        let problem = Problem::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
+        let label =
+            format!("found {}, expected a node that moves in {} direction", findings.written(&path), direction.name());
+        findings.put(&path, problem, label);
+    }
+    !held
+}
+
+/// Whether two stops differ, and leave room between them.
+fn stand_apart((i, first): &(usize, Contact), (j, second): &(usize, Contact), findings: &mut Findings<'_>) -> bool {
+    if (first.node, first.direction) != (second.node, second.direction) {
+        return true;
+    }
+    let problem = if first.side == second.side {
+        Problem::error(format!("`contact.{j}` stands where `contact.{i}` stands already")).help(
+            "of two stops with the same position, direction and side only the nearer one can touch; keep that one",
+        )
+    } else if first.gap + second.gap < 0.0 {
+        Problem::error(format!("`contact.{i}` and `contact.{j}` leave no room between them"))
+            .help("the two gaps of opposite stops must not add up to less than 0 m")
+    } else {
+        return true;
+    };
+    let problem = match findings.document().place(&format!("contact.{i}")) {
+        Some(place) => problem.with(place.value.clone(), "the first one"),
+        None => problem,
+    };
+    findings.put(&format!("contact.{j}"), problem, "the second one");
+    false
+}

@@ -1,0 +1,118 @@
+use crate::config::check::nodes::free_dofs;
+use crate::config::raw::{RawMethod, RawScene};
+use crate::config::scene::{Contact, ContactSolver, MassRule, Method, MethodKind, Support, Switching, Symmetry};
+use crate::config::{Findings, Problem};
+
+/// Fewest samples a period where the scene does not say.
+const MIN_DEFAULT_SAMPLES: usize = 256;
+
+pub fn check(
+    method: &RawMethod,
+    scene: &RawScene,
+    contacts: &[Contact],
+    findings: &mut Findings<'_>,
+) -> Option<Method> {
+    let kind = method.kind.unwrap_or(MethodKind::MsHbm);
+    let mass_rule = mass_rule(method, kind, findings);
+    let stiffness = stiffness(method, kind, findings);
+    let samples = samples(method, findings);
+    let mode = method.mode.map_or(1, |mode| mode as usize);
+    check_modes(mode, method.held_modes, modes(scene, mass_rule, contacts), findings);
+    Some(Method {
+        kind,
+        mode,
+        harmonics: method.harmonics? as usize,
+        switching: method.switching.unwrap_or(Switching::Exact),
+        samples: samples?,
+        mass_redistribution: mass_rule,
+        contact_solver: method.contact_solver.unwrap_or(ContactSolver::ActiveSet),
+        contact_stiffness: stiffness,
+        symmetry: method.symmetry.unwrap_or(Symmetry::Even),
+        held_modes: method.held_modes.map(|n| n as usize),
+    })
+}
+
+fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> MassRule {
+    let default = match kind {
+        MethodKind::MsHbm => MassRule::Drop,
+        MethodKind::Hbm => MassRule::None,
+    };
+    let rule = method.mass_redistribution.unwrap_or(default);
+    if (kind, rule) == (MethodKind::MsHbm, MassRule::None) {
+        let path = "method.mass_redistribution";
+        let problem = Problem::error(format!("`{path}` cannot be \"none\" with method \"ms-hbm\""));
+        let problem = problem.help("ms-hbm rests on contact nodes without mass; \"none\" is for method.kind = \"hbm\"");
+        findings.put(path, problem, "expected \"drop\" or \"move\"");
+    }
+    rule
+}
+
+fn stiffness(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
+    let path = "method.contact_stiffness_n_m";
+    match kind {
+        MethodKind::Hbm if !findings.has(path) => {
+            let problem = Problem::error(format!("`{path}` is missing"));
+            let problem = problem.help("hbm needs elastic stops; method.kind = \"ms-hbm\" takes rigid ones");
+            findings.put(
+                path,
+                problem,
+                "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
+            );
+        }
+        MethodKind::MsHbm if findings.has(path) => {
+            let problem = Problem::warning(format!("`{path}` has no effect"));
+            findings.put(path, problem, "the stops of ms-hbm are rigid; only method.kind = \"hbm\" uses it");
+        }
+        _ => {}
+    }
+    method.contact_stiffness_n_m.filter(|_| kind == MethodKind::Hbm)
+}
+
+/// The samples of the scene, at least 4 times the harmonics, or enough of them where the scene does not say.
+fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
+    let harmonics = method.harmonics? as usize;
+    let Some(samples) = method.samples.map(|n| n as usize) else {
+        return Some((32 * harmonics).next_power_of_two().max(MIN_DEFAULT_SAMPLES));
+    };
+    if samples < 4 * harmonics {
+        let path = "method.samples";
+        let problem = Problem::error(format!("`{path}` is too small for {harmonics} harmonics"))
+            .help("a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower `harmonics`");
+        findings.put(path, problem, format!("found {samples}, expected {} or more (4 × {harmonics})", 4 * harmonics));
+        return None;
+    }
+    Some(samples)
+}
+
+/// Number of linear modes of the structure, and of those with the contacts held; `None` if the mesh is not known.
+fn modes(scene: &RawScene, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
+    let structure = scene.structure.as_ref()?;
+    let ends = [structure.start?, structure.end.unwrap_or(Support::Free)];
+    let dofs = free_dofs(structure.kind?, structure.elements? as usize, ends);
+    let mut places: Vec<_> = contacts.iter().map(|contact| (contact.node, contact.direction.name())).collect();
+    places.sort_unstable();
+    places.dedup();
+    let held = dofs.saturating_sub(places.len());
+    Some([if mass_rule == MassRule::None { dofs } else { held }, held])
+}
+
+fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {
+    let Some([modes, held]) = available else { return };
+    if modes == 0 {
+        let problem = Problem::error("nothing with mass is left to move").help(
+            "the supports hold all nodes but those whose mass is taken away at a stop; take more `structure.elements`",
+        );
+        findings.put("structure.elements", problem, format!("found {}", findings.written("structure.elements")));
+        return;
+    }
+    if mode > modes {
+        let problem = Problem::error(format!("`method.mode`: the structure has no mode {mode}"));
+        let problem =
+            problem.help("it has one for each degree of freedom with mass; more `structure.elements` give more");
+        findings.put("method.mode", problem, format!("found {mode}, expected a whole number from 1 to {modes}"));
+    }
+    if let Some(wanted) = held_modes.filter(|wanted| *wanted as usize > held) {
+        let problem = Problem::error("`method.held_modes` is more than the structure has");
+        findings.put("method.held_modes", problem, format!("found {wanted}, expected a whole number from 1 to {held}"));
+    }
+}

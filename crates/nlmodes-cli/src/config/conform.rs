@@ -1,0 +1,115 @@
+//! The document against the schema: unknown keys, kinds of values, limits, permitted values, missing keys.
+//!
+//! Whatever does not conform is reported and taken out, so that the rest can still be read and checked further.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use crate::config::rule::{Kind, Rule};
+use crate::config::{Findings, Problem, mistakes, unknown};
+
+/// Reports whatever in the table does not conform to the schema, and takes it out.
+pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
+    let mut walk = Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new() };
+    walk.table(root, Rule(schema), "");
+    let Walk { meant, missing, .. } = walk;
+    for (path, rule) in missing.into_iter().filter(|(path, _)| !meant.contains(path)) {
+        let problem = mistakes::missing(&path, rule);
+        findings.put(&path, problem, mistakes::missing_label(&path, rule));
+    }
+}
+
+/// A key of a document.
+type Key<'d> = Spanned<Cow<'d, str>>;
+/// A value of a document.
+type Item<'d> = Spanned<DeValue<'d>>;
+
+struct Walk<'w, 'b, 'f> {
+    root: Rule<'w>,
+    findings: &'b mut Findings<'f>,
+    /// Paths that an unknown key was probably meant to be.
+    meant: BTreeSet<String>,
+    /// Required keys that are not there.
+    missing: Vec<(String, Rule<'w>)>,
+}
+
+impl<'w> Walk<'w, '_, '_> {
+    fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
+        let absent = rule.required().filter(|key| !table.contains_key(*key));
+        self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
+        let written = std::mem::take(table);
+        *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();
+    }
+
+    /// The entry, if the table has such a key and the value conforms.
+    fn entry<'d>(
+        &mut self,
+        key: Key<'d>,
+        mut value: Item<'d>,
+        table: Rule<'w>,
+        path: &str,
+    ) -> Option<(Key<'d>, Item<'d>)> {
+        let name = key.get_ref();
+        if let Some(rule) = table.of(name) {
+            return self.value(&mut value, rule, &join(path, name)).then_some((key, value));
+        }
+        let guess = unknown::guess(name, path, self.root);
+        self.findings.push(unknown::problem(name, path, table, &guess).at(key.span(), guess.label(path)));
+        self.meant.extend(guess.path(path));
+        None
+    }
+
+    /// Whether the value conforms, or is a table of which the rest does.
+    fn value(&mut self, value: &mut Item<'_>, rule: Rule<'w>, path: &str) -> bool {
+        let problem = match (rule.kind(), value.get_mut()) {
+            (Kind::Table, DeValue::Table(table)) => {
+                self.table(table, rule, path);
+                None
+            }
+            (Kind::Array, DeValue::Array(items)) => return self.array(items, rule, path),
+            (Kind::Number | Kind::Integer, DeValue::Integer(n)) => {
+                let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
+                let x = exact.map_or(f64::MAX, |n| n as f64);
+                (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
+            }
+            (Kind::Number, DeValue::Float(x)) => {
+                let x = x.as_str().parse().unwrap_or(f64::NAN);
+                (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
+            }
+            (Kind::Text, DeValue::String(text)) => mistakes::in_text(path, text, rule),
+            (_, other) => Some(mistakes::wrong_kind(path, other, rule)),
+        };
+        let conforms = problem.is_none();
+        if let Some(problem) = problem {
+            self.report(path, problem, rule);
+        }
+        conforms
+    }
+
+    fn array(&mut self, items: &mut DeArray<'_>, rule: Rule<'w>, path: &str) -> bool {
+        if !rule.admits_length(items.len()) {
+            self.report(path, mistakes::wrong_length(path, items.len()), rule);
+            return false;
+        }
+        let Some(each) = rule.items() else { return true };
+        let mut conforms = true;
+        for (i, item) in items.iter_mut().enumerate() {
+            conforms &= self.value(item, each, &format!("{path}.{i}"));
+        }
+        conforms
+    }
+
+    fn report(&mut self, path: &str, problem: Problem, rule: Rule<'_>) {
+        let label = format!("found {}, expected {}", self.findings.written(path), rule.expected());
+        self.findings.put(path, problem, label);
+    }
+}
+
+/// The path of a key in a table.
+pub fn join(table: &str, key: &str) -> String {
+    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
+}

@@ -1,0 +1,133 @@
+//! A scene as TOML, with the place of each key.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::config::{Problem, Sources, render, set};
+
+/// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
+const MAX_SYNTAX_ERRORS: usize = 3;
+
+/// The texts of a scene, with the place of each key.
+#[derive(Debug, Clone)]
+pub struct Document {
+    sources: Sources,
+    places: BTreeMap<String, Place>,
+}
+
+/// Where a key and its value stand, on the common axis of the [`Sources`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The key, or what stands for it.
+    pub key: Range<usize>,
+    /// The value; of a table, its heading.
+    pub value: Range<usize>,
+}
+
+impl Document {
+    /// Reads the text of the file and applies the overrides `key=value`. Problems go to `problems`; there is no table if the text
+    /// is not TOML.
+    pub fn parse<'a>(
+        name: &str,
+        text: &'a str,
+        overrides: &'a [String],
+        problems: &mut Vec<Problem>,
+    ) -> (Self, Option<Spanned<DeTable<'a>>>) {
+        let (mut root, errors) = DeTable::parse_recoverable(text);
+        problems.extend(syntax_problems(text, &errors));
+        let mut sources = Sources::new(name, text);
+        for argument in overrides {
+            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+        }
+        let mut places = BTreeMap::new();
+        index(root.get_ref(), "", &mut places);
+        (Self { sources, places }, errors.is_empty().then_some(root))
+    }
+
+    /// The texts.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// Where the key of the path stands, as `contact.0.gap_m`.
+    pub fn place(&self, path: &str) -> Option<&Place> {
+        self.places.get(path)
+    }
+
+    /// The value at a path as it is written.
+    pub fn written(&self, path: &str) -> String {
+        self.place(path).map_or_else(String::new, |place| self.sources.excerpt(&place.value))
+    }
+
+    /// Puts a problem at the value of the key, or at the heading of the nearest table around it that is written.
+    pub fn put(&self, problem: Problem, path: &str, label: impl Into<String>) -> Problem {
+        let around = std::iter::successors(Some(path), |path| path.rsplit_once('.').map(|(parent, _)| parent));
+        match around.filter_map(|path| self.place(path)).next() {
+            Some(place) => problem.at(place.value.clone(), label),
+            None => problem,
+        }
+    }
+
+    /// Problems of this document as text.
+    pub fn render(&self, problems: &[Problem], colours: bool) -> String {
+        render::render(problems, &self.sources, colours)
+    }
+}
+
+fn index(table: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String, Place>) {
+    for (key, value) in table {
+        index_value(key.span(), value, format!("{prefix}{}", key.get_ref()), places);
+    }
+}
+
+fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, places: &mut BTreeMap<String, Place>) {
+    match value.get_ref() {
+        DeValue::Table(table) => index(table, &format!("{path}."), places),
+        DeValue::Array(items) => {
+            for (i, item) in items.iter().enumerate() {
+                index_value(item.span(), item, format!("{path}.{i}"), places);
+            }
+        }
+        _ => {}
+    }
+    places.insert(path, Place { key, value: value.span() });
+}
+
+/// The first syntax errors, at most one a line.
+fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
+    let place = |error: &toml::de::Error| error.span().unwrap_or(text.len()..text.len());
+    let line = |error: &toml::de::Error| text.bytes().take(place(error).start).filter(|byte| *byte == b'\n').count();
+    let mut shown: Vec<&toml::de::Error> = Vec::new();
+    for error in errors {
+        if shown.last().is_none_or(|last| line(last) != line(error)) {
+            shown.push(error);
+        }
+    }
+    let more = shown.len().saturating_sub(MAX_SYNTAX_ERRORS);
+    shown.truncate(MAX_SYNTAX_ERRORS);
+    let mut problems: Vec<Problem> = shown.iter().map(|error| syntax_problem(error.message(), place(error))).collect();
+    if more > 0
+        && let Some(last) = problems.last_mut()
+    {
+        last.help.push("the lines that follow cannot be read either; mend these first".into());
+    }
+    problems
+}
+
+fn syntax_problem(message: &str, place: Range<usize>) -> Problem {
+    let title = match message {
+        "duplicate key" => "a key is given twice in the same table",
+        _ => "the scene is not valid TOML",
+    };
+    let problem = Problem::error(title).at(place, message);
+    match message {
+        _ if message.contains("must be quoted") => problem.help("texts stand in quotes: kind = \"rod\""),
+        _ if message.contains("array") => {
+            problem.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
+        }
+        _ => problem,
+    }
+}

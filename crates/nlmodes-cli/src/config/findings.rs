@@ -1,0 +1,54 @@
+//! The problems of one scene, as they are found.
+
+use crate::config::{Document, Problem, Severity};
+
+/// The problems of one scene, as they are found.
+#[derive(Debug)]
+pub struct Findings<'a> {
+    document: &'a Document,
+    problems: Vec<Problem>,
+}
+
+impl<'a> Findings<'a> {
+    /// Begins with what was found before.
+    pub fn new(document: &'a Document, problems: Vec<Problem>) -> Self {
+        Self { document, problems }
+    }
+
+    /// The texts.
+    pub fn document(&self) -> &'a Document {
+        self.document
+    }
+
+    /// Adds a problem at its place or nowhere.
+    pub fn push(&mut self, problem: Problem) {
+        self.problems.push(problem);
+    }
+
+    /// Adds a problem at the value of a key.
+    pub fn put(&mut self, path: &str, problem: Problem, label: impl Into<String>) {
+        self.problems.push(self.document.put(problem, path, label));
+    }
+
+    /// Whether the scene writes this key.
+    pub fn has(&self, path: &str) -> bool {
+        self.document.place(path).is_some()
+    }
+
+    /// The value of a key as the scene writes it.
+    pub fn written(&self, path: &str) -> String {
+        self.document.written(path)
+    }
+
+    /// Whether the scene is refused.
+    pub fn refuse(&self) -> bool {
+        self.problems.iter().any(|problem| problem.severity == Severity::Error)
+    }
+
+    /// All of them in the order of the text, errors before warnings.
+    pub fn into_sorted(mut self) -> Vec<Problem> {
+        let start = |problem: &Problem| problem.place.as_ref().map_or(0, |mark| mark.range.start);
+        self.problems.sort_by_key(|problem| (problem.severity, start(problem)));
+        self.problems
+    }
+}

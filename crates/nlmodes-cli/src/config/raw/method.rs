@@ -1,0 +1,45 @@
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::config::scene::{ContactSolver, MassRule, MethodKind, Switching, Symmetry};
+
+/// Most harmonics that a scene may ask for.
+pub const MAX_HARMONICS: u32 = 1000;
+/// Most samples a period that a scene may ask for.
+pub const MAX_SAMPLES: u32 = 1 << 20;
+
+/// How the periodic motion is computed.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawMethod {
+    /// Method
+    #[schemars(extend("default" = "ms-hbm"))]
+    pub kind: Option<MethodKind>,
+    /// Number of the linear mode from which the branch starts, 1 for the lowest
+    #[schemars(range(min = 1), extend("default" = 1))]
+    pub mode: Option<u32>,
+    /// Number of harmonics of the motion, beside its mean
+    #[schemars(required, range(min = 1, max = MAX_HARMONICS))]
+    pub harmonics: Option<u32>,
+    /// How the instants of touching and leaving are found
+    #[schemars(extend("default" = "exact"))]
+    pub switching: Option<Switching>,
+    /// Samples of the contact a period, at least 4 times `harmonics`; default: a power of two, 256 or more and at least 32 times
+    /// `harmonics`. With exact switching, the grid on which contact intervals are first looked for
+    #[schemars(range(min = 4, max = MAX_SAMPLES))]
+    pub samples: Option<u32>,
+    /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm, "none" for hbm
+    pub mass_redistribution: Option<MassRule>,
+    /// Solver of the contact problem
+    #[schemars(extend("default" = "active-set"))]
+    pub contact_solver: Option<ContactSolver>,
+    /// Stiffness of the stops, for hbm
+    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
+    pub contact_stiffness_n_m: Option<f64>,
+    /// Time symmetry that the motion is assumed to have
+    #[schemars(extend("default" = "even"))]
+    pub symmetry: Option<Symmetry>,
+    /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the program
+    #[schemars(range(min = 1))]
+    pub held_modes: Option<u32>,
+}

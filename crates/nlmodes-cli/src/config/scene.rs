@@ -1,0 +1,159 @@
+//! A scene that was checked: plain values in SI units, every default filled in.
+
+mod choices;
+
+pub use choices::{
+    ContactSolver, Direction, FrequencyDirection, MassMatrix, MassRule, MethodKind, Side, StructureKind, Support,
+    Switching, Symmetry,
+};
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::config::check::free_dofs;
+
+/// A structure with one-sided stops, and how its nonlinear mode is to be computed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scene {
+    /// Title of tables and figures.
+    pub title: String,
+    /// The structure.
+    pub structure: Structure,
+    /// One-sided stops, in the order of the file.
+    pub contacts: Vec<Contact>,
+    /// How the periodic motion is computed.
+    pub method: Method,
+    /// How far the branch is followed.
+    pub continuation: Continuation,
+    /// Directory of the result files.
+    pub output_directory: PathBuf,
+}
+
+/// Geometry, mesh, supports, material and section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Structure {
+    /// Length along the axis, m.
+    pub length: f64,
+    /// Number of elements.
+    pub elements: usize,
+    /// Length of the first element over that of the last.
+    pub grading: f64,
+    /// Mass matrix of the elements.
+    pub mass_matrix: MassMatrix,
+    /// Support at position 0.
+    pub start: Support,
+    /// Support at position `length`.
+    pub end: Support,
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Cross section, and with it the theory.
+    pub section: Section,
+}
+
+impl Structure {
+    /// Rod or beam.
+    pub fn kind(&self) -> StructureKind {
+        match self.section {
+            Section::Rod { .. } => StructureKind::Rod,
+            Section::Beam { .. } => StructureKind::Beam,
+        }
+    }
+
+    /// Number of degrees of freedom that the supports leave free.
+    pub fn free_dofs(&self) -> usize {
+        free_dofs(self.kind(), self.elements, [self.start, self.end])
+    }
+}
+
+/// Cross section, and with it the theory.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Section {
+    /// Axial motion only.
+    Rod {
+        /// Area, m².
+        area: f64,
+    },
+    /// Axial motion, deflection and rotation (Timoshenko).
+    Beam {
+        /// Area, m².
+        area: f64,
+        /// Second moment of area about the bending axis, m⁴.
+        second_moment: f64,
+        /// Shear correction factor.
+        shear_factor: f64,
+        /// Poisson's ratio.
+        poissons_ratio: f64,
+    },
+}
+
+/// A rigid stop on one side of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Contact {
+    /// Number of the node, 0 at the start.
+    pub node: usize,
+    /// Position of the node, m.
+    pub at: f64,
+    /// Direction of the motion that the stop limits.
+    pub direction: Direction,
+    /// Side on which the stop stands.
+    pub side: Side,
+    /// Clearance at rest, m; 0 touches, a negative one presses.
+    pub gap: f64,
+}
+
+/// How the periodic motion is computed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Method {
+    /// Method.
+    pub kind: MethodKind,
+    /// Number of the linear mode, 1 for the lowest.
+    pub mode: usize,
+    /// Number of harmonics beside the mean.
+    pub harmonics: usize,
+    /// How the instants of touching and leaving are found.
+    pub switching: Switching,
+    /// Samples of the contact a period.
+    pub samples: usize,
+    /// What happens to the mass of the contact degrees of freedom.
+    pub mass_redistribution: MassRule,
+    /// Solver of the contact problem.
+    pub contact_solver: ContactSolver,
+    /// Stiffness of the stops, N/m; always there for [`MethodKind::Hbm`].
+    pub contact_stiffness: Option<f64>,
+    /// Time symmetry that the motion is assumed to have.
+    pub symmetry: Symmetry,
+    /// Number of held modes that carry the dynamics; `None`: chosen by the program.
+    pub held_modes: Option<usize>,
+}
+
+/// How far the branch is followed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Continuation {
+    /// Averaged kinetic energy at which the branch ends, over that at grazing.
+    pub max_energy_ratio: Option<f64>,
+    /// Frequency window, Hz, lower limit first.
+    pub frequency_hz: Option<[f64; 2]>,
+    /// Most points of the branch.
+    pub max_points: usize,
+    /// Where it starts.
+    pub start: Start,
+}
+
+/// Where a branch starts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "at")]
+pub enum Start {
+    /// At the linear mode that just touches the stop.
+    Grazing,
+    /// On the backbone at a frequency.
+    Frequency {
+        /// The frequency, Hz.
+        hz: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+}

@@ -1,0 +1,116 @@
+//! Values of scenes that are one of a few words.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Declares enums whose values are written in scenes in lower case with hyphens.
+macro_rules! choices {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? })+) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+        pub enum $name {
+            $($(#[$vdoc])* #[serde(rename = $text)] $variant),+
+        }
+
+        impl $name {
+            /// As it is written in a scene.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $text),+
+                }
+            }
+        }
+    )+};
+}
+
+choices! {
+    /// What the structure is.
+    StructureKind {
+        /// Axial motion only
+        Rod = "rod",
+        /// Axial motion, deflection and rotation (Timoshenko)
+        Beam = "beam",
+    }
+    /// Mass matrix of the elements.
+    MassMatrix {
+        /// From the shape functions of the stiffness
+        Consistent = "consistent",
+        /// Half of an element's mass at each of its nodes
+        Lumped = "lumped",
+    }
+    /// Support of an end.
+    Support {
+        /// Nothing moves
+        Clamped = "clamped",
+        /// Displacements held, rotation free
+        Pinned = "pinned",
+        /// Rotation held, deflection free
+        Sliding = "sliding",
+        /// Everything free
+        Free = "free",
+    }
+    /// Direction of the motion that a stop limits.
+    Direction {
+        /// Along the axis
+        Axial = "axial",
+        /// Across the axis, beam only
+        Transverse = "transverse",
+    }
+    /// Side on which a stop stands.
+    Side {
+        /// Touched by a positive displacement
+        Positive = "positive",
+        /// Touched by a negative displacement
+        Negative = "negative",
+    }
+    /// Method for the periodic motion.
+    MethodKind {
+        /// Mixed shooting-harmonic balance with massless contact nodes and rigid stops
+        MsHbm = "ms-hbm",
+        /// Harmonic balance with elastic stops of `contact_stiffness_n_m`
+        Hbm = "hbm",
+    }
+    /// How the instants of touching and leaving are found.
+    Switching {
+        /// As roots, with Fourier integrals in closed form
+        Exact = "exact",
+        /// On an equidistant grid of `samples` a period
+        Sampled = "sampled",
+    }
+    /// What happens to the mass of the contact degrees of freedom.
+    MassRule {
+        /// It is left out
+        Drop = "drop",
+        /// It goes to the neighbours; total mass and centre of mass stay
+        Move = "move",
+        /// It stays where it is, for hbm
+        None = "none",
+    }
+    /// Solver of the contact problem at an instant.
+    ContactSolver {
+        /// Active set
+        ActiveSet = "active-set",
+        /// Proximal point iteration
+        Proximal = "proximal",
+        /// Interior point
+        Clarabel = "clarabel",
+        /// Pivoting
+        Lemke = "lemke",
+    }
+    /// Time symmetry that a motion is assumed to have.
+    Symmetry {
+        /// Even in time: cosine series only
+        Even = "even",
+        /// None: full Fourier series with a phase anchor
+        None = "none",
+    }
+    /// Which way a branch leaves its start.
+    FrequencyDirection {
+        /// Toward higher frequencies
+        Up = "up",
+        /// Toward lower frequencies
+        Down = "down",
+        /// One after the other
+        Both = "both",
+    }
+}

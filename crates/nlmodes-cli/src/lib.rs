@@ -1,0 +1,13 @@
+//! The command line of nlmodes: from a scene file to branch, tables and figures.
+//!
+//! [`config`] reads and checks scenes, [`command`] takes the command line apart, and each command is a module of its own.
+
+mod assemble;
+mod check;
+pub mod command;
+pub mod config;
+mod modes;
+mod run;
+mod status;
+
+pub use status::Status;

@@ -1,0 +1,195 @@
+//! `nlmodes-cli run`: the whole study that a scene describes.
+
+mod figures;
+mod progress;
+mod summary;
+
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+use nlmodes::hbm::HbmError;
+use nlmodes::modal::ModalPoint;
+use nlmodes::model::{MasslessContactModel, StructuralModel};
+use nlmodes::report::{BranchWriter, ReportError, write_harmonics};
+use nlmodes::study::{BranchSettings, ComputedBranch, StudyError, compute_branch};
+
+use crate::Status;
+use crate::assemble::{redistribution, structural_model};
+use crate::config::SceneFile;
+use crate::config::scene::{MethodKind, Scene, Start, Switching, Symmetry};
+use progress::Progress;
+
+/// Computes the branch and writes its files; `quiet` leaves out the progress.
+///
+/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one.
+pub fn run(file: &SceneFile, quiet: bool) -> Status {
+    let scene = &file.scene;
+    if let Some(message) = not_available(file) {
+        eprintln!("{message}");
+        return Status::Wrong;
+    }
+    let began = Instant::now();
+    let model = match structural_model(scene) {
+        Ok(model) => model,
+        Err(error) => return refuse(file, "structure", &error),
+    };
+    let massless = redistribution(scene).map(|rule| MasslessContactModel::new(&model, rule));
+    let massless = match massless {
+        Some(Ok(massless)) => massless,
+        Some(Err(error)) => return refuse(file, "method.mass_redistribution", &error),
+        None => return refuse(file, "method.mass_redistribution", &"ms-hbm needs massless contact nodes".into_error()),
+    };
+    let mut sink = Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
+    let computed = compute_branch(massless, &branch_settings(scene), |point| sink.take(point));
+    if let Some(failure) = sink.failure {
+        return refuse(file, "output.directory", &failure);
+    }
+    sink.progress.finish();
+    match computed {
+        Ok(computed) => finish(file, &model, &computed, began, quiet),
+        Err(error) => refuse_study(file, &error),
+    }
+}
+
+/// What a scene may ask for, but this version does not have.
+fn not_available(file: &SceneFile) -> Option<String> {
+    if file.scene.method.kind == MethodKind::Hbm {
+        let help = ["\"ms-hbm\" computes the same structure with rigid stops and massless contacts"];
+        return Some(file.error_at("method.kind", "harmonic balance is not available yet", "this method", &help));
+    }
+    if file.scene.continuation.start != Start::Grazing {
+        let title = "a start at a given frequency is not available yet";
+        let help = ["without this key the branch starts where the linear mode first touches a stop"];
+        return Some(file.error_at("continuation.start_frequency_hz", title, "this start", &help));
+    }
+    None
+}
+
+fn branch_settings(scene: &Scene) -> BranchSettings {
+    let method = &scene.method;
+    BranchSettings {
+        mode: method.mode,
+        harmonics: method.harmonics,
+        symmetry: match method.symmetry {
+            Symmetry::Even => nlmodes::hbm::Symmetry::Even,
+            Symmetry::None => nlmodes::hbm::Symmetry::None,
+        },
+        switching: match method.switching {
+            Switching::Exact => nlmodes::hbm::Switching::Exact,
+            Switching::Sampled => nlmodes::hbm::Switching::Sampled { samples: method.samples },
+        },
+        contact_solver: method.contact_solver.name().to_owned(),
+        held_modes: method.held_modes,
+        max_energy_ratio: scene.continuation.max_energy_ratio,
+        frequency_hz: scene.continuation.frequency_hz,
+        max_points: scene.continuation.max_points,
+        ..BranchSettings::default()
+    }
+}
+
+/// Takes the points as they are found.
+struct Sink<'a> {
+    directory: &'a Path,
+    writer: Option<BranchWriter>,
+    failure: Option<ReportError>,
+    progress: Progress,
+}
+
+impl Sink<'_> {
+    fn take(&mut self, point: &ModalPoint) -> ControlFlow<()> {
+        match self.write(point) {
+            Ok(()) => {
+                self.progress.point(point);
+                ControlFlow::Continue(())
+            }
+            Err(failure) => {
+                self.failure = Some(failure);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    fn write(&mut self, point: &ModalPoint) -> Result<(), ReportError> {
+        if self.writer.is_none() {
+            std::fs::create_dir_all(self.directory)
+                .map_err(|source| ReportError::Io { path: self.directory.to_path_buf(), source })?;
+            self.writer = Some(BranchWriter::create(self.directory.join("branch.csv"))?);
+        }
+        self.writer.as_mut().map_or(Ok(()), |writer| writer.append(point))
+    }
+}
+
+fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, began: Instant, quiet: bool) -> Status {
+    let directory = &file.scene.output_directory;
+    let written = write_harmonics(directory.join("harmonics.npz"), &computed.branch)
+        .map_err(Box::<dyn Error>::from)
+        .and_then(|()| figures::write(directory, &file.scene, computed))
+        .and_then(|()| summary::write(directory, &file.scene, model, computed, began.elapsed()));
+    if let Err(error) = written {
+        eprintln!("error: {}", chain(error.as_ref()));
+        return Status::EndedEarly;
+    }
+    let end = &computed.branch.end;
+    let last = computed.branch.points.last();
+    let at = last.map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / std::f64::consts::TAU));
+    let line = format!("{} points in {:.2} s; ended{at}: {}", computed.branch.points.len(), began.elapsed().as_secs_f64(), end.message);
+    if end.complete {
+        if !quiet {
+            println!("{line}\nResults in {}", directory.display());
+        }
+        Status::Done
+    } else {
+        eprintln!("warning: the computation ended early. {line}\nWhat was found is in {}", directory.display());
+        Status::EndedEarly
+    }
+}
+
+/// An error of the study, at the key of the scene that it is about.
+fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
+    let path = match error {
+        StudyError::Hbm(HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. }) => {
+            "method.mode"
+        }
+        StudyError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
+            let key = format!("contact.{contact}.gap_m");
+            eprintln!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
+            return Status::Wrong;
+        }
+        StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
+        StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
+        StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
+        StudyError::Contact(_) => "method.contact_solver",
+        StudyError::Hbm(HbmError::Linalg { .. }) => "structure",
+        _ => "method",
+    };
+    refuse(file, path, error)
+}
+
+fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {
+    eprintln!("{}", file.error_at(path, &chain(error), "", &[]));
+    Status::Wrong
+}
+
+/// The message of an error and of all its causes.
+pub fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        text = format!("{text}: {inner}");
+        cause = inner.source();
+    }
+    text
+}
+
+/// A sentence as an error.
+trait IntoError {
+    fn into_error(self) -> std::io::Error;
+}
+
+impl IntoError for &str {
+    fn into_error(self) -> std::io::Error {
+        std::io::Error::other(self)
+    }
+}

@@ -1,0 +1,22 @@
+use std::process::ExitCode;
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All was done.
+    Done,
+    /// The computation ended early; what was found is written, and why it ended is said.
+    EndedEarly,
+    /// The scene or the call is wrong; nothing is written.
+    Wrong,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Done => Self::from(0),
+            Status::EndedEarly => Self::from(1),
+            Status::Wrong => Self::from(2),
+        }
+    }
+}

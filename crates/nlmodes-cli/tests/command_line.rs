@@ -1,0 +1,103 @@
+//! Calls, their exit status and what they print.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+fn call(arguments: &[&str]) -> Result<Output, Box<dyn Error>> {
+    Ok(Command::cargo_bin("nlmodes-cli")?.args(arguments).current_dir(workspace()).output()?)
+}
+
+fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+#[test]
+fn scenes_of_the_paper_are_sound() -> Outcome {
+    for scene in ["configs/rod.toml", "configs/beam.toml"] {
+        let output = call(&["check", scene])?;
+        assert_eq!(output.status.code(), Some(0));
+        assert_eq!(String::from_utf8(output.stderr)?, "", "{scene}");
+    }
+    Ok(())
+}
+
+#[test]
+fn check_says_what_would_be_computed() -> Outcome {
+    let output =
+        call(&["check", "configs/beam.toml", "--set", "method.harmonics=7", "--set", "structure.elements=10"])?;
+    let said = String::from_utf8(output.stdout)?;
+    for part in [
+        "beam, 0.6297552 m long",
+        "10 elements",
+        "30 degrees of freedom",
+        "gap 0.00103 m",
+        "7 harmonics",
+        "results/beam",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+    Ok(())
+}
+
+#[test]
+fn wrong_calls_end_with_status_2() -> Outcome {
+    for arguments in [
+        &[][..],
+        &["walk"],
+        &["check"],
+        &["check", "a.toml", "--fast"],
+        &["run", "no/such/scene.toml"],
+        &["check", "configs"],
+    ] {
+        let output = call(arguments)?;
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty(), "{arguments:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn help_and_version_end_with_status_0() -> Outcome {
+    for arguments in [&["--help"][..], &["--version"], &["help", "run"], &["check", "--help"]] {
+        assert_eq!(call(arguments)?.status.code(), Some(0), "{arguments:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn messages_have_no_colours_where_nobody_sees_them() -> Outcome {
+    let output = call(&["check", "no/such/scene.toml"])?;
+    assert!(!output.stderr.contains(&0x1b));
+    Ok(())
+}
+
+#[test]
+fn schema_is_json_and_knows_each_key() -> Outcome {
+    let schema: serde_json::Value = serde_json::from_slice(&call(&["schema"])?.stdout)?;
+    let keys = [
+        ("", "title structure contact method continuation output"),
+        ("/properties/structure", "kind length_m elements grading mass_matrix start end material section"),
+        ("/properties/structure/properties/material", "youngs_modulus_pa density_kg_m3 poissons_ratio"),
+        ("/properties/structure/properties/section", "area_m2 second_moment_m4 width_m height_m shear_factor"),
+        ("/properties/contact/items", "at_m direction side gap_m"),
+        (
+            "/properties/method",
+            "kind mode harmonics switching samples mass_redistribution contact_solver contact_stiffness_n_m symmetry held_modes",
+        ),
+        ("/properties/continuation", "max_energy_ratio frequency_hz max_points start_frequency_hz direction"),
+        ("/properties/output", "directory"),
+    ];
+    for (table, names) in keys {
+        for name in names.split(' ') {
+            let key = schema.pointer(&format!("{table}/properties/{name}"));
+            let described = key.and_then(|key| key.get("description")).is_some();
+            assert!(described, "{table}: {name}");
+        }
+    }
+    Ok(())
+}

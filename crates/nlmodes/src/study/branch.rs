@@ -1,0 +1,247 @@
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes_contact::solver_by_name;
+use nlmodes_continuation::{Bound, BranchPoint, Continuation, StopReason};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, grazing};
+use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory};
+use nlmodes_model::MasslessContactModel;
+
+use super::events::event_name;
+use super::{BranchSettings, StudyError};
+
+/// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
+const MIN_ENERGY_RATIO: f64 = 1e-6;
+
+/// Up to this size all modes of the held structure are used.
+const ALL_HELD_MODES: usize = 400;
+
+/// A branch with what is needed to look closer at its points.
+#[derive(Debug)]
+pub struct ComputedBranch {
+    /// The points and why they end.
+    pub branch: ModalBranch,
+    /// The condensed structure.
+    pub structure: CondensedStructure,
+    /// Where the branch begins.
+    pub grazing: Grazing,
+    /// Scaled unknowns of each point.
+    pub unknowns: Vec<Vec<f64>>,
+    /// Largest unfolding parameter |δ| met; zero but for rounding, and `None` for motions that are even in time.
+    pub largest_unfolding: Option<f64>,
+    /// Evaluations of residual and Jacobian.
+    pub evaluations: usize,
+    /// Steps that were tried and refused.
+    pub refused_steps: usize,
+    settings: BranchSettings,
+}
+
+/// Computes the nonlinear mode of `model` from grazing on, by MS-HBM. Each point is shown to `observe` when it is found.
+///
+/// # Errors
+/// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
+pub fn compute_branch(
+    model: MasslessContactModel,
+    settings: &BranchSettings,
+    mut observe: impl FnMut(&ModalPoint) -> ControlFlow<()>,
+) -> Result<ComputedBranch, StudyError> {
+    let structure = condense(model, settings)?;
+    let start = grazing(&structure, settings.mode)?;
+    check_window(settings, &start)?;
+    let mut problem = problem(&structure, settings, &start)?;
+    let mut viewer = self::problem(&structure, settings, &start)?;
+    let dim = nlmodes_continuation::ParametricSystem::dim(&problem);
+    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
+    let mut found = Found::default();
+    let branch = continuation(settings, &start, &problem, dim).run(&mut problem, &x, 0.0, &direction, |point| {
+        match found.keep(&mut viewer, point) {
+            Some(modal) => observe(modal),
+            None => ControlFlow::Continue(()),
+        }
+    })?;
+    let frequency = problem.frequency_index();
+    let end = branch_end(&branch.stop, frequency, dim, &start, settings);
+    let model = structure.model();
+    let first = model.contacts()[0];
+    let coordinates = model.dofs().iter().map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
+    let modal = ModalBranch {
+        label: label(settings),
+        coordinates: coordinates.collect(),
+        contact_coordinate: Some(first.dof),
+        stop: Some(first.side.sign() * first.gap),
+        points: found.points,
+        end,
+    };
+    let unfoldings = found.unknowns.iter().filter_map(|x| problem.unfolding(x));
+    let largest_unfolding = unfoldings.map(f64::abs).reduce(f64::max);
+    drop(viewer);
+    drop(problem);
+    Ok(ComputedBranch {
+        branch: modal,
+        structure,
+        grazing: start,
+        unknowns: found.unknowns,
+        largest_unfolding,
+        evaluations: branch.evaluations,
+        refused_steps: branch.refused_steps,
+        settings: settings.clone(),
+    })
+}
+
+impl ComputedBranch {
+    /// Motion and force of contact `contact` over one period of point `point`.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the point cannot be evaluated again.
+    ///
+    /// # Panics
+    /// If there is no such point or contact.
+    pub fn time_history(
+        &self,
+        point: usize,
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, StudyError> {
+        let mut problem = self.problem()?;
+        Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
+    }
+
+    /// The periodic problem, to evaluate points of the branch again.
+    ///
+    /// # Errors
+    /// [`StudyError`], as [`compute_branch`].
+    pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
+        problem(&self.structure, &self.settings, &self.grazing)
+    }
+}
+
+/// Modal points as they are found.
+#[derive(Default)]
+struct Found {
+    points: Vec<ModalPoint>,
+    unknowns: Vec<Vec<f64>>,
+}
+
+impl Found {
+    fn keep(&mut self, viewer: &mut MixedShooting, point: &BranchPoint) -> Option<&ModalPoint> {
+        let mut events: Vec<String> = point.events.iter().map(|e| event_name(*e).to_owned()).collect();
+        if self.points.is_empty() {
+            events.insert(0, "grazing".to_owned());
+        } else if !point.events.is_empty() && self.is_start(point) {
+            // What the continuation meets at the start is the grazing itself.
+            return None;
+        }
+        let mut modal = viewer.modal_point(&point.x, point.residual).ok()?;
+        modal.events = events;
+        self.points.push(modal);
+        self.unknowns.push(point.x.clone());
+        self.points.last()
+    }
+
+    fn is_start(&self, point: &BranchPoint) -> bool {
+        self.unknowns[0].iter().zip(&point.x).all(|(a, b)| (a - b).abs() < 1e-6)
+    }
+}
+
+fn condense(model: MasslessContactModel, settings: &BranchSettings) -> Result<CondensedStructure, StudyError> {
+    let size = model.linear_dofs().len();
+    if let Some(count) = settings.held_modes {
+        return Ok(CondensedStructure::new(model, count)?);
+    }
+    if size <= ALL_HELD_MODES {
+        return Ok(CondensedStructure::new(model, size)?);
+    }
+    // Static correction leaves an error of about (ν/ω_last)⁴: a few times the highest harmonic is enough.
+    let mut count = 32 + 8 * settings.harmonics;
+    loop {
+        let structure = CondensedStructure::new(model.clone(), count.min(size))?;
+        let top = settings.frequency_hz.map(|w| w[1] * TAU);
+        let top = top.map_or_else(|| grazing(&structure, settings.mode).map(|g| 2.0 * g.omega), Ok)?;
+        let highest = structure.modes().last().map_or(0.0, |m| m.lambda.sqrt());
+        if count >= size || highest > 20.0 * settings.harmonics as f64 * top {
+            return Ok(structure);
+        }
+        count *= 2;
+    }
+}
+
+fn check_window(settings: &BranchSettings, start: &Grazing) -> Result<(), StudyError> {
+    let start_hz = start.omega / TAU;
+    match settings.frequency_hz {
+        Some([low_hz, high_hz]) if !(low_hz..=high_hz).contains(&start_hz) => {
+            Err(StudyError::StartOutsideWindow { start_hz, low_hz, high_hz })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn problem<'s>(
+    structure: &'s CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+) -> Result<MixedShooting<'s>, StudyError> {
+    let solver = solver_by_name(&settings.contact_solver)?;
+    let own = MixedShootingSettings {
+        harmonics: settings.harmonics,
+        symmetry: settings.symmetry,
+        switching: settings.switching,
+    };
+    Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
+}
+
+fn continuation(settings: &BranchSettings, start: &Grazing, problem: &MixedShooting, dim: usize) -> Continuation {
+    let frequency = problem.frequency_index();
+    let max = settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
+    let mut bounds = vec![Bound { coordinate: dim, min: MIN_ENERGY_RATIO.ln(), max }];
+    if let Some([low, high]) = settings.frequency_hz {
+        let scaled = |hz: f64| hz * TAU / start.omega;
+        bounds.push(Bound { coordinate: frequency, min: scaled(low), max: scaled(high) });
+    }
+    Continuation { step: settings.step.clone(), bounds, watched: vec![frequency], max_points: settings.max_points }
+}
+
+fn label(settings: &BranchSettings) -> String {
+    if !settings.label.is_empty() {
+        return settings.label.clone();
+    }
+    let plural = if settings.harmonics == 1 { "" } else { "s" };
+    let sampled = match settings.switching {
+        Switching::Exact => String::new(),
+        Switching::Sampled { samples } => format!(", {samples} samples"),
+    };
+    format!("MS-HBM, {} harmonic{plural}{sampled}", settings.harmonics)
+}
+
+fn branch_end(
+    stop: &StopReason,
+    frequency: usize,
+    dim: usize,
+    start: &Grazing,
+    settings: &BranchSettings,
+) -> BranchEnd {
+    let (reason, message, complete) = match stop {
+        StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
+            ("max-energy", format!("the energy reached {:.6} times that at grazing", value.exp()), true)
+        }
+        StopReason::Bound { coordinate, value } if *coordinate == dim => {
+            ("min-energy", format!("the energy fell to {:.1e} of that at grazing", value.exp()), true)
+        }
+        StopReason::Bound { coordinate, value } if *coordinate == frequency => {
+            ("frequency-window", format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
+        }
+        StopReason::Bound { coordinate, value } => {
+            ("bound", format!("unknown {coordinate} reached {value}"), true)
+        }
+        StopReason::Closed => ("closed", "the branch came back to where it began".to_owned(), true),
+        StopReason::Stopped => ("stopped", "it was asked to stop".to_owned(), false),
+        StopReason::MaxPoints => {
+            ("max-points", format!("{} points were computed, the most permitted", settings.max_points), false)
+        }
+        StopReason::StepTooSmall { step, refusal } => {
+            ("no-step", format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"), false)
+        }
+        _ => ("unknown", format!("{stop:?}"), false),
+    };
+    BranchEnd { reason: reason.to_owned(), message, complete }
+}

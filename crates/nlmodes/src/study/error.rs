@@ -1,0 +1,29 @@
+use nlmodes_contact::LcpError;
+use nlmodes_continuation::ContinuationError;
+use nlmodes_hbm::HbmError;
+use thiserror::Error;
+
+/// Why a study has no result.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// The contact solver.
+    #[error("the contact solver")]
+    Contact(#[from] LcpError),
+    /// The periodic problem.
+    #[error(transparent)]
+    Hbm(#[from] HbmError),
+    /// The continuation.
+    #[error(transparent)]
+    Continuation(#[from] ContinuationError<HbmError>),
+    /// The branch would begin outside of the frequency window.
+    #[error("the branch starts at {start_hz:.6} Hz, outside of the frequency window {low_hz} to {high_hz} Hz")]
+    StartOutsideWindow {
+        /// Frequency of the linear mode, Hz.
+        start_hz: f64,
+        /// Lower end of the window, Hz.
+        low_hz: f64,
+        /// Upper end of the window, Hz.
+        high_hz: f64,
+    },
+}

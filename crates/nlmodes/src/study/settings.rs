@@ -1,0 +1,47 @@
+use nlmodes_continuation::StepSettings;
+use nlmodes_hbm::{Switching, Symmetry};
+
+/// What is computed, and how far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchSettings {
+    /// Name of the branch in legends; made from the method where empty.
+    pub label: String,
+    /// Number of the linear mode, from 1. Default 1.
+    pub mode: usize,
+    /// Highest harmonic `N_h`. Default 5.
+    pub harmonics: usize,
+    /// Which motions are admitted. Default even in time.
+    pub symmetry: Symmetry,
+    /// How the instants of contact are treated. Default exact.
+    pub switching: Switching,
+    /// Name of the contact solver. Default `active-set`.
+    pub contact_solver: String,
+    /// Number of modes of the held structure; chosen from the size and the highest harmonic where `None`.
+    pub held_modes: Option<usize>,
+    /// Averaged kinetic energy over that at grazing at which the branch ends. Default none.
+    pub max_energy_ratio: Option<f64>,
+    /// Frequency window, Hz, outside of which the branch ends. Default none.
+    pub frequency_hz: Option<[f64; 2]>,
+    /// Most points. Default 5000.
+    pub max_points: usize,
+    /// Steps of the continuation.
+    pub step: StepSettings,
+}
+
+impl Default for BranchSettings {
+    fn default() -> Self {
+        Self {
+            label: String::new(),
+            mode: 1,
+            harmonics: 5,
+            symmetry: Symmetry::Even,
+            switching: Switching::Exact,
+            contact_solver: "active-set".to_owned(),
+            held_modes: None,
+            max_energy_ratio: None,
+            frequency_hz: None,
+            max_points: 5000,
+            step: StepSettings::default(),
+        }
+    }
+}
