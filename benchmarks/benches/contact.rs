@@ -9,7 +9,9 @@
 
 use std::{collections::HashMap, hint::black_box, time::Duration};
 
-use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime};
+use criterion::{
+    BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
+};
 use nlmodes_contact::{ClosedBlock, LcpMatrix, LcpSolver, Mat, Series, SeriesSolution, Start, solver_by_name};
 
 const SAMPLES: usize = 1024;
@@ -92,8 +94,13 @@ fn warm(group: &mut BenchmarkGroup<'_, WallTime>, c: usize, solver: &dyn LcpSolv
 }
 
 /// The largest number of contacts that each backend can afford here: cold, and warm.
-const AFFORDABLE: [(&str, usize, usize); 5] =
-    [("active-set", 1000, 1000), ("proximal", 1000, 1000), ("clarabel", 100, 0), ("lemke", 100, 0), ("closed-form", 1, 1)];
+const AFFORDABLE: [(&str, usize, usize); 5] = [
+    ("active-set", 1000, 1000),
+    ("proximal", 1000, 1000),
+    ("clarabel", 100, 0),
+    ("lemke", 100, 0),
+    ("closed-form", 1, 1),
+];
 
 fn contact(criterion: &mut Criterion) {
     for c in [1, 10, 50, 100, 400, 1000] {

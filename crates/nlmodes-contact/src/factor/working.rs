@@ -1,0 +1,207 @@
+use super::{ClosedSet, Factor, suppression::Suppression};
+use crate::{kernel, scaled::Scaled};
+
+/// The factor of a closed set that changes by a few contacts from one problem to the next.
+///
+/// A contact that closes appends a row. One that opens stays in the factor and is suppressed. Neither copies the factor, a
+/// contact that closes again costs nothing, and one factor stays close to the processor. When many are suppressed they are
+/// taken out for good.
+#[derive(Debug)]
+pub(crate) struct WorkingFactor {
+    factor: Factor,
+    /// The set asked for; contacts that depend on others of it are not in the factor.
+    asked: ClosedSet,
+    members: ClosedSet,
+    suppression: Suppression,
+    list: Vec<usize>,
+    /// `L⁻¹` times the right-hand side, as far as it is known.
+    right: Vec<f64>,
+}
+
+/// Suppressed contacts, at most.
+const MOST_SUPPRESSED: usize = 32;
+
+impl WorkingFactor {
+    pub(crate) fn new(c: usize) -> Self {
+        let (asked, members) = (ClosedSet::new(c), ClosedSet::new(c));
+        let (factor, suppression) = (Factor::default(), Suppression::default());
+        Self { factor, asked, members, suppression, list: vec![], right: vec![] }
+    }
+
+    /// The contacts in the order of the entries that [`WorkingFactor::solve`] works on, with suppressed ones among them.
+    pub(crate) fn order(&self) -> &[usize] {
+        self.factor.order()
+    }
+
+    /// The contacts of the set, or an independent subset.
+    pub(crate) fn closed(&self) -> impl Iterator<Item = usize> {
+        self.order().iter().copied().filter(|&i| self.asked.contains(i))
+    }
+
+    /// Brings the factor to the set.
+    pub(crate) fn select(&mut self, matrix: &Scaled, set: &ClosedSet) {
+        if self.asked == *set {
+            return;
+        }
+        let is_near = self.asked.distance(set) * 4 <= set.count();
+        self.asked.copy_from(set);
+        if is_near {
+            let (asked, order) = (&self.asked, self.factor.order());
+            self.suppression.release(|position| asked.contains(order[position]));
+        } else {
+            self.clear();
+        }
+        self.close(matrix);
+        self.open(matrix);
+    }
+
+    fn clear(&mut self) {
+        self.suppression.clear();
+        self.factor.clear();
+        self.right.clear();
+        self.members.clear();
+    }
+
+    /// Adds the contacts of the set that are missing.
+    fn close(&mut self, matrix: &Scaled) {
+        if self.append_missing(matrix) && !self.suppression.is_empty() {
+            // What depends on a suppressed contact need not depend on the set.
+            self.consolidate();
+            self.append_missing(matrix);
+        }
+    }
+
+    /// Tells whether some were not added because they depend on others.
+    fn append_missing(&mut self, matrix: &Scaled) -> bool {
+        let (members, list) = (&mut self.members, &mut self.list);
+        list.clear();
+        self.asked.for_each(|contact| {
+            if !members.contains(contact) {
+                list.push(contact);
+            }
+        });
+        if list.is_empty() {
+            return false;
+        }
+        let before = self.factor.len();
+        self.factor.append_all(matrix, list);
+        self.factor.order()[before..].iter().for_each(|&contact| members.toggle(contact));
+        self.suppression.extend(&self.factor, before);
+        self.factor.len() < before + self.list.len()
+    }
+
+    /// Suppresses the contacts that are not in the set, or takes them out if that is easy or they are many.
+    fn open(&mut self, matrix: &Scaled) {
+        self.drop_last();
+        for (position, &contact) in self.factor.order().iter().enumerate() {
+            if !self.asked.contains(contact) && !self.suppression.contains(position) {
+                self.suppression.add(&self.factor, position);
+            }
+        }
+        let closed = self.factor.len() - self.suppression.len();
+        // Contacts left out may depend on one that has just opened.
+        let dependent = closed < self.asked.count();
+        if dependent || self.suppression.len() > MOST_SUPPRESSED.min(8 + closed / 8) {
+            self.consolidate();
+        }
+        if dependent {
+            self.append_missing(matrix);
+        }
+    }
+
+    /// Takes out the last rows as long as they are not needed: nothing depends on them.
+    fn drop_last(&mut self) {
+        while self.suppression.is_empty()
+            && let Some(&last) = self.factor.order().last()
+            && !self.asked.contains(last)
+        {
+            self.factor.remove(self.factor.len() - 1);
+            self.right.truncate(self.factor.len());
+            self.members.toggle(last);
+        }
+    }
+
+    /// Takes the suppressed contacts out of the factor.
+    fn consolidate(&mut self) {
+        self.suppression.clear();
+        let (asked, members) = (&self.asked, &mut self.members);
+        for &contact in self.factor.order() {
+            if !asked.contains(contact) {
+                members.toggle(contact);
+            }
+        }
+        if self.factor.retain(|contact| asked.contains(contact)) > 0 {
+            self.right.clear();
+        }
+    }
+
+    /// Another problem begins.
+    pub(crate) fn reset(&mut self) {
+        self.right.clear();
+    }
+
+    /// `−A_aa⁻¹ b_a` in the order of the contacts, zero where they are suppressed. As long as the problem is the same, only
+    /// the rows added since the last call are substituted forward.
+    pub(crate) fn forces(&mut self, b: &[f64], x: &mut Vec<f64>) {
+        let known = self.right.len();
+        self.right.extend(self.factor.order()[known..].iter().map(|&i| -b[i]));
+        if known == 0 {
+            self.factor.forward(&mut self.right);
+        } else {
+            for i in known..self.right.len() {
+                let (row, inverse) = self.factor.row(i);
+                self.right[i] = (self.right[i] - kernel::dot(row, &self.right[..i])) * inverse;
+            }
+        }
+        x.clone_from(&self.right);
+        self.suppression.substitute_backward(&self.factor, x);
+    }
+
+    /// `x ← A_aa⁻¹ x` in the order of the contacts, zero where they are suppressed.
+    pub(crate) fn solve(&mut self, x: &mut [f64]) {
+        self.factor.forward(x);
+        self.suppression.substitute_backward(&self.factor, x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factor::tests::smooth;
+
+    #[test]
+    fn every_sequence_of_sets_is_solved_as_by_a_new_factor() {
+        let (c, matrix) = (60, smooth(60));
+        let matrix = matrix.scaled();
+        let mut working = WorkingFactor::new(c);
+        let mut set = ClosedSet::new(c);
+        let right: Vec<f64> = (0..c).map(|i| (1.7 * i as f64).sin()).collect();
+        for step in 0..400 {
+            // Some contacts come and go often, a few at a time.
+            for k in 0..1 + step % 3 {
+                set.toggle((step * step / 7 + 11 * k * step) % c);
+            }
+            if step % 97 == 96 {
+                (0..c).step_by(2).for_each(|i| set.toggle(i));
+            }
+            working.select(matrix, &set);
+            let mut x: Vec<f64> = working.order().iter().map(|&i| right[i]).collect();
+            working.solve(&mut x);
+            if step % 50 == 0 {
+                working.reset();
+            }
+            let mut again = vec![];
+            working.forces(&right, &mut again);
+            assert!(x.iter().zip(&again).all(|(x, y)| (x + y).abs() < 1e-12), "step {step}");
+            let mut forces = vec![0.0; c];
+            working.order().iter().zip(&x).for_each(|(&i, v)| forces[i] = *v);
+            let mut product = vec![0.0; c];
+            matrix.gap(&vec![0.0; c], &forces, &mut product);
+            for i in 0..c {
+                let error = if set.contains(i) { product[i] - right[i] } else { forces[i] };
+                assert!(error.abs() < 1e-12, "step {step}, contact {i}: {error:e}");
+            }
+            assert_eq!(working.closed().count(), set.count());
+        }
+    }
+}

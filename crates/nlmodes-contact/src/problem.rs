@@ -1,0 +1,205 @@
+use std::sync::Arc;
+
+use nlmodes_linalg::Mat;
+
+use crate::{ClosedBlock, LcpError, kernel, sample::Sample, scaled::Scaled};
+
+/// The matrix `A` of a family of contact problems, checked and scaled once.
+///
+/// Row `i` of `g = A λ + b` is the gap of contact `i`; `A` (c × c, m/N) is the compliance that the body shows at the
+/// contacts, for instance `Wᵀ K_NN⁻¹ W`, eqs. (11) and (13). A stop with the stiffness `k_c` of eq. (3) is the same
+/// problem with `1/k_c` added to the diagonal: `g` is then the gap plus the (positive) compression of the stop.
+///
+/// Cloning is cheap next to making one: the scaled matrix is shared.
+#[derive(Debug, Clone)]
+pub struct LcpMatrix {
+    a: Mat<f64>,
+    scaled: Arc<Scaled>,
+}
+
+impl LcpMatrix {
+    /// Checks `a` (c × c, m/N): finite, symmetric, positive semidefinite.
+    ///
+    /// Symmetric means `|A_ij − A_ji| ≤ 1e-10 √(A_ii A_jj)`; the mean of both is used. Positive semidefinite means that
+    /// `A + 1e-13 c I` has a Cholesky factor once the diagonal of `A` is scaled to one: singular matrices of redundant
+    /// contacts pass, whichever way they are rounded. A contact without compliance must have a row of zeros.
+    ///
+    /// # Errors
+    /// [`LcpError::NotSquare`], [`LcpError::NotFinite`], [`LcpError::NotSymmetric`],
+    /// [`LcpError::NotPositiveSemidefinite`], with the entry that is at fault.
+    pub fn new(a: &Mat<f64>) -> Result<Self, LcpError> {
+        let c = a.nrows();
+        if a.ncols() != c {
+            return Err(LcpError::NotSquare { rows: c, columns: a.ncols() });
+        }
+        if (0..c).any(|j| a.col(j).iter().any(|v| !v.is_finite())) {
+            return Err(LcpError::NotFinite { what: "the contact matrix" });
+        }
+        let a = symmetric(a)?;
+        let scaled = Scaled::new(&a);
+        if !scaled.is_finite() {
+            return Err(LcpError::NotFinite { what: "the scaled contact matrix" });
+        }
+        scaled.check_semidefinite()?;
+        Ok(Self { a, scaled: Arc::new(scaled) })
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.a.nrows()
+    }
+
+    /// `A`, c × c, m/N, exactly symmetric.
+    pub fn a(&self) -> &Mat<f64> {
+        &self.a
+    }
+
+    pub(crate) fn scaled(&self) -> &Arc<Scaled> {
+        &self.scaled
+    }
+
+    /// Derivative `dλ/db` (c × c, N/m) with the contacts of `closed` kept closed and all others open:
+    /// `dλ_a = −A_aa⁻¹ db_a`. Where closed contacts are redundant, that of an independent subset.
+    ///
+    /// The subset is chosen by Cholesky with diagonal pivoting, so it is as far from singular as that finds; `dg/db =
+    /// I + A dλ/db` does not depend on the choice as long as the gaps of the contacts left out stay closed. At a
+    /// degenerate contact (`g = λ = 0`) open and closed both give a valid generalised derivative.
+    ///
+    /// # Errors
+    /// [`LcpError::Dimension`] if `closed` has not c entries.
+    pub fn sensitivity(&self, closed: &[bool]) -> Result<Mat<f64>, LcpError> {
+        let block = self.closed_block(closed)?;
+        let mut derivative = Mat::zeros(self.n_contacts(), self.n_contacts());
+        let (mut right, mut forces) = (vec![0.0; self.n_contacts()], vec![0.0; self.n_contacts()]);
+        for &j in block.contacts() {
+            right[j] = 1.0;
+            block.forces(&right, &mut forces)?;
+            right[j] = 0.0;
+            for &i in block.contacts() {
+                derivative[(i, j)] = forces[i];
+            }
+        }
+        Ok(derivative)
+    }
+
+    /// The factored block `A_aa` of the contacts of `closed`: an independent subset where they are redundant.
+    ///
+    /// # Errors
+    /// [`LcpError::Dimension`] if `closed` has not c entries.
+    pub fn closed_block(&self, closed: &[bool]) -> Result<ClosedBlock, LcpError> {
+        self.check_length("closed contacts", closed.len())?;
+        Ok(ClosedBlock::new(self.scaled.clone(), closed))
+    }
+
+    /// Gaps `g = A λ + b` (c, m) of the forces `lambda` (c, N).
+    ///
+    /// # Errors
+    /// [`LcpError::Dimension`] if one of the slices has not c entries.
+    pub fn gaps(&self, b: &[f64], lambda: &[f64], gaps: &mut [f64]) -> Result<(), LcpError> {
+        self.check_length("b", b.len())?;
+        self.check_length("lambda", lambda.len())?;
+        self.check_length("gaps", gaps.len())?;
+        gaps.copy_from_slice(b);
+        kernel::add_columns(lambda, |j| self.a.col_as_slice(j), gaps);
+        Ok(())
+    }
+
+    /// The judge: scaled complementarity violation of `lambda` for the right-hand side `b`, computed outside every solver.
+    ///
+    /// With `D = diag(A)^-1/2`: `max |min(D⁻¹ λ, D g)| / max |D b|`, where `g = A λ + b` is recomputed in all rows.
+    /// Without unit; zero for an exact solution, infinite if anything is not finite or has the wrong length. It is
+    /// relative to `b` on purpose: relative to `|A| |λ|` huge forces would make any gap look small.
+    pub fn violation(&self, b: &[f64], lambda: &[f64]) -> f64 {
+        let c = self.n_contacts();
+        let mut sample = Sample::new(self);
+        if b.len() != c || lambda.len() != c || sample.load(b).is_err() {
+            return f64::INFINITY;
+        }
+        sample.load_forces(lambda);
+        sample.judge().violation()
+    }
+
+    pub(crate) fn check_length(&self, what: &'static str, found: usize) -> Result<(), LcpError> {
+        let expected = self.n_contacts();
+        if found == expected { Ok(()) } else { Err(LcpError::Dimension { what, expected, found }) }
+    }
+}
+
+/// The mean of `a` and its transpose, if both agree within rounding.
+fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, LcpError> {
+    let c = a.nrows();
+    let mut mean = a.clone();
+    let root: Vec<f64> = (0..c).map(|i| a[(i, i)].abs().sqrt()).collect();
+    for column in 0..c {
+        for row in 0..column {
+            let (value, transposed) = (a[(row, column)], a[(column, row)]);
+            if (value - transposed).abs() > 1e-10 * root[row] * root[column] {
+                return Err(LcpError::NotSymmetric { row, column, value, transposed });
+            }
+            mean[(row, column)] = 0.5 * value + 0.5 * transposed;
+            mean[(column, row)] = mean[(row, column)];
+        }
+    }
+    Ok(mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(rows: &[&[f64]]) -> Result<LcpMatrix, LcpError> {
+        LcpMatrix::new(&Mat::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]))
+    }
+
+    #[test]
+    fn matrices_that_are_none_of_contact_are_refused_with_the_reason() {
+        assert_eq!(matrix(&[&[1.0, 0.0]]).unwrap_err(), LcpError::NotSquare { rows: 1, columns: 2 });
+        assert_eq!(matrix(&[&[f64::NAN]]).unwrap_err(), LcpError::NotFinite { what: "the contact matrix" });
+        let asymmetric = matrix(&[&[1.0, 0.5], &[0.4, 1.0]]).unwrap_err();
+        assert_eq!(asymmetric, LcpError::NotSymmetric { row: 0, column: 1, value: 0.5, transposed: 0.4 });
+        for indefinite in [[[1.0, 2.0], [2.0, 1.0]], [[0.0, 1.0], [1.0, 1.0]], [[1.0, 0.0], [0.0, -1e-9]]] {
+            let error = matrix(&[&indefinite[0], &indefinite[1]]).unwrap_err();
+            assert!(matches!(error, LcpError::NotPositiveSemidefinite { contact: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn singular_matrices_pass_whichever_way_they_are_rounded() {
+        for rounding in [-1e-16, 0.0, 1e-16] {
+            assert!(matrix(&[&[1e-9, 1e-9], &[1e-9, 1e-9 * (1.0 + rounding)]]).is_ok());
+        }
+        assert!(matrix(&[&[0.0, 0.0], &[0.0, 1.0]]).is_ok());
+    }
+
+    #[test]
+    fn the_violation_is_relative_to_b_and_without_unit() {
+        for unit in [1.0, 1e-13, 2.5e9] {
+            let a = matrix(&[&[2.0 * unit, 0.0], &[0.0, 1.0 * unit]]).unwrap();
+            assert!(a.violation(&[-1.0, 3.0], &[0.5 / unit, 0.0]) < 1e-15);
+            approx::assert_relative_eq!(a.violation(&[-1.0, 3.0], &[0.0, 0.0]), 0.5f64.sqrt() / 3.0, epsilon = 1e-12);
+            assert_eq!(a.violation(&[f64::NAN, 3.0], &[0.0, 0.0]), f64::INFINITY);
+            assert_eq!(a.violation(&[1.0, 3.0], &[0.0, f64::NAN]), f64::INFINITY);
+            assert_eq!(a.violation(&[1.0], &[0.0]), f64::INFINITY);
+        }
+    }
+
+    #[test]
+    fn sensitivities_agree_with_differences_of_the_forces_in_the_block() {
+        let a = matrix(&[&[2.0, 1.0, 0.3], &[1.0, 3.0, 0.2], &[0.3, 0.2, 1.0]]).unwrap();
+        let derivative = a.sensitivity(&[true, true, false]).unwrap();
+        let determinant = 5.0;
+        approx::assert_relative_eq!(derivative[(0, 0)], -3.0 / determinant, epsilon = 1e-14);
+        approx::assert_relative_eq!(derivative[(0, 1)], 1.0 / determinant, epsilon = 1e-14);
+        approx::assert_relative_eq!(derivative[(1, 1)], -2.0 / determinant, epsilon = 1e-14);
+        assert!((0..3).all(|k| derivative[(2, k)] == 0.0 && derivative[(k, 2)] == 0.0));
+        assert!(a.sensitivity(&[true]).is_err());
+    }
+
+    #[test]
+    fn sensitivities_of_redundant_contacts_are_those_of_one_of_them() {
+        let a = matrix(&[&[4.0, 4.0], &[4.0, 4.0]]).unwrap();
+        let derivative = a.sensitivity(&[true, true]).unwrap();
+        let sum: f64 = (0..2).flat_map(|i| (0..2).map(move |j| (i, j))).map(|at| derivative[at]).sum();
+        assert_eq!(sum, -0.25);
+    }
+}

@@ -1,0 +1,146 @@
+//! One problem of a series in scaled units, and the judge's verdict on it.
+
+use std::sync::Arc;
+
+use crate::{
+    LcpError, LcpMatrix, kernel,
+    scaled::{Scaled, exponent, power_of_two},
+};
+
+/// Largest violation that is accepted as a solution: half of what is promised, for those who sum in another order.
+pub(crate) const ACCEPTED: f64 = 0.5e-10;
+
+/// `b`, `λ` and `g` of one problem, `b` of a size between one and two.
+#[derive(Debug)]
+pub(crate) struct Sample {
+    matrix: Arc<Scaled>,
+    pub(crate) b: Vec<f64>,
+    pub(crate) lambda: Vec<f64>,
+    pub(crate) gap: Vec<f64>,
+    /// A proof of infeasibility, if the method found one.
+    pub(crate) ray: Vec<f64>,
+    scale: f64,
+    /// The size of `b` that violations are relative to.
+    size: f64,
+}
+
+/// What the judge says of the forces of a sample. Nothing else can make one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Verdict {
+    violation: f64,
+}
+
+impl Verdict {
+    pub(crate) fn violation(self) -> f64 {
+        self.violation
+    }
+
+    pub(crate) fn is_accepted(self) -> bool {
+        self.violation <= ACCEPTED
+    }
+}
+
+impl Sample {
+    pub(crate) fn new(matrix: &LcpMatrix) -> Self {
+        let zeros = vec![0.0; matrix.n_contacts()];
+        let [b, lambda, gap, ray] = [zeros.clone(), zeros.clone(), zeros.clone(), zeros];
+        Self { matrix: matrix.scaled().clone(), b, lambda, gap, ray, scale: 1.0, size: 1.0 }
+    }
+
+    pub(crate) fn matrix(&self) -> &Arc<Scaled> {
+        &self.matrix
+    }
+
+    /// Takes over `b` (m) and forgets everything else. Tells whether no contact needs a force.
+    pub(crate) fn load(&mut self, b: &[f64]) -> Result<bool, LcpError> {
+        self.lambda.fill(0.0);
+        for ((scaled, b), unit) in self.b.iter_mut().zip(b).zip(self.matrix.gap_unit()) {
+            *scaled = b * unit;
+        }
+        if !kernel::all_finite(&self.b) {
+            return Err(LcpError::NotFinite { what: "b" });
+        }
+        let size = kernel::max_abs(&self.b);
+        let e = if size > 0.0 { exponent(size) } else { 0 };
+        let inverse = power_of_two(-e);
+        self.scale = power_of_two(e);
+        let mut open = true;
+        for b in &mut self.b {
+            *b *= inverse;
+            open &= *b >= 0.0;
+        }
+        self.size = self.matrix.size(&self.b);
+        Ok(open)
+    }
+
+    /// Takes over `lambda` (N).
+    pub(crate) fn load_forces(&mut self, lambda: &[f64]) {
+        for ((scaled, l), unit) in self.lambda.iter_mut().zip(lambda).zip(self.matrix.force_unit()) {
+            *scaled = (l / unit) / self.scale;
+        }
+    }
+
+    /// Recomputes the gaps of all contacts and judges the forces.
+    pub(crate) fn judge(&mut self) -> Verdict {
+        self.refresh_gaps();
+        Verdict { violation: self.violation() }
+    }
+
+    /// The violation of forces whose gaps are up to date.
+    pub(crate) fn violation(&self) -> f64 {
+        self.matrix.violation(self.size, &self.lambda, &self.gap)
+    }
+
+    pub(crate) fn refresh_gaps(&mut self) {
+        self.matrix.gap(&self.b, &self.lambda, &mut self.gap);
+    }
+
+    /// Puts out negative forces, judging again if there were any.
+    pub(crate) fn clamp(&mut self, verdict: Verdict) -> Verdict {
+        if self.lambda.iter().all(|l| *l >= 0.0) {
+            return verdict;
+        }
+        for l in &mut self.lambda {
+            *l = if *l > 0.0 { *l } else { 0.0 };
+        }
+        self.judge()
+    }
+
+    /// Whether the ray proves that no forces below 1e8 (scaled) open all contacts. Larger ones could not be verified:
+    /// rounding them alone moves the gaps by more than [`ACCEPTED`].
+    pub(crate) fn is_proven_infeasible(&mut self) -> bool {
+        let largest = kernel::max_abs(&self.ray);
+        if !(largest > 0.0 && largest.is_finite()) || self.ray.iter().any(|z| *z < -1e-12 * largest) {
+            return false;
+        }
+        for z in &mut self.ray {
+            *z = if *z > 0.0 { *z / largest } else { 0.0 };
+        }
+        let zeros = vec![0.0; self.ray.len()];
+        let mut image = zeros.clone();
+        self.matrix.gap(&zeros, &self.ray, &mut image);
+        kernel::max_abs(&image) <= -1e-8 * kernel::dot(&self.b, &self.ray)
+    }
+
+    /// The ray in N.
+    pub(crate) fn ray(&self) -> Vec<f64> {
+        self.ray.iter().zip(self.matrix.force_unit()).map(|(z, unit)| z * unit).collect()
+    }
+
+    /// Writes the forces in N. False if one of them overflows or underflows there.
+    pub(crate) fn unload_forces(&self, lambda: &mut [f64]) -> bool {
+        let mut fits = true;
+        for ((out, l), unit) in lambda.iter_mut().zip(&self.lambda).zip(self.matrix.force_unit()) {
+            *out = (l * self.scale) * unit;
+            fits &= *l == 0.0 || (out.abs() >= f64::MIN_POSITIVE && out.abs() <= f64::MAX);
+        }
+        fits
+    }
+
+    /// Writes the gaps in m.
+    pub(crate) fn unload_gaps(&self, gaps: &mut [f64]) {
+        for ((out, g), unit) in gaps.iter_mut().zip(&self.gap).zip(self.matrix.gap_unit()) {
+            *out = (g * self.scale) / unit;
+        }
+    }
+}

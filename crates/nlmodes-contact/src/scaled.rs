@@ -1,0 +1,128 @@
+//! The matrix in the units in which all backends work.
+
+use nlmodes_linalg::Mat;
+
+use crate::{LcpError, factor::Factor, kernel};
+
+/// `S A F` with powers of two on the diagonals of `S` and `F`, so that scaling commits no rounding error and the
+/// diagonal lies in `[1, 4)`; it is zero for contacts without compliance. `F` is `S` or `S / 2`.
+///
+/// The solver's answer then does not change by a single bit when the units of length or force, of all contacts or of
+/// one, change by a power of two.
+#[derive(Debug)]
+pub(crate) struct Scaled {
+    c: usize,
+    entries: Vec<f64>,
+    /// `S`: `b` and `g` scaled are `S b` and `S g`.
+    gap_unit: Vec<f64>,
+    /// `F`: `λ = F λ_scaled`.
+    force_unit: Vec<f64>,
+    /// Square roots of the scaled diagonal, in `[1, 2)`, and their inverses: the step to an exact unit diagonal.
+    root: Vec<f64>,
+    inverse_root: Vec<f64>,
+}
+
+impl Scaled {
+    /// `a` must be square and finite.
+    pub(crate) fn new(a: &Mat<f64>) -> Self {
+        let c = a.nrows();
+        let (gap_unit, force_unit) = units(a);
+        let mut entries = Vec::with_capacity(c * c);
+        for j in 0..c {
+            entries.extend((0..c).map(|i| (a[(i, j)] * gap_unit[i]) * force_unit[j]));
+        }
+        let root: Vec<f64> = (0..c).map(|i| entries[i * c + i]).map(|d| if d > 0.0 { d.sqrt() } else { 1.0 }).collect();
+        let inverse_root = root.iter().map(|r| 1.0 / r).collect();
+        Self { c, entries, gap_unit, force_unit, root, inverse_root }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        kernel::all_finite(&self.entries)
+    }
+
+    pub(crate) fn n_contacts(&self) -> usize {
+        self.c
+    }
+
+    /// Column `j`, which is also row `j`.
+    pub(crate) fn column(&self, j: usize) -> &[f64] {
+        &self.entries[j * self.c..(j + 1) * self.c]
+    }
+
+    pub(crate) fn diagonal(&self, j: usize) -> f64 {
+        self.entries[j * self.c + j]
+    }
+
+    pub(crate) fn gap_unit(&self) -> &[f64] {
+        &self.gap_unit
+    }
+
+    pub(crate) fn force_unit(&self) -> &[f64] {
+        &self.force_unit
+    }
+
+    /// `g = A λ + b`; columns with a zero force cost nothing.
+    pub(crate) fn gap(&self, b: &[f64], lambda: &[f64], g: &mut [f64]) {
+        g.copy_from_slice(b);
+        kernel::add_columns(lambda, |j| self.column(j), g);
+    }
+
+    /// The size of `b` with the diagonal of `A` scaled to one exactly: `max |D b|`.
+    pub(crate) fn size(&self, b: &[f64]) -> f64 {
+        kernel::max_abs_product(b, &self.inverse_root)
+    }
+
+    /// The judge: `max |min(D⁻¹ λ, D g)| / size` with the diagonal of `A` scaled to one exactly.
+    ///
+    /// Infinite if anything is not finite, zero if nothing is violated.
+    pub(crate) fn violation(&self, size: f64, lambda: &[f64], g: &[f64]) -> f64 {
+        let worst = kernel::max_abs_min(lambda, &self.root, g, &self.inverse_root);
+        if worst == 0.0 {
+            0.0
+        } else if worst.is_finite() {
+            worst / size
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Whether `A + 1e-13 c I` has a Cholesky factor. Rounding of a singular `A` stays below that.
+    pub(crate) fn check_semidefinite(&self) -> Result<(), LcpError> {
+        let shift = 1e-13 * self.c as f64;
+        let mut factor = Factor::default();
+        for contact in 0..self.c {
+            let slack = shift * self.root[contact] * self.root[contact];
+            let pivot = factor.try_append(self, contact, slack);
+            if pivot <= 0.0 || self.diagonal(contact) < 0.0 {
+                return Err(LcpError::NotPositiveSemidefinite { contact, pivot: pivot - slack });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Powers of two `S`, `F` with `1 ≤ S_i A_ii F_i < 4`, bit for bit the same `S A F` whatever power of two the units
+/// of `A` are multiplied by. An odd power cannot be split between `S` and `F` evenly: the parity of the first contact
+/// goes to `F`.
+fn units(a: &Mat<f64>) -> (Vec<f64>, Vec<f64>) {
+    let diagonal = || (0..a.nrows()).map(|i| a[(i, i)]);
+    let reference = diagonal().find(|d| *d > 0.0).map_or(0, exponent);
+    // A contact without compliance has no scale of its own: it takes the largest.
+    let largest = diagonal().filter(|d| *d > 0.0).map(exponent).max().unwrap_or(0);
+    let half = |e: i32| -(e - reference).div_euclid(2) - reference.div_euclid(2);
+    let powers: Vec<i32> = diagonal().map(|d| half(if d > 0.0 { exponent(d) } else { largest })).collect();
+    let parity = reference.rem_euclid(2);
+    let unit = |shift: i32| powers.iter().map(|e| power_of_two(e - shift)).collect();
+    (unit(0), unit(parity))
+}
+
+/// `e` with `2^e ≤ x < 2^(e+1)` for a positive finite x.
+pub(crate) fn exponent(x: f64) -> i32 {
+    let biased = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+    if x >= f64::MIN_POSITIVE { biased(x) } else { biased(x * power_of_two(100)) - 100 }
+}
+
+/// `2^e`, exact; the nearest power of two that is a normal number outside its range.
+pub(crate) fn power_of_two(e: i32) -> f64 {
+    f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52)
+}

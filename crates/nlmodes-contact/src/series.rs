@@ -1,0 +1,188 @@
+mod solution;
+
+use std::{collections::HashMap, sync::Arc};
+
+use nlmodes_linalg::Mat;
+
+pub use solution::SeriesSolution;
+
+use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace};
+
+/// Where the search for the closed contacts of a sample begins.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Start {
+    /// From nothing.
+    Cold,
+    /// From the forces and gaps of the two samples before, extrapolated; the first sample from nothing.
+    #[default]
+    PreviousSample,
+    /// From the closed contacts that the solution passed in has for the same sample: those of the previous iterate of an outer
+    /// iteration. A solution of another size, such as an empty one, counts as the previous sample.
+    SameSample,
+}
+
+/// Many contact problems with one `A` and changing `b`, such as the samples of a period.
+///
+/// Everything that depends on `A` alone is done once; memory grows linearly with the number of samples.
+///
+/// ```
+/// use nlmodes_contact::{ActiveSet, LcpMatrix, Mat, Series, SeriesSolution, Start};
+/// let a = LcpMatrix::new(&Mat::from_fn(2, 2, |i, j| if i == j { 2e-6 } else { 1e-6 }))?;
+/// let mut series = Series::new(&a, &ActiveSet::default())?;
+/// // Two contacts, three samples; sample by sample.
+/// let b = [1e-3, 1e-3, -1e-3, 1e-3, -1e-3, -2e-3];
+/// let mut solution = SeriesSolution::default();
+/// series.solve(&b, Start::PreviousSample, &mut solution)?;
+/// assert_eq!(solution.closed(1), [true, false]);
+/// assert!((solution.lambda(1)[0] - 500.0).abs() < 1e-9);
+/// let derivative = series.sensitivity(solution.closed(1))?;
+/// assert!((derivative[(0, 0)] + 5e5).abs() < 1e-6);
+/// # Ok::<(), nlmodes_contact::LcpError>(())
+/// ```
+pub struct Series {
+    matrix: LcpMatrix,
+    workspace: Box<dyn LcpWorkspace>,
+    sensitivities: HashMap<Box<[bool]>, Arc<Mat<f64>>>,
+}
+
+/// Bytes of sensitivities kept.
+const BUDGET_BYTES: usize = 128 << 20;
+
+impl std::fmt::Debug for Series {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Series").field("matrix", &self.matrix).finish_non_exhaustive()
+    }
+}
+
+impl Series {
+    /// Prepares `solver` for the matrix.
+    ///
+    /// # Errors
+    /// [`LcpError`] if the backend cannot treat the matrix.
+    pub fn new(matrix: &LcpMatrix, solver: &dyn LcpSolver) -> Result<Self, LcpError> {
+        let workspace = solver.workspace(matrix)?;
+        Ok(Self { matrix: matrix.clone(), workspace, sensitivities: HashMap::new() })
+    }
+
+    /// The matrix of the series.
+    pub fn matrix(&self) -> &LcpMatrix {
+        &self.matrix
+    }
+
+    /// Solves all samples of `b` (m), which holds the c values of one sample after the other, and overwrites `solution`.
+    ///
+    /// # Errors
+    /// [`LcpError::Dimension`] if `b` is not a whole number of samples, [`LcpError::Sample`] with the first sample that has no
+    /// solution and the reason; the samples before it are in `solution`.
+    pub fn solve(&mut self, b: &[f64], start: Start, solution: &mut SeriesSolution) -> Result<(), LcpError> {
+        let c = self.matrix.n_contacts();
+        let samples = b.len() / c.max(1);
+        if samples * c != b.len() {
+            return Err(LcpError::Dimension {
+                what: "b of whole samples",
+                expected: (samples + 1) * c,
+                found: b.len(),
+            });
+        }
+        let same = start == Start::SameSample && solution.c == c && solution.n_samples() == samples;
+        solution.resize(c, samples);
+        (0..samples).try_for_each(|sample| {
+            if !same {
+                solution.guess(sample, start != Start::Cold);
+            }
+            self.solve_sample(&b[sample * c..(sample + 1) * c], sample, solution)
+                .map_err(|source| LcpError::Sample { sample, source: Box::new(source) })
+        })
+    }
+
+    fn solve_sample(&mut self, b: &[f64], sample: usize, solution: &mut SeriesSolution) -> Result<(), LcpError> {
+        let range = solution.range(sample);
+        let (closed, lambda) = (&mut solution.closed[range.clone()], &mut solution.lambda[range.clone()]);
+        solution.statistics[sample] = self.workspace.solve(b, closed, lambda)?;
+        self.workspace.gaps(&mut solution.gaps[range])
+    }
+
+    /// [`LcpMatrix::sensitivity`], computed once per closed set: few distinct ones occur in a period.
+    ///
+    /// # Errors
+    /// [`LcpError::Dimension`] if `closed` has not c entries.
+    pub fn sensitivity(&mut self, closed: &[bool]) -> Result<Arc<Mat<f64>>, LcpError> {
+        if let Some(known) = self.sensitivities.get(closed) {
+            return Ok(known.clone());
+        }
+        let derivative = Arc::new(self.matrix.sensitivity(closed)?);
+        if (self.sensitivities.len() + 1) * closed.len() * closed.len() * 8 > BUDGET_BYTES {
+            self.sensitivities.clear();
+        }
+        self.sensitivities.insert(closed.into(), derivative.clone());
+        Ok(derivative)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{SOLVER_NAMES, factor::tests::smooth, solver_by_name};
+
+    /// A wave of gaps over 12 contacts, 32 samples.
+    fn wave() -> Vec<f64> {
+        let gap = |k: usize, i: usize| 1e-4 * (0.3 + (0.2 * k as f64 - 0.5 * i as f64).cos());
+        (0..32).flat_map(|k| (0..12).map(move |i| gap(k, i))).collect()
+    }
+
+    #[test]
+    fn every_start_and_every_backend_gives_the_same_series() {
+        let (matrix, b) = (smooth(12), wave());
+        let mut reference = SeriesSolution::default();
+        Series::new(&matrix, &crate::ActiveSet::default()).unwrap().solve(&b, Start::Cold, &mut reference).unwrap();
+        for name in SOLVER_NAMES.iter().filter(|name| **name != "closed-form") {
+            let mut series = Series::new(&matrix, solver_by_name(name).unwrap().as_ref()).unwrap();
+            let mut solution = SeriesSolution::default();
+            for start in [Start::Cold, Start::PreviousSample, Start::SameSample] {
+                series.solve(&b, start, &mut solution).unwrap();
+                assert_eq!(solution.closed, reference.closed, "{name} {start:?}");
+                for (found, expected) in solution.lambda.iter().zip(&reference.lambda) {
+                    approx::assert_relative_eq!(found, expected, epsilon = 1e-16, max_relative = 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_second_pass_from_the_same_samples_takes_one_step_per_sample() {
+        let mut series = Series::new(&smooth(12), &crate::ActiveSet::default()).unwrap();
+        let mut solution = SeriesSolution::default();
+        series.solve(&wave(), Start::PreviousSample, &mut solution).unwrap();
+        series.solve(&wave(), Start::SameSample, &mut solution).unwrap();
+        assert!(solution.statistics().iter().all(|s| s.iterations <= 1));
+    }
+
+    #[test]
+    fn a_sample_without_solution_is_named() {
+        let mut series = Series::new(&smooth(2), &crate::ActiveSet::default()).unwrap();
+        let b = [1.0, 1.0, 1.0, f64::NAN];
+        let error = series.solve(&b, Start::default(), &mut SeriesSolution::default()).unwrap_err();
+        assert_eq!(error, LcpError::Sample { sample: 1, source: Box::new(LcpError::NotFinite { what: "b" }) });
+        assert!(series.solve(&b[..3], Start::default(), &mut SeriesSolution::default()).is_err());
+    }
+
+    #[test]
+    fn sensitivities_are_central_differences_of_the_forces() {
+        let (matrix, b) = (smooth(12), wave());
+        let mut series = Series::new(&matrix, &crate::ActiveSet::default()).unwrap();
+        let mut solution = SeriesSolution::default();
+        series.solve(&b, Start::default(), &mut solution).unwrap();
+        let derivative = series.sensitivity(solution.closed(3)).unwrap();
+        let mut forces = |step: f64| {
+            let mut moved = b[36..48].to_vec();
+            moved[4] += step;
+            series.solve(&moved, Start::Cold, &mut solution).unwrap();
+            solution.lambda(0).to_vec()
+        };
+        let (above, below) = (forces(1e-8), forces(-1e-8));
+        for i in 0..12 {
+            let difference = (above[i] - below[i]) / 2e-8;
+            approx::assert_relative_eq!(derivative[(i, 4)], difference, epsilon = 1e-6, max_relative = 1e-6);
+        }
+    }
+}

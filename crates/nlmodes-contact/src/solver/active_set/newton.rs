@@ -1,0 +1,142 @@
+use super::super::session::Outcome;
+use crate::{
+    factor::{ClosedSet, WorkingFactor},
+    kernel,
+    sample::{Sample, Verdict},
+};
+
+/// Signs are wrong below this, relative to the size of the forces: rounding of a product with `A`.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Semismooth Newton on `min(λ, g) = 0`, that is block principal pivoting, with a factor that is updated.
+#[derive(Debug)]
+pub(crate) struct Newton {
+    factor: WorkingFactor,
+    set: ClosedSet,
+    forces: Vec<f64>,
+    iterations: usize,
+}
+
+/// Sizes below which a sign counts as zero.
+pub(crate) fn sign_tolerance(lambda: &[f64]) -> f64 {
+    (ROUNDING * (1.0 + kernel::max_abs(lambda))).min(1e-11)
+}
+
+impl Newton {
+    pub(crate) fn new(c: usize) -> Self {
+        Self { factor: WorkingFactor::new(c), set: ClosedSet::new(c), forces: Vec::with_capacity(c), iterations: 0 }
+    }
+
+    /// Steps of the last run.
+    pub(crate) fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    pub(crate) fn guess(&mut self, closed: &[bool]) {
+        self.set.load(closed);
+    }
+
+    /// Closed where there is a force and no gap: `λ > g`.
+    pub(crate) fn guess_from_forces(&mut self, sample: &Sample) {
+        self.set.load_with(sample.b.len(), |i| sample.lambda[i] > 0.0 && sample.lambda[i] > sample.gap[i]);
+    }
+
+    /// The closed contacts of the last step that carry forces.
+    pub(crate) fn unload_closed(&self, closed: &mut [bool]) {
+        closed.fill(false);
+        self.factor.closed().for_each(|i| closed[i] = true);
+    }
+
+    /// Steps until all signs are right. None if `patience` steps went by without fewer wrong ones.
+    pub(crate) fn run(&mut self, sample: &mut Sample, patience: usize) -> Option<Outcome> {
+        let (mut fewest, mut stalled) = (usize::MAX, 0);
+        self.iterations = 0;
+        self.factor.reset();
+        loop {
+            self.iterations += 1;
+            let verdict = self.step(sample);
+            let wrong = if verdict.violation() <= ROUNDING { 0 } else { self.exchange(sample) };
+            if wrong == 0 {
+                let verdict = self.refine(sample, verdict);
+                return Some(Outcome {
+                    iterations: self.iterations,
+                    verdict: sample.clamp(verdict),
+                    infeasible: false,
+                });
+            }
+            stalled = if wrong < fewest { 0 } else { stalled + 1 };
+            fewest = fewest.min(wrong);
+            if stalled >= patience {
+                return None;
+            }
+        }
+    }
+
+    /// Forces that close the gaps of the set, without those that would pull, and the judge's verdict.
+    ///
+    /// A set that is too large is often so by several layers at the edge of a patch, where only the outermost contacts pull
+    /// at a time; taking them off before the gaps are looked at saves the product with `A`.
+    fn step(&mut self, sample: &mut Sample) -> Verdict {
+        loop {
+            self.factor.select(sample.matrix(), &self.set);
+            self.factor.forces(&sample.b, &mut self.forces);
+            if !self.open_pulling() {
+                break;
+            }
+            self.iterations += 1;
+        }
+        sample.lambda.fill(0.0);
+        for (&i, force) in self.factor.order().iter().zip(&self.forces) {
+            sample.lambda[i] = *force;
+        }
+        sample.judge()
+    }
+
+    /// Takes the contacts that pull out of the set. Tells whether there were any.
+    fn open_pulling(&mut self) -> bool {
+        let tolerance = sign_tolerance(&self.forces);
+        let mut any = false;
+        for (&i, _) in self.factor.order().iter().zip(&self.forces).filter(|(_, f)| **f < -tolerance) {
+            self.set.toggle(i);
+            any = true;
+        }
+        any
+    }
+
+    /// Exchanges the contacts that pull or penetrate. Returns how many there were.
+    fn exchange(&mut self, sample: &Sample) -> usize {
+        let tolerance = sign_tolerance(&sample.lambda);
+        let mut wrong = 0;
+        for (i, (&force, &gap)) in sample.lambda.iter().zip(&sample.gap).enumerate() {
+            // NaN counts as right here: the judge does not let it pass.
+            if (if force == 0.0 { gap } else { force }) < -tolerance {
+                self.set.toggle(i);
+                wrong += 1;
+            }
+        }
+        wrong
+    }
+
+    /// Iterative refinement of the forces while the closed gaps are above rounding and fall.
+    fn refine(&mut self, sample: &mut Sample, mut verdict: Verdict) -> Verdict {
+        for _ in 0..3 {
+            if verdict.violation() <= 1e-13 {
+                break;
+            }
+            self.forces.clear();
+            self.forces.extend(self.factor.order().iter().map(|&i| sample.gap[i]));
+            self.factor.solve(&mut self.forces);
+            let subtract = |sample: &mut Sample, forces: &[f64], sign: f64| {
+                self.factor.order().iter().zip(forces).for_each(|(&i, f)| sample.lambda[i] -= sign * f);
+            };
+            subtract(sample, &self.forces, 1.0);
+            let refined = sample.judge();
+            if refined.violation() >= verdict.violation() {
+                subtract(sample, &self.forces, -1.0);
+                return sample.judge();
+            }
+            verdict = refined;
+        }
+        verdict
+    }
+}

@@ -1,0 +1,45 @@
+//! From approximate forces to the exact closed set.
+
+use super::{
+    active_set::{Newton, Primal},
+    session::Outcome,
+};
+use crate::sample::Sample;
+
+/// Reads the closed set off approximate forces, solves its block exactly and corrects a few signs.
+///
+/// Few: it is not to find the solution in the place of the method that made the forces.
+#[derive(Debug)]
+pub(crate) struct Polish {
+    newton: Newton,
+    primal: Primal,
+    approximate: Vec<f64>,
+}
+
+impl Polish {
+    pub(crate) fn new(c: usize) -> Self {
+        Self { newton: Newton::new(c), primal: Primal::default(), approximate: vec![0.0; c] }
+    }
+
+    /// If the result is accepted, it is in `sample` and `closed`; else the forces are as before, and the outcome tells.
+    pub(crate) fn run(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
+        self.approximate.copy_from_slice(&sample.lambda);
+        let before = sample.judge();
+        self.newton.guess_from_forces(sample);
+        let quick = self.newton.run(sample, 1);
+        if let Some(outcome) = quick.filter(|outcome| outcome.verdict.is_accepted()) {
+            self.newton.unload_closed(closed);
+            return outcome;
+        }
+        sample.lambda.copy_from_slice(&self.approximate);
+        sample.clamp(before);
+        // Redundant contacts: an independent subset that carries the same forces.
+        let exact = self.primal.run(sample, closed.len() / 4 + 8);
+        if exact.verdict.is_accepted() || exact.infeasible {
+            self.primal.unload_closed(closed);
+            return exact;
+        }
+        sample.lambda.copy_from_slice(&self.approximate);
+        Outcome { iterations: 0, verdict: sample.judge(), infeasible: false }
+    }
+}
