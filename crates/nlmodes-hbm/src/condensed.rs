@@ -1,6 +1,6 @@
 use nlmodes_contact::LcpMatrix;
-use nlmodes_linalg::{DenseLu, Mat, SparseCholesky};
-use nlmodes_model::{MasslessContactModel, held_modes};
+use nlmodes_linalg::{DenseLu, Mat, SparseCholesky, symmetric_eigen};
+use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
 
 use crate::HbmError;
 
@@ -19,6 +19,9 @@ pub struct HeldMode {
     pub s: f64,
 }
 
+/// Relative difference below which two held frequencies count as one.
+pub(crate) const REPEATED: f64 = 1e-10;
+
 /// A structure with massless contacts, reduced once to what the periodic problem needs.
 ///
 /// With the modes of the held structure, `K_LL φ_k = λ_k M_LL φ_k`, eq. (8) reads
@@ -29,7 +32,8 @@ pub struct HeldMode {
 /// T(ν²) = T_0 + Σ_k ν²/(λ_k (λ_k − ν²)) h_k g_k ,   T_0 = K_NN⁻¹ K_NL K_LL⁻¹ K_LN
 /// ```
 ///
-/// The static part is exact whatever the number of modes. `b(t)` is where the massless contact nodes would be without stops.
+/// Modes beyond the computed ones answer as springs with the mass of their static shape: of their share of `T`, `K_NN⁻¹ R ν²` is
+/// kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with `ν⁴/λ³`. `b(t)` is where the massless contact nodes would be without stops.
 #[derive(Debug, Clone)]
 pub struct CondensedStructure {
     pub(crate) model: MasslessContactModel,
@@ -37,6 +41,8 @@ pub struct CondensedStructure {
     pub(crate) shapes: Mat<f64>,
     pub(crate) psi: Mat<f64>,
     pub(crate) t0: Mat<f64>,
+    /// What the held modes that were not computed still contribute.
+    pub(crate) residual: ResidualMass,
     /// `K_NN⁻¹ W`, n_N × c.
     pub(crate) k_inv_w: Mat<f64>,
     pub(crate) compliance: LcpMatrix,
@@ -50,7 +56,7 @@ impl CondensedStructure {
     /// # Errors
     /// [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
-        let held = held_modes(&model, n_modes)?;
+        let mut held = held_modes(&model, n_modes)?;
         let psi = static_shapes(&model)?;
         let k_nn = DenseLu::factor(model.k_nn())
             .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
@@ -59,6 +65,7 @@ impl CondensedStructure {
         let k_inv_w = solve_columns(&k_nn, model.w());
         let compliance = symmetric(&(model.w().transpose() * &k_inv_w));
         let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
+        separate_repeated(&mut held, &model, &k_nn)?;
         let g = held.shapes.transpose() * model.k_ln();
         let scale = (0..t0.nrows()).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
         let modes = (0..held.omega.len()).filter_map(|k| {
@@ -70,10 +77,15 @@ impl CondensedStructure {
             // Modes that leave the contacts at rest (the axial family of a beam under a transverse stop) do not take part.
             (s > 1e-20 * scale * lambda).then_some(HeldMode { lambda, column: k, g: row, h, s })
         });
-        let modes = modes.collect();
+        let modes: Vec<HeldMode> = modes.collect();
+        let residual = if held.omega.len() < psi.nrows() {
+            ResidualMass::new(&model, &psi, &modes, &held.shapes, &k_nn)?
+        } else {
+            ResidualMass::none(&psi)
+        };
         let gaps = model.contacts().iter().map(|c| c.gap).collect();
         let n_held = held.omega.len();
-        Ok(Self { model, modes, shapes: held.shapes, psi, t0, k_inv_w, compliance, gaps, n_held })
+        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, k_inv_w, compliance, gaps, n_held })
     }
 
     /// The structure that was reduced.
@@ -112,17 +124,80 @@ impl CondensedStructure {
     }
 }
 
+/// Among modes with the same frequency (equal spans between contacts), chooses those with `g_i K_NN⁻¹ g_jᵀ = 0`, so that each
+/// pole of `T` can be taken apart by itself.
+fn separate_repeated(held: &mut LinearModes, model: &MasslessContactModel, k_nn: &DenseLu) -> Result<(), HbmError> {
+    let mut first = 0;
+    while first < held.omega.len() {
+        let same =
+            held.omega[first..].iter().take_while(|omega| **omega <= held.omega[first] * (1.0 + REPEATED)).count();
+        if same > 1 {
+            let shapes = held.shapes.subcols(first, same).to_owned();
+            let g = shapes.transpose() * model.k_ln();
+            let strength = symmetric(&(&g * solve_columns(k_nn, &g.transpose().to_owned())));
+            let (_, turn) = symmetric_eigen(&strength)
+                .map_err(|source| HbmError::Linalg { what: "modes with the same frequency", source })?;
+            held.shapes.subcols_mut(first, same).copy_from(&shapes * turn);
+        }
+        first += same;
+    }
+    Ok(())
+}
+
+/// Share of the held modes that were not computed, to first order in `ν²`.
+#[derive(Debug, Clone)]
+pub(crate) struct ResidualMass {
+    /// `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, n_N × n_N.
+    pub mass: Mat<f64>,
+    /// `K_NN⁻¹ R`: its share of `T` is `ν²` times that.
+    pub transfer: Mat<f64>,
+    /// `K_LL⁻¹ M_LL Ψ + Σ_k φ_k g_k/λ_k²`, n_L × n_N: its share of `q_L,n` is `ν²` times that and `q_N,n`.
+    pub shapes: Mat<f64>,
+}
+
+impl ResidualMass {
+    fn none(psi: &Mat<f64>) -> Self {
+        let zero = Mat::zeros(psi.ncols(), psi.ncols());
+        Self { mass: zero.clone(), transfer: zero, shapes: Mat::zeros(psi.nrows(), psi.ncols()) }
+    }
+
+    fn new(
+        model: &MasslessContactModel,
+        psi: &Mat<f64>,
+        modes: &[HeldMode],
+        held: &Mat<f64>,
+        k_nn: &DenseLu,
+    ) -> Result<Self, HbmError> {
+        let inertia = model.m_ll().as_ref() * psi;
+        let mut mass = symmetric(&(psi.transpose() * &inertia));
+        let mut shapes = solve_held(model, inertia)?;
+        for mode in modes {
+            let weight = 1.0 / (mode.lambda * mode.lambda);
+            for j in 0..mode.g.len() {
+                (0..mode.g.len()).for_each(|i| mass[(i, j)] -= weight * mode.g[i] * mode.g[j]);
+                (0..shapes.nrows()).for_each(|i| shapes[(i, j)] += weight * held[(i, mode.column)] * mode.g[j]);
+            }
+        }
+        let transfer = solve_columns(k_nn, &mass);
+        Ok(Self { mass, transfer, shapes })
+    }
+}
+
 /// `Ψ = −K_LL⁻¹ K_LN`.
 fn static_shapes(model: &MasslessContactModel) -> Result<Mat<f64>, HbmError> {
+    solve_held(model, -model.k_ln())
+}
+
+/// `K_LL⁻¹` times the columns of `rhs`.
+fn solve_held(model: &MasslessContactModel, mut rhs: Mat<f64>) -> Result<Mat<f64>, HbmError> {
     let k_ll = SparseCholesky::factor(model.k_ll(), "stiffness K_LL of the structure with its contacts held")
         .map_err(|source| HbmError::Linalg { what: "static response to the contacts", source })?;
-    let mut psi = Mat::zeros(model.k_ln().nrows(), model.k_ln().ncols());
-    for d in 0..psi.ncols() {
-        let mut column: Vec<f64> = model.k_ln().col(d).iter().map(|v| -v).collect();
+    for d in 0..rhs.ncols() {
+        let mut column: Vec<f64> = rhs.col(d).iter().copied().collect();
         k_ll.solve_in_place(&mut column);
-        psi.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
+        rhs.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
     }
-    Ok(psi)
+    Ok(rhs)
 }
 
 fn solve_columns(lu: &DenseLu, rhs: &Mat<f64>) -> Mat<f64> {

@@ -1,3 +1,5 @@
+use nlmodes_linalg::Mat;
+
 use crate::CondensedStructure;
 use crate::transfer::Plane;
 
@@ -25,7 +27,7 @@ impl KineticEnergy {
         self.d_b.fill(0.0);
         self.d_q.fill(0.0);
         for (k, mode) in structure.modes.iter().enumerate() {
-            let (eta, d_eta) = if plane.pole == Some(k) {
+            let (eta, d_eta) = if plane.poles.contains(&k) {
                 self.add_resonant(structure, plane, k, nu2, b, q)
             } else {
                 let inverse = 1.0 / (mode.lambda - nu2);
@@ -36,6 +38,17 @@ impl KineticEnergy {
             };
             self.value += 0.25 * nu2 * eta * eta;
             self.d_nu2 += 0.25 * eta * eta + 0.5 * nu2 * eta * d_eta;
+        }
+        self.add_residual_mass(&structure.residual.mass, nu2, q);
+    }
+
+    /// `ν²/4 qᵀ R q` of the held modes that were not computed.
+    fn add_residual_mass(&mut self, mass: &Mat<f64>, nu2: f64, q: &[f64]) {
+        for i in 0..q.len() {
+            let inertia: f64 = (0..q.len()).map(|j| mass[(i, j)] * q[j]).sum();
+            self.value += 0.25 * nu2 * q[i] * inertia;
+            self.d_nu2 += 0.25 * q[i] * inertia;
+            self.d_q[i] += 0.5 * nu2 * inertia;
         }
     }
 
@@ -56,10 +69,10 @@ impl KineticEnergy {
         let g_f = |matrix: &[f64], j: usize| (0..n).map(|i| mode.g[i] * matrix[i * n + j]).sum::<f64>();
         let weight = 0.5 * nu2 * eta / denominator;
         let mut slope = 0.0;
-        for j in 0..n {
+        for (j, q) in q.iter().enumerate() {
             self.d_b[j] -= weight * s * mode.g[j];
             self.d_q[j] -= weight * (delta * mode.g[j] - s * g_f(&plane.f, j));
-            slope += (mode.g[j] + s * g_f(&plane.df, j)) * q[j];
+            slope += (mode.g[j] + s * g_f(&plane.df, j)) * q;
         }
         (eta, (slope + 2.0 * delta * eta) / denominator)
     }
@@ -75,7 +88,7 @@ pub(crate) fn held_coordinates(
     eta: &mut [f64],
 ) {
     for (k, (mode, eta)) in structure.modes.iter().zip(eta).enumerate() {
-        *eta = if plane.pole == Some(k) {
+        *eta = if plane.poles.contains(&k) {
             resonant_coordinate(structure, plane, k, nu2, b, q)
         } else {
             -inner(&mode.g, q) / (mode.lambda - nu2)
@@ -83,14 +96,7 @@ pub(crate) fn held_coordinates(
     }
 }
 
-fn resonant_coordinate(
-    structure: &CondensedStructure,
-    plane: &Plane,
-    p: usize,
-    nu2: f64,
-    b: &[f64],
-    q: &[f64],
-) -> f64 {
+fn resonant_coordinate(structure: &CondensedStructure, plane: &Plane, p: usize, nu2: f64, b: &[f64], q: &[f64]) -> f64 {
     let (mode, n) = (&structure.modes[p], q.len());
     let (delta, s) = (mode.lambda - nu2, mode.s);
     let from_b: f64 = (0..n).map(|i| mode.g[i] * (b[i] - inner(&plane.f[i * n..(i + 1) * n], q))).sum();

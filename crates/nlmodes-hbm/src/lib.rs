@@ -1,4 +1,61 @@
-//! Mixed shooting-harmonic balance for structures with unilateral contact.
+//! Mixed shooting-harmonic balance: periodic motions of linear structures behind rigid one-sided stops.
+//!
+//! ```text
+//! H_LL,n q_L,n + H_LN,n q_N,n = 0 ,   n = 0 … N_h                        linear degrees of freedom, in harmonics   (8)
+//! K_NN q_N(t) + K_NL q_L(t) = W̄ λ(t) ,   0 ≤ g(t) ⊥ λ(t) ≥ 0             massless contacts, at each instant  (11), (13)
+//! q_N,n = 𝓕_n(q_N(t))                                                     both are the same motion                 (14)
+//! E_av(ω, q) = E_0                                                        its averaged kinetic energy is given     (16)
+//! ```
+//!
+//! | symbol | meaning | unit | shape | item |
+//! | --- | --- | --- | --- | --- |
+//! | `λ_k`, `φ_k` | modes with the contacts held | rad²/s², 1/√kg | | [`HeldMode`] |
+//! | `T(ν²)` | `b_n = T q_N,n`: the linear structure as the contacts see it | 1 | n_N × n_N | [`CondensedStructure`] |
+//! | `b(t)` | where the massless contact nodes would be without stops | m | n_N | [`MixedShooting`] |
+//! | `q_N(t)` | where they are | m | n_N | |
+//! | `A` | contact compliance `Wᵀ K_NN⁻¹ W` | m/N | c × c | [`CondensedStructure::compliance`] |
+//! | `ω` | angular frequency | rad/s | | |
+//! | `E_av` | averaged kinetic energy | J | | |
+//!
+//! [`CondensedStructure`] reduces a structure once; [`grazing`] gives the linear mode that just touches; [`MixedShooting`] is the system of
+//! equations, with its Jacobian, for `nlmodes-continuation`. One evaluation costs `modes × N_h × n_N²` and the contact
+//! problems, whatever the size of the finite-element model.
+//!
+//! ```
+//! use nlmodes_contact::solver_by_name;
+//! use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
+//! use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+//! use nlmodes_linalg::sparse_from_triplets;
+//! use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+//!
+//! // A wall, a spring, a mass, a spring, and a massless node 1 mm from a stop.
+//! let stiffness = sparse_from_triplets(2, 2, &[(0, 0, 3e4), (0, 1, -2e4), (1, 0, -2e4), (1, 1, 2e4)])?;
+//! let mass = sparse_from_triplets(2, 2, &[(0, 0, 0.1)])?;
+//! let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
+//! let stop = Contact { dof: 1, side: Side::Positive, gap: 1e-3 };
+//! let model = StructuralModel::new(mass, stiffness, vec![dof(1), dof(2)], vec![stop])?;
+//! let structure = CondensedStructure::new(MasslessContactModel::new(&model, &Drop)?, 1)?;
+//!
+//! let start = grazing(&structure, 1)?;
+//! let settings = MixedShootingSettings { harmonics: 7, symmetry: Symmetry::Even, switching: Switching::Exact };
+//! let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
+//! let (n, series) = (problem.dim(), problem.series());
+//! let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
+//! let to_ten_times_the_energy = Bound { coordinate: n, min: -1.0, max: 10_f64.ln() };
+//! let method = Continuation { bounds: vec![to_ten_times_the_energy], ..Continuation::default() };
+//! let branch = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(()))?;
+//! let last = branch.points.last().expect("a branch has its start");
+//! assert!(problem.omega(&last.x) > start.omega); // the stop stiffens the mode
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes at the
+//! eigenfrequencies of the held structure, and eq. (8) is used in a form without poles; see [`MixedShooting`].
+//!
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
+//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F. Schreyer, R. I. Leine, *A mixed
+//! shooting-harmonic balance method for unilaterally constrained mechanical systems*, Archive of Mechanical Engineering 63
+//! (2016) 297-314.
 
 mod closed_set;
 mod condensed;

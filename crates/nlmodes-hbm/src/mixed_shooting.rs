@@ -125,6 +125,11 @@ impl<'s> MixedShooting<'s> {
         self.sweep.series
     }
 
+    /// Iterations of the contact solver so far, over all contact problems, in the unit of that solver.
+    pub fn contact_iterations(&self) -> usize {
+        self.sweep.iterations
+    }
+
     /// Index of the frequency in the unknown vector.
     pub fn frequency_index(&self) -> usize {
         self.b.len()
@@ -160,7 +165,7 @@ impl<'s> MixedShooting<'s> {
             self.sweep.series.multiplication(averages, &mut self.product);
             self.sweep.series.coefficients_of(averages, &mut constant);
             for d in 0..n {
-                for m in 0..width {
+                for (m, constant) in constant.iter().enumerate() {
                     let row = &mut self.dq_db[(d * width + m) * size..(d * width + m + 1) * size];
                     for e in 0..n {
                         let factor = set.d[d * n + e];
@@ -168,7 +173,7 @@ impl<'s> MixedShooting<'s> {
                         let from = &self.product[m * width..(m + 1) * width];
                         block.iter_mut().zip(from).for_each(|(r, p)| *r -= factor * p);
                     }
-                    self.q[d * width + m] += set.r[d] * constant[m];
+                    self.q[d * width + m] += set.r[d] * constant;
                 }
             }
         }
@@ -230,7 +235,14 @@ impl<'s> MixedShooting<'s> {
         Some(if is_sine { (n, -(n as f64)) } else { (sine, n as f64) })
     }
 
-    fn energy_row(&mut self, omega: f64, p: f64, gradient_q: &[f64], totals: &EnergyTotals, out: &mut Linearization) -> Result<(), HbmError> {
+    fn energy_row(
+        &mut self,
+        omega: f64,
+        p: f64,
+        gradient_q: &[f64],
+        totals: &EnergyTotals,
+        out: &mut Linearization,
+    ) -> Result<(), HbmError> {
         let size = self.b.len();
         let energy = totals.value;
         if !(energy.is_finite() && energy > 0.0) {
@@ -291,7 +303,11 @@ impl ParametricSystem for MixedShooting<'_> {
         let mut gradient_q = vec![0.0; self.b.len()];
         for n in 0..=self.settings.harmonics {
             let nu = Nu { squared: (n as f64 * omega).powi(2), d_omega: 2.0 * (n * n) as f64 * omega };
-            if n == 0 { self.plane.set_static(self.structure) } else { self.plane.set(self.structure, nu.squared) }
+            if n == 0 {
+                self.plane.set_static(self.structure)
+            } else {
+                self.plane.set(self.structure, nu.squared)
+            }
             for m in std::iter::once(n).chain((n > 0).then(|| self.sweep.series.sine(n)).flatten()) {
                 self.connectivity_rows(m, nu, unfolding, out);
                 if n == 0 {
@@ -317,7 +333,8 @@ impl ParametricSystem for MixedShooting<'_> {
 
     fn pattern(&self) -> u64 {
         // FNV-1a over the sequence of closed contacts.
-        let bits = self.sweep.intervals.iter().flat_map(|i| self.sweep.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
+        let bits =
+            self.sweep.intervals.iter().flat_map(|i| self.sweep.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
         bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
     }
 

@@ -31,7 +31,7 @@ impl MixedShooting<'_> {
         let held = self.held_motion(omega);
         let coefficients = self.all_coordinates(&held, omega);
         let (kinetic, strain) = self.energies(&held, omega);
-        let modal_amplitude = held.eta_1().map(|η| η.norm_sqr()).sum::<f64>().sqrt();
+        let modal_amplitude = self.modal_amplitude(&held);
         let first = self.structure().model().contacts()[0];
         let (fraction, intervals) = self.contact_statistics();
         Ok(ModalPoint {
@@ -41,7 +41,7 @@ impl MixedShooting<'_> {
             kinetic_energy: kinetic,
             total_energy: kinetic + strain,
             modal_amplitude,
-            peak: self.peak(first.side.sign(), fraction > 0.0),
+            peak: self.peak(fraction > 0.0),
             contact_fraction: fraction,
             contact_intervals: intervals,
             peak_contact_force: self.peak_force(),
@@ -59,7 +59,11 @@ impl MixedShooting<'_> {
         let mut eta = vec![0.0; structure.modes().len()];
         for n in 0..=h {
             let nu2 = (n as f64 * omega).powi(2);
-            if n == 0 { plane.set_static(structure) } else { plane.set(structure, nu2) }
+            if n == 0 {
+                plane.set_static(structure)
+            } else {
+                plane.set(structure, nu2)
+            }
             let sine = (n > 0).then(|| series.sine(n)).flatten();
             for (m, unit) in std::iter::once((n, Complex64::ONE)).chain(sine.map(|m| (m, -Complex64::I))) {
                 let (b, q) = self.coefficients(m);
@@ -70,7 +74,7 @@ impl MixedShooting<'_> {
         motion
     }
 
-    /// `q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n` and `q_N,n`, in the order of the model.
+    /// `q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n`, with the share of the modes not computed, and `q_N,n`, in the order of the model.
     fn all_coordinates(&self, held: &HeldMotion, omega: f64) -> HarmonicCoefficients {
         let structure = self.structure();
         let model = structure.model();
@@ -84,7 +88,7 @@ impl MixedShooting<'_> {
             for (n, value) in target.iter_mut().enumerate() {
                 let nu2 = (n as f64 * omega).powi(2);
                 for (d, q) in held.q.iter().enumerate() {
-                    *value += q[n] * structure.psi[(row, d)];
+                    *value += q[n] * (structure.psi[(row, d)] + nu2 * structure.residual.shapes[(row, d)]);
                 }
                 for (mode, eta) in structure.modes().iter().zip(&held.eta) {
                     *value += eta[n] * (nu2 / mode.lambda * structure.shapes()[(row, mode.column)]);
@@ -115,6 +119,10 @@ impl MixedShooting<'_> {
             for i in 0..n_n {
                 for j in 0..n_n {
                     let k = k_nn[(i, j)];
+                    // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts twice.
+                    let residual = structure.residual.mass[(i, j)] * (held.q[i][n].conj() * held.q[j][n]).re;
+                    kinetic += 0.5 * mean * nu2 * residual;
+                    strain += mean * nu2 * residual;
                     let static_q: Complex64 = (0..n_n).map(|e| held.q[e][n] * structure.t0[(j, e)]).sum();
                     let force: Complex64 = held.q[j][n] - held.b[j][n];
                     strain += 0.5 * mean * k * (held.q[i][n].conj() * static_q).re;
@@ -125,6 +133,14 @@ impl MixedShooting<'_> {
         }
         let preload: f64 = self.mean_forces().iter().zip(&structure.gaps).map(|(λ, g)| λ * g).sum();
         (kinetic, strain - 0.5 * preload)
+    }
+
+    /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).
+    fn modal_amplitude(&self, held: &HeldMotion) -> f64 {
+        let (mass, n) = (&self.structure().residual.mass, held.q.len());
+        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let residual: f64 = pairs.map(|(i, j)| mass[(i, j)] * (held.q[i][1].conj() * held.q[j][1]).re).sum();
+        (held.eta_1().map(|η| η.norm_sqr()).sum::<f64>() + residual).sqrt()
     }
 
     /// Mean contact forces over a period, N.
@@ -179,14 +195,14 @@ impl MixedShooting<'_> {
         (fraction, count)
     }
 
-    fn peak(&self, side: f64, touches: bool) -> f64 {
+    /// Largest displacement of the first contact toward its stop.
+    fn peak(&self, touches: bool) -> f64 {
         let contact = self.structure().model().contacts()[0];
         if touches {
             return contact.gap;
         }
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min y while the contact is open.
         let toward = Trigonometric { z: self.sweep.y[0].iter().map(|z| -z).collect() };
-        let _ = side;
         contact.gap + largest(&toward, 0.0, self.sweep.end())
     }
 

@@ -92,9 +92,8 @@ fn first_change(
     shape: &[f64],
 ) -> Result<(usize, f64), HbmError> {
     let w = structure.model.w();
-    let project = |b: &[f64]| -> Vec<f64> {
-        (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
-    };
+    let project =
+        |b: &[f64]| -> Vec<f64> { (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect() };
     let y_unit = project(unit);
     let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
     let largest = structure.model.dofs().iter().zip(shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
@@ -130,8 +129,10 @@ impl Rest {
         }
         // q_0 = (K_NN (I − T_0))⁻¹ W λ: the whole structure yields, not only the contact node.
         let system = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 } - structure.t0[(i, j)]);
-        let lu = DenseLu::factor(&system)
-            .map_err(|source| HbmError::Linalg { what: "a structure that is pressed at rest but not supported", source })?;
+        let lu = DenseLu::factor(&system).map_err(|source| HbmError::Linalg {
+            what: "a structure that is pressed at rest but not supported",
+            source,
+        })?;
         let mut q = structure.k_inv_w.clone();
         for i in 0..c {
             let mut column: Vec<f64> = q.col(i).iter().copied().collect();
@@ -162,7 +163,8 @@ fn modes_at_rest(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Re
     }
     let free: Vec<usize> = (0..model.dofs().len()).filter(|i| !held.contains(i)).collect();
     let part = |m| {
-        select(m, &free, &free).map_err(|source| HbmError::Linalg { what: "structure with pressed contacts held", source })
+        select(m, &free, &free)
+            .map_err(|source| HbmError::Linalg { what: "structure with pressed contacts held", source })
     };
     let modes = linear_modes(&part(model.mass())?, &part(model.stiffness())?, mode)?;
     let mut shapes = Mat::zeros(model.dofs().len(), modes.omega.len());

@@ -43,6 +43,8 @@ pub(crate) struct ContactSweep {
     pub spectra: Vec<(usize, Vec<Complex64>)>,
     /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
     pub y: Vec<Vec<Complex64>>,
+    /// Iterations of the contact solver so far, over all its problems.
+    pub iterations: usize,
     switching: Switching,
     workspace: Box<dyn LcpWorkspace>,
     basis: HarmonicBasis,
@@ -77,6 +79,7 @@ impl ContactSweep {
             intervals: Vec::new(),
             spectra: Vec::new(),
             y: vec![vec![zero; h + 1]; c],
+            iterations: 0,
             switching,
             workspace: solver.workspace(&structure.compliance).map_err(HbmError::Compliance)?,
             basis: HarmonicBasis::new(h, samples)?,
@@ -102,7 +105,7 @@ impl ContactSweep {
             self.basis.synthesize_with_slope(&self.y[i], &mut self.y_t[i], &mut self.dy_t[i]);
         }
         for j in 0..samples {
-            self.solve_sample(structure, j, j)?;
+            self.solve_sample(structure, j)?;
         }
         if self.series.symmetry == Symmetry::None {
             self.set_t[samples] = self.set_t[0];
@@ -129,23 +132,22 @@ impl ContactSweep {
         }
     }
 
-    fn solve_sample(&mut self, structure: &CondensedStructure, j: usize, from: usize) -> Result<(), HbmError> {
-        self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[from]);
-        let tau = TAU * j as f64 / self.basis.n_samples() as f64;
-        self.set_t[j] = self.solve_at(structure, tau, j)?;
-        Ok(())
-    }
-
-    /// Solves the problem for the `y` in `self.at`, starting from the closed contacts of sample `j`.
-    fn solve_at(&mut self, structure: &CondensedStructure, tau: f64, j: usize) -> Result<usize, HbmError> {
-        if self.at.iter().all(|y| *y >= 0.0) {
+    /// Closed contacts at sample `j`, starting from those of the same sample of the iterate before.
+    fn solve_sample(&mut self, structure: &CondensedStructure, j: usize) -> Result<(), HbmError> {
+        self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[j]);
+        self.set_t[j] = if self.at.iter().all(|y| *y >= 0.0) {
             self.closed_t[j].fill(false);
-            return Ok(SetTable::OPEN);
-        }
-        self.workspace
-            .solve(&self.at, &mut self.closed_t[j], &mut self.lambda)
-            .map_err(|source| HbmError::Contact { tau, source })?;
-        self.sets.find(structure, &self.closed_t[j])
+            SetTable::OPEN
+        } else {
+            let tau = TAU * j as f64 / self.basis.n_samples() as f64;
+            let statistics = self
+                .workspace
+                .solve(&self.at, &mut self.closed_t[j], &mut self.lambda)
+                .map_err(|source| HbmError::Contact { tau, source })?;
+            self.iterations += statistics.iterations;
+            self.sets.find(structure, &self.closed_t[j])?
+        };
+        Ok(())
     }
 
     fn trace(&mut self, structure: &CondensedStructure) -> Result<(), HbmError> {
@@ -156,15 +158,22 @@ impl ContactSweep {
             let ends = [j, j + 1].map(|k| TAU * k as f64 / samples as f64);
             let wrapped = (j + 1) % samples;
             let slopes = |k: usize| (&self.y_t, &self.dy_t, k);
-            if tracer.is_quiet(&self.sets, self.set_t[j], self.set_t[j + 1], slopes(j), slopes(wrapped), ends[1] - ends[0])
-            {
+            if tracer.is_quiet(
+                &self.sets,
+                self.set_t[j],
+                self.set_t[j + 1],
+                slopes(j),
+                slopes(wrapped),
+                ends[1] - ends[0],
+            ) {
                 tracer.extend(self.set_t[j], ends[0], ends[1]);
                 continue;
             }
             let (from, to) = (self.set_t[j], self.set_t[j + 1]);
-            let (workspace, lambda) = (&mut self.workspace, &mut self.lambda);
+            let (workspace, lambda, iterations) = (&mut self.workspace, &mut self.lambda, &mut self.iterations);
             let mut solve = |tau: f64, y: &[f64], closed: &mut [bool]| {
-                workspace.solve(y, closed, lambda).map(|_| ()).map_err(|source| HbmError::Contact { tau, source })
+                let solved = workspace.solve(y, closed, lambda);
+                solved.map(|s| *iterations += s.iterations).map_err(|source| HbmError::Contact { tau, source })
             };
             tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
         }
@@ -196,8 +205,7 @@ impl ContactSweep {
         let even = self.series.symmetry == Symmetry::Even;
         self.spectra.clear();
         for set in 1..self.sets.len() {
-            let indicator: Vec<f64> =
-                self.set_t[..samples].iter().map(|s| if *s == set { 1.0 } else { 0.0 }).collect();
+            let indicator: Vec<f64> = self.set_t[..samples].iter().map(|s| if *s == set { 1.0 } else { 0.0 }).collect();
             if indicator.contains(&1.0) {
                 let mut spectrum = vec![Complex64::default(); 2 * self.series.n_harmonics + 1];
                 self.basis.averages(&indicator, &mut spectrum);

@@ -41,15 +41,7 @@ impl<'a> Tracer<'a> {
 
     /// True if nothing can happen between two samples with the same closed contacts: every guard is so far from zero, for
     /// its curvature, that it cannot dip below, or is monotonic.
-    pub fn is_quiet(
-        &self,
-        sets: &SetTable,
-        from: usize,
-        to: usize,
-        left: Sample,
-        right: Sample,
-        width: f64,
-    ) -> bool {
+    pub fn is_quiet(&self, sets: &SetTable, from: usize, to: usize, left: Sample, right: Sample, width: f64) -> bool {
         if from != to {
             return false;
         }
@@ -61,9 +53,7 @@ impl<'a> Tracer<'a> {
             let low = sum(left.0, left.2).min(sum(right.0, right.2));
             let bound: f64 = row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum();
             low > 0.0
-                && (low > width * width / 8.0 * bound
-                    || sum(left.1, left.2) >= 0.0
-                    || sum(right.1, right.2) <= 0.0)
+                && (low > width * width / 8.0 * bound || sum(left.1, left.2) >= 0.0 || sum(right.1, right.2) <= 0.0)
         })
     }
 

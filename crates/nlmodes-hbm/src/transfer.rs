@@ -1,18 +1,22 @@
+use std::ops::Range;
+
 use nlmodes_linalg::Mat;
 
 use crate::CondensedStructure;
+use crate::condensed::{HeldMode, REPEATED};
 
 /// The linear structure at one harmonic: `A b_n = B q_N,n`, a form of eq. (8) without poles.
 ///
 /// `b_n = T(ν²) q_N,n` has a pole at each eigenfrequency `λ_p` of the held structure, where `q_N,n` vanishes while `b_n` stays
-/// finite. With the most resonant mode `p` apart, `T = F + h_p g_p/δ`, `δ = λ_p − ν²`, multiplication by the regular matrix
+/// finite. With the more resonant mode `p` of the two around `ν²` apart, `T = F + h_p g_p/δ`, `δ = λ_p − ν²`, multiplication by the regular matrix
 ///
 /// ```text
 /// A = I − (1 − α) h_p g_p / s_p ,   B = A F + β h_p g_p / s_p ,   α = δ/√(δ² + s_p²) ,   β = s_p/√(δ² + s_p²)
 /// ```
 ///
-/// gives coefficients that stay near one and pass smoothly through the pole. The sign of the row follows the number of poles
-/// below `p`, so that `det A` is continuous from pole to pole.
+/// gives coefficients that stay near one and pass smoothly through the pole. Several modes with the same frequency have
+/// `g_i h_j = 0` and add up. The sign of `det A`, carried by α and β of one mode, follows the number of poles below `ν²`, so that it does
+/// not jump where another mode becomes the more resonant one.
 ///
 /// All matrices are row-major, n_N × n_N; derivatives are with respect to `ν²`.
 #[derive(Debug, Clone, Default)]
@@ -24,14 +28,22 @@ pub(crate) struct Plane {
     /// `F` and its derivative.
     pub f: Vec<f64>,
     pub df: Vec<f64>,
-    /// The most resonant mode, where there is any.
-    pub pole: Option<usize>,
+    /// The modes that are kept apart: one, or all with the same frequency; empty for the mean.
+    pub poles: Range<usize>,
 }
 
 impl Plane {
     pub fn new(n: usize) -> Self {
         let zero = vec![0.0; n * n];
-        Self { a: zero.clone(), b: zero.clone(), da: zero.clone(), db: zero.clone(), f: zero.clone(), df: zero, pole: None }
+        Self {
+            a: zero.clone(),
+            b: zero.clone(),
+            da: zero.clone(),
+            db: zero.clone(),
+            f: zero.clone(),
+            df: zero,
+            poles: 0..0,
+        }
     }
 
     /// The mean: `A = I`, `B = T_0`.
@@ -43,32 +55,41 @@ impl Plane {
         for m in [&mut self.da, &mut self.db, &mut self.df] {
             m.fill(0.0);
         }
-        self.pole = None;
+        self.poles = 0..0;
     }
 
     /// The harmonic with squared angular frequency `nu2`.
     pub fn set(&mut self, structure: &CondensedStructure, nu2: f64) {
         let n = structure.n_contact_dofs();
         let modes = &structure.modes;
+        let passed = modes.partition_point(|m| m.lambda < nu2);
         let resonance = |k: &usize| modes[*k].s / (modes[*k].lambda - nu2).abs();
-        self.pole = (0..modes.len()).max_by(|i, j| resonance(i).total_cmp(&resonance(j)));
-        let Some(p) = self.pole else { return self.set_static(structure) };
-        self.regular_part(structure, nu2, p);
-        let (mode, delta) = (&modes[p], modes[p].lambda - nu2);
-        let rho = delta.hypot(mode.s);
-        let (alpha, beta) = (delta / rho, mode.s / rho);
-        // d/dν² = −d/dδ
-        let (d_alpha, d_beta) = (-mode.s * mode.s / rho.powi(3), mode.s * delta / rho.powi(3));
-        let sign = if p % 2 == 0 { 1.0 } else { -1.0 };
-        for i in 0..n {
-            for j in 0..n {
-                let e = mode.h[i] * mode.g[j] / mode.s;
-                let unit = if i == j { 1.0 } else { 0.0 };
-                self.a[i * n + j] = sign * (unit - (1.0 - alpha) * e);
-                self.da[i * n + j] = sign * d_alpha * e;
-                self.b[i * n + j] = sign * beta * e;
-                self.db[i * n + j] = sign * d_beta * e;
+        let neighbours = passed.saturating_sub(1)..(passed + 1).min(modes.len());
+        let nearest = neighbours.max_by(|i, j| resonance(i).total_cmp(&resonance(j)));
+        let Some(nearest) = nearest else { return self.set_static(structure) };
+        self.poles = repeated(modes, nearest);
+        self.regular_part(structure, nu2);
+        identity(&mut self.a, n);
+        [&mut self.da, &mut self.b, &mut self.db].into_iter().for_each(|m| m.fill(0.0));
+        let below = self.poles.clone().filter(|&p| modes[p].lambda < nu2).count();
+        // Each pole passed turns the sign of det(I − T …); with those of δ it keeps its own.
+        let mut sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
+        for mode in &modes[self.poles.clone()] {
+            let delta = mode.lambda - nu2;
+            let rho = delta.hypot(mode.s);
+            let (alpha, beta) = (sign * delta / rho, sign * mode.s / rho);
+            // d/dν² = −d/dδ
+            let (d_alpha, d_beta) = (-beta * mode.s / (rho * rho), beta * delta / (rho * rho));
+            for i in 0..n {
+                for j in 0..n {
+                    let e = mode.h[i] * mode.g[j] / mode.s;
+                    self.a[i * n + j] -= (1.0 - alpha) * e;
+                    self.da[i * n + j] += d_alpha * e;
+                    self.b[i * n + j] += beta * e;
+                    self.db[i * n + j] += d_beta * e;
+                }
             }
+            sign = 1.0;
         }
         for i in 0..n {
             for k in 0..n {
@@ -81,13 +102,14 @@ impl Plane {
         }
     }
 
-    /// `F = T − h_p g_p/(λ_p − ν²)` and its derivative; the term of mode p leaves only its static share.
-    fn regular_part(&mut self, structure: &CondensedStructure, nu2: f64, p: usize) {
+    /// `F = T − Σ_p h_p g_p/(λ_p − ν²)` and its derivative; the terms of the poles leave only their static share.
+    fn regular_part(&mut self, structure: &CondensedStructure, nu2: f64) {
         let n = structure.n_contact_dofs();
         write(&mut self.f, &structure.t0);
-        self.df.fill(0.0);
+        write(&mut self.df, &structure.residual.transfer);
+        self.f.iter_mut().zip(&self.df).for_each(|(f, slope)| *f += nu2 * slope);
         for (k, mode) in structure.modes.iter().enumerate() {
-            let (value, slope) = if k == p {
+            let (value, slope) = if self.poles.contains(&k) {
                 (-1.0 / mode.lambda, 0.0)
             } else {
                 let inverse = 1.0 / (mode.lambda - nu2);
@@ -102,6 +124,13 @@ impl Plane {
             }
         }
     }
+}
+
+/// All modes with the frequency of mode `p`.
+fn repeated(modes: &[HeldMode], p: usize) -> Range<usize> {
+    let same = |k: &usize| (modes[*k].lambda / modes[p].lambda - 1.0).abs() <= 4.0 * REPEATED;
+    let before = (0..p).rev().take_while(same).count();
+    p - before..p + 1 + (p + 1..modes.len()).take_while(same).count()
 }
 
 fn identity(m: &mut [f64], n: usize) {

@@ -2,13 +2,14 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_contact::solver_by_name;
-use nlmodes_continuation::{Bound, BranchPoint, Continuation, StopReason};
+use nlmodes_continuation::{Bound, BranchPoint, Continuation, ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, grazing};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory};
 use nlmodes_model::MasslessContactModel;
 
 use super::events::event_name;
-use super::{BranchSettings, StudyError};
+use super::start::{Seed, seed};
+use super::{BranchSettings, BranchStart, StudyError};
 
 /// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
 const MIN_ENERGY_RATIO: f64 = 1e-6;
@@ -31,6 +32,8 @@ pub struct ComputedBranch {
     pub largest_unfolding: Option<f64>,
     /// Evaluations of residual and Jacobian.
     pub evaluations: usize,
+    /// Iterations of the contact solver along the branch, over all contact problems, in the unit of that solver.
+    pub contact_iterations: usize,
     /// Steps that were tried and refused.
     pub refused_steps: usize,
     settings: BranchSettings,
@@ -50,10 +53,10 @@ pub fn compute_branch(
     check_window(settings, &start)?;
     let mut problem = problem(&structure, settings, &start)?;
     let mut viewer = self::problem(&structure, settings, &start)?;
-    let dim = nlmodes_continuation::ParametricSystem::dim(&problem);
-    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
-    let mut found = Found::default();
-    let branch = continuation(settings, &start, &problem, dim).run(&mut problem, &x, 0.0, &direction, |point| {
+    let dim = problem.dim();
+    let Seed { x, p, direction } = seed(&structure, settings, &start, &problem)?;
+    let mut found = Found::new(settings.start);
+    let branch = continuation(settings, &start, &problem, dim).run(&mut problem, &x, p, &direction, |point| {
         match found.keep(&mut viewer, point) {
             Some(modal) => observe(modal),
             None => ControlFlow::Continue(()),
@@ -74,6 +77,7 @@ pub fn compute_branch(
     };
     let unfoldings = found.unknowns.iter().filter_map(|x| problem.unfolding(x));
     let largest_unfolding = unfoldings.map(f64::abs).reduce(f64::max);
+    let contact_iterations = problem.contact_iterations();
     drop(viewer);
     drop(problem);
     Ok(ComputedBranch {
@@ -83,6 +87,7 @@ pub fn compute_branch(
         unknowns: found.unknowns,
         largest_unfolding,
         evaluations: branch.evaluations,
+        contact_iterations,
         refused_steps: branch.refused_steps,
         settings: settings.clone(),
     })
@@ -107,6 +112,27 @@ impl ComputedBranch {
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
+    /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in reverse order,
+    /// the common one once.
+    pub fn preceded_by(mut self, other: ComputedBranch) -> Self {
+        let mut points: Vec<ModalPoint> = other.branch.points.into_iter().skip(1).rev().collect();
+        let mut unknowns: Vec<Vec<f64>> = other.unknowns.into_iter().skip(1).rev().collect();
+        points.append(&mut self.branch.points);
+        unknowns.append(&mut self.unknowns);
+        (self.branch.points, self.unknowns) = (points, unknowns);
+        let (first, last) = (other.branch.end, &self.branch.end);
+        self.branch.end = BranchEnd {
+            reason: format!("{} {}", first.reason, last.reason),
+            message: format!("one way, {}; the other way, {}", first.message, last.message),
+            complete: first.complete && last.complete,
+        };
+        self.largest_unfolding = self.largest_unfolding.into_iter().chain(other.largest_unfolding).reduce(f64::max);
+        self.evaluations += other.evaluations;
+        self.contact_iterations += other.contact_iterations;
+        self.refused_steps += other.refused_steps;
+        self
+    }
+
     /// The periodic problem, to evaluate points of the branch again.
     ///
     /// # Errors
@@ -117,17 +143,22 @@ impl ComputedBranch {
 }
 
 /// Modal points as they are found.
-#[derive(Default)]
 struct Found {
+    start: &'static str,
     points: Vec<ModalPoint>,
     unknowns: Vec<Vec<f64>>,
 }
 
 impl Found {
+    fn new(start: BranchStart) -> Self {
+        let start = if start == BranchStart::Grazing { "grazing" } else { "start" };
+        Self { start, points: Vec::new(), unknowns: Vec::new() }
+    }
+
     fn keep(&mut self, viewer: &mut MixedShooting, point: &BranchPoint) -> Option<&ModalPoint> {
         let mut events: Vec<String> = point.events.iter().map(|e| event_name(*e).to_owned()).collect();
         if self.points.is_empty() {
-            events.insert(0, "grazing".to_owned());
+            events.insert(0, self.start.to_owned());
         } else if !point.events.is_empty() && self.is_start(point) {
             // What the continuation meets at the start is the grazing itself.
             return None;
@@ -152,7 +183,7 @@ fn condense(model: MasslessContactModel, settings: &BranchSettings) -> Result<Co
     if size <= ALL_HELD_MODES {
         return Ok(CondensedStructure::new(model, size)?);
     }
-    // Static correction leaves an error of about (ν/ω_last)⁴: a few times the highest harmonic is enough.
+    // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
     let mut count = 32 + 8 * settings.harmonics;
     loop {
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
@@ -167,7 +198,10 @@ fn condense(model: MasslessContactModel, settings: &BranchSettings) -> Result<Co
 }
 
 fn check_window(settings: &BranchSettings, start: &Grazing) -> Result<(), StudyError> {
-    let start_hz = start.omega / TAU;
+    let start_hz = match settings.start {
+        BranchStart::Grazing => start.omega / TAU,
+        BranchStart::Frequency { hz, .. } => hz,
+    };
     match settings.frequency_hz {
         Some([low_hz, high_hz]) if !(low_hz..=high_hz).contains(&start_hz) => {
             Err(StudyError::StartOutsideWindow { start_hz, low_hz, high_hz })
@@ -176,7 +210,7 @@ fn check_window(settings: &BranchSettings, start: &Grazing) -> Result<(), StudyE
     }
 }
 
-fn problem<'s>(
+pub(super) fn problem<'s>(
     structure: &'s CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
@@ -190,7 +224,7 @@ fn problem<'s>(
     Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
 }
 
-fn continuation(settings: &BranchSettings, start: &Grazing, problem: &MixedShooting, dim: usize) -> Continuation {
+pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, problem: &MixedShooting, dim: usize) -> Continuation {
     let frequency = problem.frequency_index();
     let max = settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let mut bounds = vec![Bound { coordinate: dim, min: MIN_ENERGY_RATIO.ln(), max }];
@@ -230,9 +264,7 @@ fn branch_end(
         StopReason::Bound { coordinate, value } if *coordinate == frequency => {
             ("frequency-window", format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
         }
-        StopReason::Bound { coordinate, value } => {
-            ("bound", format!("unknown {coordinate} reached {value}"), true)
-        }
+        StopReason::Bound { coordinate, value } => ("bound", format!("unknown {coordinate} reached {value}"), true),
         StopReason::Closed => ("closed", "the branch came back to where it began".to_owned(), true),
         StopReason::Stopped => ("stopped", "it was asked to stop".to_owned(), false),
         StopReason::MaxPoints => {

@@ -16,6 +16,14 @@ pub enum StudyError {
     /// The continuation.
     #[error(transparent)]
     Continuation(#[from] ContinuationError<HbmError>),
+    /// The backbone does not lead to the starting frequency.
+    #[error("no point of the backbone was found at {hz} Hz: {reason}")]
+    NoStart {
+        /// The frequency asked for, Hz.
+        hz: f64,
+        /// How far it leads.
+        reason: String,
+    },
     /// The branch would begin outside of the frequency window.
     #[error("the branch starts at {start_hz:.6} Hz, outside of the frequency window {low_hz} to {high_hz} Hz")]
     StartOutsideWindow {

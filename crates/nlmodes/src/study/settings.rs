@@ -1,6 +1,21 @@
 use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{Switching, Symmetry};
 
+/// Where a branch begins, and which way it goes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum BranchStart {
+    /// At the linear mode that just touches a stop, toward higher energy.
+    #[default]
+    Grazing,
+    /// On the backbone at a frequency.
+    Frequency {
+        /// The frequency, Hz.
+        hz: f64,
+        /// Toward higher frequencies; else toward lower ones.
+        upward: bool,
+    },
+}
+
 /// What is computed, and how far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BranchSettings {
@@ -22,6 +37,8 @@ pub struct BranchSettings {
     pub max_energy_ratio: Option<f64>,
     /// Frequency window, Hz, outside of which the branch ends. Default none.
     pub frequency_hz: Option<[f64; 2]>,
+    /// Where it begins. Default grazing.
+    pub start: BranchStart,
     /// Most points. Default 5000.
     pub max_points: usize,
     /// Steps of the continuation.
@@ -40,6 +57,7 @@ impl Default for BranchSettings {
             held_modes: None,
             max_energy_ratio: None,
             frequency_hz: None,
+            start: BranchStart::Grazing,
             max_points: 5000,
             step: StepSettings::default(),
         }
