@@ -9,7 +9,7 @@ pub enum EventKind {
         /// Its index.
         index: usize,
     },
-    /// Another branch crosses: `det [J; tᵀ]` changes its sign.
+    /// More than two arms of the solution set meet.
     BranchPoint,
     /// The system passes from one smooth piece to another.
     PatternChange {
@@ -63,7 +63,7 @@ pub enum StopReason {
     },
     /// The number of points asked for is reached.
     MaxPoints,
-    /// The branch came back to where it began.
+    /// The branch came back to where it began; the last point is the first again.
     Closed,
     /// The observer asked to stop.
     Stopped,

@@ -2,6 +2,12 @@ use nlmodes_linalg::{DenseLu, Mat};
 
 use crate::{Linearization, ParametricSystem};
 
+/// Newton step below which a point counts as settled.
+const RESOLUTION: f64 = 1e-9;
+
+/// Newton step up to which a point is accepted where rounding prevents a better one.
+const COARSEST: f64 = 1e-7;
+
 /// The plane `normal · z = offset` on which a correction looks for its point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hyperplane {
@@ -82,7 +88,7 @@ pub(crate) struct Failure {
 /// Newton's method on a hyperplane or a sphere, with its work space.
 #[derive(Debug)]
 pub struct Corrector {
-    /// Residual, largest entry, at which a point counts as found.
+    /// Residual, largest entry, at which a point counts as found if the next Newton step would not move it.
     pub tolerance: f64,
     /// Newton steps permitted.
     pub max_iterations: usize,
@@ -122,6 +128,9 @@ impl Corrector {
     }
 
     /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.
+    ///
+    /// A point counts as found when the residual is within the tolerance and the next step would not move it any more: near a
+    /// crossing a small residual alone says little about where the solution is.
     pub(crate) fn correct<S: ParametricSystem>(
         &mut self,
         system: &mut S,
@@ -130,36 +139,54 @@ impl Corrector {
     ) -> Result<Correction, Failure> {
         let mut z = guess.to_vec();
         let failure = |residual, iterations, why| Failure { residual, iterations, why };
-        let mut norm = self.evaluate(system, &z).map_err(|_| failure(f64::INFINITY, 0, "the system has no residual"))?;
-        let mut defect = surface.defect(&z);
+        let mut norm =
+            self.evaluate(system, &z).map_err(|_| failure(f64::INFINITY, 0, "the system has no residual"))?;
+        let mut last_update = f64::INFINITY;
         for iteration in 0..=self.max_iterations {
+            if !norm.is_finite() {
+                return Err(failure(norm, iteration, "the residual is not finite"));
+            }
+            let defect = surface.defect(&z);
             surface.normal(&z, &mut self.normal);
             self.factor_bordered().map_err(|why| failure(norm, iteration, why))?;
-            if norm <= self.tolerance && defect.abs() <= self.tolerance {
-                return Ok(self.finish(system, z, norm, iteration));
+            self.newton_update(-defect);
+            let update = dot(&self.update, &self.update).sqrt();
+            if norm.max(defect.abs()) <= self.tolerance {
+                let attainable = update > 0.5 * last_update || iteration == self.max_iterations;
+                if update <= RESOLUTION || (attainable && update <= COARSEST) {
+                    return Ok(self.finish(system, z, norm, iteration));
+                }
             }
             if iteration == self.max_iterations {
                 break;
             }
-            self.newton_update(-defect);
+            last_update = update;
             (z, norm) = self
                 .advance(system, &z, norm.max(defect.abs()))
                 .ok_or_else(|| failure(norm, iteration, "Newton's method does not lower the residual"))?;
-            defect = surface.defect(&z);
         }
         Err(failure(norm, self.max_iterations, "Newton's method took too many iterations"))
     }
 
-    fn factor_bordered(&mut self) -> Result<(), &'static str> {
+    /// The Jacobian of the point evaluated last with this row below it.
+    pub(crate) fn bordered_by(&mut self, row: &[f64]) -> &Mat<f64> {
+        self.normal.copy_from_slice(row);
+        self.fill_bordered();
+        &self.bordered
+    }
+
+    fn fill_bordered(&mut self) {
         let n = self.normal.len() - 1;
         for (j, border) in self.normal.iter().enumerate() {
             let from = self.linearization.jacobian.col(j);
             let mut to = self.bordered.col_mut(j);
-            for i in 0..n {
-                to[i] = from[i];
-            }
+            (0..n).for_each(|i| to[i] = from[i]);
             to[n] = *border;
         }
+    }
+
+    fn factor_bordered(&mut self) -> Result<(), &'static str> {
+        self.fill_bordered();
         self.lu.refactor(&self.bordered).map_err(|_| "the bordered Jacobian is singular")
     }
 

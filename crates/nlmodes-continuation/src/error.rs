@@ -25,12 +25,14 @@ pub enum ContinuationError<E: std::error::Error + 'static> {
         expected: &'static str,
     },
     /// Newton's method did not reach the curve from the starting point.
-    #[error("the starting point could not be corrected: residual {residual:e} after {iterations} iterations")]
+    #[error("the starting point could not be corrected: {why} (residual {residual:e}, {iterations} iterations)")]
     Start {
         /// Residual reached.
         residual: f64,
         /// Iterations taken.
         iterations: usize,
+        /// Why Newton's method was given up.
+        why: &'static str,
     },
     /// The residual cannot be evaluated at the starting point.
     #[error("the system cannot be evaluated at the starting point")]

@@ -2,78 +2,125 @@ use crate::corrector::{Correction, Corrector};
 use crate::step::{Foot, reach};
 use crate::{EventKind, ParametricSystem};
 
+/// Tangent component below which a coordinate counts as standing still.
+const SIGNIFICANT: f64 = 1e-9;
+
+/// Distance below which events happen at one point.
+const COINCIDENT: f64 = 1e-8;
+
+/// Most changes of pattern looked for within a step.
+const MOST_CHANGES: usize = 8;
+
 /// An event within a step, at the distance `s` along the foot's tangent.
+#[derive(Debug, Clone)]
 pub(crate) struct Located {
     pub s: f64,
-    pub kind: EventKind,
+    pub kinds: Vec<EventKind>,
     pub point: Correction,
 }
 
-/// Finds and locates what lies between `foot` and `end`, ascending in distance.
-pub(crate) fn locate<S: ParametricSystem>(
-    system: &mut S,
-    corrector: &mut Corrector,
-    watched: &[usize],
-    foot: (&Foot, f64),
-    end: &Correction,
-    h: f64,
-) -> Vec<Located> {
-    let (foot, orientation) = foot;
-    let n = end.z.len() - 1;
-    let mut found = Vec::new();
-    let folds = std::iter::once((n, EventKind::ParameterFold))
-        .chain(watched.iter().map(|&index| (index, EventKind::UnknownFold { index })));
-    for (i, kind) in folds {
-        if foot.tangent[i] * end.tangent[i] < 0.0 {
-            found.extend(root(system, corrector, foot, end, h, kind, foot.tangent[i], |c| c.tangent[i]));
-        }
-    }
-    if orientation * end.orientation < 0.0 {
-        let kind = EventKind::BranchPoint;
-        found.extend(root(system, corrector, foot, end, h, kind, orientation, |c| c.orientation));
-    }
-    if foot.pattern != end.pattern {
-        let kind = EventKind::PatternChange { from: foot.pattern, to: end.pattern };
-        let side = |c: &Correction| if c.pattern == foot.pattern { 1.0 } else { -1.0 };
-        found.extend(root(system, corrector, foot, end, h, kind, 1.0, side));
-    }
-    found.sort_by(|a, b| a.s.total_cmp(&b.s));
-    found
+/// The coordinates whose turning points are events, and the sense in which each moved last.
+#[derive(Debug)]
+pub(crate) struct FoldWatch {
+    coordinates: Vec<(usize, EventKind, f64)>,
 }
 
-/// Where `test` changes its sign: secant steps, kept within the bracket by bisection.
-#[allow(clippy::too_many_arguments)]
-fn root<S: ParametricSystem>(
-    system: &mut S,
-    corrector: &mut Corrector,
-    foot: &Foot,
-    end: &Correction,
-    h: f64,
-    kind: EventKind,
-    at_foot: f64,
-    test: impl Fn(&Correction) -> f64,
-) -> Option<Located> {
-    let (mut low, mut f_low) = (0.0, at_foot);
-    let (mut high, mut f_high) = (h, test(end));
-    let mut best: Option<Correction> = None;
-    for k in 0..60 {
-        if high - low <= 1e-10 * h.max(1e-3) {
-            break;
-        }
-        let secant = low + (high - low) * f_low / (f_low - f_high);
-        let s = if k % 3 == 2 { 0.5 * (low + high) } else { secant.clamp(low, high) };
-        let Ok(c) = reach(system, corrector, foot, s) else { break };
-        let f = test(&c);
-        if f * at_foot > 0.0 {
-            (low, f_low) = (s, f);
-        } else {
-            (high, f_high) = (s, f);
-        }
-        let done = f.abs() < 1e-12;
-        best = Some(c);
-        if done {
-            (low, high) = (s, s);
-        }
+impl FoldWatch {
+    /// For the parameter, coordinate n, and the watched unknowns.
+    pub fn new(n: usize, watched: &[usize]) -> Self {
+        let unknowns = watched.iter().map(|&index| (index, EventKind::UnknownFold { index }, 0.0));
+        Self { coordinates: std::iter::once((n, EventKind::ParameterFold, 0.0)).chain(unknowns).collect() }
     }
-    best.map(|point| Located { s: 0.5 * (low + high), kind, point })
+
+    /// Takes note of a tangent and returns the coordinates that turned since the last.
+    pub fn update(&mut self, tangent: &[f64]) -> Vec<(usize, EventKind)> {
+        let mut turned = Vec::new();
+        for (i, kind, sense) in &mut self.coordinates {
+            if tangent[*i].abs() > SIGNIFICANT {
+                let now = tangent[*i].signum();
+                if *sense * now < 0.0 {
+                    turned.push((*i, *kind));
+                }
+                *sense = now;
+            }
+        }
+        turned
+    }
+}
+
+/// A step, of length `h` along the tangent of `foot`, within which events are located.
+pub(crate) struct Search<'a, S> {
+    pub system: &'a mut S,
+    pub corrector: &'a mut Corrector,
+    pub foot: &'a Foot,
+    pub end: &'a Correction,
+    pub h: f64,
+}
+
+impl<S: ParametricSystem> Search<'_, S> {
+    /// Folds of the coordinates `turned` and changes of the pattern, ascending; what coincides is one.
+    pub fn all(&mut self, turned: &[(usize, EventKind)], crossing: Option<Located>) -> Vec<Located> {
+        let mut found: Vec<Located> = crossing.into_iter().collect();
+        for &(i, kind) in turned {
+            let sense = -self.end.tangent[i].signum();
+            found.extend(self.root(0.0, |c| sense * c.tangent[i]).map(|(s, point)| Located {
+                s,
+                kinds: vec![kind],
+                point,
+            }));
+        }
+        found.extend(self.pattern_changes());
+        found.sort_by(|a, b| a.s.total_cmp(&b.s));
+        found.dedup_by(|later, kept| {
+            let same = later.s - kept.s <= COINCIDENT;
+            if same {
+                kept.kinds.append(&mut later.kinds);
+            }
+            same
+        });
+        found
+    }
+
+    /// Where `det [J; tᵀ]` changes its sign.
+    pub fn crossing(&mut self) -> Option<Located> {
+        let sense = self.foot.orientation;
+        let (s, point) = self.root(0.0, |c| sense * c.orientation)?;
+        Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
+    }
+
+    fn pattern_changes(&mut self) -> Vec<Located> {
+        let (mut from, mut s) = (self.foot.pattern, 0.0);
+        let mut found = Vec::new();
+        while from != self.end.pattern && found.len() < MOST_CHANGES {
+            let Some((at, point)) = self.root(s, |c| if c.pattern == from { 1.0 } else { -1.0 }) else { break };
+            let to = point.pattern;
+            found.push(Located { s: at, kinds: vec![EventKind::PatternChange { from, to }], point });
+            (from, s) = (to, at);
+        }
+        found
+    }
+
+    /// Where `test` turns negative beyond `start`, the point on its far side: secant steps, kept in the bracket by bisection.
+    pub fn root(&mut self, start: f64, test: impl Fn(&Correction) -> f64) -> Option<(f64, Correction)> {
+        let mut best = self.end.clone();
+        let (mut low, mut f_low): (f64, Option<f64>) = (start, None);
+        let (mut high, mut f_high) = (self.h, test(self.end));
+        for k in 0..60 {
+            if high - low <= 1e-10 * self.h.max(1e-3) || f_high == 0.0 {
+                break;
+            }
+            let s = match f_low {
+                Some(f_low) if k % 3 != 2 => (low + (high - low) * f_low / (f_low - f_high)).clamp(low, high),
+                _ => 0.5 * (low + high),
+            };
+            let c = reach(self.system, self.corrector, self.foot, s).ok()?;
+            let f = test(&c);
+            if f > 1e-12 {
+                (low, f_low) = (s, Some(f));
+            } else {
+                (high, f_high, best) = (s, if f.abs() <= 1e-12 { 0.0 } else { f }, c);
+            }
+        }
+        Some((high, best))
+    }
 }

@@ -9,6 +9,10 @@
 //! smooth: a step counts only when prediction, correction, turn of the tangent and a check at half the step agree, and what the
 //! branch passed is located and named.
 //!
+//! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it changes is
+//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. Where no step exists, all arms
+//! that leave a small circle are found and the branch goes on along the one that is its own.
+//!
 //! | symbol | item | shape |
 //! | --- | --- | --- |
 //! | `R`, `J` | [`Linearization`] of a [`ParametricSystem`] | n, n × (n + 1) |
@@ -46,11 +50,14 @@
 
 mod arms;
 mod branch;
+mod circle;
 pub mod conformance;
 mod continuation;
+mod corner;
 mod corrector;
 mod error;
 mod events;
+mod run;
 mod step;
 mod system;
 

@@ -8,7 +8,8 @@ pub struct StepSettings {
     pub initial: f64,
     /// Shortest step. Where it is refused, the arms around the point are looked for. Default 1e-6.
     pub min: f64,
-    /// Distance at which arms are looked for. Default 1e-3.
+    /// Largest distance at which arms are looked for; where more than one leads on, the look is repeated closer, down to ten times
+    /// the shortest step. Default 1e-3.
     pub arm: f64,
     /// Longest step. Default 0.1.
     pub max: f64,
@@ -18,9 +19,9 @@ pub struct StepSettings {
     pub max_correction: f64,
     /// Turn beyond which, or a change of pattern upon which, the middle of the step is checked too. Default 0.1 rad.
     pub checked_turn: f64,
-    /// Residual, largest entry, at which a point counts as found. Default 1e-11.
+    /// Residual, largest entry, at which a point counts as found if Newton's method also has come to rest. Default 1e-11.
     pub tolerance: f64,
-    /// Newton iterations permitted a step. Default 8.
+    /// Newton iterations permitted a step; three times as many for the start and for steps near the shortest. Default 8.
     pub max_iterations: usize,
 }
 
@@ -67,12 +68,22 @@ impl StepSettings {
     }
 }
 
+/// Distance that the end of a correction may be off.
+const SETTLED: f64 = 1e-7;
+
 /// A point from which steps start.
 #[derive(Debug, Clone)]
 pub(crate) struct Foot {
     pub z: Vec<f64>,
     pub tangent: Vec<f64>,
+    pub orientation: f64,
     pub pattern: u64,
+}
+
+impl From<&Correction> for Foot {
+    fn from(c: &Correction) -> Self {
+        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation: c.orientation, pattern: c.pattern }
+    }
 }
 
 /// Corrects at distance `h` along the tangent of `foot`, without judging the result.
@@ -104,19 +115,23 @@ pub(crate) fn step<S: ParametricSystem>(
     if turn > settings.max_turn {
         return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
     }
-    if turn > settings.checked_turn || end.pattern != foot.pattern {
-        check_middle(system, corrector, foot, h, &end)?;
+    // An arc lies half its turn off its tangent; what lies further off may be another arm.
+    let sideways = moved > turn * h + 1e-6 * h + SETTLED;
+    if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
+        let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
+        check_middle(system, corrector, foot, h, &end, most.min(0.03 * h))?;
     }
     Ok(end)
 }
 
-/// The point at half the step must lie on the cubic through both ends: a jump to another arm does not.
+/// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another arm it does not.
 fn check_middle<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     foot: &Foot,
     h: f64,
     end: &Correction,
+    most: f64,
 ) -> Result<(), String> {
     let middle = reach(system, corrector, foot, 0.5 * h).map_err(|f| format!("at half the step, {}", f.why))?;
     let chord = distance(&end.z, &foot.z);
@@ -127,7 +142,7 @@ fn check_middle<S: ParametricSystem>(
     let gap: Vec<f64> = middle.z.iter().zip(&cubic).map(|(a, b)| a - b).collect();
     let on_tangent = dot(&gap, &middle.tangent);
     let off = (dot(&gap, &gap) - on_tangent * on_tangent).max(0.0).sqrt();
-    if off > 0.03 * h {
+    if off > most {
         return Err(format!("the point at half the step lies {:.2} steps off the curve through both ends", off / h));
     }
     Ok(())

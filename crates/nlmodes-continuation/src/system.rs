@@ -43,7 +43,7 @@ pub trait ParametricSystem {
         0
     }
 
-    /// Told of every point that the branch accepts, for systems with a moving phase condition or warm starts.
+    /// Told of every point from which the branch goes on, not of events within a step; for systems with a moving phase condition or warm starts.
     fn accepted(&mut self, x: &[f64], p: f64) {
         let _ = (x, p);
     }

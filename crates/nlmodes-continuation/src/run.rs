@@ -1,0 +1,262 @@
+use std::ops::ControlFlow;
+
+use crate::corner::{self, Passage};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::events::{FoldWatch, Located, Search};
+use crate::step::{Foot, reach, step};
+use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
+
+/// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
+const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
+
+/// The state of a run: what following a branch would otherwise carry in a dozen variables.
+pub(crate) struct Run<'a, S, F> {
+    settings: &'a Continuation,
+    system: &'a mut S,
+    observe: F,
+    corrector: Corrector,
+    branch: Branch,
+    foot: Foot,
+    folds: FoldWatch,
+}
+
+impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a, S, F> {
+    pub fn new(
+        settings: &'a Continuation,
+        system: &'a mut S,
+        observe: F,
+        corrector: Corrector,
+        start: &Correction,
+    ) -> Self {
+        let mut folds = FoldWatch::new(system.dim(), &settings.watched);
+        folds.update(&start.tangent);
+        let branch = Branch { points: Vec::new(), stop: StopReason::MaxPoints, evaluations: 0, refused_steps: 0 };
+        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), folds }
+    }
+
+    /// Keeps the start and follows the branch to its end.
+    pub fn finish(mut self, start: &Correction) -> Branch {
+        self.branch.stop = match self.go_to(start, Vec::new()) {
+            ControlFlow::Break(stop) => stop,
+            ControlFlow::Continue(()) => self.follow(),
+        };
+        self.branch.evaluations = self.corrector.evaluations;
+        self.branch
+    }
+
+    fn follow(&mut self) -> StopReason {
+        let limits = &self.settings.step;
+        let mut h = limits.initial.clamp(limits.min, limits.max);
+        let mut refused_in_a_row = 0;
+        loop {
+            // Where steps are this short, one is worth more than the iterations saved by giving it up.
+            self.corrector.max_iterations = limits.max_iterations * if h < 100.0 * limits.min { 3 } else { 1 };
+            let outcome = match self.try_step(h) {
+                Ok((end, crossing)) => {
+                    let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
+                    let next = if end.iterations <= 3 { (h * growth).min(limits.max) } else { h };
+                    self.accept(&end, crossing, h).map_continue(|()| next)
+                }
+                Err(_) if h > limits.min => {
+                    refused_in_a_row += 1;
+                    self.branch.refused_steps += 1;
+                    h = (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(limits.min);
+                    continue;
+                }
+                Err(refusal) => {
+                    self.branch.refused_steps += 1;
+                    self.pass_corner().unwrap_or(ControlFlow::Break(StopReason::StepTooSmall { step: h, refusal }))
+                }
+            };
+            refused_in_a_row = 0;
+            match outcome {
+                ControlFlow::Break(stop) => return stop,
+                ControlFlow::Continue(next) => h = next,
+            }
+        }
+    }
+
+    /// A step that stays on the branch, and the crossing that it passes, if it does.
+    ///
+    /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
+    /// a crossing is a jump to another arm.
+    fn try_step(&mut self, h: f64) -> Result<(Correction, Option<Located>), String> {
+        let end = step(self.system, &mut self.corrector, &self.settings.step, &self.foot, h)?;
+        if end.orientation * self.foot.orientation > 0.0 {
+            return Ok((end, None));
+        }
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end: &end, h };
+        let crossing = search.crossing().ok_or("the crossing that the step passes could not be located")?;
+        if corner::is_crossing(self.system, &mut self.corrector, &self.settings.step, &crossing.point) {
+            return Ok((end, Some(crossing)));
+        }
+        Err("the step ends on another arm of the curve".to_owned())
+    }
+
+    /// Goes on along the arm that continues the branch through a corner or a crossing; `None` if no arm leaves.
+    fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
+        corner::approach(self.system, &mut self.corrector, &self.settings.step, &mut self.foot);
+        let (points, foot) = (&self.branch.points, &self.foot);
+        let way_back = |radius| way_back(points, foot, radius);
+        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, foot, way_back)?;
+        let length = distance(&passage.next.z, &self.foot.z);
+        let corner = self.corner_point(&passage);
+        self.folds.update(&passage.next.tangent);
+        if !corner.events.is_empty()
+            && let ControlFlow::Break(stop) = self.keep(corner)
+        {
+            return Some(ControlFlow::Break(stop));
+        }
+        Some(self.go_to(&passage.next, Vec::new()).map_continue(|()| length))
+    }
+
+    /// The corner with its events.
+    fn corner_point(&mut self, passage: &Passage) -> BranchPoint {
+        let (foot, next) = (&self.foot, &passage.next);
+        let mut events = Vec::new();
+        if passage.n_arms > 2 {
+            events.push(EventKind::BranchPoint);
+        } else if dot(&foot.tangent, &next.tangent).clamp(-1.0, 1.0).acos() > self.settings.step.max_turn {
+            events.push(EventKind::Kink);
+        }
+        if foot.pattern != next.pattern {
+            events.push(EventKind::PatternChange { from: foot.pattern, to: next.pattern });
+        }
+        let residual = self.corrector.evaluate(self.system, &foot.z).unwrap_or(f64::INFINITY);
+        let Foot { z, tangent, orientation, pattern } = foot.clone();
+        point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern }, events)
+    }
+
+    /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends.
+    fn accept(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
+        let bound = self.bound_crossed(end, h);
+        if let Some((stop, last)) = bound.or_else(|| Some((StopReason::Closed, self.closing_point(end, h)?))) {
+            let length = dot(&last.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
+            self.keep_events(&last, crossing.filter(|c| c.s <= length), length)?;
+            self.go_to(&last, Vec::new())?;
+            return ControlFlow::Break(stop);
+        }
+        self.keep_events(end, crossing, h)?;
+        self.go_to(end, Vec::new())
+    }
+
+    fn keep_events(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
+        let turned = self.folds.update(&end.tangent);
+        if h <= 0.0 {
+            return ControlFlow::Continue(());
+        }
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        for located in search.all(&turned, crossing) {
+            self.keep(point(&located.point, located.kinds))?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Keeps a point from which the branch goes on.
+    fn go_to(&mut self, c: &Correction, events: Vec<EventKind>) -> ControlFlow<StopReason> {
+        self.foot = Foot::from(c);
+        let n = c.z.len() - 1;
+        self.system.accepted(&c.z[..n], c.z[n]);
+        self.keep(point(c, events))
+    }
+
+    fn keep(&mut self, mut point: BranchPoint) -> ControlFlow<StopReason> {
+        let near = 2.0 * self.settings.step.min;
+        let z = point.z();
+        let recent = self.branch.points.iter().rev().take_while(|q| distance(&q.z(), &z) < 20.0 * near);
+        let known: Vec<EventKind> =
+            recent.filter(|q| distance(&q.z(), &z) < near).flat_map(|q| q.events.clone()).collect();
+        let named = !point.events.is_empty();
+        point.events.retain(|e| !known.contains(e));
+        if named && point.events.is_empty() {
+            return ControlFlow::Continue(());
+        }
+        let told = (self.observe)(&point);
+        self.branch.points.push(point);
+        if told.is_break() {
+            return ControlFlow::Break(StopReason::Stopped);
+        }
+        if self.branch.points.len() >= self.settings.max_points {
+            return ControlFlow::Break(StopReason::MaxPoints);
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The first bound that the step to `end` crosses, and the point of the branch on it.
+    fn bound_crossed(&mut self, end: &Correction, h: f64) -> Option<(StopReason, Correction)> {
+        let crossed = self.settings.bounds.iter().filter_map(|b| {
+            let (from, to) = (self.foot.z[b.coordinate], end.z[b.coordinate]);
+            let value = if to > b.max {
+                b.max
+            } else if to < b.min {
+                b.min
+            } else {
+                return None;
+            };
+            Some((((value - from) / (to - from)).clamp(0.0, 1.0), b.coordinate, value))
+        });
+        let (_, coordinate, value) = crossed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let before = (value - self.foot.z[coordinate]).signum();
+        // From a guess off the branch, Newton's method could find another arm on the bound.
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let guess =
+            search.root(0.0, |c| before * (value - c.z[coordinate])).map_or_else(|| end.z.clone(), |(_, c)| c.z);
+        let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), end)?;
+        Some((StopReason::Bound { coordinate, value }, last))
+    }
+
+    /// The start, if the step to `end` passes it in the direction in which the branch left it.
+    fn closing_point(&mut self, end: &Correction, h: f64) -> Option<Correction> {
+        let first = self.branch.points.first()?;
+        let (z, tangent) = (first.z(), first.tangent.clone());
+        let ahead = |at: &[f64]| dot(at, &tangent) - dot(&z, &tangent);
+        let passes = ahead(&self.foot.z) < 0.0 && ahead(&end.z) >= 0.0 && distance(&end.z, &z) < 2.0 * h;
+        if !passes || dot(&end.tangent, &tangent) < 0.5 {
+            return None;
+        }
+        let last = self.on_plane(&z, Hyperplane::through(&z, &tangent), end)?;
+        let gap = distance(&last.z, &self.foot.z) - distance(&z, &self.foot.z);
+        (distance(&last.z, &z) < 1e-6 && gap.abs() < 1e-6 && self.leads_to(&last)).then_some(last)
+    }
+
+    /// Whether the branch itself, corrected across its own tangent, goes through this point of the step.
+    fn leads_to(&mut self, c: &Correction) -> bool {
+        let s = dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
+        let reached = reach(self.system, &mut self.corrector, &self.foot, s);
+        reached.is_ok_and(|r| distance(&r.z, &c.z) < 1e-6)
+    }
+
+    /// The solution on a plane between the foot and `end`, with its tangent in the direction of travel.
+    fn on_plane(&mut self, guess: &[f64], plane: Hyperplane, end: &Correction) -> Option<Correction> {
+        let mut last = self.corrector.correct(self.system, guess, &Surface::Plane(plane)).ok()?;
+        if dot(&last.tangent, &end.tangent) < 0.0 {
+            last.tangent.iter_mut().for_each(|t| *t = -*t);
+            last.orientation = -last.orientation;
+        }
+        Some(last)
+    }
+}
+
+/// The point of the branch about `radius` behind its foot.
+fn way_back(points: &[BranchPoint], foot: &Foot, radius: f64) -> Vec<f64> {
+    let inside = points.iter().rev().take_while(|q| distance(&q.z(), &foot.z) < 0.9 * radius).last();
+    let (z, tangent) = inside.map_or((foot.z.clone(), &foot.tangent), |q| (q.z(), &q.tangent));
+    // z − s t lies on the sphere: s² − 2 s t·d + d·d − r² = 0 with d = z − foot.
+    let d = along(&z, -1.0, &foot.z);
+    let on = dot(tangent, &d);
+    let s = on + (on * on - dot(&d, &d) + radius * radius).max(0.0).sqrt();
+    along(&z, -s, tangent)
+}
+
+fn point(c: &Correction, events: Vec<EventKind>) -> BranchPoint {
+    let n = c.z.len() - 1;
+    BranchPoint {
+        x: c.z[..n].to_vec(),
+        p: c.z[n],
+        tangent: c.tangent.clone(),
+        residual: c.residual,
+        iterations: c.iterations,
+        pattern: c.pattern,
+        events,
+    }
+}
