@@ -56,12 +56,13 @@ pub fn compute_branch(
     let dim = problem.dim();
     let Seed { x, p, direction } = seed(&structure, settings, &start, &problem)?;
     let mut found = Found::new(settings.start);
-    let branch = continuation(settings, &start, &problem, dim).run(&mut problem, &x, p, &direction, |point| {
-        match found.keep(&mut viewer, point) {
-            Some(modal) => observe(modal),
-            None => ControlFlow::Continue(()),
-        }
-    })?;
+    let branch =
+        continuation(settings, &start, &problem, dim).run(&mut problem, &x, p, &direction, |point| {
+            match found.keep(&mut viewer, point) {
+                Some(modal) => observe(modal),
+                None => ControlFlow::Continue(()),
+            }
+        })?;
     let frequency = problem.frequency_index();
     let end = branch_end(&branch.stop, frequency, dim, &start, settings);
     let model = structure.model();
@@ -224,7 +225,12 @@ pub(super) fn problem<'s>(
     Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
 }
 
-pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, problem: &MixedShooting, dim: usize) -> Continuation {
+pub(super) fn continuation(
+    settings: &BranchSettings,
+    start: &Grazing,
+    problem: &MixedShooting,
+    dim: usize,
+) -> Continuation {
     let frequency = problem.frequency_index();
     let max = settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let mut bounds = vec![Bound { coordinate: dim, min: MIN_ENERGY_RATIO.ln(), max }];
