@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, SceneFile, wants_colours};
-use crate::{Status, check, modes, run as study};
+use crate::{Status, check, compare, lcp, modes, run as study};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -52,6 +52,24 @@ Example:
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Compute the branch of a scene with several contact solvers, and compare time, iterations, violation and result
+    #[command(after_help = "\
+Example:
+  nlmodes-cli compare configs/beam_ten_stops.toml --contact-solver active-set,lemke")]
+    Compare {
+        #[command(flatten)]
+        scene: SceneArguments,
+        #[command(flatten)]
+        compare: compare::Arguments,
+    },
+    /// Solve contact problems 0 ≤ A λ + b ⊥ λ ≥ 0 of a NumPy archive
+    #[command(after_help = "\
+Example:
+  python -c 'import numpy as n; n.savez(\"problem.npz\", A=n.array([[2., 1.], [1., 2.]]), b=n.array([[-1., 1.], [-1., -1.]]))'
+  nlmodes-cli lcp problem.npz --contact-solver lemke --out solution.npz
+
+Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
+    Lcp(lcp::Arguments),
     /// Read and check a scene, and say what would be computed; computes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
@@ -81,6 +99,10 @@ pub fn run() -> Status {
             }
             if file.scene.contacts.is_empty() { no_contact(&file) } else { study::run(&file, quiet) }
         }),
+        Command::Compare { scene, compare } => with_scene(&scene, |file| {
+            if file.scene.contacts.is_empty() { no_contact(&file) } else { compare::run(&file, &compare) }
+        }),
+        Command::Lcp(arguments) => lcp::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| modes::modes(&file)),
         Command::Check { scene } => with_scene(&scene, |file| print(&check::summary(&file.scene))),
         Command::Schema => print(&format!("{:#}", config::schema())),
@@ -109,8 +131,8 @@ fn no_contact(file: &SceneFile) -> Status {
     Status::Wrong
 }
 
-/// Prints to standard output. A reader that has gone away, as in `| head`, is no error.
-fn print(text: &str) -> Status {
+/// Prints a line or several to standard output. A reader that has gone away, as in `| head`, is no error.
+pub(crate) fn print(text: &str) -> Status {
     match writeln!(io::stdout(), "{text}") {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             eprintln!("error: cannot write to standard output: {error}");

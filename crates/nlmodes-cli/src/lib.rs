@@ -5,7 +5,9 @@
 mod assemble;
 mod check;
 pub mod command;
+mod compare;
 pub mod config;
+mod lcp;
 mod modes;
 mod run;
 mod status;

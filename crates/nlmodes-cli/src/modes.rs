@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::Status;
 use crate::assemble::{redistribution, structural_model};
+use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
 use crate::run::chain;
@@ -50,10 +51,7 @@ pub fn modes(file: &SceneFile) -> Status {
         .map_err(Box::<dyn Error>::from)
         .and_then(|model| Ok(linear_frequencies(&file.scene, &model)?));
     match found {
-        Ok(found) => {
-            print!("{}", table(&file.scene, &found));
-            Status::Done
-        }
+        Ok(found) => print(table(&file.scene, &found).trim_end()),
         Err(error) => {
             eprintln!("{}", file.error_at("structure", &chain(error.as_ref()), "", &[]));
             Status::Wrong

@@ -13,12 +13,13 @@ use nlmodes::hbm::HbmError;
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::{BranchWriter, ReportError, write_harmonics};
-use nlmodes::study::{BranchSettings, ComputedBranch, StudyError, compute_branch};
+use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, StudyError, compute_branch};
 
 use crate::Status;
 use crate::assemble::{redistribution, structural_model};
+use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{MethodKind, Scene, Start, Switching, Symmetry};
+use crate::config::scene::{FrequencyDirection, MethodKind, Scene, Start, Switching, Symmetry};
 use progress::Progress;
 
 /// Computes the branch and writes its files; `quiet` leaves out the progress.
@@ -39,12 +40,21 @@ pub fn run(file: &SceneFile, quiet: bool) -> Status {
     let massless = match massless {
         Some(Ok(massless)) => massless,
         Some(Err(error)) => return refuse(file, "method.mass_redistribution", &error),
-        None => return refuse(file, "method.mass_redistribution", &"ms-hbm needs massless contact nodes".into_error()),
+        None => {
+            return refuse(
+                file,
+                "method.mass_redistribution",
+                &std::io::Error::other("ms-hbm needs massless contact nodes"),
+            );
+        }
     };
-    let mut sink = Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
-    let computed = compute_branch(massless, &branch_settings(scene), |point| sink.take(point));
+    let mut sink =
+        Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
+    let computed = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
-        return refuse(file, "output.directory", &failure);
+        eprintln!("error: {}", chain(&failure));
+        eprintln!("expected a directory for the results that can be created and written; nothing was kept");
+        return Status::Wrong;
     }
     sink.progress.finish();
     match computed {
@@ -53,21 +63,38 @@ pub fn run(file: &SceneFile, quiet: bool) -> Status {
     }
 }
 
+/// The branch from its start; where both ways are asked for, the way down first and then, behind its points in reverse order, the
+/// way up.
+fn compute(scene: &Scene, model: MasslessContactModel, sink: &mut Sink) -> Result<ComputedBranch, StudyError> {
+    let (start, both) = match scene.continuation.start {
+        Start::Grazing => (BranchStart::Grazing, false),
+        Start::Frequency { hz, direction } => {
+            let upward = direction == FrequencyDirection::Up;
+            (BranchStart::Frequency { hz, upward }, direction == FrequencyDirection::Both)
+        }
+    };
+    let settings = BranchSettings { start, ..branch_settings(scene) };
+    let one_way = compute_branch(model.clone(), &settings, |point| sink.take(point))?;
+    let BranchStart::Frequency { hz, .. } = start else { return Ok(one_way) };
+    if !both || sink.failure.is_some() {
+        return Ok(one_way);
+    }
+    sink.begin_again(one_way.branch.points.iter().skip(1).rev());
+    let up = BranchSettings { start: BranchStart::Frequency { hz, upward: true }, ..settings };
+    let other = compute_branch(model, &up, |point| sink.take(point))?;
+    Ok(other.preceded_by(one_way))
+}
+
 /// What a scene may ask for, but this version does not have.
-fn not_available(file: &SceneFile) -> Option<String> {
+pub fn not_available(file: &SceneFile) -> Option<String> {
     if file.scene.method.kind == MethodKind::Hbm {
         let help = ["\"ms-hbm\" computes the same structure with rigid stops and massless contacts"];
         return Some(file.error_at("method.kind", "harmonic balance is not available yet", "this method", &help));
     }
-    if file.scene.continuation.start != Start::Grazing {
-        let title = "a start at a given frequency is not available yet";
-        let help = ["without this key the branch starts where the linear mode first touches a stop"];
-        return Some(file.error_at("continuation.start_frequency_hz", title, "this start", &help));
-    }
     None
 }
 
-fn branch_settings(scene: &Scene) -> BranchSettings {
+pub fn branch_settings(scene: &Scene) -> BranchSettings {
     let method = &scene.method;
     BranchSettings {
         mode: method.mode,
@@ -111,6 +138,16 @@ impl Sink<'_> {
         }
     }
 
+    /// Writes the table anew, beginning with these points.
+    fn begin_again<'p>(&mut self, points: impl Iterator<Item = &'p ModalPoint>) {
+        self.writer = None;
+        for point in points {
+            if self.take(point).is_break() {
+                return;
+            }
+        }
+    }
+
     fn write(&mut self, point: &ModalPoint) -> Result<(), ReportError> {
         if self.writer.is_none() {
             std::fs::create_dir_all(self.directory)
@@ -134,12 +171,14 @@ fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, 
     let end = &computed.branch.end;
     let last = computed.branch.points.last();
     let at = last.map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / std::f64::consts::TAU));
-    let line = format!("{} points in {:.2} s; ended{at}: {}", computed.branch.points.len(), began.elapsed().as_secs_f64(), end.message);
+    let line = format!(
+        "{} points in {:.2} s; ended{at}: {}",
+        computed.branch.points.len(),
+        began.elapsed().as_secs_f64(),
+        end.message
+    );
     if end.complete {
-        if !quiet {
-            println!("{line}\nResults in {}", directory.display());
-        }
-        Status::Done
+        if quiet { Status::Done } else { print(&format!("{line}\nResults in {}", directory.display())) }
     } else {
         eprintln!("warning: the computation ended early. {line}\nWhat was found is in {}", directory.display());
         Status::EndedEarly
@@ -147,19 +186,23 @@ fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, 
 }
 
 /// An error of the study, at the key of the scene that it is about.
-fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
+pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
     let path = match error {
-        StudyError::Hbm(HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. }) => {
-            "method.mode"
-        }
+        StudyError::Hbm(
+            HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. },
+        ) => "method.mode",
         StudyError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
             let key = format!("contact.{contact}.gap_m");
-            eprintln!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
+            eprintln!(
+                "{}",
+                file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"])
+            );
             return Status::Wrong;
         }
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
+        StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::Contact(_) => "method.contact_solver",
         StudyError::Hbm(HbmError::Linalg { .. }) => "structure",
         _ => "method",
@@ -167,7 +210,7 @@ fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
     refuse(file, path, error)
 }
 
-fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {
+pub fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {
     eprintln!("{}", file.error_at(path, &chain(error), "", &[]));
     Status::Wrong
 }
@@ -177,19 +220,12 @@ pub fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(inner) = cause {
-        text = format!("{text}: {inner}");
+        // Some messages name their cause themselves.
+        let said = inner.to_string();
+        if !text.ends_with(&said) {
+            text = format!("{text}: {said}");
+        }
         cause = inner.source();
     }
     text
-}
-
-/// A sentence as an error.
-trait IntoError {
-    fn into_error(self) -> std::io::Error;
-}
-
-impl IntoError for &str {
-    fn into_error(self) -> std::io::Error {
-        std::io::Error::other(self)
-    }
 }

@@ -17,8 +17,10 @@ fn workspace() -> PathBuf {
 }
 
 #[test]
-fn scenes_of_the_paper_are_sound() -> Outcome {
-    for scene in ["configs/rod.toml", "configs/beam.toml"] {
+fn scenes_that_come_along_are_sound() -> Outcome {
+    let scenes = ["rod", "rod_two_stops", "beam", "beam_two_stops", "beam_ten_stops"];
+    for scene in scenes.map(|name| format!("configs/{name}.toml")) {
+        let scene = scene.as_str();
         let output = call(&["check", scene])?;
         assert_eq!(output.status.code(), Some(0));
         assert_eq!(String::from_utf8(output.stderr)?, "", "{scene}");

@@ -61,6 +61,8 @@ mod closed_set;
 mod condensed;
 mod energy;
 mod error;
+mod held_motion;
+mod history;
 mod mixed_shooting;
 mod motion;
 mod series;
@@ -72,8 +74,8 @@ mod trigonometric;
 
 pub use condensed::{CondensedStructure, HeldMode};
 pub use error::HbmError;
+pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
-pub use motion::ContactMotion;
 pub use series::{RealSeries, Symmetry};
 pub use start::{Grazing, grazing};
 pub use sweep::{ContactInterval, Switching};

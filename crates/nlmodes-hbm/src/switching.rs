@@ -14,6 +14,9 @@ pub(crate) type Solve<'a> = dyn FnMut(f64, &[f64], &mut [bool]) -> Result<(), Hb
 /// Narrowest cell that is divided further, rad.
 const FINEST: f64 = 1e-14;
 
+/// Shortest stretch that is searched for more than one extremum, rad: on it a dip is lost in rounding.
+const SHORTEST: f64 = 1e-6;
+
 /// Finds the instants at which contacts close and open, cell by cell along the period.
 ///
 /// While a set of contacts is closed, gaps and forces are trigonometric polynomials (the guards of [`ClosedSet`]); the first one
@@ -27,7 +30,7 @@ pub(crate) struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
-        let curvature = y.iter().map(|z| Trigonometric { z: z.clone() }.curvature_bound()).collect();
+        let curvature = y.iter().map(|z| Trigonometric { z: z.clone() }.bound(2)).collect();
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature }
     }
 
@@ -40,7 +43,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// True if nothing can happen between two samples with the same closed contacts: every guard is so far from zero, for
-    /// its curvature, that it cannot dip below, or is monotonic.
+    /// its curvature, that it cannot dip below, or its slopes are too large, for its curvature, to change their sign.
     pub fn is_quiet(&self, sets: &SetTable, from: usize, to: usize, left: Sample, right: Sample, width: f64) -> bool {
         if from != to {
             return false;
@@ -53,7 +56,8 @@ impl<'a> Tracer<'a> {
             let low = sum(left.0, left.2).min(sum(right.0, right.2));
             let bound: f64 = row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum();
             low > 0.0
-                && (low > width * width / 8.0 * bound || sum(left.1, left.2) >= 0.0 || sum(right.1, right.2) <= 0.0)
+                && (low > width * width / 8.0 * bound
+                    || (sum(left.1, left.2) + sum(right.1, right.2)).abs() > width * bound)
         })
     }
 
@@ -134,6 +138,24 @@ impl<'a> Tracer<'a> {
 
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
+    search(f, [f.bound(2), f.bound(3)], from, to)
+}
+
+/// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
+/// in which it rises, falls and rises again would otherwise hide a short contact.
+fn search(f: &Trigonometric, bounds: [f64; 2], from: f64, to: f64) -> Option<f64> {
+    let (width, middle) = (to - from, 0.5 * (from + to));
+    if f.evaluate(from)[0].min(f.evaluate(to)[0]) > width * width / 8.0 * bounds[0] {
+        return None;
+    }
+    if width < SHORTEST || f.evaluate(middle)[2].abs() > 0.5 * width * bounds[1] {
+        return falls_below_zero_once(f, from, to);
+    }
+    search(f, bounds, from, middle).or_else(|| search(f, bounds, middle, to))
+}
+
+/// [`falls_below_zero`] where `f` is convex or concave.
+fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
     let (left, right) = (f.evaluate(from), f.evaluate(to));
     let size: f64 = f.z.iter().map(|z| z.norm()).sum();
     let noise = 64.0 * f64::EPSILON * size;
@@ -165,4 +187,25 @@ fn peak(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
         return (f.evaluate(top)[0] > 0.0).then_some(top);
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `u (u − 0.03) (u − 0.05)` with `u = sin τ`.
+    fn rises_falls_and_rises() -> Trigonometric {
+        let z = [(-0.04, 0.0), (0.0, -0.7515), (0.04, 0.0), (0.0, 0.25)];
+        Trigonometric { z: z.map(|(re, im)| Complex64::new(re, im)).to_vec() }
+    }
+
+    #[test]
+    fn a_dip_behind_a_rise_is_found_wherever_the_stretch_begins() {
+        let f = rises_falls_and_rises();
+        for from in [0.0, 0.001, 0.005, 0.02, 0.029] {
+            let found = falls_below_zero(&f, from, 0.098).unwrap();
+            assert!((found - 0.03_f64.asin()).abs() < 1e-14, "{from}: {found}");
+        }
+        assert_eq!(falls_below_zero(&f, 0.051, 0.098), None);
+    }
 }

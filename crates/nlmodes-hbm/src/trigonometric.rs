@@ -22,9 +22,9 @@ impl Trigonometric {
         sum
     }
 
-    /// Bound of the second derivative.
-    pub fn curvature_bound(&self) -> f64 {
-        self.z.iter().enumerate().map(|(n, z)| (n * n) as f64 * z.norm()).sum()
+    /// Bound of a derivative.
+    pub fn bound(&self, order: i32) -> f64 {
+        self.z.iter().enumerate().map(|(n, z)| (n as f64).powi(order) * z.norm()).sum()
     }
 
     /// The zero of derivative `order` (0 or 1) in `[low, high]`, at whose ends it has different signs:
@@ -65,6 +65,6 @@ mod tests {
         // The search ends where a step is below four units of rounding.
         assert!((f.root(1, 2.0, 4.0) - std::f64::consts::PI).abs() < 4.0 * f64::EPSILON * std::f64::consts::PI);
         assert!((f.evaluate(0.7)[2] + 0.7f64.cos()).abs() < 1e-15);
-        assert!(f.curvature_bound() >= 1.0);
+        assert!(f.bound(2) >= 1.0);
     }
 }

@@ -78,3 +78,11 @@ fn the_backbone_passes_through_frequencies_computed_elsewhere() {
         assert!((found - expected).abs() < 1e-6, "{harmonics} harmonics, {ratio}: {found} against {expected}");
     }
 }
+
+#[test]
+fn two_touches_close_together_are_not_missed() {
+    // With six harmonics the tip touches twice in quick succession, and between two of the 64 samples of a period its gap rises,
+    // falls and rises again. With sampled switching and 4096 samples the branch ends at 41.795528 Hz too.
+    let found = end_hz(&study(6, 6.0));
+    assert!((found - 41.795_528).abs() < 1e-5, "{found}");
+}

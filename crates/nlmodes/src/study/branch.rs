@@ -274,7 +274,7 @@ fn branch_end(
         StopReason::Closed => ("closed", "the branch came back to where it began".to_owned(), true),
         StopReason::Stopped => ("stopped", "it was asked to stop".to_owned(), false),
         StopReason::MaxPoints => {
-            ("max-points", format!("{} points were computed, the most permitted", settings.max_points), false)
+            ("max-points", format!("the limit of {} points was reached", settings.max_points), false)
         }
         StopReason::StepTooSmall { step, refusal } => {
             ("no-step", format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"), false)

@@ -25,7 +25,7 @@ pub struct RawMethod {
     #[schemars(extend("default" = "exact"))]
     pub switching: Option<Switching>,
     /// Samples of the contact a period, at least 4 times `harmonics`; default: a power of two, 256 or more and at least 32 times
-    /// `harmonics`. With exact switching, the grid on which contact intervals are first looked for
+    /// `harmonics`. Exact switching has no use for it
     #[schemars(range(min = 4, max = MAX_SAMPLES))]
     pub samples: Option<u32>,
     /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm, "none" for hbm

@@ -1,0 +1,46 @@
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use nlmodes::model::MasslessContactModel;
+use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, StudyError, compute_branch};
+
+use crate::config::scene::{FrequencyDirection, Scene, Start};
+use crate::run::branch_settings;
+
+/// Instants of a period at which contacts are checked.
+const INSTANTS: usize = 256;
+
+/// The branch of the scene with a contact solver, and the time that it took.
+pub fn branch(
+    scene: &Scene,
+    model: &MasslessContactModel,
+    solver: &str,
+) -> Result<(ComputedBranch, Duration), StudyError> {
+    let settings = BranchSettings { contact_solver: solver.to_owned(), ..branch_settings(scene) };
+    let one_way = |start| {
+        let settings = BranchSettings { start, ..settings.clone() };
+        compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()))
+    };
+    let began = Instant::now();
+    let computed = match scene.continuation.start {
+        Start::Grazing => one_way(BranchStart::Grazing)?,
+        Start::Frequency { hz, direction: FrequencyDirection::Both } => {
+            let down = one_way(BranchStart::Frequency { hz, upward: false })?;
+            one_way(BranchStart::Frequency { hz, upward: true })?.preceded_by(down)
+        }
+        Start::Frequency { hz, direction } => {
+            one_way(BranchStart::Frequency { hz, upward: direction == FrequencyDirection::Up })?
+        }
+    };
+    Ok((computed, began.elapsed()))
+}
+
+/// Largest `max(−g, −Aλ, |min(g, Aλ)|)` over the points of a branch and the instants of their periods, over the amplitude at
+/// grazing.
+pub fn largest_violation(computed: &ComputedBranch) -> Result<f64, StudyError> {
+    let mut problem = computed.problem()?;
+    computed.unknowns.iter().try_fold(0.0_f64, |worst, x| {
+        let checked = problem.check_contact(x, INSTANTS)?;
+        Ok(worst.max(checked.penetration).max(checked.tension).max(checked.complementarity))
+    })
+}
