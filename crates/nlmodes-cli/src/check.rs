@@ -68,7 +68,8 @@ fn method(method: &Method) -> String {
         MethodKind::MsHbm => "mixed shooting-harmonic balance",
         MethodKind::Hbm => "harmonic balance",
     };
-    let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", method.harmonics) };
+    let list: Vec<String> = method.harmonics_list.iter().map(usize::to_string).collect();
+    let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", list.join(", ")) };
     format!(
         "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
         method.switching.name(),

@@ -14,10 +14,9 @@ use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{ComputedBranch, StudyError};
 
 use crate::Status;
-use crate::assemble::{redistribution, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::run::{chain, not_available, refuse, refuse_study};
+use crate::run::{chain, models, not_available, refuse_study};
 use difference::difference;
 use measure::{branch, largest_violation};
 use table::{Row, Run};
@@ -45,18 +44,10 @@ pub fn run(file: &SceneFile, arguments: &Arguments) -> Status {
         eprintln!("{message}");
         return Status::Wrong;
     }
-    match model(file).and_then(|model| rows(file, &model, &arguments.solvers)) {
+    match models(file).and_then(|(_, massless)| rows(file, &massless, &arguments.solvers)) {
         Ok(rows) => finish(file, arguments, &rows),
         Err(status) => status,
     }
-}
-
-fn model(file: &SceneFile) -> Result<MasslessContactModel, Status> {
-    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
-    let path = "method.mass_redistribution";
-    let without = std::io::Error::other("ms-hbm needs massless contact nodes");
-    let rule = redistribution(&file.scene).ok_or_else(|| refuse(file, path, &without))?;
-    MasslessContactModel::new(&model, rule).map_err(|error| refuse(file, path, &error))
 }
 
 fn rows(file: &SceneFile, model: &MasslessContactModel, solvers: &[String]) -> Result<Vec<Row>, Status> {

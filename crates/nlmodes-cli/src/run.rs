@@ -1,6 +1,7 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
+mod harmonics;
 mod progress;
 mod summary;
 
@@ -22,45 +23,49 @@ use crate::config::SceneFile;
 use crate::config::scene::{FrequencyDirection, MethodKind, Scene, Start, Switching, Symmetry};
 use progress::Progress;
 
-/// Computes the branch and writes its files; `quiet` leaves out the progress.
+/// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
 ///
-/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one.
+/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several numbers of harmonics have a
+/// folder each, and common figures beside these.
 pub fn run(file: &SceneFile, quiet: bool) -> Status {
-    let scene = &file.scene;
     if let Some(message) = not_available(file) {
         eprintln!("{message}");
         return Status::Wrong;
     }
+    let outcome = match file.scene.method.harmonics_list.as_slice() {
+        [_] => one_branch(file, quiet).map(|(_, status)| status),
+        several => harmonics::study(file, several, quiet),
+    };
+    outcome.unwrap_or_else(|status| status)
+}
+
+/// One branch with all its files, and how it ended.
+fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status), Status> {
+    let scene = &file.scene;
     let began = Instant::now();
-    let model = match structural_model(scene) {
-        Ok(model) => model,
-        Err(error) => return refuse(file, "structure", &error),
-    };
-    let massless = redistribution(scene).map(|rule| MasslessContactModel::new(&model, rule));
-    let massless = match massless {
-        Some(Ok(massless)) => massless,
-        Some(Err(error)) => return refuse(file, "method.mass_redistribution", &error),
-        None => {
-            return refuse(
-                file,
-                "method.mass_redistribution",
-                &std::io::Error::other("ms-hbm needs massless contact nodes"),
-            );
-        }
-    };
+    let (model, massless) = models(file)?;
     let mut sink =
         Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
     let computed = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
         eprintln!("error: {}", chain(&failure));
         eprintln!("expected a directory for the results that can be created and written; nothing was kept");
-        return Status::Wrong;
+        return Err(Status::Wrong);
     }
     sink.progress.finish();
-    match computed {
-        Ok(computed) => finish(file, &model, &computed, began, quiet),
-        Err(error) => refuse_study(file, &error),
-    }
+    let computed = computed.map_err(|error| refuse_study(file, &error))?;
+    let status = finish(file, &model, &computed, began, quiet);
+    Ok((computed, status))
+}
+
+/// The structure of the scene, with its contact mass and without.
+pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
+    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
+    let path = "method.mass_redistribution";
+    let without = std::io::Error::other("ms-hbm needs massless contact nodes");
+    let rule = redistribution(&file.scene).ok_or_else(|| refuse(file, path, &without))?;
+    let massless = MasslessContactModel::new(&model, rule).map_err(|error| refuse(file, path, &error))?;
+    Ok((model, massless))
 }
 
 /// The branch from its start; where both ways are asked for, the way down first and then, behind its points in reverse order, the

@@ -85,7 +85,7 @@ fn a_branch_that_ends_early_is_told_with_status_1() -> Outcome {
     assert_eq!(output.status.code(), Some(1));
     let rows = table(&out)?;
     assert!(rows.iter().all(|row| row["end"] == "max-points" && number(row, "points") >= 1.0), "{rows:?}");
-    assert!(String::from_utf8(output.stdout)?.contains("early: 3 points"));
+    assert!(String::from_utf8(output.stdout)?.contains("early: the limit of 3 points was reached"));
     Ok(())
 }
 

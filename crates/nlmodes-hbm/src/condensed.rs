@@ -56,8 +56,8 @@ impl CondensedStructure {
     /// # Errors
     /// [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
-        let mut held = held_modes(&model, n_modes)?;
         let psi = static_shapes(&model)?;
+        let mut held = held_modes(&model, n_modes)?;
         let k_nn = DenseLu::factor(model.k_nn())
             .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
         let coupling = model.k_ln().transpose() * &psi;
@@ -190,8 +190,7 @@ fn static_shapes(model: &MasslessContactModel) -> Result<Mat<f64>, HbmError> {
 
 /// `K_LL⁻¹` times the columns of `rhs`.
 fn solve_held(model: &MasslessContactModel, mut rhs: Mat<f64>) -> Result<Mat<f64>, HbmError> {
-    let k_ll = SparseCholesky::factor(model.k_ll(), "stiffness K_LL of the structure with its contacts held")
-        .map_err(|source| HbmError::Linalg { what: "static response to the contacts", source })?;
+    let k_ll = model.factor_k_ll()?;
     for d in 0..rhs.ncols() {
         let mut column: Vec<f64> = rhs.col(d).iter().copied().collect();
         k_ll.solve_in_place(&mut column);

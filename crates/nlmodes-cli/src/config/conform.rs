@@ -70,8 +70,8 @@ impl<'w> Walk<'w, '_, '_> {
                 self.table(table, rule, path);
                 None
             }
-            (Kind::Array, DeValue::Array(items)) => return self.array(items, rule, path),
-            (Kind::Number | Kind::Integer, DeValue::Integer(n)) => {
+            (Kind::Array | Kind::Integers, DeValue::Array(items)) => return self.array(items, rule, path),
+            (Kind::Number | Kind::Integer | Kind::Integers, DeValue::Integer(n)) => {
                 let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
                 let x = exact.map_or(f64::MAX, |n| n as f64);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
@@ -86,6 +86,8 @@ impl<'w> Walk<'w, '_, '_> {
         let conforms = problem.is_none();
         if let Some(problem) = problem {
             self.report(path, problem, rule);
+        } else if rule.kind() == Kind::Integers {
+            wrap(value);
         }
         conforms
     }
@@ -107,6 +109,14 @@ impl<'w> Walk<'w, '_, '_> {
         let label = format!("found {}, expected {}", self.findings.written(path), rule.expected());
         self.findings.put(path, problem, label);
     }
+}
+
+/// Makes a list of one of a single value.
+fn wrap(value: &mut Item<'_>) {
+    let span = value.span();
+    let mut list = DeArray::new();
+    list.push(std::mem::replace(value, Spanned::new(span.clone(), DeValue::Boolean(false))));
+    *value = Spanned::new(span, DeValue::Array(list));
 }
 
 /// The path of a key in a table.

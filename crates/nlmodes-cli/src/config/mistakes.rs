@@ -40,8 +40,8 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Problem {
     let problem =
         Problem::error(format!("`{path}` must be {}, not {}", kind_wanted(rule), kind_found(found, rule.kind())));
     match (rule.kind(), found) {
-        (Kind::Number | Kind::Integer, DeValue::String(text)) => numeric_help(problem, text, rule),
-        (Kind::Integer, DeValue::Float(x)) => match x.as_str().parse::<f64>() {
+        (Kind::Number | Kind::Integer | Kind::Integers, DeValue::String(text)) => numeric_help(problem, text, rule),
+        (Kind::Integer | Kind::Integers, DeValue::Float(x)) => match x.as_str().parse::<f64>() {
             Ok(x) if x.fract() == 0.0 && x.abs() < 1e9 => problem.help(format!("write {x:.0}")),
             _ => problem,
         },
@@ -77,6 +77,7 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
         Kind::Array => "a list of numbers",
         Kind::Number => "a number",
         Kind::Integer => "a whole number",
+        Kind::Integers => "a whole number or a list of them",
         Kind::Text => "a text",
     }
 }
@@ -84,7 +85,7 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
 fn kind_found(value: &DeValue<'_>, wanted: Kind) -> &'static str {
     match value {
         DeValue::String(_) => "a text",
-        DeValue::Float(_) if wanted == Kind::Integer => "a number with decimals",
+        DeValue::Float(_) if matches!(wanted, Kind::Integer | Kind::Integers) => "a number with decimals",
         DeValue::Integer(_) | DeValue::Float(_) => "a number",
         DeValue::Boolean(_) => "true or false",
         DeValue::Datetime(_) => "a date or time",

@@ -13,11 +13,16 @@ pub enum Kind {
     Array,
     Number,
     Integer,
+    /// A whole number or a list of them.
+    Integers,
     Text,
 }
 
 impl<'a> Rule<'a> {
     pub fn kind(self) -> Kind {
+        if self.0.get("type").is_some_and(Value::is_array) {
+            return Kind::Integers;
+        }
         match self.0.get("type").and_then(Value::as_str) {
             Some("object") => Kind::Table,
             Some("array") => Kind::Array,
@@ -100,6 +105,7 @@ impl<'a> Rule<'a> {
             Kind::Array => self.expected_array(),
             Kind::Number => format!("a number{}{unit}", self.limits()),
             Kind::Integer => format!("a whole number{}{unit}", self.limits()),
+            Kind::Integers => format!("a whole number{}{unit}, or a list of them", self.limits()),
             Kind::Text => self.expected_text(),
         }
     }

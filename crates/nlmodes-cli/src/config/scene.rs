@@ -112,8 +112,11 @@ pub struct Method {
     pub kind: MethodKind,
     /// Number of the linear mode, 1 for the lowest.
     pub mode: usize,
-    /// Number of harmonics beside the mean.
+    /// Number of harmonics beside the mean; the largest where several are asked for.
     pub harmonics: usize,
+    /// All numbers of harmonics for which a branch is computed, ascending.
+    #[serde(skip_serializing_if = "is_single")]
+    pub harmonics_list: Vec<usize>,
     /// How the instants of touching and leaving are found.
     pub switching: Switching,
     /// Samples of the contact a period.
@@ -128,6 +131,10 @@ pub struct Method {
     pub symmetry: Symmetry,
     /// Number of held modes that carry the dynamics; `None`: chosen by the program.
     pub held_modes: Option<usize>,
+}
+
+fn is_single(list: &[usize]) -> bool {
+    list.len() == 1
 }
 
 /// How far the branch is followed.

@@ -21,7 +21,8 @@ pub fn check(
     Some(Method {
         kind,
         mode,
-        harmonics: method.harmonics? as usize,
+        harmonics: most_harmonics(method)?,
+        harmonics_list: harmonics_list(method),
         switching: method.switching.unwrap_or(Switching::Exact),
         samples: samples?,
         mass_redistribution: mass_rule,
@@ -68,9 +69,21 @@ fn stiffness(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
     method.contact_stiffness_n_m.filter(|_| kind == MethodKind::Hbm)
 }
 
+/// The numbers of harmonics, ascending, each once.
+fn harmonics_list(method: &RawMethod) -> Vec<usize> {
+    let mut list: Vec<usize> = method.harmonics.iter().flatten().map(|h| *h as usize).collect();
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+fn most_harmonics(method: &RawMethod) -> Option<usize> {
+    harmonics_list(method).last().copied()
+}
+
 /// The samples of the scene, at least 4 times the harmonics, or enough of them where the scene does not say.
 fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
-    let harmonics = method.harmonics? as usize;
+    let harmonics = most_harmonics(method)?;
     let Some(samples) = method.samples.map(|n| n as usize) else {
         return Some((32 * harmonics).next_power_of_two().max(MIN_DEFAULT_SAMPLES));
     };

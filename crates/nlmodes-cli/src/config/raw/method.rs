@@ -1,4 +1,4 @@
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use crate::config::scene::{ContactSolver, MassRule, MethodKind, Switching, Symmetry};
@@ -18,9 +18,9 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, beside its mean
-    #[schemars(required, range(min = 1, max = MAX_HARMONICS))]
-    pub harmonics: Option<u32>,
+    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each
+    #[schemars(required, schema_with = "one_or_several_harmonics")]
+    pub harmonics: Option<Vec<u32>>,
     /// How the instants of touching and leaving are found
     #[schemars(extend("default" = "exact"))]
     pub switching: Option<Switching>,
@@ -42,4 +42,16 @@ pub struct RawMethod {
     /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the program
     #[schemars(range(min = 1))]
     pub held_modes: Option<u32>,
+}
+
+/// A whole number, or a list of them; a single one is read as a list.
+fn one_or_several_harmonics(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["integer", "array"],
+        "minimum": 1,
+        "maximum": MAX_HARMONICS,
+        "items": { "type": "integer", "minimum": 1, "maximum": MAX_HARMONICS },
+        "minItems": 1,
+        "maxItems": 100,
+    })
 }
