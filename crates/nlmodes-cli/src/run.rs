@@ -209,7 +209,7 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::Contact(_) => "method.contact_solver",
-        StudyError::Hbm(HbmError::Linalg { .. }) => "structure",
+        StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
         _ => "method",
     };
     refuse(file, path, error)

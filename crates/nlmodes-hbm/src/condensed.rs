@@ -1,5 +1,5 @@
 use nlmodes_contact::LcpMatrix;
-use nlmodes_linalg::{DenseLu, Mat, SparseCholesky, symmetric_eigen};
+use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
 
 use crate::HbmError;
