@@ -32,7 +32,7 @@ Replaces a value of the scene, or adds one. The key is a dotted path; stops go b
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Compute the branch that a scene describes, and write tables, figures and a report
+    /// Compute the branch that a scene describes, and write its tables and figures
     #[command(after_help = "\
 Example:
   nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap")]
@@ -114,12 +114,12 @@ fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status
     match config::load(&arguments.path, &arguments.overrides) {
         Ok(file) => {
             if !file.warnings.is_empty() {
-                eprintln!("{}\n", file.warnings_text());
+                say!("{}\n", file.warnings_text());
             }
             then(file)
         }
         Err(refused) => {
-            eprintln!("{}", refused.text(wants_colours()));
+            say!("{}", refused.text(wants_colours()));
             Status::Wrong
         }
     }
@@ -127,7 +127,7 @@ fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status
 
 fn no_contact(file: &SceneFile) -> Status {
     let help = ["a stop stands under a heading [[contact]]; `nlmodes-cli modes` computes the linear modes without one"];
-    eprintln!("{}", file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help));
+    say!("{}", file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help));
     Status::Wrong
 }
 
@@ -135,7 +135,7 @@ fn no_contact(file: &SceneFile) -> Status {
 pub(crate) fn print(text: &str) -> Status {
     match writeln!(io::stdout(), "{text}") {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            eprintln!("error: cannot write to standard output: {error}");
+            say!("error: cannot write to standard output: {error}");
             Status::EndedEarly
         }
         _ => Status::Done,

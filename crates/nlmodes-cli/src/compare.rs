@@ -41,7 +41,7 @@ pub struct Arguments {
 /// Computes the branch with each solver and prints the table; the first branch is the reference of the others.
 pub fn run(file: &SceneFile, arguments: &Arguments) -> Status {
     if let Some(message) = not_available(file) {
-        eprintln!("{message}");
+        say!("{message}");
         return Status::Wrong;
     }
     match models(file).and_then(|(_, massless)| rows(file, &massless, &arguments.solvers)) {
@@ -87,7 +87,7 @@ fn finish(file: &SceneFile, arguments: &Arguments, rows: &[Row]) -> Status {
         let place = std::fs::create_dir_all(directory).map_err(csv::Error::from);
         if let Err(error) = place.and_then(|()| table::write(&path, rows)) {
             print(text.trim_end());
-            eprintln!("error: the table cannot be written to {}: {error}", path.display());
+            say!("error: the table cannot be written to {}: {error}", path.display());
             return Status::Wrong;
         }
         text += &format!("\nTable in {}\n", path.display());

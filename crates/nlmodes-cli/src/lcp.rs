@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Status {
     match solve(arguments) {
         Ok(status) => status,
         Err(error) => {
-            eprintln!("error: {}: {}", arguments.problem.display(), chain(&error));
+            say!("error: {}: {}", arguments.problem.display(), chain(&error));
             Status::Wrong
         }
     }
@@ -48,7 +48,7 @@ fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
     let solver = solver_by_name(&arguments.contact_solver)?;
     let problem = problem::read(&arguments.problem)?;
     if let Some(path) = &arguments.out {
-        solution::check_place(path)?;
+        solution::check_place(path, &arguments.problem)?;
     }
     let mut solution = SeriesSolution::default();
     let began = Instant::now();
@@ -65,11 +65,11 @@ fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
     let Some((sample, reason)) = failure else {
         return Ok(print(&summary::text(solver.name(), &problem, &solution, time)));
     };
-    eprintln!("error: sample {sample} has no solution: {reason}");
+    say!("error: sample {sample} has no solution: {reason}");
     if let LcpError::Infeasible { ray } = &reason {
-        eprintln!("{}", summary::of_proof(ray));
+        say!("{}", summary::of_proof(ray));
     }
-    eprintln!("{}", summary::of_what_was_kept(solved, arguments.out.as_deref()));
+    say!("{}", summary::of_what_was_kept(solved, arguments.out.as_deref()));
     Ok(Status::EndedEarly)
 }
 

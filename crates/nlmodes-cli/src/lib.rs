@@ -2,6 +2,14 @@
 //!
 //! [`config`] reads and checks scenes, [`command`] takes the command line apart, and each command is a module of its own.
 
+/// Prints a line to standard error; one that nobody can read is no error.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
 mod assemble;
 mod check;
 pub mod command;

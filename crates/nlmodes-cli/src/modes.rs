@@ -53,7 +53,7 @@ pub fn modes(file: &SceneFile) -> Status {
     match found {
         Ok(found) => print(table(&file.scene, &found).trim_end()),
         Err(error) => {
-            eprintln!("{}", file.error_at("structure", &chain(error.as_ref()), "", &[]));
+            say!("{}", file.error_at("structure", &chain(error.as_ref()), "", &[]));
             Status::Wrong
         }
     }

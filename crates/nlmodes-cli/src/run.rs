@@ -29,7 +29,7 @@ use progress::Progress;
 /// folder each, and common figures beside these.
 pub fn run(file: &SceneFile, quiet: bool) -> Status {
     if let Some(message) = not_available(file) {
-        eprintln!("{message}");
+        say!("{message}");
         return Status::Wrong;
     }
     let outcome = match file.scene.method.harmonics_list.as_slice() {
@@ -48,8 +48,8 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status),
         Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
     let computed = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
-        eprintln!("error: {}", chain(&failure));
-        eprintln!("expected a directory for the results that can be created and written; nothing was kept");
+        say!("error: {}", chain(&failure));
+        say!("expected a directory for the results that can be created and written; nothing was kept");
         return Err(Status::Wrong);
     }
     sink.progress.finish();
@@ -157,6 +157,8 @@ impl Sink<'_> {
         if self.writer.is_none() {
             std::fs::create_dir_all(self.directory)
                 .map_err(|source| ReportError::Io { path: self.directory.to_path_buf(), source })?;
+            figures::remove(self.directory);
+            summary::remove(self.directory);
             self.writer = Some(BranchWriter::create(self.directory.join("branch.csv"))?);
         }
         self.writer.as_mut().map_or(Ok(()), |writer| writer.append(point))
@@ -167,10 +169,10 @@ fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, 
     let directory = &file.scene.output_directory;
     let written = write_harmonics(directory.join("harmonics.npz"), &computed.branch)
         .map_err(Box::<dyn Error>::from)
-        .and_then(|()| figures::write(directory, &file.scene, computed))
-        .and_then(|()| summary::write(directory, &file.scene, model, computed, began.elapsed()));
+        .and_then(|()| summary::write(directory, &file.scene, model, computed, began.elapsed()))
+        .and_then(|()| figures::write(directory, &file.scene, computed));
     if let Err(error) = written {
-        eprintln!("error: {}", chain(error.as_ref()));
+        say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
     let end = &computed.branch.end;
@@ -185,7 +187,7 @@ fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, 
     if end.complete {
         if quiet { Status::Done } else { print(&format!("{line}\nResults in {}", directory.display())) }
     } else {
-        eprintln!("warning: the computation ended early. {line}\nWhat was found is in {}", directory.display());
+        say!("warning: the computation ended early. {line}\nWhat was found is in {}", directory.display());
         Status::EndedEarly
     }
 }
@@ -198,10 +200,7 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
         ) => "method.mode",
         StudyError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
             let key = format!("contact.{contact}.gap_m");
-            eprintln!(
-                "{}",
-                file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"])
-            );
+            say!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
             return Status::Wrong;
         }
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
@@ -212,11 +211,13 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
         StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
         _ => "method",
     };
-    refuse(file, path, error)
+    let status = refuse(file, path, error);
+    // Where Newton's method fails the scene is not to blame.
+    if matches!(error, StudyError::NoStart { .. } | StudyError::Continuation(_)) { Status::EndedEarly } else { status }
 }
 
 pub fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {
-    eprintln!("{}", file.error_at(path, &chain(error), "", &[]));
+    say!("{}", file.error_at(path, &chain(error), "", &[]));
     Status::Wrong
 }
 

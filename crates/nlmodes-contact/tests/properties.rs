@@ -39,14 +39,19 @@ fn reals() -> impl Strategy<Value = (Mat<f64>, Vec<f64>)> {
     })
 }
 
-/// Solution or named error; never wrong in silence. True if solved.
-fn is_solved_or_named(solver: &dyn LcpSolver, a: &LcpMatrix, b: &[f64], guess: bool) -> Result<bool, TestCaseError> {
+/// Solution or named error; never wrong in silence. True if solved, false if shown to have no solution, `None` if declined.
+fn is_solved_or_named(
+    solver: &dyn LcpSolver,
+    a: &LcpMatrix,
+    b: &[f64],
+    guess: bool,
+) -> Result<Option<bool>, TestCaseError> {
     let (mut closed, mut lambda) = (vec![guess; b.len()], vec![0.0; b.len()]);
     match solver.workspace(a).unwrap().solve(b, &mut closed, &mut lambda) {
         Ok(statistics) => {
             prop_assert!(statistics.violation <= 1e-10 && a.violation(b, &lambda) <= 1e-10);
             prop_assert!(lambda.iter().zip(&closed).all(|(l, closed)| *l == 0.0 || (*l > 0.0 && *closed)));
-            Ok(true)
+            Ok(Some(true))
         }
         Err(LcpError::Infeasible { ray }) => {
             let mut image = vec![0.0; b.len()];
@@ -54,11 +59,12 @@ fn is_solved_or_named(solver: &dyn LcpSolver, a: &LcpMatrix, b: &[f64], guess: b
             let work: f64 = b.iter().zip(&ray).map(|(b, z)| b * z).sum();
             prop_assert!(work < 0.0 && ray.iter().all(|z| *z >= 0.0));
             prop_assert!(image.iter().zip(&ray).all(|(i, z)| (i * z).abs() <= 1e-6 * work.abs() * ray.len() as f64));
-            Ok(false)
+            Ok(Some(false))
         }
         Err(LcpError::NotConverged { violation, .. }) => {
-            prop_assert!(violation > 1e-10);
-            Ok(false)
+            // Backends hold themselves to half of what the judge demands, so that 1e-10 holds for any order of summation.
+            prop_assert!(violation > 0.5e-10);
+            Ok(None)
         }
         Err(other) => Err(TestCaseError::fail(format!("{}: {other}", solver.name()))),
     }
@@ -72,7 +78,8 @@ proptest! {
         let a = LcpMatrix::new(&a).unwrap();
         let solved = is_solved_or_named(&ActiveSet::default(), &a, &b, guess)?;
         for solver in backends() {
-            prop_assert_eq!(is_solved_or_named(solver.as_ref(), &a, &b, guess)?, solved, "{}", solver.name());
+            let other = is_solved_or_named(solver.as_ref(), &a, &b, guess)?;
+            prop_assert!(other.is_none() || solved.is_none() || other == solved, "{}", solver.name());
         }
     }
 
@@ -90,7 +97,7 @@ proptest! {
         // b = |b| − A f: the forces f leave the gaps |b|.
         let b: Vec<f64> = (0..c).map(|i| b[i].abs() - (0..c).map(|j| a[(i, j)] * f64::from(forces[j])).sum::<f64>()).collect();
         let a = LcpMatrix::new(&a).unwrap();
-        prop_assert!(is_solved_or_named(&ActiveSet::default(), &a, &b, false)?);
+        prop_assert_eq!(is_solved_or_named(&ActiveSet::default(), &a, &b, false)?, Some(true));
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub enum HbmError {
         ratio: f64,
     },
     /// A contact touches without force at rest, so that no linear motion precedes contact.
-    #[error("contact {contact} touches at rest without force (gap {gap:e} m): there is no linear mode to start from")]
+    #[error("contact {contact} touches at rest without force (gap {gap} m): there is no linear mode to start from")]
     TouchesAtRest {
         /// Index of the contact.
         contact: usize,

@@ -59,7 +59,7 @@ fn five_harmonics_lead_smoothly_from_grazing_to_six_times_its_energy() {
         assert!(pair[1].kinetic_energy > pair[0].kinetic_energy);
     }
     for point in &points[1..] {
-        let rough = ["branch-point", "kink", "energy-fold", "frequency-fold"];
+        let rough = ["branch-point", "kink", "fold", "frequency-fold"];
         assert!(!point.events.iter().any(|e| rough.contains(&e.as_str())), "{:?}", point.events);
     }
     // Own computation in Python (dense matrices, quadrature by Gauss between the roots, Newton's method).

@@ -11,13 +11,16 @@ use super::error::ProblemError;
 type Archive = NpzWriter<Cursor<Vec<u8>>>;
 
 /// Refuses a place where no file can be written before time is spent on the solution.
-pub fn check_place(path: &Path) -> Result<(), ProblemError> {
+pub fn check_place(path: &Path, problem: &Path) -> Result<(), ProblemError> {
     let refuse = |what: &str| {
         Err(ProblemError::Write { path: path.to_path_buf(), source: io::Error::new(io::ErrorKind::NotFound, what) })
     };
     match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         _ if path.is_dir() => refuse("this is a directory, expected a file"),
         Some(parent) if !parent.is_dir() => refuse("its directory does not exist"),
+        _ if path.exists() && path.canonicalize().ok() == problem.canonicalize().ok() => {
+            refuse("this is the problem itself, expected another file")
+        }
         _ => Ok(()),
     }
 }

@@ -49,3 +49,11 @@ fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     let moves = |at: f64| coordinates.iter().any(|c| c.kind == contact.kind && (c.position - at).abs() < 1e-9 * length);
     [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
 }
+
+/// Removes the figures of an earlier run, which would not belong to the points of this one.
+pub fn remove(directory: &Path) {
+    let numbered = (1..=4).map(|k| format!("motion_{k}.svg")).chain((1..=2).map(|k| format!("history_P{k}.svg")));
+    let common = ["frequency_energy.svg", "frequency_amplitude.svg"].map(str::to_owned);
+    // What cannot be removed cannot be overwritten either, which is said when it is.
+    numbered.chain(common).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
+}

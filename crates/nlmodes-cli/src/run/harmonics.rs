@@ -48,7 +48,7 @@ pub fn study(file: &SceneFile, numbers: &[usize], quiet: bool) -> Result<Status,
         branches.push(computed.branch);
     }
     if let Err(error) = write(file, &branches, rows) {
-        eprintln!("error: {}", chain(error.as_ref()));
+        say!("error: {}", chain(error.as_ref()));
         return Ok(Status::EndedEarly);
     }
     Ok(status)

@@ -44,7 +44,7 @@ impl Progress {
             bar.set_message(line());
             bar.tick();
         } else if self.plain && self.last.elapsed() >= PLAIN_INTERVAL {
-            eprintln!("{}", line());
+            say!("{}", line());
             self.last = Instant::now();
         }
     }

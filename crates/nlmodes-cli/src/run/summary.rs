@@ -120,3 +120,8 @@ fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
         largest_unfolding: computed.largest_unfolding,
     }
 }
+
+/// Removes summary and coefficients of an earlier run, which would not belong to the points of this one.
+pub fn remove(directory: &Path) {
+    ["summary.json", "harmonics.npz"].iter().for_each(|name| drop(std::fs::remove_file(directory.join(name))));
+}

@@ -2,14 +2,16 @@
 
 use crate::chart::{Key, LegendEntry, Shape};
 
-const KNOWN: [(&str, Shape, &str); 4] = [
+const KNOWN: [(&str, Shape, &str); 6] = [
     ("grazing", Shape::Circle, "#f0e442"),
     ("fold", Shape::Triangle, "#ffffff"),
     ("branch-point", Shape::Square, "#56b4e9"),
     ("kink", Shape::Diamond, "#cc79a7"),
+    ("frequency-fold", Shape::Pentagon, "#ffffff"),
+    ("contact-change", Shape::TriangleDown, "#e69f00"),
 ];
-const FURTHER: [Shape; 3] = [Shape::TriangleDown, Shape::Pentagon, Shape::Star];
-const FURTHER_FILLS: [&str; 2] = ["#e69f00", "#bbbbbb"];
+const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
+const FURTHER_FILLS: [&str; 2] = ["#009e73", "#bbbbbb"];
 
 /// Events in the order in which they first occur, each with its symbol.
 #[derive(Debug, Default)]

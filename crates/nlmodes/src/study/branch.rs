@@ -56,15 +56,13 @@ pub fn compute_branch(
     let dim = problem.dim();
     let Seed { x, p, direction } = seed(&structure, settings, &start, &problem)?;
     let mut found = Found::new(settings.start);
-    let branch =
-        continuation(settings, &start, &problem, dim).run(&mut problem, &x, p, &direction, |point| {
-            match found.keep(&mut viewer, point) {
-                Some(modal) => observe(modal),
-                None => ControlFlow::Continue(()),
-            }
-        })?;
+    let branch = continuation(settings, &start, &problem, dim).run(&mut problem, &x, p, &direction, |point| {
+        let Some(modal) = found.keep(&mut viewer, point) else { return ControlFlow::Continue(()) };
+        observe(modal)?;
+        if found.points.len() < settings.max_points { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    })?;
     let frequency = problem.frequency_index();
-    let end = branch_end(&branch.stop, frequency, dim, &start, settings);
+    let end = branch_end(&branch.stop, frequency, dim, &start, settings, found.points.len());
     let model = structure.model();
     let first = model.contacts()[0];
     let coordinates = model.dofs().iter().map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
@@ -238,7 +236,7 @@ pub(super) fn continuation(
         let scaled = |hz: f64| hz * TAU / start.omega;
         bounds.push(Bound { coordinate: frequency, min: scaled(low), max: scaled(high) });
     }
-    Continuation { step: settings.step.clone(), bounds, watched: vec![frequency], max_points: settings.max_points }
+    Continuation { step: settings.step.clone(), bounds, watched: vec![frequency], max_points: usize::MAX }
 }
 
 fn label(settings: &BranchSettings) -> String {
@@ -259,6 +257,7 @@ fn branch_end(
     dim: usize,
     start: &Grazing,
     settings: &BranchSettings,
+    n_points: usize,
 ) -> BranchEnd {
     let (reason, message, complete) = match stop {
         StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
@@ -272,8 +271,8 @@ fn branch_end(
         }
         StopReason::Bound { coordinate, value } => ("bound", format!("unknown {coordinate} reached {value}"), true),
         StopReason::Closed => ("closed", "the branch came back to where it began".to_owned(), true),
-        StopReason::Stopped => ("stopped", "it was asked to stop".to_owned(), false),
-        StopReason::MaxPoints => {
+        StopReason::Stopped if n_points < settings.max_points => ("stopped", "it was asked to stop".to_owned(), false),
+        StopReason::Stopped | StopReason::MaxPoints => {
             ("max-points", format!("the limit of {} points was reached", settings.max_points), false)
         }
         StopReason::StepTooSmall { step, refusal } => {

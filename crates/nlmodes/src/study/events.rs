@@ -5,14 +5,14 @@ use nlmodes_continuation::EventKind;
 /// | name | what happens |
 /// | --- | --- |
 /// | `grazing` | the linear mode touches a stop for the first time (given by the study, not by the continuation) |
-/// | `energy-fold` | the averaged kinetic energy turns |
+/// | `fold` | the averaged kinetic energy turns |
 /// | `frequency-fold` | the frequency turns |
 /// | `branch-point` | other branches cross |
 /// | `kink` | the branch has a corner |
 /// | `contact-change` | the sequence of closed contacts within a period changes |
 pub fn event_name(kind: EventKind) -> &'static str {
     match kind {
-        EventKind::ParameterFold => "energy-fold",
+        EventKind::ParameterFold => "fold",
         EventKind::UnknownFold { .. } => "frequency-fold",
         EventKind::BranchPoint => "branch-point",
         EventKind::Kink => "kink",

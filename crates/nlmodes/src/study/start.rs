@@ -7,6 +7,9 @@ use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, RealSeries};
 use super::branch::{continuation, problem};
 use super::{BranchSettings, BranchStart, StudyError};
 
+/// Most points on the way to a starting frequency.
+const APPROACH: usize = 1000;
+
 /// Scaled unknowns, parameter and direction with which a branch begins.
 pub(super) struct Seed {
     pub x: Vec<f64>,
@@ -16,8 +19,8 @@ pub(super) struct Seed {
 
 /// The beginning that the settings ask for.
 ///
-/// A point at a given frequency is sought with one harmonic, whose backbone no internal resonance interrupts, and then corrected with
-/// more harmonics at that frequency.
+/// A point at a given frequency is sought along the branch itself. Where an internal resonance leads that elsewhere, it is sought with
+/// one harmonic, whose backbone nothing interrupts, and then corrected with more harmonics at that frequency.
 pub(super) fn seed(
     structure: &CondensedStructure,
     settings: &BranchSettings,
@@ -32,7 +35,11 @@ pub(super) fn seed(
             direction: start.direction(problem.series(), dim),
         });
     };
-    let (mut x, mut p, mut series) = on_backbone(structure, settings, start, hz)?;
+    if let Ok((x, p, _)) = on_backbone(structure, settings, start, hz) {
+        return Ok(Seed { x, p, direction: along_frequency(problem, upward) });
+    }
+    let coarse = BranchSettings { harmonics: 1, ..settings.clone() };
+    let (mut x, mut p, mut series) = on_backbone(structure, &coarse, start, hz)?;
     for harmonics in ladder(settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let mut problem = self::problem(structure, &step, start)?;
@@ -46,28 +53,31 @@ pub(super) fn seed(
     Ok(Seed { x, p, direction: along_frequency(problem, upward) })
 }
 
-/// The point of the backbone with one harmonic at the frequency `hz`.
+/// The point at the frequency `hz` to which the branch leads from grazing.
 fn on_backbone(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
     hz: f64,
 ) -> Result<(Vec<f64>, f64, RealSeries), StudyError> {
-    let coarse = BranchSettings { harmonics: 1, ..settings.clone() };
-    let mut problem = problem(structure, &coarse, start)?;
+    let mut problem = problem(structure, settings, start)?;
     let (dim, coordinate) = (problem.dim(), problem.frequency_index());
     let target = hz * TAU / start.omega;
-    let mut method = continuation(&coarse, start, &problem, dim);
+    let mut method = continuation(settings, start, &problem, dim);
     let (min, max) = if target > 1.0 { (0.5, target) } else { (target, 2.0) };
-    method.bounds = vec![Bound { coordinate, min, max }];
+    method.bounds.truncate(1); // the energy
+    method.bounds.push(Bound { coordinate, min, max });
+    method.max_points = APPROACH;
     let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
     let Branch { mut points, stop, .. } =
         method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
-        (StopReason::Bound { value, .. }, Some(last)) if value == target => Ok((last.x, last.p, problem.series())),
+        (StopReason::Bound { value, coordinate: at }, Some(last)) if at == coordinate && value == target => {
+            Ok((last.x, last.p, problem.series()))
+        }
         (_, last) => {
             let reached = last.map_or(start.omega, |point| problem.omega(&point.x)) / TAU;
-            Err(no_start(hz, format!("with one harmonic it leads from {:.4} to {reached:.4} Hz", start.omega / TAU)))
+            Err(no_start(hz, format!("the branch leads from {:.4} to {reached:.4} Hz", start.omega / TAU)))
         }
     }
 }

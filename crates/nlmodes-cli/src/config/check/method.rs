@@ -87,7 +87,7 @@ fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
     let Some(samples) = method.samples.map(|n| n as usize) else {
         return Some((32 * harmonics).next_power_of_two().max(MIN_DEFAULT_SAMPLES));
     };
-    if samples < 4 * harmonics {
+    if samples < 4 * harmonics && method.switching == Some(Switching::Sampled) {
         let path = "method.samples";
         let problem = Problem::error(format!("`{path}` is too small for {harmonics} harmonics"))
             .help("a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower `harmonics`");

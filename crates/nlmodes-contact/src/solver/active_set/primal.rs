@@ -123,6 +123,9 @@ impl Primal {
             let stiffening = self.aim(sample, contact);
             let independent = stiffening > self.factor.dependence(&matrix, contact);
             let shut = if independent { -gap / stiffening } else { f64::INFINITY };
+            if shut > 1e8 {
+                self.drop_rounding();
+            }
             match self.blocking(sample, 1.0).filter(|(_, step)| *step < shut) {
                 Some((position, step)) => {
                     self.advance(sample, contact, step);
@@ -131,7 +134,7 @@ impl Primal {
                 }
                 None if gap >= -TOLERATED && !independent => return self.tolerate(sample, contact),
                 None if shut > 1e8 && self.proves_infeasible(sample, contact) => return Entry::Infeasible,
-                None if !independent => return self.tolerate(sample, contact),
+                None if !independent || shut > 1e8 => return self.tolerate(sample, contact),
                 None => {
                     self.advance(sample, contact, shut);
                     self.factor.append(&matrix, contact);
@@ -157,6 +160,13 @@ impl Primal {
         self.factor.backward(&mut self.direction);
         self.direction.iter_mut().for_each(|d| *d = -*d);
         gap
+    }
+
+    /// Forgets what is rounding in a direction beside a unit force. Along a null direction nothing else ends the step, and a
+    /// force that seems to fall by 1e-17 would end it at 1e17.
+    fn drop_rounding(&mut self) {
+        let least = 1e-10 * crate::kernel::max_abs(&self.direction).max(1.0);
+        self.direction.iter_mut().filter(|d| d.abs() < least).for_each(|d| *d = 0.0);
     }
 
     /// The first force of the block to vanish along `sign` times the direction: its row, and the step there.
