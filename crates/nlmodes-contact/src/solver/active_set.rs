@@ -83,7 +83,15 @@ impl Search {
     fn fall_back(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
         sweeps::run(sample, 2 * self.settings.sweeps);
         let budget = self.settings.exchanges_per_contact * closed.len() + 100;
-        let outcome = self.primal.run(sample, budget);
+        let mut outcome = self.primal.run(sample, budget);
+        if !outcome.infeasible && !outcome.verdict.is_accepted() {
+            // The sweeps may hand over a block that is dependent but for rounding. From nothing, contacts come one at a time,
+            // and the one that cannot be closed shows why.
+            sample.lambda.fill(0.0);
+            let first = outcome.iterations;
+            outcome = self.primal.run(sample, budget);
+            outcome.iterations += first;
+        }
         self.primal.unload_closed(closed);
         Outcome { iterations: self.newton.iterations() + outcome.iterations, ..outcome }
     }
