@@ -1,0 +1,1 @@
+//! The phase-locked loop: phase detector, loop filter, oscillator.

@@ -1,0 +1,1 @@
+//! Records of a test: channels with quantity, unit, role and position, read from and written to files.

@@ -1,0 +1,1 @@
+//! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule.
