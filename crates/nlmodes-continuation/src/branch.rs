@@ -1,3 +1,5 @@
+use crate::Crossing;
+
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -67,6 +69,8 @@ pub enum StopReason {
     Closed,
     /// The observer asked to stop.
     Stopped,
+    /// The branch came to a crossing whose way on another branch of the tree, or this one, had passed before.
+    Joined,
     /// No step, however short, could be shown to stay on the branch.
     StepTooSmall {
         /// The last step tried.
@@ -81,6 +85,8 @@ pub enum StopReason {
 pub struct Branch {
     /// The points, in order.
     pub points: Vec<BranchPoint>,
+    /// Where more than two arms meet, in the order in which the branch came to them.
+    pub crossings: Vec<Crossing>,
     /// Why there are no more.
     pub stop: StopReason,
     /// Evaluations of residual and Jacobian.

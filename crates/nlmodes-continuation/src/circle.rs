@@ -20,7 +20,7 @@ const PARTS: usize = 56;
 pub(crate) struct SingularPlane {
     pub right: [Vec<f64>; 2],
     left: Vec<f64>,
-    /// The second smallest singular value over the largest.
+    /// The second smallest singular value over the largest, or over one where that is less.
     pub ratio: f64,
 }
 
@@ -29,7 +29,7 @@ impl SingularPlane {
         let column = |m: &Mat<f64>, k: usize| -> Vec<f64> { m.col(k).iter().copied().collect() };
         let (values, right) = symmetric_eigen(&(jacobian.transpose() * jacobian)).ok()?;
         let (_, left) = symmetric_eigen(&(jacobian * jacobian.transpose())).ok()?;
-        let ratio = (values.get(1)?.max(0.0) / values.last()?.max(f64::MIN_POSITIVE)).sqrt();
+        let ratio = (values.get(1)?.max(0.0) / values.last()?.max(1.0)).sqrt();
         Some(Self { right: [column(&right, 0), column(&right, 1)], left: column(&left, 0), ratio })
     }
 

@@ -1,8 +1,8 @@
 use std::ops::ControlFlow;
 
-use crate::corrector::{Corrector, Hyperplane, Surface, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, dot};
 use crate::run::Run;
-use crate::{Branch, BranchPoint, ContinuationError, ParametricSystem, StepSettings};
+use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, StepSettings};
 
 /// A window of one coordinate of `z` outside of which the branch ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,13 +24,21 @@ pub struct Continuation {
     pub bounds: Vec<Bound>,
     /// Unknowns whose turning points are events, beside those of the parameter.
     pub watched: Vec<usize>,
+    /// Which arm is followed where more than two meet. Default its own.
+    pub at_branch_point: AtBranchPoint,
     /// Most points of the branch. Default 5000.
     pub max_points: usize,
 }
 
 impl Default for Continuation {
     fn default() -> Self {
-        Self { step: StepSettings::default(), bounds: Vec::new(), watched: Vec::new(), max_points: 5000 }
+        Self {
+            step: StepSettings::default(),
+            bounds: Vec::new(),
+            watched: Vec::new(),
+            at_branch_point: AtBranchPoint::Stay,
+            max_points: 5000,
+        }
     }
 }
 
@@ -50,6 +58,18 @@ impl Continuation {
         direction: &[f64],
         observe: impl FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Result<Branch, ContinuationError<S::Error>> {
+        let (start, corrector) = self.start(system, x, p, direction)?;
+        Ok(Run::new(self, system, observe, corrector, &start).finish(&start))
+    }
+
+    /// Checks the input and corrects the start.
+    pub(crate) fn start<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        x: &[f64],
+        p: f64,
+        direction: &[f64],
+    ) -> Result<(Correction, Corrector), ContinuationError<S::Error>> {
         self.check(system, x, direction)?;
         let mut corrector = Corrector::new(x.len(), self.step.tolerance, 3 * self.step.max_iterations);
         let z: Vec<f64> = x.iter().copied().chain([p]).collect();
@@ -58,7 +78,7 @@ impl Continuation {
             .correct(system, &z, &Surface::Plane(Hyperplane::through(&z, direction)))
             .map_err(|f| ContinuationError::Start { residual: f.residual, iterations: f.iterations, why: f.why })?;
         corrector.max_iterations = self.step.max_iterations;
-        Ok(Run::new(self, system, observe, corrector, &start).finish(&start))
+        Ok((start, corrector))
     }
 
     fn check<S: ParametricSystem>(

@@ -3,13 +3,14 @@
 use nlmodes_linalg::DenseLu;
 
 use crate::ParametricSystem;
-use crate::arms::Arms;
+use crate::arms::{Arms, outward};
 use crate::circle::SingularPlane;
 use crate::corrector::{Correction, Corrector, along, distance, dot};
+use crate::crossing::Choice;
 use crate::step::{Foot, StepSettings, reach, step};
 
 /// Second smallest over largest singular value above which a Jacobian has no other direction nearly free.
-const REGULAR: f64 = 1e-3;
+pub(crate) const REGULAR: f64 = 1e-3;
 
 /// Shortest step towards a corner.
 const NEAREST: f64 = 1e-10;
@@ -19,11 +20,11 @@ const APPROACH: usize = 24;
 
 /// A way on.
 #[derive(Debug, Clone)]
-pub(crate) struct Passage {
-    /// First point beyond, with its tangent in the direction of travel.
-    pub next: Correction,
-    /// Number of arms that meet, the way back included.
-    pub n_arms: usize,
+pub(crate) enum Passage {
+    /// The only one: its first point, with its tangent in the direction of travel.
+    Corner(Correction),
+    /// One of several.
+    Crossing(Choice),
 }
 
 /// The way on from `foot`; `way_back` gives the point of the branch behind it at a distance.
@@ -35,7 +36,7 @@ pub(crate) fn pass<S: ParametricSystem>(
     way_back: impl Fn(f64) -> Vec<f64>,
 ) -> Option<Passage> {
     if let Some(next) = across_boundary(system, corrector, settings, foot, REGULAR) {
-        return Some(Passage { next, n_arms: 2 });
+        return Some(Passage::Corner(next));
     }
     let mut crossing = None;
     for radius in radii(settings) {
@@ -44,7 +45,7 @@ pub(crate) fn pass<S: ParametricSystem>(
         if let [next] = arms.onward.as_slice()
             && next.orientation * foot.orientation > 0.0
         {
-            return Some(Passage { next: next.clone(), n_arms: 2 });
+            return Some(Passage::Corner(next.clone()));
         }
         if !arms.onward.is_empty() {
             crossing = Some(arms);
@@ -52,10 +53,13 @@ pub(crate) fn pass<S: ParametricSystem>(
     }
     let Some(arms) = crossing else {
         let next = across_boundary(system, corrector, settings, foot, 0.0)?;
-        return Some(Passage { next, n_arms: 2 });
+        return Some(Passage::Corner(next));
     };
-    let next = arms.onward[arms.partner(&foot.z)?].clone();
-    Some(Passage { next, n_arms: 1 + arms.onward.len() })
+    let own = arms.partner(&foot.z)?;
+    match arms.onward.as_slice() {
+        [only] => Some(Passage::Corner(only.clone())),
+        _ => Some(Passage::Crossing(Choice { z: foot.z.clone(), back: arms.back, arms: arms.onward, own })),
+    }
 }
 
 /// Distances at which arms are looked for, descending.
@@ -65,16 +69,20 @@ fn radii(settings: &StepSettings) -> impl Iterator<Item = f64> + use<> {
     std::iter::successors(Some(first), |r| Some(0.1 * r)).take_while(move |r| *r >= 0.99 * least)
 }
 
-/// Whether more than two arms meet at `center`, a regular point but for a crossing, through which the branch goes along `tangent`.
-pub(crate) fn is_crossing<S: ParametricSystem>(
+/// The arms at `center`, a regular point but for a crossing, through which the branch goes along `tangent`; `None` if only two meet.
+pub(crate) fn crossing<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
-    center: &Correction,
-) -> bool {
+    center: &[f64],
+    tangent: &[f64],
+) -> Option<Choice> {
     let radius = 10.0 * settings.min;
-    let back = along(&center.z, -radius, &center.tangent);
-    Arms::around(system, corrector, &center.z, radius, &back).is_some_and(|arms| arms.onward.len() > 2)
+    let back = along(center, -radius, tangent);
+    let arms = Arms::around(system, corrector, center, radius, &back).filter(|arms| arms.onward.len() > 2)?;
+    let ahead = |k: &usize| dot(&outward(center, &arms.onward[*k].z), tangent);
+    let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
+    Some(Choice { z: center.to_vec(), back: arms.back, arms: arms.onward, own })
 }
 
 /// The first point on the next smooth piece, where neither piece is near a crossing.

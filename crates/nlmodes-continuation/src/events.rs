@@ -88,7 +88,8 @@ impl<S: ParametricSystem> Search<'_, S> {
         Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
     }
 
-    fn pattern_changes(&mut self) -> Vec<Located> {
+    /// Where the system passes from one smooth piece to another.
+    pub fn pattern_changes(&mut self) -> Vec<Located> {
         let (mut from, mut s) = (self.foot.pattern, 0.0);
         let mut found = Vec::new();
         while from != self.end.pattern && found.len() < MOST_CHANGES {

@@ -11,7 +11,8 @@
 //!
 //! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it changes is
 //! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. Where no step exists, all arms
-//! that leave a small circle are found and the branch goes on along the one that is its own.
+//! that leave a small circle are found and the branch goes on along the one that is its own, or along another ([`AtBranchPoint`]);
+//! [`Continuation::run_tree`] follows them all.
 //!
 //! | symbol | item | shape |
 //! | --- | --- | --- |
@@ -55,15 +56,19 @@ pub mod conformance;
 mod continuation;
 mod corner;
 mod corrector;
+mod crossing;
 mod error;
 mod events;
 mod run;
 mod step;
 mod system;
+mod tree;
 
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
 pub use continuation::{Bound, Continuation};
 pub use corrector::{Correction, Corrector, Hyperplane};
+pub use crossing::{Arm, AtBranchPoint, Crossing};
 pub use error::ContinuationError;
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
+pub use tree::{BranchTree, Origin, TreeBranch};

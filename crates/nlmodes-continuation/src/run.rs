@@ -1,7 +1,9 @@
 use std::ops::ControlFlow;
 
+use crate::circle::SingularPlane;
 use crate::corner::{self, Passage};
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
 use crate::step::{Foot, reach, step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
@@ -18,7 +20,12 @@ pub(crate) struct Run<'a, S, F> {
     branch: Branch,
     foot: Foot,
     folds: FoldWatch,
+    /// What other branches have passed, and the number of this one among them.
+    known: Option<(&'a mut Registry, usize)>,
 }
+
+/// Where a step passes a crossing, and the arms there.
+type Crossing = (Located, Choice);
 
 impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a, S, F> {
     pub fn new(
@@ -30,8 +37,19 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     ) -> Self {
         let mut folds = FoldWatch::new(system.dim(), &settings.watched);
         folds.update(&start.tangent);
-        let branch = Branch { points: Vec::new(), stop: StopReason::MaxPoints, evaluations: 0, refused_steps: 0 };
-        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), folds }
+        let branch = Branch {
+            points: Vec::new(),
+            crossings: Vec::new(),
+            stop: StopReason::MaxPoints,
+            evaluations: 0,
+            refused_steps: 0,
+        };
+        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), folds, known: None }
+    }
+
+    /// As branch `number` of several, which does not go where another has been.
+    pub fn within(self, registry: &'a mut Registry, number: usize) -> Self {
+        Self { known: Some((registry, number)), ..self }
     }
 
     /// Keeps the start and follows the branch to its end.
@@ -55,7 +73,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 Ok((end, crossing)) => {
                     let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
                     let next = if end.iterations <= 3 { (h * growth).min(limits.max) } else { h };
-                    self.accept(&end, crossing, h).map_continue(|()| next)
+                    self.accept(&end, crossing, h, next)
                 }
                 Err(_) if h > limits.min => {
                     refused_in_a_row += 1;
@@ -80,17 +98,40 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     ///
     /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
     /// a crossing is a jump to another arm.
-    fn try_step(&mut self, h: f64) -> Result<(Correction, Option<Located>), String> {
+    fn try_step(&mut self, h: f64) -> Result<(Correction, Option<Crossing>), String> {
         let end = step(self.system, &mut self.corrector, &self.settings.step, &self.foot, h)?;
         if end.orientation * self.foot.orientation > 0.0 {
-            return Ok((end, None));
+            let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(&end, h) };
+            return Ok((end, touched));
         }
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end: &end, h };
         let crossing = search.crossing().ok_or("the crossing that the step passes could not be located")?;
-        if corner::is_crossing(self.system, &mut self.corrector, &self.settings.step, &crossing.point) {
-            return Ok((end, Some(crossing)));
+        match self.arms_at(&crossing, &end, h) {
+            Some(choice) => Ok((end, Some((crossing, choice)))),
+            None => Err("the step ends on another arm of the curve".to_owned()),
         }
-        Err("the step ends on another arm of the curve".to_owned())
+    }
+
+    /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
+    /// `det [J; tᵀ]` as it was.
+    fn touched_corner(&mut self, end: &Correction, h: f64) -> Option<Crossing> {
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        search.pattern_changes().into_iter().find_map(|mut change| {
+            self.corrector.evaluate(self.system, &change.point.z).ok()?;
+            if SingularPlane::of(self.corrector.jacobian())?.ratio > corner::REGULAR {
+                return None;
+            }
+            change.kinds = vec![EventKind::BranchPoint];
+            let choice = self.arms_at(&change, end, h)?;
+            Some((change, choice))
+        })
+    }
+
+    /// The arms at a point of a step; `None` if only two meet.
+    fn arms_at(&mut self, at: &Located, end: &Correction, h: f64) -> Option<Choice> {
+        // The Jacobian has no tangent to offer where arms meet.
+        let tangent = between(&self.foot.tangent, &end.tangent, at.s / h);
+        corner::crossing(self.system, &mut self.corrector, &self.settings.step, &at.point.z, &tangent)
     }
 
     /// Goes on along the arm that continues the branch through a corner or a crossing; `None` if no arm leaves.
@@ -99,22 +140,52 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let (points, foot) = (&self.branch.points, &self.foot);
         let way_back = |radius| way_back(points, foot, radius);
         let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, foot, way_back)?;
-        let length = distance(&passage.next.z, &self.foot.z);
-        let corner = self.corner_point(&passage);
-        self.folds.update(&passage.next.tangent);
-        if !corner.events.is_empty()
-            && let ControlFlow::Break(stop) = self.keep(corner)
-        {
-            return Some(ControlFlow::Break(stop));
+        Some(self.go_through(passage))
+    }
+
+    fn go_through(&mut self, passage: Passage) -> ControlFlow<StopReason, f64> {
+        let (next, choice) = match passage {
+            Passage::Corner(next) => (next, None),
+            Passage::Crossing(choice) => (choice.arms[choice.arm(self.settings.at_branch_point)].clone(), Some(choice)),
+        };
+        let corner = self.corner_point(&next, choice.is_some());
+        if !corner.events.is_empty() {
+            self.keep(corner)?;
         }
-        Some(self.go_to(&passage.next, Vec::new()).map_continue(|()| length))
+        if let Some(choice) = choice {
+            let way = self.choose(&choice);
+            self.note(&choice, way)?;
+        }
+        let length = distance(&next.z, &self.foot.z);
+        self.leave_for(&next, length)
+    }
+
+    fn leave_for(&mut self, next: &Correction, length: f64) -> ControlFlow<StopReason, f64> {
+        self.folds.update(&next.tangent);
+        self.go_to(next, Vec::new()).map_continue(|()| length)
+    }
+
+    /// The arm on which the branch is to leave a crossing; `None` if that has been passed before.
+    fn choose(&mut self, choice: &Choice) -> Option<usize> {
+        let arm = choice.arm(self.settings.at_branch_point);
+        let number = self.branch.crossings.len();
+        let free = self.known.as_mut().is_none_or(|(registry, branch)| registry.enter(choice, arm, *branch, number));
+        free.then_some(arm)
+    }
+
+    /// Notes the crossing, whose point has been kept; the branch ends there if it has no way to go.
+    fn note(&mut self, choice: &Choice, way: Option<usize>) -> ControlFlow<StopReason> {
+        let named = |q: &BranchPoint| q.events.contains(&EventKind::BranchPoint);
+        let point = self.branch.points.iter().rposition(named).unwrap_or(0);
+        self.branch.crossings.push(choice.crossing(point, way));
+        if way.is_some() { ControlFlow::Continue(()) } else { ControlFlow::Break(StopReason::Joined) }
     }
 
     /// The corner with its events.
-    fn corner_point(&mut self, passage: &Passage) -> BranchPoint {
-        let (foot, next) = (&self.foot, &passage.next);
+    fn corner_point(&mut self, next: &Correction, crossing: bool) -> BranchPoint {
+        let foot = &self.foot;
         let mut events = Vec::new();
-        if passage.n_arms > 2 {
+        if crossing {
             events.push(EventKind::BranchPoint);
         } else if dot(&foot.tangent, &next.tangent).clamp(-1.0, 1.0).acos() > self.settings.step.max_turn {
             events.push(EventKind::Kink);
@@ -127,17 +198,38 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern }, events)
     }
 
-    /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends.
-    fn accept(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
+    /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
+    /// the length of the next step.
+    fn accept(
+        &mut self,
+        end: &Correction,
+        crossing: Option<Crossing>,
+        h: f64,
+        next: f64,
+    ) -> ControlFlow<StopReason, f64> {
         let bound = self.bound_crossed(end, h);
-        if let Some((stop, last)) = bound.or_else(|| Some((StopReason::Closed, self.closing_point(end, h)?))) {
-            let length = dot(&last.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
-            self.keep_events(&last, crossing.filter(|c| c.s <= length), length)?;
-            self.go_to(&last, Vec::new())?;
-            return ControlFlow::Break(stop);
+        let last = bound.or_else(|| Some((StopReason::Closed, self.closing_point(end, h)?)));
+        let ahead = |c: &Correction| dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
+        let length = last.as_ref().map_or(h, |(_, last)| ahead(last));
+        let crossing = crossing.filter(|(located, _)| located.s <= length);
+        let way = crossing.as_ref().map(|(_, choice)| self.choose(choice));
+        let end = last.as_ref().map_or(end, |(_, last)| last);
+        match (crossing, way) {
+            (Some((located, choice)), Some(way)) if way != Some(choice.own) => {
+                let (s, point) = (located.s, located.point.clone());
+                self.keep_events(&point, Some(located), s)?;
+                self.note(&choice, way)?;
+                let start = &choice.arms[way.unwrap_or(choice.own)];
+                return self.leave_for(start, distance(&start.z, &choice.z));
+            }
+            (Some((located, choice)), way) => {
+                self.keep_events(end, Some(located), length)?;
+                self.note(&choice, way.flatten())?;
+            }
+            (None, _) => self.keep_events(end, None, length)?,
         }
-        self.keep_events(end, crossing, h)?;
-        self.go_to(end, Vec::new())
+        self.go_to(end, Vec::new())?;
+        last.map_or(ControlFlow::Continue(next), |(stop, _)| ControlFlow::Break(stop))
     }
 
     fn keep_events(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
@@ -246,6 +338,13 @@ fn way_back(points: &[BranchPoint], foot: &Foot, radius: f64) -> Vec<f64> {
     let on = dot(tangent, &d);
     let s = on + (on * on - dot(&d, &d) + radius * radius).max(0.0).sqrt();
     along(&z, -s, tangent)
+}
+
+/// Unit vector between two, at this share of the way.
+fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    let sum: Vec<f64> = from.iter().zip(to).map(|(a, b)| (1.0 - share) * a + share * b).collect();
+    let length = dot(&sum, &sum).sqrt();
+    sum.iter().map(|s| s / length).collect()
 }
 
 fn point(c: &Correction, events: Vec<EventKind>) -> BranchPoint {

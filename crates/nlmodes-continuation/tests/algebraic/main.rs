@@ -5,3 +5,4 @@ mod crossings;
 mod ends;
 mod samples;
 mod smooth;
+mod trees;

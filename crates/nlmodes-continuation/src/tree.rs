@@ -1,0 +1,72 @@
+use std::ops::ControlFlow;
+
+use crate::corrector::Corrector;
+use crate::crossing::Registry;
+use crate::run::Run;
+use crate::{Branch, BranchPoint, Continuation, ContinuationError, ParametricSystem, StopReason};
+
+/// Where a branch of a tree leaves another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Origin {
+    /// Index of the other branch in [`BranchTree::branches`].
+    pub branch: usize,
+    /// Index in [`Branch::crossings`] of that branch.
+    pub crossing: usize,
+}
+
+/// A branch of a tree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TreeBranch {
+    /// Its points; the first one lies beside the crossing that it leaves.
+    pub branch: Branch,
+    /// Where it comes from; `None` for the first.
+    pub origin: Option<Origin>,
+}
+
+/// A branch with all branches that cross it, and those that cross these.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchTree {
+    /// Each stands behind the one that it leaves.
+    pub branches: Vec<TreeBranch>,
+    /// Arms that were found but not followed, since there were branches enough.
+    pub not_followed: usize,
+}
+
+impl Continuation {
+    /// Follows the branch through `(x, p)` and, from every crossing that is met, each arm that no branch has passed yet.
+    ///
+    /// A branch that comes to a crossing whose way on has been passed ends there with [`StopReason::Joined`]. At most
+    /// `max_branches` are followed, breadth first. Every point is shown to `observe` with the number of its branch when it is found.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_tree<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        x: &[f64],
+        p: f64,
+        direction: &[f64],
+        max_branches: usize,
+        mut observe: impl FnMut(usize, &BranchPoint) -> ControlFlow<()>,
+    ) -> Result<BranchTree, ContinuationError<S::Error>> {
+        let (mut start, mut corrector) = self.start(system, x, p, direction)?;
+        let mut registry = Registry::default();
+        let mut branches: Vec<TreeBranch> = Vec::new();
+        let mut origin = None;
+        loop {
+            let number = branches.len();
+            let watch = |point: &BranchPoint| observe(number, point);
+            let branch = Run::new(self, system, watch, corrector, &start).within(&mut registry, number).finish(&start);
+            let stopped = branch.stop == StopReason::Stopped;
+            branches.push(TreeBranch { branch, origin });
+            if stopped || branches.len() >= max_branches {
+                break;
+            }
+            let Some(open) = registry.next_open() else { break };
+            origin = Some(Origin { branch: open.branch, crossing: open.crossing });
+            start = open.start;
+            corrector = Corrector::new(x.len(), self.step.tolerance, self.step.max_iterations);
+        }
+        Ok(BranchTree { branches, not_followed: registry.n_open() })
+    }
+}
