@@ -18,7 +18,8 @@ impl MixedShooting<'_> {
         let omega = self.omega(x);
         let held = self.held_motion(omega);
         let coefficients = self.all_coordinates(&held, omega);
-        let (kinetic, strain) = self.energies(&held, omega);
+        let (harmonic_energy, strain) = self.energies(&held, omega);
+        let kinetic = harmonic_energy.iter().sum();
         let modal_amplitude = self.modal_amplitude(&held);
         let first = self.structure().model().contacts()[0];
         let (fraction, intervals) = self.contact_statistics();
@@ -27,6 +28,8 @@ impl MixedShooting<'_> {
             fundamental: self.signed_fundamental(&coefficients, first.dof),
             coefficients,
             kinetic_energy: kinetic,
+            harmonic_energy,
+            resonance: None,
             total_energy: kinetic + strain,
             modal_amplitude,
             peak: self.peak(fraction > 0.0),
@@ -86,16 +89,17 @@ impl MixedShooting<'_> {
         all
     }
 
-    /// Averaged kinetic and strain energy.
+    /// Averaged kinetic energy of each harmonic, and averaged strain energy.
     ///
     /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and `q_N`,
     /// whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ g = 0`.
-    fn energies(&self, held: &HeldMotion, omega: f64) -> (f64, f64) {
+    fn energies(&self, held: &HeldMotion, omega: f64) -> (Vec<f64>, f64) {
         let structure = self.structure();
         let k_nn = structure.model().k_nn();
         let n_n = structure.n_contact_dofs();
-        let (mut kinetic, mut strain) = (0.0, 0.0);
+        let (mut harmonic_energy, mut strain) = (Vec::new(), 0.0);
         for n in 0..=self.series().n_harmonics {
+            let mut kinetic = 0.0;
             let nu2 = (n as f64 * omega).powi(2);
             let mean = if n == 0 { 1.0 } else { 0.5 };
             for (mode, eta) in structure.modes().iter().zip(&held.eta) {
@@ -118,9 +122,10 @@ impl MixedShooting<'_> {
                     strain -= 0.5 * mean * k * (held.b[i][n].conj() * force).re;
                 }
             }
+            harmonic_energy.push(kinetic);
         }
         let preload: f64 = self.mean_forces().iter().zip(&structure.gaps).map(|(λ, g)| λ * g).sum();
-        (kinetic, strain - 0.5 * preload)
+        (harmonic_energy, strain - 0.5 * preload)
     }
 
     /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).

@@ -1,4 +1,4 @@
-use crate::HarmonicCoefficients;
+use crate::{HarmonicCoefficients, InternalResonance};
 
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,10 @@ pub struct ModalPoint {
     pub coefficients: HarmonicCoefficients,
     /// Kinetic energy averaged over a period `E_av`, J.
     pub kinetic_energy: f64,
+    /// The share of each harmonic in it, J, from harmonic 0 on.
+    pub harmonic_energy: Vec<f64>,
+    /// The internal resonance in which the motion takes part, if it does.
+    pub resonance: Option<InternalResonance>,
     /// Kinetic and strain energy, J.
     pub total_energy: f64,
     /// Nonlinear modal amplitude `q̃` of eqs. (21), (22), m·√kg.

@@ -22,9 +22,11 @@ mod branch;
 mod coefficients;
 mod error;
 mod history;
+mod resonance;
 
 pub use basis::HarmonicBasis;
 pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint};
 pub use coefficients::HarmonicCoefficients;
 pub use error::ModalError;
 pub use history::{ContactInstant, TimeHistory};
+pub use resonance::{InternalResonance, RESONANT_SHARE, Tongue, tongues};

@@ -29,6 +29,8 @@
 //!     omega: PI * omega_0 / (PI - (stop / amplitude).acos()),
 //!     coefficients: HarmonicCoefficients::zeros(1, 1),
 //!     kinetic_energy: 0.25 * (omega_0 * amplitude).powi(2),
+//!     harmonic_energy: Vec::new(),
+//!     resonance: None,
 //!     total_energy: 0.5 * (omega_0 * amplitude).powi(2),
 //!     modal_amplitude: amplitude,
 //!     fundamental: amplitude,

@@ -49,6 +49,8 @@ mod tests {
             omega,
             coefficients: HarmonicCoefficients::zeros(1, 1),
             kinetic_energy,
+            harmonic_energy: Vec::new(),
+            resonance: None,
             total_energy: 0.0,
             modal_amplitude: 0.0,
             fundamental: 0.0,

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; 12] = [
+pub const BRANCH_COLUMNS: [&str; 13] = [
     "point",
     "frequency_hz",
     "energy_j",
@@ -20,6 +20,7 @@ pub const BRANCH_COLUMNS: [&str; 12] = [
     "peak_contact_force_n",
     "residual",
     "event",
+    "resonance",
 ];
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
@@ -98,6 +99,7 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         number(point.peak_contact_force),
         number(point.residual),
         point.events.join(" "),
+        point.resonance.map_or_else(String::new, |resonance| resonance.to_string()),
     ]
 }
 

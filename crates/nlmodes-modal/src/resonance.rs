@@ -1,0 +1,148 @@
+use std::fmt;
+
+use crate::ModalPoint;
+
+/// Share of the averaged kinetic energy in one harmonic above the first from which on it counts as resonant.
+pub const RESONANT_SHARE: f64 = 0.2;
+
+/// An internal resonance `n : mode k`: harmonic n of the motion excites linear mode k.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct InternalResonance {
+    /// Harmonic n, from 2.
+    pub harmonic: usize,
+    /// Number k of the linear mode, from 1.
+    pub mode: usize,
+}
+
+impl fmt::Display for InternalResonance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:mode {}", self.harmonic, self.mode)
+    }
+}
+
+/// A tongue of a branch: the stretch on which an internal resonance holds at least [`RESONANT_SHARE`] of the kinetic energy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tongue {
+    /// The resonance.
+    pub resonance: InternalResonance,
+    /// Index of its first point.
+    pub start: usize,
+    /// Index of its point with the largest share of the kinetic energy in the resonant harmonic.
+    pub tip: usize,
+    /// Index of its last point; `None` if the branch ends within the tongue.
+    pub end: Option<usize>,
+    /// Least and largest averaged kinetic energy on it, J.
+    pub energy: [f64; 2],
+    /// Whether the tongue was left out: then `start` and `end` are the points of the branch on both sides of it.
+    pub skipped: bool,
+}
+
+/// The tongues of a branch in the order of its points.
+pub fn tongues(points: &[ModalPoint]) -> Vec<Tongue> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < points.len() {
+        let Some(resonance) = points[start].resonance else {
+            start += 1;
+            continue;
+        };
+        let last =
+            (start..points.len()).take_while(|&i| points[i].resonance == Some(resonance)).last().unwrap_or(start);
+        found.extend(tongue(points, resonance, start, last));
+        start = last + 1;
+    }
+    found
+}
+
+/// The tongue on the points from `start` to `last`, which all have its resonance; `None` for the foot of one that was skipped
+/// behind which nothing follows.
+fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, last: usize) -> Option<Tongue> {
+    let stretch = start..=last;
+    let skipped = stretch.clone().any(|i| points[i].has_event(ModalPoint::RESUMED));
+    let share = |i: usize| points[i].harmonic_share(resonance.harmonic);
+    let tip = stretch.clone().max_by(|&i, &j| share(i).total_cmp(&share(j)))?;
+    let energies = || stretch.clone().map(|i| points[i].kinetic_energy);
+    let (least, largest) = (energies().fold(f64::INFINITY, f64::min), energies().fold(0.0, f64::max));
+    let ended = last + 1 < points.len() || skipped;
+    Some(Tongue { resonance, start, tip, end: ended.then_some(last), energy: [least, largest], skipped })
+}
+
+impl ModalPoint {
+    /// Event of the first point behind a stretch of the branch that was left out.
+    pub const RESUMED: &'static str = "resumed";
+
+    /// Event of the last point before a stretch of the branch that was left out.
+    pub const TONGUE_FOOT: &'static str = "tongue-foot";
+
+    /// Whether this event happens here.
+    pub fn has_event(&self, name: &str) -> bool {
+        self.events.iter().any(|event| event == name)
+    }
+
+    /// Share of harmonic `n` in the averaged kinetic energy; zero for harmonics beyond the highest.
+    pub fn harmonic_share(&self, n: usize) -> f64 {
+        let total: f64 = self.harmonic_energy.iter().sum();
+        self.harmonic_energy.get(n).map_or(0.0, |energy| energy / total.max(f64::MIN_POSITIVE))
+    }
+
+    /// The harmonic above the first with the largest share of the kinetic energy, and that share.
+    pub fn largest_higher_harmonic(&self) -> Option<(usize, f64)> {
+        let higher = (2..self.harmonic_energy.len()).map(|n| (n, self.harmonic_share(n)));
+        higher.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::HarmonicCoefficients;
+
+    /// A point with this share of the energy in harmonic 3.
+    fn point(share: f64, energy: f64, events: &[&str]) -> ModalPoint {
+        let resonance = (share >= RESONANT_SHARE).then_some(InternalResonance { harmonic: 3, mode: 2 });
+        ModalPoint {
+            omega: 1.0,
+            coefficients: HarmonicCoefficients::zeros(1, 3),
+            kinetic_energy: energy,
+            harmonic_energy: vec![0.0, energy * (1.0 - share), 0.0, energy * share],
+            resonance,
+            total_energy: 2.0 * energy,
+            modal_amplitude: 1.0,
+            fundamental: 1.0,
+            peak: 1.0,
+            contact_fraction: 0.0,
+            contact_intervals: 0,
+            peak_contact_force: 0.0,
+            residual: 0.0,
+            events: events.iter().map(|e| (*e).to_owned()).collect(),
+        }
+    }
+
+    #[test]
+    fn a_tongue_has_start_tip_end_and_energies() {
+        let shares = [0.0, 0.1, 0.3, 0.9, 1.0, 0.8, 0.25, 0.1];
+        let points: Vec<ModalPoint> =
+            shares.iter().enumerate().map(|(i, s)| point(*s, 1.0 + if i == 5 { 9.0 } else { i as f64 }, &[])).collect();
+        let found = tongues(&points);
+        assert_eq!(found.len(), 1);
+        let tongue = &found[0];
+        assert_eq!((tongue.start, tongue.tip, tongue.end, tongue.energy), (2, 4, Some(6), [3.0, 10.0]));
+        assert_eq!(tongue.resonance.to_string(), "3:mode 2");
+        assert!(!tongue.skipped);
+        assert_eq!(tongues(&points[..5])[0].end, None);
+        assert_eq!(points[3].largest_higher_harmonic().map(|(n, _)| n), Some(3));
+        assert!((points[3].harmonic_share(3) - 0.9).abs() < 1e-15 && points[3].harmonic_share(7) == 0.0);
+    }
+
+    #[test]
+    fn a_skipped_tongue_has_its_two_feet() {
+        let mut points = vec![point(0.0, 1.0, &[]), point(0.05, 2.0, &["tongue-foot"]), point(0.1, 3.0, &["resumed"])];
+        for foot in &mut points[1..] {
+            foot.resonance = Some(InternalResonance { harmonic: 3, mode: 2 });
+        }
+        points.push(point(0.05, 4.0, &[]));
+        let found = tongues(&points);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].skipped && found[0].start == 1 && found[0].end == Some(2));
+    }
+}
