@@ -1,7 +1,9 @@
 //! `nlmodes-cli check`: what would be computed, in a few lines.
 
 use crate::config::number;
-use crate::config::scene::{Contact, Continuation, Method, MethodKind, Scene, Section, Start, Structure};
+use crate::config::scene::{
+    AtBranchPoint, Contact, Continuation, InternalResonance, Method, MethodKind, Scene, Section, Start, Structure,
+};
 
 /// What the scene would compute.
 pub fn summary(scene: &Scene) -> String {
@@ -83,11 +85,25 @@ fn branch(continuation: &Continuation, mode: usize) -> String {
     let from = match continuation.start {
         Start::Grazing => "from grazing".into(),
         Start::Frequency { hz, direction } => format!("from {} Hz, {}", number(hz), direction.name()),
+        Start::Energy { ratio, direction } => {
+            format!("from {} times the grazing energy, {}", number(ratio), direction.name())
+        }
     };
     let energy = continuation.max_energy_ratio.map(|ratio| format!("to {} times the grazing energy", number(ratio)));
     let window = continuation.frequency_hz.map(|[low, high]| format!("within {} to {} Hz", number(low), number(high)));
     let points = format!("at most {} points", continuation.max_points);
-    let parts: Vec<String> =
-        [Some(format!("mode {mode} {from}")), energy, window, Some(points)].into_iter().flatten().collect();
+    let arms = match continuation.at_branch_point {
+        AtBranchPoint::Stay => None,
+        AtBranchPoint::Switch => Some("onto another arm at branch points".to_owned()),
+        AtBranchPoint::All => {
+            Some(format!("all arms of branch points, at most {} branches", continuation.max_branches))
+        }
+    };
+    let skip = continuation.internal_resonance == InternalResonance::Skip;
+    let tongues = skip.then(|| "tongues of internal resonances skipped".to_owned());
+    let parts: Vec<String> = [Some(format!("mode {mode} {from}")), energy, window, Some(points), arms, tongues]
+        .into_iter()
+        .flatten()
+        .collect();
     parts.join(", ")
 }

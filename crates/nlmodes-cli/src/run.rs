@@ -3,25 +3,28 @@
 mod figures;
 mod harmonics;
 mod progress;
+mod sink;
 mod summary;
 
 use std::error::Error;
-use std::ops::ControlFlow;
-use std::path::Path;
+use std::f64::consts::TAU;
 use std::time::Instant;
 
 use nlmodes::hbm::HbmError;
-use nlmodes::modal::ModalPoint;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
-use nlmodes::report::{BranchWriter, ReportError, write_harmonics};
-use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, StudyError, compute_branch};
+use nlmodes::report::write_harmonics;
+use nlmodes::study::{
+    BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule, StudyError, compute_tree,
+};
 
 use crate::Status;
 use crate::assemble::{redistribution, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{FrequencyDirection, MethodKind, Scene, Start, Switching, Symmetry};
-use progress::Progress;
+use crate::config::scene::{
+    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, Start, Switching, Symmetry,
+};
+use sink::{Sink, branch_directory};
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
 ///
@@ -44,18 +47,17 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status),
     let scene = &file.scene;
     let began = Instant::now();
     let (model, massless) = models(file)?;
-    let mut sink =
-        Sink { directory: &scene.output_directory, writer: None, failure: None, progress: Progress::new(quiet) };
-    let computed = compute(scene, massless, &mut sink);
+    let mut sink = Sink::new(&scene.output_directory, quiet);
+    let tree = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
         say!("error: {}", chain(&failure));
         say!("expected a directory for the results that can be created and written; nothing was kept");
         return Err(Status::Wrong);
     }
     sink.progress.finish();
-    let computed = computed.map_err(|error| refuse_study(file, &error))?;
-    let status = finish(file, &model, &computed, began, quiet);
-    Ok((computed, status))
+    let mut tree = tree.map_err(|error| refuse_study(file, &error))?;
+    let status = finish(file, &model, &tree, began, quiet);
+    Ok((tree.branches.swap_remove(0), status))
 }
 
 /// The structure of the scene, with its contact mass and without.
@@ -68,26 +70,33 @@ pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel
     Ok((model, massless))
 }
 
-/// The branch from its start; where both ways are asked for, the way down first and then, behind its points in reverse order, the
-/// way up.
-fn compute(scene: &Scene, model: MasslessContactModel, sink: &mut Sink) -> Result<ComputedBranch, StudyError> {
-    let (start, both) = match scene.continuation.start {
-        Start::Grazing => (BranchStart::Grazing, false),
-        Start::Frequency { hz, direction } => {
-            let upward = direction == FrequencyDirection::Up;
-            (BranchStart::Frequency { hz, upward }, direction == FrequencyDirection::Both)
-        }
-    };
+/// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,
+/// the way up.
+fn compute(scene: &Scene, model: MasslessContactModel, sink: &mut Sink) -> Result<ComputedTree, StudyError> {
+    let (start, other) = starts(scene.continuation.start);
     let settings = BranchSettings { start, ..branch_settings(scene) };
-    let one_way = compute_branch(model.clone(), &settings, |point| sink.take(point))?;
-    let BranchStart::Frequency { hz, .. } = start else { return Ok(one_way) };
-    if !both || sink.failure.is_some() {
-        return Ok(one_way);
+    let mut tree = compute_tree(model.clone(), &settings, |progress| sink.take(progress))?;
+    let (Some(start), false) = (other, sink.failure.is_some()) else { return Ok(tree) };
+    let first = tree.branches.swap_remove(0);
+    sink.begin_again(first.branch.points.iter().skip(1).rev());
+    let mut tree = compute_tree(model, &BranchSettings { start, ..settings }, |progress| sink.take(progress))?;
+    let second = tree.branches.swap_remove(0);
+    tree.branches.push(second.preceded_by(first));
+    Ok(tree)
+}
+
+/// Where the branch of a scene starts, and the start of its other half where it goes both ways.
+pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
+    let both = |direction, begin: &dyn Fn(bool) -> BranchStart| match direction {
+        FrequencyDirection::Up => (begin(true), None),
+        FrequencyDirection::Down => (begin(false), None),
+        FrequencyDirection::Both => (begin(false), Some(begin(true))),
+    };
+    match start {
+        Start::Grazing => (BranchStart::Grazing, None),
+        Start::Frequency { hz, direction } => both(direction, &|upward| BranchStart::Frequency { hz, upward }),
+        Start::Energy { ratio, direction } => both(direction, &|upward| BranchStart::Energy { ratio, upward }),
     }
-    sink.begin_again(one_way.branch.points.iter().skip(1).rev());
-    let up = BranchSettings { start: BranchStart::Frequency { hz, upward: true }, ..settings };
-    let other = compute_branch(model, &up, |point| sink.take(point))?;
-    Ok(other.preceded_by(one_way))
 }
 
 /// What a scene may ask for, but this version does not have.
@@ -117,77 +126,59 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
         max_energy_ratio: scene.continuation.max_energy_ratio,
         frequency_hz: scene.continuation.frequency_hz,
         max_points: scene.continuation.max_points,
+        at_branch_point: match scene.continuation.at_branch_point {
+            AtBranchPoint::Stay => BranchPointRule::Stay,
+            AtBranchPoint::Switch => BranchPointRule::Switch,
+            AtBranchPoint::All => BranchPointRule::All,
+        },
+        max_branches: scene.continuation.max_branches,
+        internal_resonance: match scene.continuation.internal_resonance {
+            InternalResonance::Follow => ResonanceRule::Follow,
+            InternalResonance::Skip => ResonanceRule::Skip,
+        },
         ..BranchSettings::default()
     }
 }
 
-/// Takes the points as they are found.
-struct Sink<'a> {
-    directory: &'a Path,
-    writer: Option<BranchWriter>,
-    failure: Option<ReportError>,
-    progress: Progress,
-}
-
-impl Sink<'_> {
-    fn take(&mut self, point: &ModalPoint) -> ControlFlow<()> {
-        match self.write(point) {
-            Ok(()) => {
-                self.progress.point(point);
-                ControlFlow::Continue(())
-            }
-            Err(failure) => {
-                self.failure = Some(failure);
-                ControlFlow::Break(())
-            }
-        }
-    }
-
-    /// Writes the table anew, beginning with these points.
-    fn begin_again<'p>(&mut self, points: impl Iterator<Item = &'p ModalPoint>) {
-        self.writer = None;
-        for point in points {
-            if self.take(point).is_break() {
-                return;
-            }
-        }
-    }
-
-    fn write(&mut self, point: &ModalPoint) -> Result<(), ReportError> {
-        if self.writer.is_none() {
-            std::fs::create_dir_all(self.directory)
-                .map_err(|source| ReportError::Io { path: self.directory.to_path_buf(), source })?;
-            figures::remove(self.directory);
-            summary::remove(self.directory);
-            self.writer = Some(BranchWriter::create(self.directory.join("branch.csv"))?);
-        }
-        self.writer.as_mut().map_or(Ok(()), |writer| writer.append(point))
-    }
-}
-
-fn finish(file: &SceneFile, model: &StructuralModel, computed: &ComputedBranch, began: Instant, quiet: bool) -> Status {
+fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began: Instant, quiet: bool) -> Status {
     let directory = &file.scene.output_directory;
-    let written = write_harmonics(directory.join("harmonics.npz"), &computed.branch)
-        .map_err(Box::<dyn Error>::from)
-        .and_then(|()| summary::write(directory, &file.scene, model, computed, began.elapsed()))
-        .and_then(|()| figures::write(directory, &file.scene, computed));
+    let harmonics = |(number, computed): (usize, &ComputedBranch)| {
+        write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
+    };
+    let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
+        .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
+        .and_then(|()| figures::write(directory, &file.scene, &tree.branches));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
+    let statuses = tree.branches.iter().enumerate().map(|(number, computed)| tell(computed, number, began, quiet));
+    if statuses.collect::<Vec<_>>().contains(&Status::EndedEarly) {
+        say!("What was found is in {}", directory.display());
+        return Status::EndedEarly;
+    }
+    if tree.not_followed > 0 {
+        let limit = file.scene.continuation.max_branches;
+        say!(
+            "warning: {} arms of branch points were not followed, since there are {limit} branches",
+            tree.not_followed
+        );
+    }
+    if quiet { Status::Done } else { print(&format!("Results in {}", directory.display())) }
+}
+
+/// Says how a branch ended.
+fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -> Status {
+    let name = if number == 0 { String::new() } else { format!("branch {number}: ") };
+    let points = &computed.branch.points;
+    let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
-    let last = computed.branch.points.last();
-    let at = last.map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / std::f64::consts::TAU));
-    let line = format!(
-        "{} points in {:.2} s; ended{at}: {}",
-        computed.branch.points.len(),
-        began.elapsed().as_secs_f64(),
-        end.message
-    );
+    let time = began.elapsed().as_secs_f64();
+    let line = format!("{name}{} points in {time:.2} s; ended{at}: {}", points.len(), end.message);
     if end.complete {
-        if quiet { Status::Done } else { print(&format!("{line}\nResults in {}", directory.display())) }
+        if quiet { Status::Done } else { print(&line) }
     } else {
-        say!("warning: the computation ended early. {line}\nWhat was found is in {}", directory.display());
+        say!("warning: the computation ended early. {line}");
         Status::EndedEarly
     }
 }
@@ -207,13 +198,16 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
+        StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
         StudyError::Contact(_) => "method.contact_solver",
         StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
         _ => "method",
     };
     let status = refuse(file, path, error);
     // Where Newton's method fails the scene is not to blame.
-    if matches!(error, StudyError::NoStart { .. } | StudyError::Continuation(_)) { Status::EndedEarly } else { status }
+    let unlucky =
+        matches!(error, StudyError::NoStart { .. } | StudyError::NoStartAtEnergy { .. } | StudyError::Continuation(_));
+    if unlucky { Status::EndedEarly } else { status }
 }
 
 pub fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {

@@ -1,32 +1,17 @@
 //! The cantilever of Section 4, from elements to its branch.
 
+mod support;
+
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
-use nlmodes::model::{Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
+use nlmodes::model::linear_modes;
 use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
-
-const LENGTH: f64 = 0.629_755_20;
-const GAP: f64 = 1.03e-3;
-
-fn beam(youngs_modulus: f64) -> StructuralModel {
-    let beam = Beam {
-        material: Material::new(youngs_modulus, 7730.0).unwrap().with_poissons_ratio(0.3).unwrap(),
-        section: Section::rectangle(0.012, 0.020).unwrap().with_shear_factor(5.0 / 6.0).unwrap(),
-        mesh: Mesh::graded(LENGTH, 21, 9.195_853_6).unwrap(),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop { position: LENGTH, direction: Direction::Transverse, side: Side::Positive, gap: GAP };
-    beam.assemble(&[stop]).unwrap()
-}
+use support::{beam, massless_beam};
 
 fn study(harmonics: usize, max_energy_ratio: f64) -> ComputedBranch {
-    let model = MasslessContactModel::new(&beam(181.36e9), &Drop).unwrap();
     let settings = BranchSettings { harmonics, max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
-    let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
+    let computed = compute_branch(massless_beam(), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(computed.branch.end.reason, "max-energy", "{:?}", computed.branch.end);
     assert!(computed.branch.points.iter().all(|p| p.residual < 1e-10));
     computed
@@ -39,7 +24,7 @@ fn end_hz(computed: &ComputedBranch) -> f64 {
 #[test]
 fn both_rows_of_table_1_lie_at_40_10_hz() {
     let kept = beam(187.60e9);
-    let massless = MasslessContactModel::new(&beam(181.36e9), &Drop).unwrap();
+    let massless = massless_beam();
     for modes in
         [linear_modes(kept.mass(), kept.stiffness(), 1), linear_modes(massless.mass(), massless.stiffness(), 1)]
     {

@@ -1,35 +1,24 @@
 //! The rod of Section 3, from elements to branches.
 
+mod support;
+
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
-use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::fem::MassMatrix;
+use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 
 const ELEMENTS: usize = 100;
-const GAP: f64 = 0.5;
-
-fn model() -> MasslessContactModel {
-    model_of(ELEMENTS)
-}
+const GAP: f64 = support::ROD_GAP;
 
 fn model_of(elements: usize) -> MasslessContactModel {
-    let rod = Rod {
-        material: Material::new(210e9, 9000.0).unwrap(),
-        area: 1.0,
-        mesh: Mesh::uniform(20.0, elements).unwrap(),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: GAP };
-    MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
+    support::rod(elements, MassMatrix::Consistent)
 }
 
 fn study(harmonics: usize, max_energy_ratio: Option<f64>, frequency_hz: Option<[f64; 2]>) -> ComputedBranch {
     let settings = BranchSettings { harmonics, max_energy_ratio, frequency_hz, ..BranchSettings::default() };
-    let computed = compute_branch(model(), &settings, |_| ControlFlow::Continue(())).unwrap();
+    let computed = compute_branch(model_of(ELEMENTS), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert!(computed.branch.end.complete, "{:?}", computed.branch.end);
     for (i, point) in computed.branch.points.iter().enumerate() {
         assert!(point.residual < 1e-10, "point {i}: residual {:e}", point.residual);

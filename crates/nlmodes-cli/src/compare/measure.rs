@@ -2,10 +2,10 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, StudyError, compute_branch};
+use nlmodes::study::{BranchSettings, ComputedBranch, StudyError, compute_branch};
 
-use crate::config::scene::{FrequencyDirection, Scene, Start};
-use crate::run::branch_settings;
+use crate::config::scene::Scene;
+use crate::run::{branch_settings, starts};
 
 /// Instants of a period at which contacts are checked.
 const INSTANTS: usize = 256;
@@ -22,16 +22,11 @@ pub fn branch(
         compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()))
     };
     let began = Instant::now();
-    let computed = match scene.continuation.start {
-        Start::Grazing => one_way(BranchStart::Grazing)?,
-        Start::Frequency { hz, direction: FrequencyDirection::Both } => {
-            let down = one_way(BranchStart::Frequency { hz, upward: false })?;
-            one_way(BranchStart::Frequency { hz, upward: true })?.preceded_by(down)
-        }
-        Start::Frequency { hz, direction } => {
-            one_way(BranchStart::Frequency { hz, upward: direction == FrequencyDirection::Up })?
-        }
-    };
+    let (first, second) = starts(scene.continuation.start);
+    let mut computed = one_way(first)?;
+    if let Some(second) = second {
+        computed = one_way(second)?.preceded_by(computed);
+    }
     Ok((computed, began.elapsed()))
 }
 

@@ -9,7 +9,7 @@ mod continuation;
 mod method;
 mod structure;
 
-pub use continuation::{DEFAULT_MAX_POINTS, RawContinuation};
+pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
 pub use structure::{RawMaterial, RawSection, RawStructure};
 

@@ -3,8 +3,8 @@
 mod choices;
 
 pub use choices::{
-    ContactSolver, Direction, FrequencyDirection, MassMatrix, MassRule, MethodKind, Side, StructureKind, Support,
-    Switching, Symmetry,
+    AtBranchPoint, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule, MethodKind,
+    Side, StructureKind, Support, Switching, Symmetry,
 };
 
 use std::path::PathBuf;
@@ -146,6 +146,12 @@ pub struct Continuation {
     pub frequency_hz: Option<[f64; 2]>,
     /// Most points of the branch.
     pub max_points: usize,
+    /// Which arm is followed at a branch point.
+    pub at_branch_point: AtBranchPoint,
+    /// Most branches, where all arms are followed.
+    pub max_branches: usize,
+    /// What is done where an internal resonance leads the branch away.
+    pub internal_resonance: InternalResonance,
     /// Where it starts.
     pub start: Start,
 }
@@ -160,6 +166,13 @@ pub enum Start {
     Frequency {
         /// The frequency, Hz.
         hz: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+    /// On the backbone at an energy.
+    Energy {
+        /// Averaged kinetic energy over that at grazing.
+        ratio: f64,
         /// Which way from there.
         direction: FrequencyDirection,
     },

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use nlmodes::modal::ModalBranch;
 use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure};
 use nlmodes::study::{ComputedBranch, figure_points, reference_points};
 
@@ -11,10 +12,12 @@ use crate::config::scene::Scene;
 /// Instants of a period in a time history.
 const HISTORY_SAMPLES: usize = 1000;
 
-/// Writes frequency over energy and over modal amplitude, the motion of up to four points, and the time histories of up to two.
-pub fn write(directory: &Path, scene: &Scene, computed: &ComputedBranch) -> Result<(), Box<dyn Error>> {
+/// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
+/// of up to two.
+pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    let Some(computed) = all.first() else { return Ok(()) };
     let branch = &computed.branch;
-    let branches = [branch];
+    let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
     let (motions, references) = (figure_points(branch), reference_points(branch));
     let mut energy = BranchFigure::new(Abscissa::Energy, &branches).title(&scene.title);
     for (k, point) in motions.iter().enumerate() {

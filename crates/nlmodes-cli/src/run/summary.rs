@@ -2,14 +2,16 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use nlmodes::modal::Tongue;
 use nlmodes::model::StructuralModel;
 use nlmodes::report::write_summary;
-use nlmodes::study::ComputedBranch;
+use nlmodes::study::{ComputedBranch, ComputedTree};
 use serde::Serialize;
 
+use super::sink::branch_directory;
 use crate::config::scene::{MethodKind, Scene};
 use crate::modes::{LinearFrequencies, linear_frequencies};
 
@@ -23,10 +25,13 @@ struct Summary<'a> {
     method: MethodUsed,
     points: usize,
     events: Vec<EventAt<'a>>,
+    internal_resonances: Vec<Resonance>,
     end: End<'a>,
     largest_residual: f64,
     evaluations: usize,
     refused_steps: usize,
+    other_branches: Vec<OtherBranch>,
+    arms_not_followed: usize,
     wall_time_s: f64,
 }
 
@@ -63,14 +68,88 @@ struct End<'a> {
     complete: bool,
 }
 
+/// A tongue: where it begins, has its tip and ends.
+#[derive(Serialize)]
+struct Resonance {
+    name: String,
+    harmonic: usize,
+    mode: usize,
+    skipped: bool,
+    start: At,
+    tip: Option<At>,
+    end: Option<At>,
+    energy_j: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct At {
+    point: usize,
+    frequency_hz: f64,
+    energy_j: f64,
+}
+
+/// A branch that leaves another one at a branch point.
+#[derive(Serialize)]
+struct OtherBranch {
+    directory: PathBuf,
+    from_branch: Option<usize>,
+    from_point: Option<usize>,
+    points: usize,
+    reason: String,
+    message: String,
+    complete: bool,
+    largest_residual: f64,
+    internal_resonances: Vec<Resonance>,
+}
+
+impl OtherBranch {
+    fn new(number: usize, computed: &ComputedBranch) -> Self {
+        let (branch, origin) = (&computed.branch, computed.origin);
+        Self {
+            directory: branch_directory(Path::new(""), number),
+            from_branch: origin.map(|o| o.branch),
+            from_point: origin.map(|o| o.point),
+            points: branch.points.len(),
+            reason: branch.end.reason.clone(),
+            message: branch.end.message.clone(),
+            complete: branch.end.complete,
+            largest_residual: largest_residual(computed),
+            internal_resonances: resonances(computed),
+        }
+    }
+}
+
+fn largest_residual(computed: &ComputedBranch) -> f64 {
+    computed.branch.points.iter().fold(0.0, |m, p| p.residual.max(m))
+}
+
+fn resonances(computed: &ComputedBranch) -> Vec<Resonance> {
+    let at = |point: usize| {
+        let found = &computed.branch.points[point];
+        At { point, frequency_hz: found.omega / TAU, energy_j: found.kinetic_energy }
+    };
+    let resonance = |tongue: Tongue| Resonance {
+        name: tongue.resonance.to_string(),
+        harmonic: tongue.resonance.harmonic,
+        mode: tongue.resonance.mode,
+        skipped: tongue.skipped,
+        start: at(tongue.start),
+        tip: (!tongue.skipped).then(|| at(tongue.tip)),
+        end: tongue.end.map(at),
+        energy_j: tongue.energy,
+    };
+    computed.tongues().into_iter().map(resonance).collect()
+}
+
 /// Writes the summary.
 pub fn write(
     directory: &Path,
     scene: &Scene,
     model: &StructuralModel,
-    computed: &ComputedBranch,
+    tree: &ComputedTree,
     wall_time: Duration,
 ) -> Result<(), Box<dyn Error>> {
+    let Some(computed) = tree.branches.first() else { return Ok(()) };
     let points = &computed.branch.points;
     let events = points.iter().enumerate().flat_map(|(i, point)| {
         point.events.iter().map(move |event| EventAt {
@@ -96,10 +175,13 @@ pub fn write(
         method: method_used(scene, computed),
         points: points.len(),
         events: events.collect(),
+        internal_resonances: resonances(computed),
         end: End { reason: &end.reason, message: &end.message, complete: end.complete },
-        largest_residual: points.iter().fold(0.0, |m, p| p.residual.max(m)),
+        largest_residual: largest_residual(computed),
         evaluations: computed.evaluations,
         refused_steps: computed.refused_steps,
+        other_branches: tree.branches.iter().enumerate().skip(1).map(|(k, b)| OtherBranch::new(k, b)).collect(),
+        arms_not_followed: tree.not_followed,
         wall_time_s: wall_time.as_secs_f64(),
     };
     Ok(write_summary(directory.join("summary.json"), &summary)?)

@@ -4,7 +4,7 @@ use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
-use nlmodes_modal::{ModalBranch, ModalPoint};
+use nlmodes_modal::{ModalBranch, ModalPoint, Tongue, tongues};
 use std::f64::consts::TAU;
 
 /// Over what the frequency of a nonlinear mode is drawn.
@@ -60,7 +60,8 @@ impl<'a> BranchFigure<'a> {
         let (x, y) = self.scales()?;
         let lines = self.linear_modes(x.ends().0);
         let legend = self.legend(!lines.is_empty(), &events);
-        let curves = lines.into_iter().chain(self.curves()).collect();
+        symbols.extend(self.tongue_symbols());
+        let curves = lines.into_iter().chain(self.curves()).chain(self.skipped()).collect();
         let y = Axis { label: "frequency in Hz".into(), scale: y };
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
         let x = Axis { label: self.abscissa.label().into(), scale: x };
@@ -105,11 +106,41 @@ impl<'a> BranchFigure<'a> {
     }
 
     fn curves(&self) -> impl Iterator<Item = Curve> {
-        self.branches.iter().enumerate().map(|(index, branch)| Curve {
-            class: "branch",
-            points: branch.points.iter().map(|point| self.place(point)).collect(),
-            stroke: branch_stroke(index),
+        let resumed = |_: &ModalPoint, next: &ModalPoint| !next.has_event(ModalPoint::RESUMED);
+        let branches = self.branches.iter().enumerate();
+        branches.flat_map(move |(index, branch)| branch.points.chunk_by(resumed).map(move |piece| (index, piece))).map(
+            |(index, piece)| Curve {
+                class: "branch",
+                points: piece.iter().map(|point| self.place(point)).collect(),
+                stroke: branch_stroke(index),
+            },
+        )
+    }
+
+    /// A dashed line for each tongue that was left out, from foot to foot.
+    fn skipped(&self) -> impl Iterator<Item = Curve> {
+        self.branches.iter().enumerate().flat_map(move |(index, branch)| {
+            let feet = branch.points.windows(2).filter(|pair| pair[1].has_event(ModalPoint::RESUMED));
+            feet.map(move |pair| Curve {
+                class: "skipped-tongue",
+                points: pair.iter().map(|point| self.place(point)).collect(),
+                stroke: Stroke::dashed(palette::curve(index), 1.2),
+            })
         })
+    }
+
+    /// The name of each tongue beside its tip, or beside its first foot where it was left out.
+    fn tongue_symbols(&self) -> Vec<Symbol> {
+        let of_branch = |branch: &&ModalBranch| {
+            let symbol = |tongue: Tongue| {
+                let point = &branch.points[if tongue.skipped { tongue.start } else { tongue.tip }];
+                let name = Some(tongue.resonance.to_string());
+                Symbol { class: "tongue".into(), at: self.place(point), shape: Shape::Dot, fill: palette::INK, name }
+            };
+            let shown = tongues(&branch.points).into_iter().filter(|t| self.is_visible(&branch.points[t.tip]));
+            shown.map(symbol).collect::<Vec<_>>()
+        };
+        self.branches.iter().flat_map(of_branch).collect()
     }
 
     fn event_symbols(&self, events: &mut EventSymbols) -> Vec<Symbol> {

@@ -3,7 +3,7 @@ use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::f64::consts::TAU;
 use std::fs::File;
-use std::io;
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order.
@@ -48,7 +48,8 @@ pub fn write_branch(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), 
 pub struct BranchWriter {
     path: PathBuf,
     table: csv::Writer<File>,
-    n_points: usize,
+    /// Length of the file before each point, and now.
+    lengths: Vec<u64>,
 }
 
 impl BranchWriter {
@@ -59,7 +60,7 @@ impl BranchWriter {
     pub fn create(path: impl AsRef<Path>) -> Result<Self, ReportError> {
         let path = path.as_ref();
         let file = File::create(path).map_err(ReportError::io(path))?;
-        let mut writer = Self { path: path.to_path_buf(), table: csv::Writer::from_writer(file), n_points: 0 };
+        let mut writer = Self { path: path.to_path_buf(), table: csv::Writer::from_writer(file), lengths: Vec::new() };
         writer.write(BRANCH_COLUMNS)?;
         Ok(writer)
     }
@@ -69,19 +70,39 @@ impl BranchWriter {
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.
     pub fn append(&mut self, point: &ModalPoint) -> Result<(), ReportError> {
-        self.write(row(self.n_points, point))?;
-        self.n_points += 1;
-        Ok(())
+        self.write(row(self.n_points(), point))
+    }
+
+    /// Keeps the first `count` points, and goes on behind them.
+    ///
+    /// # Errors
+    /// [`ReportError::Io`] if the file cannot be shortened.
+    pub fn truncate(&mut self, count: usize) -> Result<(), ReportError> {
+        if count >= self.n_points() {
+            return Ok(());
+        }
+        self.lengths.truncate(count + 1);
+        let (length, mut file) = (self.lengths[count], self.table.get_ref());
+        let cut = file.set_len(length).and_then(|()| file.seek(SeekFrom::Start(length)).map(drop));
+        cut.map_err(ReportError::io(&self.path))
     }
 
     /// Number of points written so far.
     pub fn n_points(&self) -> usize {
-        self.n_points
+        self.lengths.len().saturating_sub(1)
     }
 
     fn write<T: AsRef<[u8]>>(&mut self, record: impl IntoIterator<Item = T>) -> Result<(), ReportError> {
         let written = self.table.write_record(record).map_err(io::Error::from);
-        written.and_then(|()| self.table.flush()).map_err(ReportError::io(&self.path))
+        let length = written
+            .and_then(|()| self.table.flush())
+            .and_then(|()| {
+                let mut file = self.table.get_ref();
+                file.stream_position()
+            })
+            .map_err(ReportError::io(&self.path))?;
+        self.lengths.push(length);
+        Ok(())
     }
 }
 

@@ -24,6 +24,14 @@ pub enum StudyError {
         /// How far it leads.
         reason: String,
     },
+    /// The backbone does not lead to the starting energy.
+    #[error("no point of the backbone was found at {ratio} times the energy at grazing: {reason}")]
+    NoStartAtEnergy {
+        /// The energy asked for, over that at grazing.
+        ratio: f64,
+        /// How far it leads.
+        reason: String,
+    },
     /// The branch would begin outside of the frequency window.
     #[error("the branch starts at {start_hz:.6} Hz, outside of the frequency window {low_hz} to {high_hz} Hz")]
     StartOutsideWindow {

@@ -14,6 +14,35 @@ pub enum BranchStart {
         /// Toward higher frequencies; else toward lower ones.
         upward: bool,
     },
+    /// On the backbone at an energy.
+    Energy {
+        /// Averaged kinetic energy over that at grazing, more than one.
+        ratio: f64,
+        /// Toward higher energies; else toward lower ones.
+        upward: bool,
+    },
+}
+
+/// Which arm is followed at a branch point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BranchPointRule {
+    /// The branch's own, through the point.
+    #[default]
+    Stay,
+    /// Another: that along which the energy grows most.
+    Switch,
+    /// All of them, each as a branch of its own, in [`super::compute_tree`].
+    All,
+}
+
+/// What is done where an internal resonance leads a branch away from the backbone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ResonanceRule {
+    /// The branch is followed up the tongue, to wherever it leads.
+    #[default]
+    Follow,
+    /// The branch ends at the foot of the tongue and goes on at its other side; not together with [`BranchPointRule::All`].
+    Skip,
 }
 
 /// What is computed, and how far.
@@ -39,7 +68,13 @@ pub struct BranchSettings {
     pub frequency_hz: Option<[f64; 2]>,
     /// Where it begins. Default grazing.
     pub start: BranchStart,
-    /// Most points. Default 5000.
+    /// Which arm is followed at a branch point. Default its own.
+    pub at_branch_point: BranchPointRule,
+    /// Most branches of a tree. Default 20.
+    pub max_branches: usize,
+    /// Whether the tongues of internal resonances are followed. Default yes.
+    pub internal_resonance: ResonanceRule,
+    /// Most points, of all branches together. Default 5000.
     pub max_points: usize,
     /// Steps of the continuation.
     pub step: StepSettings,
@@ -58,6 +93,9 @@ impl Default for BranchSettings {
             max_energy_ratio: None,
             frequency_hz: None,
             start: BranchStart::Grazing,
+            at_branch_point: BranchPointRule::Stay,
+            max_branches: 20,
+            internal_resonance: ResonanceRule::Follow,
             max_points: 5000,
             step: StepSettings::default(),
         }

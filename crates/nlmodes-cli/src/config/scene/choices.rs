@@ -104,11 +104,27 @@ choices! {
         /// None: full Fourier series with a phase anchor
         None = "none",
     }
+    /// Which arm is followed at a branch point.
+    AtBranchPoint {
+        /// The branch's own, through the point
+        Stay = "stay",
+        /// Another, along which the energy grows most
+        Switch = "switch",
+        /// Each, as a branch of its own
+        All = "all",
+    }
+    /// What is done where an internal resonance leads the branch away.
+    InternalResonance {
+        /// The tongue is followed
+        Follow = "follow",
+        /// The tongue is left at its foot, the backbone resumed at its other side
+        Skip = "skip",
+    }
     /// Which way a branch leaves its start.
     FrequencyDirection {
-        /// Toward higher frequencies
+        /// Toward higher frequencies, or energies
         Up = "up",
-        /// Toward lower frequencies
+        /// Toward lower frequencies, or energies
         Down = "down",
         /// One after the other
         Both = "both",

@@ -1,0 +1,71 @@
+//! Solutions that are too far from a guess for Newton's method.
+
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, StepSettings, StopReason};
+
+/// Most points on the way to a solution.
+const MOST: usize = 500;
+
+/// `R(z) = (1 − s) R(z₀)` with one coordinate of `z` kept, n + 1 equations for `z` with the parameter `s`: solved by `z₀` at
+/// `s = 0`, and by a solution of `R(z) = 0` at `s = 1`.
+struct Homotopy<'a, S> {
+    system: &'a mut S,
+    inner: Linearization,
+    /// `R(z₀)`.
+    defect: Vec<f64>,
+    coordinate: usize,
+    value: f64,
+}
+
+impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
+    type Error = S::Error;
+
+    fn dim(&self) -> usize {
+        self.defect.len() + 1
+    }
+
+    fn linearize(&mut self, z: &[f64], s: f64, out: &mut Linearization) -> Result<(), S::Error> {
+        let n = self.defect.len();
+        self.system.linearize(&z[..n], z[n], &mut self.inner)?;
+        for i in 0..n {
+            out.residual[i] = self.inner.residual[i] - (1.0 - s) * self.defect[i];
+            (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
+            out.jacobian[(i, n + 1)] = self.defect[i];
+        }
+        out.residual[n] = z[self.coordinate] - self.value;
+        (0..=n + 1).for_each(|j| out.jacobian[(n, j)] = if j == self.coordinate { 1.0 } else { 0.0 });
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.system.pattern()
+    }
+
+    fn accepted(&mut self, z: &[f64], _: f64) {
+        let n = self.defect.len();
+        self.system.accepted(&z[..n], z[n]);
+    }
+}
+
+/// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that leads nowhere.
+pub(super) fn solve<S: ParametricSystem>(
+    system: &mut S,
+    z: &[f64],
+    coordinate: usize,
+    step: &StepSettings,
+) -> Option<(Vec<f64>, f64)> {
+    let n = z.len() - 1;
+    let mut inner = Linearization::new(n);
+    system.linearize(&z[..n], z[n], &mut inner).ok()?;
+    let defect = inner.residual.clone();
+    let mut homotopy = Homotopy { system, inner, defect, coordinate, value: z[coordinate] };
+    let bounds = vec![Bound { coordinate: n + 1, min: -0.5, max: 1.0 }];
+    let method = Continuation { step: step.clone(), bounds, max_points: MOST, ..Continuation::default() };
+    let mut direction = vec![0.0; n + 2];
+    direction[n + 1] = 1.0;
+    let branch = method.run(&mut homotopy, z, 0.0, &direction, |_| ControlFlow::Continue(())).ok()?;
+    let last = branch.points.last()?;
+    let arrived = matches!(branch.stop, StopReason::Bound { value, .. } if value == 1.0);
+    arrived.then(|| (last.x[..n].to_vec(), last.x[n]))
+}

@@ -1,0 +1,95 @@
+//! What a study is computed with: the condensed structure, the periodic problem, the continuation.
+
+use std::f64::consts::TAU;
+
+use nlmodes_contact::solver_by_name;
+use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, grazing};
+use nlmodes_model::MasslessContactModel;
+
+use super::{BranchPointRule, BranchSettings, BranchStart, StudyError};
+
+/// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
+const MIN_ENERGY_RATIO: f64 = 1e-3;
+
+/// Up to this size all modes of the held structure are used.
+const ALL_HELD_MODES: usize = 400;
+
+pub(super) fn condense(
+    model: MasslessContactModel,
+    settings: &BranchSettings,
+) -> Result<CondensedStructure, StudyError> {
+    let size = model.linear_dofs().len();
+    if let Some(count) = settings.held_modes {
+        return Ok(CondensedStructure::new(model, count)?);
+    }
+    if size <= ALL_HELD_MODES {
+        return Ok(CondensedStructure::new(model, size)?);
+    }
+    // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
+    let mut count = 32 + 8 * settings.harmonics;
+    loop {
+        let structure = CondensedStructure::new(model.clone(), count.min(size))?;
+        let top = settings.frequency_hz.map(|w| w[1] * TAU);
+        let top = top.map_or_else(|| grazing(&structure, settings.mode).map(|g| 2.0 * g.omega), Ok)?;
+        let highest = structure.modes().last().map_or(0.0, |m| m.lambda.sqrt());
+        if count >= size || highest > 20.0 * settings.harmonics as f64 * top {
+            return Ok(structure);
+        }
+        count *= 2;
+    }
+}
+
+pub(super) fn check_window(settings: &BranchSettings, start: &Grazing) -> Result<(), StudyError> {
+    let start_hz = match settings.start {
+        BranchStart::Grazing => start.omega / TAU,
+        BranchStart::Frequency { hz, .. } => hz,
+        BranchStart::Energy { .. } => return Ok(()),
+    };
+    match settings.frequency_hz {
+        Some([low_hz, high_hz]) if !(low_hz..=high_hz).contains(&start_hz) => {
+            Err(StudyError::StartOutsideWindow { start_hz, low_hz, high_hz })
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn problem<'s>(
+    structure: &'s CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+) -> Result<MixedShooting<'s>, StudyError> {
+    let solver = solver_by_name(&settings.contact_solver)?;
+    let own = MixedShootingSettings {
+        harmonics: settings.harmonics,
+        symmetry: settings.symmetry,
+        switching: settings.switching,
+    };
+    Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
+}
+
+pub(super) fn continuation(
+    settings: &BranchSettings,
+    start: &Grazing,
+    problem: &MixedShooting,
+    dim: usize,
+) -> Continuation {
+    let frequency = problem.frequency_index();
+    let max = settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
+    let mut bounds = vec![Bound { coordinate: dim, min: MIN_ENERGY_RATIO.ln(), max }];
+    if let Some([low, high]) = settings.frequency_hz {
+        let scaled = |hz: f64| hz * TAU / start.omega;
+        bounds.push(Bound { coordinate: frequency, min: scaled(low), max: scaled(high) });
+    }
+    let at_branch_point = match settings.at_branch_point {
+        BranchPointRule::Switch => AtBranchPoint::Switch,
+        BranchPointRule::Stay | BranchPointRule::All => AtBranchPoint::Stay,
+    };
+    Continuation {
+        step: settings.step.clone(),
+        bounds,
+        watched: vec![frequency],
+        at_branch_point,
+        max_points: usize::MAX,
+    }
+}

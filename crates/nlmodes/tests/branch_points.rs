@@ -1,0 +1,180 @@
+//! Branch points and internal resonances of the rod of Section 3 and the beam of Section 4.
+
+mod support;
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes::fem::MassMatrix;
+use nlmodes::modal::ModalPoint;
+use nlmodes::model::MasslessContactModel;
+use nlmodes::study::{
+    BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
+    compute_branch, compute_tree,
+};
+use support::massless_beam;
+
+fn rod() -> MasslessContactModel {
+    support::rod(100, MassMatrix::Consistent)
+}
+
+fn settings(harmonics: usize) -> BranchSettings {
+    BranchSettings {
+        harmonics,
+        max_energy_ratio: Some(20.0),
+        frequency_hz: Some([50.0, 70.0]),
+        ..BranchSettings::default()
+    }
+}
+
+fn go_on(_: BranchProgress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn last(computed: &ComputedBranch) -> &ModalPoint {
+    computed.branch.points.last().unwrap()
+}
+
+/// Frequency in Hz and energy over that at grazing.
+fn place(computed: &ComputedBranch, point: &ModalPoint) -> (f64, f64) {
+    (point.omega / TAU, point.kinetic_energy / computed.grazing.energy)
+}
+
+#[test]
+fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
+    let settings = BranchSettings { at_branch_point: BranchPointRule::All, ..settings(3) };
+    let mut seen = vec![0; 3];
+    let tree: ComputedTree = compute_tree(rod(), &settings, |progress| {
+        if let BranchProgress::Found { branch, point } = progress {
+            seen[branch] += 1;
+            assert!(point.residual < 1e-10);
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!((tree.branches.len(), tree.not_followed), (3, 0));
+    assert_eq!(seen, tree.branches.iter().map(|b| b.branch.points.len()).collect::<Vec<_>>());
+    let loop_and_backbone = &tree.branches[0];
+    assert!((place(loop_and_backbone, last(loop_and_backbone)).0 - 70.0).abs() < 1e-9);
+    // The second linear mode, three times a period: at a third of its frequency, and touching at nine grazing energies.
+    let third = 182.37496593 / 3.0;
+    for b in &tree.branches[1..] {
+        let origin = b.origin.unwrap();
+        let tip = &tree.branches[origin.branch].branch.points[origin.point];
+        assert!(origin.branch == 0 && tip.has_event("branch-point"));
+        let (frequency, energy) = place(b, tip);
+        assert!((frequency - third).abs() < 1e-6 && (energy - 9.0005).abs() < 1e-3, "{frequency} {energy}");
+    }
+    let (below, above) = {
+        let falls = |b: &ComputedBranch| b.branch.end.reason == "min-energy";
+        if falls(&tree.branches[1]) {
+            (&tree.branches[1], &tree.branches[2])
+        } else {
+            (&tree.branches[2], &tree.branches[1])
+        }
+    };
+    for point in &below.branch.points[1..] {
+        assert!((place(below, point).0 - third).abs() < 1e-7 && point.contact_fraction == 0.0);
+        assert!((point.harmonic_share(3) - 1.0).abs() < 1e-9);
+    }
+    // Above it hits the stop three times a period, with the scaled backbone of a single impact a period.
+    assert_eq!(above.branch.end.reason, "max-energy");
+    let with_contact = above.branch.points.iter().filter(|p| p.contact_fraction > 1e-3);
+    assert!(with_contact.clone().count() > 5 && with_contact.clone().all(|p| p.contact_intervals == 3));
+    assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
+}
+
+#[test]
+fn a_branch_that_switches_leaves_the_loop_onto_the_second_mode() {
+    let settings = BranchSettings { at_branch_point: BranchPointRule::Switch, ..settings(3) };
+    let computed = compute_branch(rod(), &settings, |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(computed.branch.end.reason, "max-energy");
+    assert!(last(&computed).harmonic_share(3) > 0.999);
+    let tongues = computed.tongues();
+    assert_eq!(tongues.len(), 1);
+    assert_eq!((tongues[0].resonance.to_string().as_str(), tongues[0].end), ("3:mode 2", None));
+}
+
+#[test]
+fn the_loop_of_the_rod_is_labelled() {
+    let computed = compute_branch(rod(), &settings(3), |_| ControlFlow::Continue(())).unwrap();
+    let tongues = computed.tongues();
+    assert_eq!(tongues.len(), 1);
+    let tongue = &tongues[0];
+    assert_eq!(tongue.resonance.to_string(), "3:mode 2");
+    let (frequency, energy) = place(&computed, &computed.branch.points[tongue.tip]);
+    assert!((frequency - 182.37496593 / 3.0).abs() < 1e-5 && (energy - 9.0005).abs() < 2e-3, "{frequency} {energy}");
+    assert!(tongue.start < tongue.tip && tongue.end.is_some_and(|end| end > tongue.tip));
+    assert!(!tongue.skipped && tongue.energy[1] / computed.grazing.energy > 9.0);
+}
+
+#[test]
+fn a_skipped_tongue_leaves_the_backbone_as_it_is() {
+    let followed = compute_branch(rod(), &settings(3), |_| ControlFlow::Continue(())).unwrap();
+    let mut kept: Vec<ModalPoint> = Vec::new();
+    let skipping = BranchSettings { internal_resonance: ResonanceRule::Skip, ..settings(3) };
+    let tree = compute_tree(rod(), &skipping, |progress| {
+        match progress {
+            BranchProgress::Found { point, .. } => kept.push(point.clone()),
+            BranchProgress::Withdrawn { kept: count, .. } => kept.truncate(count),
+            _ => {}
+        }
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let computed = &tree.branches[0];
+    assert_eq!(kept, computed.branch.points);
+    let tongues = computed.tongues();
+    assert_eq!(tongues.len(), 1);
+    assert!(tongues[0].skipped && tongues[0].resonance.to_string() == "3:mode 2");
+    assert!(computed.branch.points.iter().all(|p| p.harmonic_share(3) < 0.21));
+    let (end, expected) = (last(computed), last(&followed));
+    assert!((end.omega / expected.omega - 1.0).abs() < 1e-10);
+    assert!((end.kinetic_energy / expected.kinetic_energy - 1.0).abs() < 1e-8);
+    assert!(computed.branch.points.len() < followed.branch.points.len() / 2);
+}
+
+#[test]
+fn beyond_its_tongues_the_backbone_of_the_beam_changes_little_up_to_20_harmonics() {
+    let beam_settings = |harmonics, internal_resonance| BranchSettings {
+        harmonics,
+        internal_resonance,
+        max_energy_ratio: Some(10.0),
+        frequency_hz: Some([39.0, 53.5]),
+        ..BranchSettings::default()
+    };
+    let few = compute_branch(massless_beam(), &beam_settings(5, ResonanceRule::Follow), |_| ControlFlow::Continue(()))
+        .unwrap();
+    let many = compute_branch(massless_beam(), &beam_settings(20, ResonanceRule::Skip), |_| ControlFlow::Continue(()))
+        .unwrap();
+    assert_eq!(many.branch.end.reason, "frequency-window", "{}", many.branch.end.message);
+    assert!(many.tongues().iter().all(|t| t.skipped));
+    assert!(many.tongues().iter().any(|t| t.resonance.to_string() == "6:mode 2"));
+    let energy_at = |branch: &ComputedBranch, hz: f64| {
+        let pair = branch.branch.points.windows(2).find(|w| w[0].omega <= hz * TAU && w[1].omega > hz * TAU)?;
+        let share = (hz * TAU - pair[0].omega) / (pair[1].omega - pair[0].omega);
+        Some(pair[0].kinetic_energy + share * (pair[1].kinetic_energy - pair[0].kinetic_energy))
+    };
+    for hz in [40.3, 41.0, 44.4, 46.4, 50.0] {
+        let [a, b] = [&few, &many].map(|branch| energy_at(branch, hz).unwrap());
+        eprintln!("{hz} {}", b / a);
+    }
+}
+
+#[test]
+fn a_branch_starts_at_an_energy() {
+    for (upward, end) in [(true, 15.0_f64), (false, 1.0)] {
+        let start = BranchStart::Energy { ratio: 2.0, upward };
+        let own = BranchSettings { start, max_energy_ratio: Some(15.0), ..settings(2) };
+        let tree = compute_tree(rod(), &own, go_on).unwrap();
+        let computed = &tree.branches[0];
+        let first = &computed.branch.points[0];
+        assert!((place(computed, first).1 - 2.0).abs() < 1e-9 && first.has_event("start"));
+        let energies: Vec<f64> = computed.branch.points.iter().map(|p| place(computed, p).1).collect();
+        if upward {
+            assert!(energies.windows(2).all(|w| w[1] > w[0]) && (energies[energies.len() - 1] - end).abs() < 12.0);
+        } else {
+            assert!(energies.iter().any(|e| (e - end).abs() < 1e-6), "it does not pass grazing");
+        }
+    }
+}
