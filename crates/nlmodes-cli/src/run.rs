@@ -17,10 +17,10 @@ use nlmodes::report::{BranchWriter, ReportError, write_harmonics};
 use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, StudyError, compute_branch};
 
 use crate::Status;
-use crate::assemble::{redistribution, structural_model};
+use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{FrequencyDirection, MethodKind, Scene, Start, Switching, Symmetry};
+use crate::config::scene::{FrequencyDirection, Scene, Start, Switching, Symmetry};
 use progress::Progress;
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
@@ -28,10 +28,6 @@ use progress::Progress;
 /// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several numbers of harmonics have a
 /// folder each, and common figures beside these.
 pub fn run(file: &SceneFile, quiet: bool) -> Status {
-    if let Some(message) = not_available(file) {
-        say!("{message}");
-        return Status::Wrong;
-    }
     let outcome = match file.scene.method.harmonics_list.as_slice() {
         [_] => one_branch(file, quiet).map(|(_, status)| status),
         several => harmonics::study(file, several, quiet),
@@ -58,13 +54,11 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status),
     Ok((computed, status))
 }
 
-/// The structure of the scene, with its contact mass and without.
+/// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
     let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
-    let path = "method.mass_redistribution";
-    let without = std::io::Error::other("ms-hbm needs massless contact nodes");
-    let rule = redistribution(&file.scene).ok_or_else(|| refuse(file, path, &without))?;
-    let massless = MasslessContactModel::new(&model, rule).map_err(|error| refuse(file, path, &error))?;
+    let massless =
+        contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))
 }
 
@@ -88,15 +82,6 @@ fn compute(scene: &Scene, model: MasslessContactModel, sink: &mut Sink) -> Resul
     let up = BranchSettings { start: BranchStart::Frequency { hz, upward: true }, ..settings };
     let other = compute_branch(model, &up, |point| sink.take(point))?;
     Ok(other.preceded_by(one_way))
-}
-
-/// What a scene may ask for, but this version does not have.
-pub fn not_available(file: &SceneFile) -> Option<String> {
-    if file.scene.method.kind == MethodKind::Hbm {
-        let help = ["\"ms-hbm\" computes the same structure with rigid stops and massless contacts"];
-        return Some(file.error_at("method.kind", "harmonic balance is not available yet", "this method", &help));
-    }
-    None
 }
 
 pub fn branch_settings(scene: &Scene) -> BranchSettings {

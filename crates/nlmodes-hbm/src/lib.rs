@@ -32,7 +32,7 @@
 //! let stiffness = sparse_from_triplets(2, 2, &[(0, 0, 3e4), (0, 1, -2e4), (1, 0, -2e4), (1, 1, 2e4)])?;
 //! let mass = sparse_from_triplets(2, 2, &[(0, 0, 0.1)])?;
 //! let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
-//! let stop = Contact { dof: 1, side: Side::Positive, gap: 1e-3 };
+//! let stop = Contact::rigid(1, Side::Positive, 1e-3);
 //! let model = StructuralModel::new(mass, stiffness, vec![dof(1), dof(2)], vec![stop])?;
 //! let structure = CondensedStructure::new(MasslessContactModel::new(&model, &Drop)?, 1)?;
 //!

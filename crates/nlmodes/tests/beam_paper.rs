@@ -19,7 +19,7 @@ fn beam(youngs_modulus: f64) -> StructuralModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: LENGTH, direction: Direction::Transverse, side: Side::Positive, gap: GAP };
+    let stop = Stop::rigid(LENGTH, Direction::Transverse, Side::Positive, GAP);
     beam.assemble(&[stop]).unwrap()
 }
 

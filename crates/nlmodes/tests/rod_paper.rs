@@ -23,7 +23,7 @@ fn model_of(elements: usize) -> MasslessContactModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: GAP };
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, GAP);
     MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
 }
 

@@ -25,7 +25,7 @@ pub fn rod(elements: usize, ea: f64, rho_a: f64, length: f64, stops: &[(usize, S
         }
     }
     let dofs = (1..=elements).map(|node| Dof { node, position: l * node as f64, kind: DofKind::Axial }).collect();
-    let contacts = stops.iter().map(|&(node, side, gap)| Contact { dof: node - 1, side, gap }).collect();
+    let contacts = stops.iter().map(|&(node, side, gap)| Contact::rigid(node - 1, side, gap)).collect();
     StructuralModel::new(
         sparse_from_triplets(elements, elements, &m).unwrap(),
         sparse_from_triplets(elements, elements, &k).unwrap(),

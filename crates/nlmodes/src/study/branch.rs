@@ -5,7 +5,7 @@ use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, BranchPoint, Continuation, ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, grazing};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory};
-use nlmodes_model::MasslessContactModel;
+use nlmodes_model::{ContactCoordinates, MasslessContactModel};
 
 use super::events::event_name;
 use super::start::{Seed, seed};
@@ -39,7 +39,8 @@ pub struct ComputedBranch {
     settings: BranchSettings,
 }
 
-/// Computes the nonlinear mode of `model` from grazing on, by MS-HBM. Each point is shown to `observe` when it is found.
+/// Computes the nonlinear mode of `model` from grazing on: by MS-HBM where its contact nodes are massless, by conventional HBM where it
+/// was made with spring tips. Each point is shown to `observe` when it is found.
 ///
 /// # Errors
 /// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -67,7 +68,7 @@ pub fn compute_branch(
     let first = model.contacts()[0];
     let coordinates = model.dofs().iter().map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
     let modal = ModalBranch {
-        label: label(settings),
+        label: label(settings, model.contact_coordinates()),
         coordinates: coordinates.collect(),
         contact_coordinate: Some(first.dof),
         stop: Some(first.side.sign() * first.gap),
@@ -239,7 +240,7 @@ pub(super) fn continuation(
     Continuation { step: settings.step.clone(), bounds, watched: vec![frequency], max_points: usize::MAX }
 }
 
-fn label(settings: &BranchSettings) -> String {
+fn label(settings: &BranchSettings, coordinates: ContactCoordinates) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
     }
@@ -248,7 +249,11 @@ fn label(settings: &BranchSettings) -> String {
         Switching::Exact => String::new(),
         Switching::Sampled { samples } => format!(", {samples} samples"),
     };
-    format!("MS-HBM, {} harmonic{plural}{sampled}", settings.harmonics)
+    let method = match coordinates {
+        ContactCoordinates::Nodes => "MS-HBM",
+        ContactCoordinates::SpringTips => "HBM",
+    };
+    format!("{method}, {} harmonic{plural}{sampled}", settings.harmonics)
 }
 
 fn branch_end(
