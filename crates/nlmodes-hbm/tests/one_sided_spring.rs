@@ -262,3 +262,24 @@ fn harmonic_balance_of_a_massless_node_needs_the_harmonics_that_mixed_shooting_s
     let slope = fitted_slope(&nodes);
     assert!((-5.5..-4.4).contains(&slope), "order {slope}: {nodes:?}");
 }
+
+#[test]
+fn harmonic_balance_runs_into_mixed_shooting_with_a_rigid_stop_where_its_harmonics_keep_up() {
+    // Same masses, k_c → ∞: the difference falls like 1/k_c as long as the harmonics resolve the contact, and no further.
+    let closed = oscillator(2.0, 1.7);
+    let rigid = frequency(&condense(&model(Some(2.0), f64::INFINITY)), 60, &closed);
+    let difference = |k_c: f64, harmonics: usize| {
+        let near = oscillator(2.0 * k_c / (2.0 + k_c), 1.7);
+        let energy = Oscillator {
+            top: support::bisect(|top| oscillator(near.k_s, top).kinetic() - closed.kinetic(), 1.0, 4.0),
+            ..near
+        };
+        rigid - frequency(&condense_tips(&model(Some(2.0), k_c), Some(&Drop)), harmonics, &energy)
+    };
+    let differences: Vec<(f64, f64)> = [2e1, 2e2, 2e3].map(|k_c| (k_c, difference(k_c, 120))).to_vec();
+    let slope = fitted_slope(&differences);
+    assert!((-1.03..-0.95).contains(&slope), "order {slope}: {differences:?}");
+    // Five harmonics make the stiff stop stiffer than the rigid one: they cannot bend as the massless node does.
+    let five = difference(2e2, 5) / rigid;
+    assert!(five < -1e-5, "{five:e}");
+}
