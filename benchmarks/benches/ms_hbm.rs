@@ -21,7 +21,7 @@ fn rod(elements: usize) -> MasslessContactModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: 0.5 };
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
     MasslessContactModel::new(&rod.assemble(&[stop]).expect("a rod"), &Drop).expect("massless tip")
 }
 
@@ -36,7 +36,7 @@ fn beam() -> MasslessContactModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: length, direction: Direction::Transverse, side: Side::Positive, gap: 1.03e-3 };
+    let stop = Stop::rigid(length, Direction::Transverse, Side::Positive, 1.03e-3);
     MasslessContactModel::new(&beam.assemble(&[stop]).expect("a beam"), &Drop).expect("massless tip")
 }
 

@@ -1,9 +1,9 @@
 //! From a checked scene to the structural model.
 
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
-use nlmodes::model::{Drop, MassRedistribution, Move, Side, StructuralModel};
+use nlmodes::model::{Drop, MassRedistribution, MasslessContactModel, ModelError, Move, Side, StructuralModel};
 
-use crate::config::scene::{self, MassRule, Scene};
+use crate::config::scene::{self, MassRule, MethodKind, Scene};
 
 /// The structure of the scene with its stops, contact mass kept.
 ///
@@ -46,6 +46,19 @@ pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> 
     }
 }
 
+/// The model that the method of the scene works on: massless contact nodes, or nodes that carry the springs of their stops.
+///
+/// # Errors
+/// [`ModelError`] if the mass cannot be redistributed.
+pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessContactModel, ModelError> {
+    let rule = redistribution(scene);
+    match (scene.method.kind, rule) {
+        (MethodKind::MsHbm, Some(rule)) => MasslessContactModel::new(model, rule),
+        // A checked scene has no ms-hbm without a rule.
+        (MethodKind::MsHbm | MethodKind::Hbm, rule) => MasslessContactModel::with_spring_tips(model, rule),
+    }
+}
+
 fn support(support: scene::Support) -> Support {
     match support {
         scene::Support::Clamped => Support::Clamped,
@@ -56,16 +69,14 @@ fn support(support: scene::Support) -> Support {
 }
 
 fn stop(contact: &scene::Contact) -> Stop {
-    Stop {
-        position: contact.at,
-        direction: match contact.direction {
-            scene::Direction::Axial => nlmodes::fem::Direction::Axial,
-            scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
-        },
-        side: match contact.side {
-            scene::Side::Positive => Side::Positive,
-            scene::Side::Negative => Side::Negative,
-        },
-        gap: contact.gap,
-    }
+    let direction = match contact.direction {
+        scene::Direction::Axial => nlmodes::fem::Direction::Axial,
+        scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
+    };
+    let side = match contact.side {
+        scene::Side::Positive => Side::Positive,
+        scene::Side::Negative => Side::Negative,
+    };
+    let stop = Stop::rigid(contact.at, direction, side, contact.gap);
+    contact.stiffness.map_or(stop, |stiffness| stop.on_spring(stiffness))
 }

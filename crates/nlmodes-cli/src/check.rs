@@ -55,8 +55,9 @@ fn mesh(structure: &Structure) -> String {
 }
 
 fn stop(contact: &Contact) -> String {
+    let law = contact.stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)));
     format!(
-        "{} m (node {}), {}, on the {} side, gap {} m",
+        "{} m (node {}), {}, on the {} side, gap {} m, {law}",
         number(contact.at),
         contact.node,
         contact.direction.name(),

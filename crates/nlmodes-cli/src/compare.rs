@@ -16,7 +16,7 @@ use nlmodes::study::{ComputedBranch, StudyError};
 use crate::Status;
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::run::{chain, models, not_available, refuse_study};
+use crate::run::{chain, models, refuse_study};
 use difference::difference;
 use measure::{branch, largest_violation};
 use table::{Row, Run};
@@ -40,10 +40,6 @@ pub struct Arguments {
 
 /// Computes the branch with each solver and prints the table; the first branch is the reference of the others.
 pub fn run(file: &SceneFile, arguments: &Arguments) -> Status {
-    if let Some(message) = not_available(file) {
-        say!("{message}");
-        return Status::Wrong;
-    }
     match models(file).and_then(|(_, massless)| rows(file, &massless, &arguments.solvers)) {
         Ok(rows) => finish(file, arguments, &rows),
         Err(status) => status,

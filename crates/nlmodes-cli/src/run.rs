@@ -18,12 +18,10 @@ use nlmodes::study::{
 };
 
 use crate::Status;
-use crate::assemble::{redistribution, structural_model};
+use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{
-    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, Start, Switching, Symmetry,
-};
+use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
@@ -31,10 +29,6 @@ use sink::{Sink, branch_directory};
 /// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several numbers of harmonics have a
 /// folder each, and common figures beside these.
 pub fn run(file: &SceneFile, quiet: bool) -> Status {
-    if let Some(message) = not_available(file) {
-        say!("{message}");
-        return Status::Wrong;
-    }
     let outcome = match file.scene.method.harmonics_list.as_slice() {
         [_] => one_branch(file, quiet).map(|(_, status)| status),
         several => harmonics::study(file, several, quiet),
@@ -60,13 +54,11 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status),
     Ok((tree.branches.swap_remove(0), status))
 }
 
-/// The structure of the scene, with its contact mass and without.
+/// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
     let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
-    let path = "method.mass_redistribution";
-    let without = std::io::Error::other("ms-hbm needs massless contact nodes");
-    let rule = redistribution(&file.scene).ok_or_else(|| refuse(file, path, &without))?;
-    let massless = MasslessContactModel::new(&model, rule).map_err(|error| refuse(file, path, &error))?;
+    let massless =
+        contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))
 }
 
@@ -97,15 +89,6 @@ pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
         Start::Frequency { hz, direction } => both(direction, &|upward| BranchStart::Frequency { hz, upward }),
         Start::Energy { ratio, direction } => both(direction, &|upward| BranchStart::Energy { ratio, upward }),
     }
-}
-
-/// What a scene may ask for, but this version does not have.
-pub fn not_available(file: &SceneFile) -> Option<String> {
-    if file.scene.method.kind == MethodKind::Hbm {
-        let help = ["\"ms-hbm\" computes the same structure with rigid stops and massless contacts"];
-        return Some(file.error_at("method.kind", "harmonic balance is not available yet", "this method", &help));
-    }
-    None
 }
 
 pub fn branch_settings(scene: &Scene) -> BranchSettings {

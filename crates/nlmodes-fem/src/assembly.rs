@@ -52,13 +52,13 @@ impl Layout<'_> {
 
     /// The contact that a stop makes.
     fn contact(&self, stop: &Stop, numbering: &Numbering) -> Result<Contact, FemError> {
-        let Stop { position, direction, side, gap } = *stop;
+        let Stop { position, direction, side, gap, law } = *stop;
         let node = self.mesh.find_node(position)?;
         let Some(offset) = self.kinds.iter().position(|&k| k == direction.kind()) else {
             return Err(FemError::NoSuchDirection { position, direction });
         };
         match (numbering.numbers[node * self.kinds.len() + offset], self.support(node)) {
-            (Some(dof), _) => Ok(Contact { dof, side, gap }),
+            (Some(dof), _) => Ok(Contact { dof, side, gap, law }),
             (None, support) => Err(FemError::HeldDof { position, direction, support: support.unwrap_or_default() }),
         }
     }

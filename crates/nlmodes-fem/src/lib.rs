@@ -32,7 +32,7 @@
 //!     start: Support::Clamped,
 //!     end: Support::Free,
 //! };
-//! let stop = Stop { position: 0.62975520, direction: Direction::Transverse, side: Side::Positive, gap: 1.03e-3 };
+//! let stop = Stop::rigid(0.62975520, Direction::Transverse, Side::Positive, 1.03e-3);
 //! let model = MasslessContactModel::new(&beam.assemble(&[stop])?, &Drop)?;
 //! let modes = linear_modes(model.mass(), model.stiffness(), 1)?;
 //! assert!((modes.omega[0] / std::f64::consts::TAU - 40.10).abs() < 0.005);

@@ -18,7 +18,7 @@ use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Stop, Support
 ///     start: Support::Clamped,
 ///     end: Support::Free,
 /// };
-/// let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: 0.5 };
+/// let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
 /// let model = rod.assemble(&[stop])?;
 /// assert_eq!((model.dofs().len(), model.contacts()[0].dof), (100, 99));
 /// # Ok::<(), nlmodes_fem::FemError>(())

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use nlmodes_model::{DofKind, Side};
+use nlmodes_model::{ContactLaw, DofKind, Side};
 
 /// Direction in which a stop is touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -35,7 +35,7 @@ impl fmt::Display for Direction {
     }
 }
 
-/// A rigid one-sided stop in front of a node.
+/// A one-sided stop in front of a node, rigid or on a spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
     /// Position of the node along the axis, m.
@@ -46,4 +46,18 @@ pub struct Stop {
     pub side: Side,
     /// Clearance at rest `g₀`, m; zero touches, negative presses.
     pub gap: f64,
+    /// Rigid, or with a contact stiffness.
+    pub law: ContactLaw,
+}
+
+impl Stop {
+    /// A rigid stop.
+    pub fn rigid(position: f64, direction: Direction, side: Side, gap: f64) -> Self {
+        Self { position, direction, side, gap, law: ContactLaw::Rigid }
+    }
+
+    /// The same stop on a spring of `stiffness`, N/m.
+    pub fn on_spring(self, stiffness: f64) -> Self {
+        Self { law: ContactLaw::Elastic { stiffness }, ..self }
+    }
 }

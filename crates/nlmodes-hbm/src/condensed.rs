@@ -33,7 +33,12 @@ pub(crate) const REPEATED: f64 = 1e-10;
 /// ```
 ///
 /// Modes beyond the computed ones answer as springs with the mass of their static shape: of their share of `T`, `K_NN⁻¹ R ν²` is
-/// kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with `ν⁴/λ³`. `b(t)` is where the massless contact nodes would be without stops.
+/// kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with `ν⁴/λ³`. `b(t)` is where the massless
+/// contact nodes would be without stops. A stop's own compliance is in series with `K_NN⁻¹` and stands on the diagonal of `A` alone.
+///
+/// Where the massless coordinates are the tips of contact springs ([`ContactCoordinates::SpringTips`](nlmodes_model::ContactCoordinates)),
+/// the same formulas are conventional harmonic balance: `b` is the displacement of the contact node, which moves in harmonics with its
+/// mass, `A = diag(1/k_c)`, and `T = (K_c + D)⁻¹ K_c` with the dynamic stiffness `D(ν²)` of the structure at the contact.
 #[derive(Debug, Clone)]
 pub struct CondensedStructure {
     pub(crate) model: MasslessContactModel,
@@ -63,7 +68,8 @@ impl CondensedStructure {
         let coupling = model.k_ln().transpose() * &psi;
         let t0 = solve_columns(&k_nn, &(-coupling));
         let k_inv_w = solve_columns(&k_nn, model.w());
-        let compliance = symmetric(&(model.w().transpose() * &k_inv_w));
+        let mut compliance = symmetric(&(model.w().transpose() * &k_inv_w));
+        model.stop_compliance().iter().enumerate().for_each(|(i, c)| compliance[(i, i)] += c);
         let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
         separate_repeated(&mut held, &model, &k_nn)?;
         let g = held.shapes.transpose() * model.k_ln();
@@ -108,7 +114,7 @@ impl CondensedStructure {
         &self.shapes
     }
 
-    /// Contact compliance `A = Wᵀ K_NN⁻¹ W`, eqs. (11), (13); c × c, m/N.
+    /// Contact compliance `A = Wᵀ K_NN⁻¹ W + C`, eqs. (11), (13), with that of the stops in series; c × c, m/N.
     pub fn compliance(&self) -> &LcpMatrix {
         &self.compliance
     }

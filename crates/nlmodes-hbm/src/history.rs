@@ -64,7 +64,10 @@ impl MixedShooting<'_> {
         let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
         let at = |order: usize| values.iter().map(|v| v[order]).collect::<Vec<f64>>();
         if set.closed[contact] {
-            return ([0.0; 3], set.force(contact, &at(0)));
+            // The stop yields by its own compliance; a rigid one not at all.
+            let yields = self.structure().model().contacts()[contact].law.compliance();
+            let force = [0, 1, 2].map(|order| set.force(contact, &at(order)));
+            return (force.map(|f| -yields * f), force[0]);
         }
         ([0, 1, 2].map(|order| set.guard_value(contact, &at(order))), 0.0)
     }

@@ -1,4 +1,4 @@
-//! Mixed shooting-harmonic balance: periodic motions of linear structures behind rigid one-sided stops.
+//! Mixed shooting-harmonic balance: periodic motions of linear structures behind one-sided stops, rigid or elastic.
 //!
 //! ```text
 //! H_LL,n q_L,n + H_LN,n q_N,n = 0 ,   n = 0 … N_h                        linear degrees of freedom, in harmonics   (8)
@@ -32,7 +32,7 @@
 //! let stiffness = sparse_from_triplets(2, 2, &[(0, 0, 3e4), (0, 1, -2e4), (1, 0, -2e4), (1, 1, 2e4)])?;
 //! let mass = sparse_from_triplets(2, 2, &[(0, 0, 0.1)])?;
 //! let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
-//! let stop = Contact { dof: 1, side: Side::Positive, gap: 1e-3 };
+//! let stop = Contact::rigid(1, Side::Positive, 1e-3);
 //! let model = StructuralModel::new(mass, stiffness, vec![dof(1), dof(2)], vec![stop])?;
 //! let structure = CondensedStructure::new(MasslessContactModel::new(&model, &Drop)?, 1)?;
 //!
@@ -51,6 +51,10 @@
 //!
 //! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes at the
 //! eigenfrequencies of the held structure, and eq. (8) is used in a form without poles; see [`MixedShooting`].
+//!
+//! Elastic stops, eq. (3), put `1/k_c` on the diagonal of `A`. Conventional harmonic balance, where the contact nodes keep their mass and
+//! move in harmonics, is the same system for the massless tips of the stops' springs, made by
+//! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see [`CondensedStructure`].
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
 //! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F. Schreyer, R. I. Leine, *A mixed

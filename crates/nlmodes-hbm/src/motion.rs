@@ -1,4 +1,5 @@
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
+use nlmodes_model::ContactCoordinates;
 use num_complex::Complex64;
 
 use crate::energy::held_coordinates;
@@ -71,8 +72,10 @@ impl MixedShooting<'_> {
         let model = structure.model();
         let h = self.series().n_harmonics;
         let mut all = HarmonicCoefficients::zeros(model.dofs().len(), h);
-        for (d, &dof) in model.contact_dofs().iter().enumerate() {
-            all.of_mut(dof).copy_from_slice(&held.q[d]);
+        if model.contact_coordinates() == ContactCoordinates::Nodes {
+            for (d, &dof) in model.contact_dofs().iter().enumerate() {
+                all.of_mut(dof).copy_from_slice(&held.q[d]);
+            }
         }
         for (row, &dof) in model.linear_dofs().iter().enumerate() {
             let target = all.of_mut(dof);
@@ -89,10 +92,10 @@ impl MixedShooting<'_> {
         all
     }
 
-    /// Averaged kinetic energy of each harmonic, and averaged strain energy.
+    /// Averaged kinetic energy of each harmonic, and averaged strain energy, that of elastic stops included.
     ///
-    /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and `q_N`,
-    /// whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ g = 0`.
+    /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and `q_N` and of
+    /// the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`.
     fn energies(&self, held: &HeldMotion, omega: f64) -> (Vec<f64>, f64) {
         let structure = self.structure();
         let k_nn = structure.model().k_nn();
@@ -188,11 +191,11 @@ impl MixedShooting<'_> {
         (fraction, count)
     }
 
-    /// Largest displacement of the first contact toward its stop.
+    /// Largest displacement of the first contact toward its stop, with what an elastic stop yields.
     fn peak(&self, touches: bool) -> f64 {
         let contact = self.structure().model().contacts()[0];
         if touches {
-            return contact.gap;
+            return contact.gap + contact.law.compliance() * self.peak_force_of(0);
         }
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min y while the contact is open.
         let toward = Trigonometric { z: self.sweep.y[0].iter().map(|z| -z).collect() };
@@ -200,11 +203,16 @@ impl MixedShooting<'_> {
     }
 
     fn peak_force(&self) -> f64 {
+        (0..self.structure().n_contacts()).map(|i| self.peak_force_of(i)).fold(0.0, f64::max)
+    }
+
+    /// Largest force of contact `i`, N.
+    fn peak_force_of(&self, i: usize) -> f64 {
         let c = self.structure().n_contacts();
         let mut peak = 0.0_f64;
         for interval in &self.sweep.intervals {
             let set = self.sweep.sets.get(interval.set);
-            for i in (0..c).filter(|&i| set.closed[i]) {
+            if set.closed[i] {
                 let mut force = Trigonometric { z: vec![Complex64::default(); self.sweep.y[0].len()] };
                 for (j, y) in self.sweep.y.iter().enumerate() {
                     force.z.iter_mut().zip(y).for_each(|(f, y)| *f += y * set.s[i * c + j]);

@@ -1,6 +1,6 @@
 use nlmodes_contact::{LcpMatrix, solver_by_name};
-use nlmodes_linalg::{DenseLu, Mat, select};
-use nlmodes_model::{DofKind, LinearModes, linear_modes};
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, select, sparse_from_triplets, triplets};
+use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes};
 
 use crate::closed_set::ClosedSet;
 use crate::energy::inner;
@@ -140,7 +140,8 @@ impl Rest {
             q.col_mut(i).iter_mut().zip(&column).for_each(|(q, v)| *q = *v);
         }
         let compliance = structure.model.w().transpose() * &q;
-        let compliance = Mat::from_fn(c, c, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
+        let mut compliance = Mat::from_fn(c, c, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
+        structure.model.stop_compliance().iter().enumerate().for_each(|(i, own)| compliance[(i, i)] += own);
         let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
         let (mut closed, mut lambda) = (vec![false; c], vec![0.0; c]);
         solver_by_name("active-set")
@@ -153,25 +154,37 @@ impl Rest {
     }
 }
 
-/// Linear modes with the contacts that are closed at rest held; shapes over all degrees of freedom.
+/// Linear modes with the contacts that are closed at rest held, rigidly or by their springs; shapes over all degrees of freedom.
 fn modes_at_rest(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result<LinearModes, HbmError> {
     let model = &structure.model;
-    let contacts = model.contacts().iter().zip(&rest.closed);
-    let held: Vec<usize> = contacts.filter(|(_, closed)| **closed).map(|(contact, _)| contact.dof).collect();
+    let (mut held, mut springs) = (Vec::new(), Vec::new());
+    for (contact, _) in model.contacts().iter().zip(&rest.closed).filter(|(_, closed)| **closed) {
+        match contact.law {
+            ContactLaw::Rigid => held.push(contact.dof),
+            ContactLaw::Elastic { stiffness } => springs.push((contact.dof, contact.dof, stiffness)),
+        }
+    }
+    let stiffness = with_springs(model.stiffness(), &springs)?;
     if held.is_empty() {
-        return Ok(linear_modes(model.mass(), model.stiffness(), mode)?);
+        return Ok(linear_modes(model.mass(), &stiffness, mode)?);
     }
     let free: Vec<usize> = (0..model.dofs().len()).filter(|i| !held.contains(i)).collect();
     let part = |m| {
         select(m, &free, &free)
             .map_err(|source| HbmError::Linalg { what: "structure with pressed contacts held", source })
     };
-    let modes = linear_modes(&part(model.mass())?, &part(model.stiffness())?, mode)?;
+    let modes = linear_modes(&part(model.mass())?, &part(&stiffness)?, mode)?;
     let mut shapes = Mat::zeros(model.dofs().len(), modes.omega.len());
     for (i, &dof) in free.iter().enumerate() {
         (0..modes.omega.len()).for_each(|k| shapes[(dof, k)] = modes.shapes[(i, k)]);
     }
     Ok(LinearModes { omega: modes.omega, shapes })
+}
+
+fn with_springs(stiffness: &SparseMatrix, springs: &[Triplet]) -> Result<SparseMatrix, HbmError> {
+    let entries: Vec<Triplet> = triplets(stiffness).chain(springs.iter().copied()).collect();
+    sparse_from_triplets(stiffness.nrows(), stiffness.ncols(), &entries)
+        .map_err(|source| HbmError::Linalg { what: "stiffness with the springs of pressed stops", source })
 }
 
 /// `b = −K_NN⁻¹ K_NL q_L` of a shape over all degrees of freedom.

@@ -6,7 +6,7 @@ use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
 use nlmodes_model::{Side, StructuralModel};
-use support::{condense, problem, rod};
+use support::{condense, condense_tips, on_springs, problem, rod};
 
 const STEP: f64 = 1e-6;
 
@@ -46,7 +46,7 @@ fn unknowns(problem: &MixedShooting, amplitude: f64, omega: f64) -> Vec<f64> {
 }
 
 /// Largest difference in a column, over the largest entry of that column: small columns count as much as large ones.
-fn worst_column(problem: &mut MixedShooting, x: &[f64], p: f64) -> f64 {
+fn worst_column(problem: &mut MixedShooting, x: &[f64], p: f64, step: f64) -> f64 {
     let n = problem.dim();
     let (mut at, mut plus, mut minus) = (Linearization::new(n), Linearization::new(n), Linearization::new(n));
     problem.linearize(x, p, &mut at).unwrap();
@@ -57,9 +57,9 @@ fn worst_column(problem: &mut MixedShooting, x: &[f64], p: f64) -> f64 {
             x[j] += s;
             x
         };
-        problem.linearize(&shifted(STEP), p, &mut plus).unwrap();
-        problem.linearize(&shifted(-STEP), p, &mut minus).unwrap();
-        let difference = |i: usize| (plus.residual[i] - minus.residual[i]) / (2.0 * STEP);
+        problem.linearize(&shifted(step), p, &mut plus).unwrap();
+        problem.linearize(&shifted(-step), p, &mut minus).unwrap();
+        let difference = |i: usize| (plus.residual[i] - minus.residual[i]) / (2.0 * step);
         let size = (0..n).fold(f64::MIN_POSITIVE, |m, i| m.max(at.jacobian[(i, j)].abs()));
         worst = (0..n).fold(worst, |w, i| w.max((difference(i) - at.jacobian[(i, j)]).abs() / size));
     }
@@ -74,11 +74,22 @@ fn check(
     switching: Switching,
     at: [f64; 2],
 ) -> f64 {
+    check_with_step(structure, harmonics, symmetry, switching, at, STEP)
+}
+
+fn check_with_step(
+    structure: &CondensedStructure,
+    harmonics: usize,
+    symmetry: Symmetry,
+    switching: Switching,
+    at: [f64; 2],
+    step: f64,
+) -> f64 {
     let (mut problem, _) = problem(structure, 1, harmonics, symmetry, switching);
     let x = unknowns(&problem, at[0], at[1]);
-    let defect = jacobian_defect(&mut problem, &x, 0.2, STEP).unwrap();
+    let defect = jacobian_defect(&mut problem, &x, 0.2, step).unwrap();
     assert!(defect < TOLERANCE, "{harmonics} harmonics, {symmetry:?}, {switching:?}, {at:?}: {defect:e}");
-    let worst = worst_column(&mut problem, &x, 0.2);
+    let worst = worst_column(&mut problem, &x, 0.2, step);
     assert!(worst < TOLERANCE, "{harmonics} harmonics, {symmetry:?}, {switching:?}, {at:?}: a column by {worst:e}");
     problem.modal_point(&x, 0.0).unwrap().contact_fraction
 }
@@ -171,6 +182,43 @@ fn jacobian_is_right_where_held_modes_of_the_same_frequency_meet_a_harmonic() {
             for beside in [0.0, 1e-12, -1e-8, 1e-4, -1e-2] {
                 let omega = structure.modes()[0].lambda.sqrt() / 4.0 / linear * (1.0 + beside);
                 check(&structure, 4, symmetry, Switching::Exact, [1.9, omega]);
+            }
+        }
+    }
+}
+
+/// Elastic stops in front of massless nodes, with a rigid one among them; and harmonic balance with contact mass, without, and with
+/// two springs at one node. Soft, like the structure, and stiff.
+fn with_elastic_stops() -> Vec<CondensedStructure> {
+    let one = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0)]);
+    let two = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0), (2, Side::Negative, 0.45)]);
+    let facing = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0), (6, Side::Negative, 0.7)]);
+    let mut structures = vec![condense(&on_springs(&two, &[3.0, f64::INFINITY]))];
+    for k in [2.0, 400.0] {
+        structures.push(condense(&on_springs(&one, &[k])));
+        structures.push(condense(&on_springs(&facing, &[k, 0.5 * k])));
+        for model in [&one, &two, &facing] {
+            let elastic = on_springs(model, &[k, 1.7 * k][..model.contacts().len()]);
+            structures.push(condense_tips(&elastic, None));
+            structures.push(condense_tips(&elastic, Some(&nlmodes_model::Drop)));
+        }
+    }
+    structures
+}
+
+#[test]
+fn jacobian_is_right_with_elastic_stops_and_in_harmonic_balance() {
+    for (i, structure) in with_elastic_stops().iter().enumerate() {
+        for symmetry in SYMMETRIES {
+            for switching in SWITCHINGS {
+                for harmonics in [1, 4] {
+                    let closed = check(structure, harmonics, symmetry, switching, [1.9, 1.07]);
+                    assert!(closed > 0.05 && closed < 0.95, "structure {i}: {closed}");
+                    let linear = nlmodes_hbm::grazing(structure, 1).unwrap().omega;
+                    let pole = structure.modes()[1].lambda.sqrt() / harmonics as f64 / linear;
+                    // A mode that hardly moves the contact has a narrow pole, with larger third derivatives: a shorter step.
+                    check_with_step(structure, harmonics, symmetry, switching, [1.9, pole * (1.0 - 1e-7)], 0.2 * STEP);
+                }
             }
         }
     }

@@ -20,7 +20,7 @@ fn chain_between_walls(masses: usize, stop: usize) -> StructuralModel {
         sparse_from_triplets(masses, masses, &m).unwrap(),
         sparse_from_triplets(masses, masses, &k).unwrap(),
         (0..masses).map(|i| Dof { node: i, position: i as f64, kind: DofKind::Axial }).collect(),
-        vec![Contact { dof: stop, side: Side::Positive, gap: 0.1 }],
+        vec![Contact::rigid(stop, Side::Positive, 0.1)],
     )
     .unwrap()
 }
@@ -49,7 +49,7 @@ fn an_axial_mode_never_touches_a_transverse_stop() {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: 0.6, direction: Direction::Transverse, side: Side::Positive, gap: 1e-3 };
+    let stop = Stop::rigid(0.6, Direction::Transverse, Side::Positive, 1e-3);
     let model = beam.assemble(&[stop]).unwrap();
     let structure = condense(&model);
     // f = c/4L of the rod lies between the second and the third bending mode; the mesh raises it by less than 1 %.

@@ -51,6 +51,20 @@ pub enum ModelError {
         /// How many there are.
         dofs: usize,
     },
+    /// The stiffness of an elastic stop cannot be used.
+    #[error("the contact stiffness of contact {contact} is {stiffness:e} N/m; it has to be positive and finite")]
+    ContactStiffness {
+        /// Index of the contact.
+        contact: usize,
+        /// Its stiffness.
+        stiffness: f64,
+    },
+    /// A rigid stop where the contact node moves in harmonics and only the spring of the stop follows the contact law.
+    #[error("contact {contact} is rigid, but harmonic balance of the contact node needs a contact stiffness")]
+    RigidStop {
+        /// Index of the contact.
+        contact: usize,
+    },
     /// A model with massless contact nodes was asked for, but there is no contact.
     #[error("the structure has no contact, so that there is no contact mass to redistribute")]
     NoContact,

@@ -26,7 +26,7 @@
 //! let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
 //! let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
 //! let dofs = [1.0, 2.0].map(|position| Dof { node: 0, position, kind: DofKind::Axial }).to_vec();
-//! let stop = Contact { dof: 1, side: Side::Positive, gap: 0.1 };
+//! let stop = Contact::rigid(1, Side::Positive, 0.1);
 //! let model = StructuralModel::new(m, k, dofs, vec![stop])?;
 //!
 //! let massless = MasslessContactModel::new(&model, &Drop)?;
@@ -52,7 +52,7 @@ mod test_chain;
 
 pub use error::ModelError;
 pub use linear_modes::{LinearModes, held_modes, linear_modes};
-pub use massless::MasslessContactModel;
+pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};
 pub use rigid::{MassProperties, RigidMotion};
-pub use structure::{Contact, Dof, DofKind, Side, StructuralModel};
+pub use structure::{Contact, ContactLaw, Dof, DofKind, Side, StructuralModel};

@@ -45,7 +45,7 @@ mod tests {
     #[test]
     fn dropping_the_end_mass_shortens_the_chain_by_one() {
         let n = 12;
-        let model = chain(n, vec![Contact { dof: n - 1, side: Side::Positive, gap: 0.0 }]);
+        let model = chain(n, vec![Contact::rigid(n - 1, Side::Positive, 0.0)]);
         let massless = MasslessContactModel::new(&model, &Drop).unwrap();
         let open = linear_modes(massless.mass(), massless.stiffness(), 20).unwrap();
         assert_eq!(open.omega.len(), n - 1);
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn held_modes_are_those_of_the_chain_between_two_walls() {
         let n = 12;
-        let model = chain(n, vec![Contact { dof: n - 1, side: Side::Positive, gap: 0.0 }]);
+        let model = chain(n, vec![Contact::rigid(n - 1, Side::Positive, 0.0)]);
         let held = held_modes(&MasslessContactModel::new(&model, &Drop).unwrap(), n).unwrap();
         assert_eq!((held.omega.len(), held.shapes.nrows()), (n - 1, n - 1));
         for (r, omega) in held.omega.iter().enumerate() {

@@ -1,18 +1,41 @@
-use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, select, triplets};
+use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, Triplet, select, sparse_from_triplets, triplets};
 
 use crate::structure::check_matrix;
-use crate::{Contact, Dof, MassRedistribution, ModelError, RigidMotion, StructuralModel};
+use crate::{Contact, ContactLaw, Dof, MassRedistribution, ModelError, RigidMotion, StructuralModel};
 
-/// A structure with massless contact nodes, partitioned as in eq. (12).
+/// Which massless coordinates `q_N` follow the contact law at each instant, while all others move in harmonics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ContactCoordinates {
+    /// The contact nodes of the structure, without mass, one for each contact degree of freedom: mixed shooting-harmonic balance.
+    Nodes,
+    /// The tips of the springs of elastic stops, one for each contact. The contact nodes are among the others and keep their mass:
+    /// conventional harmonic balance.
+    SpringTips,
+}
+
+/// A structure with massless contact coordinates, partitioned as in eq. (12).
 ///
 /// ```text
 /// | M_LL 0 | | q̈_L |   | K_LL K_LN | | q_L |   |  0  |
-/// |  0   0 | | q̈_N | + | K_NL K_NN | | q_N | = | W λ |
+/// |  0   0 | | q̈_N | + | K_NL K_NN | | q_N | = | W λ | ,   0 ≤ λ ⊥ Wᵀ q_N + g₀ + C λ ≥ 0
 /// ```
+///
+/// With [`ContactCoordinates::Nodes`], [`Self::new`], N are the contact nodes, and `C = diag(1/k_c)` is the compliance of the stops,
+/// zero where they are rigid.
+///
+/// With [`ContactCoordinates::SpringTips`], [`Self::with_spring_tips`], each elastic stop of eq. (3) is seen as a massless spring `k_c`
+/// that the contact node carries, and its tip meets a rigid wall. With `w_i` the direction of contact i, eq. (2),
+///
+/// ```text
+/// L: all degrees of freedom ,   K_LL = K + Σ_i k_c,i w_i w_iᵀ ,   K_LN: −k_c,i at the node of contact i ,   K_NN = diag(k_c,i) ,   C = 0
+/// ```
+///
+/// The contact node moves as where the tip would be without wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that `λ = k_c max(−g, 0)`.
 #[derive(Debug, Clone)]
 pub struct MasslessContactModel {
     pub(crate) dofs: Vec<Dof>,
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) coordinates: ContactCoordinates,
     pub(crate) linear: Vec<usize>,
     pub(crate) nonlinear: Vec<usize>,
     pub(crate) mass: SparseMatrix,
@@ -40,9 +63,7 @@ impl MasslessContactModel {
         if linear.is_empty() {
             return Err(ModelError::NoLinearDof { dofs: n });
         }
-        let mass = rule.redistribute(model)?;
-        check_matrix("redistributed mass matrix", &mass, n)?;
-        check_massless(rule.name(), &mass, &nonlinear)?;
+        let mass = redistributed(model, rule)?;
         let part = |a: &SparseMatrix, rows: &[usize], columns: &[usize]| {
             select(a, rows, columns).map_err(ModelError::during("partition into linear and contact coordinates"))
         };
@@ -52,6 +73,7 @@ impl MasslessContactModel {
         Ok(Self {
             dofs: model.dofs().to_vec(),
             contacts: model.contacts().to_vec(),
+            coordinates: ContactCoordinates::Nodes,
             m_ll: part(&mass, &linear, &linear)?,
             k_ll: part(model.stiffness(), &linear, &linear)?,
             k_ln: part(model.stiffness(), &linear, &nonlinear)?.to_dense(),
@@ -62,6 +84,61 @@ impl MasslessContactModel {
             linear,
             nonlinear,
         })
+    }
+
+    /// The model whose contact coordinates are the tips of the springs of its elastic stops; the contact nodes keep their mass, or
+    /// lose it by `rule`.
+    ///
+    /// # Errors
+    /// [`ModelError::NoContact`]; [`ModelError::RigidStop`]; what `rule` reports.
+    pub fn with_spring_tips(
+        model: &StructuralModel,
+        rule: Option<&dyn MassRedistribution>,
+    ) -> Result<Self, ModelError> {
+        let (n, contacts) = (model.dofs().len(), model.contacts());
+        if contacts.is_empty() {
+            return Err(ModelError::NoContact);
+        }
+        let springs = spring_stiffnesses(contacts)?;
+        let mass = match rule {
+            Some(rule) => redistributed(model, rule)?,
+            None => model.mass().clone(),
+        };
+        let nonlinear: Vec<usize> = contacts.iter().map(|c| c.dof).collect();
+        let grounded = nonlinear.iter().zip(&springs).map(|(&dof, &k)| (dof, dof, k));
+        let entries: Vec<Triplet> = triplets(model.stiffness()).chain(grounded).collect();
+        let k_ll =
+            sparse_from_triplets(n, n, &entries).map_err(ModelError::during("stiffness with contact springs"))?;
+        let c = contacts.len();
+        Ok(Self {
+            dofs: model.dofs().to_vec(),
+            contacts: contacts.to_vec(),
+            coordinates: ContactCoordinates::SpringTips,
+            linear: (0..n).collect(),
+            k_ln: Mat::from_fn(n, c, |i, j| if nonlinear[j] == i { -springs[j] } else { 0.0 }),
+            k_nn: Mat::from_fn(c, c, |i, j| if i == j { springs[i] } else { 0.0 }),
+            w: Mat::from_fn(c, c, |i, j| if i == j { contacts[i].direction() } else { 0.0 }),
+            stiffness: model.stiffness().clone(),
+            m_ll: mass.clone(),
+            k_ll,
+            mass,
+            nonlinear,
+        })
+    }
+
+    /// Which coordinates follow the contact law.
+    pub fn contact_coordinates(&self) -> ContactCoordinates {
+        self.coordinates
+    }
+
+    /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one a contact: zero where the stop is rigid, or where its spring is in
+    /// `K_NN` already.
+    pub fn stop_compliance(&self) -> Vec<f64> {
+        let of = |c: &Contact| match self.coordinates {
+            ContactCoordinates::Nodes => c.law.compliance(),
+            ContactCoordinates::SpringTips => 0.0,
+        };
+        self.contacts.iter().map(of).collect()
     }
 
     /// A rigid-body motion that is left when the contact degrees of freedom are held, so that `K_LL` is singular.
@@ -92,12 +169,13 @@ impl MasslessContactModel {
         &self.contacts
     }
 
-    /// Indices in [`Self::dofs`] of the degrees of freedom without contact, ascending.
+    /// Indices in [`Self::dofs`] of the degrees of freedom L, ascending: those without contact, or all of them.
     pub fn linear_dofs(&self) -> &[usize] {
         &self.linear
     }
 
-    /// Indices in [`Self::dofs`] of the contact degrees of freedom, ascending. Two stops at one degree of freedom share it.
+    /// Indices in [`Self::dofs`] of the contact coordinates' degrees of freedom. Of [`ContactCoordinates::Nodes`] ascending, two
+    /// stops at one degree of freedom sharing it; of [`ContactCoordinates::SpringTips`] that of each stop.
     pub fn contact_dofs(&self) -> &[usize] {
         &self.nonlinear
     }
@@ -138,6 +216,23 @@ impl MasslessContactModel {
     }
 }
 
+/// `rule` applied and checked.
+fn redistributed(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<SparseMatrix, ModelError> {
+    let mass = rule.redistribute(model)?;
+    check_matrix("redistributed mass matrix", &mass, model.dofs().len())?;
+    check_massless(rule.name(), &mass, &contact_dofs(model))?;
+    Ok(mass)
+}
+
+/// `k_c` of each contact.
+fn spring_stiffnesses(contacts: &[Contact]) -> Result<Vec<f64>, ModelError> {
+    let of = |(contact, c): (usize, &Contact)| match c.law {
+        ContactLaw::Elastic { stiffness } => Ok(stiffness),
+        ContactLaw::Rigid => Err(ModelError::RigidStop { contact }),
+    };
+    contacts.iter().enumerate().map(of).collect()
+}
+
 /// Degrees of freedom with a contact, ascending, each once.
 pub(crate) fn contact_dofs(model: &StructuralModel) -> Vec<usize> {
     let mut dofs: Vec<usize> = model.contacts().iter().map(|c| c.dof).collect();
@@ -168,7 +263,7 @@ mod tests {
     use crate::{DofKind, Drop, Side};
 
     fn stop(dof: usize, side: Side) -> Contact {
-        Contact { dof, side, gap: 0.5 }
+        Contact::rigid(dof, side, 0.5)
     }
 
     #[test]

@@ -152,7 +152,7 @@ mod tests {
     use crate::{Contact, DofKind, MassProperties, Side};
 
     fn stops(dofs: &[usize]) -> Vec<Contact> {
-        dofs.iter().map(|&dof| Contact { dof, side: Side::Positive, gap: 0.1 }).collect()
+        dofs.iter().map(|&dof| Contact::rigid(dof, Side::Positive, 0.1)).collect()
     }
 
     /// Consistent mass of unit elements, `[2 1; 1 2] / 6` each.

@@ -55,7 +55,34 @@ impl Side {
     }
 }
 
-/// A rigid one-sided stop at one degree of freedom, eq. (5): `g = g₀ + w q` with `w = −side`.
+/// How a stop answers when it is pressed: it yields by its compliance times the force.
+///
+/// ```text
+/// 0 ≤ λ ⊥ g + c λ ≥ 0 ,   c = 0 (rigid, eq. (5)) or 1/k_c (elastic, eq. (3))
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ContactLaw {
+    /// A hard stop, eq. (5): nothing penetrates.
+    #[default]
+    Rigid,
+    /// A stop on a massless spring, eq. (3): `λ = k_c max(−g, 0)`.
+    Elastic {
+        /// Contact stiffness `k_c`, N/m, positive.
+        stiffness: f64,
+    },
+}
+
+impl ContactLaw {
+    /// `1/k_c`, m/N; zero for a rigid stop.
+    pub fn compliance(self) -> f64 {
+        match self {
+            Self::Rigid => 0.0,
+            Self::Elastic { stiffness } => 1.0 / stiffness,
+        }
+    }
+}
+
+/// A one-sided stop at one degree of freedom, eqs. (3), (5): `g = g₀ + w q` with `w = −side`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Index of the degree of freedom in [`StructuralModel::dofs`].
@@ -64,9 +91,21 @@ pub struct Contact {
     pub side: Side,
     /// Clearance at rest `g₀`, m; zero touches, negative presses.
     pub gap: f64,
+    /// Rigid, or with a contact stiffness.
+    pub law: ContactLaw,
 }
 
 impl Contact {
+    /// A rigid stop.
+    pub fn rigid(dof: usize, side: Side, gap: f64) -> Self {
+        Self { dof, side, gap, law: ContactLaw::Rigid }
+    }
+
+    /// A stop with the contact stiffness `stiffness`, N/m.
+    pub fn elastic(dof: usize, side: Side, gap: f64, stiffness: f64) -> Self {
+        Self { dof, side, gap, law: ContactLaw::Elastic { stiffness } }
+    }
+
     /// Entry of `W` for this contact, eq. (2): +1 or −1.
     pub fn direction(&self) -> f64 {
         -self.side.sign()
@@ -89,7 +128,8 @@ impl StructuralModel {
     ///
     /// # Errors
     /// [`ModelError::Dimension`] if sizes disagree, [`ModelError::NotFinite`] for an entry, position or gap,
-    /// [`ModelError::NotSymmetric`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist.
+    /// [`ModelError::NotSymmetric`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
+    /// [`ModelError::ContactStiffness`] if that of an elastic stop is not positive or its inverse is not finite.
     pub fn new(
         mass: SparseMatrix,
         stiffness: SparseMatrix,
@@ -103,6 +143,13 @@ impl StructuralModel {
         check_finite("gap of contact", contacts.iter().map(|c| c.gap))?;
         if let Some((contact, c)) = contacts.iter().enumerate().find(|(_, c)| c.dof >= dofs.len()) {
             return Err(ModelError::NoSuchDof { contact, dof: c.dof, dofs: dofs.len() });
+        }
+        for (contact, c) in contacts.iter().enumerate() {
+            if let ContactLaw::Elastic { stiffness } = c.law
+                && !(stiffness.is_finite() && stiffness > 0.0 && c.law.compliance().is_finite())
+            {
+                return Err(ModelError::ContactStiffness { contact, stiffness });
+            }
         }
         Ok(Self { mass, stiffness, dofs, contacts })
     }
@@ -156,7 +203,7 @@ mod tests {
         let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)]).unwrap();
         let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)]).unwrap();
         let dofs = (0..2).map(|i| Dof { node: i, position: i as f64, kind: DofKind::Axial }).collect();
-        (m, k, dofs, vec![Contact { dof: 1, side: Side::Positive, gap: 0.1 }])
+        (m, k, dofs, vec![Contact::rigid(1, Side::Positive, 0.1)])
     }
 
     #[test]
@@ -189,7 +236,7 @@ mod tests {
     fn contacts_must_exist_and_have_a_finite_gap() {
         for (dof, gap) in [(2, 0.1), (1, f64::NAN), (1, f64::INFINITY)] {
             let (m, k, dofs, _) = parts();
-            let contacts = vec![Contact { dof, side: Side::Negative, gap }];
+            let contacts = vec![Contact::rigid(dof, Side::Negative, gap)];
             let error = StructuralModel::new(m, k, dofs, contacts).unwrap_err();
             match error {
                 ModelError::NoSuchDof { contact: 0, dof: 2, dofs: 2 } => assert_eq!(dof, 2),
@@ -197,5 +244,17 @@ mod tests {
                 other => panic!("{other}"),
             }
         }
+    }
+
+    #[test]
+    fn a_contact_stiffness_is_positive_and_has_an_inverse() {
+        for stiffness in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-309] {
+            let (m, k, dofs, _) = parts();
+            let contacts = vec![Contact::elastic(1, Side::Positive, 0.1, stiffness)];
+            let error = StructuralModel::new(m, k, dofs, contacts).unwrap_err();
+            assert!(matches!(error, ModelError::ContactStiffness { contact: 0, .. }), "{stiffness}: {error}");
+        }
+        assert_eq!(Contact::elastic(1, Side::Positive, 0.1, 4.0).law.compliance(), 0.25);
+        assert_eq!(Contact::rigid(1, Side::Positive, 0.1).law.compliance(), 0.0);
     }
 }

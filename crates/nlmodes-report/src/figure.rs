@@ -1,11 +1,13 @@
 //! Figures: what a reader sees.
 
 mod branch;
+mod convergence;
 mod events;
 mod history;
 mod motion;
 
 pub use branch::{Abscissa, BranchFigure};
+pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
 pub use motion::MotionFigure;
 

@@ -35,7 +35,7 @@
 //!     start: Support::Clamped,
 //!     end: Support::Free,
 //! };
-//! let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: 0.5 };
+//! let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
 //! let model = MasslessContactModel::new(&rod.assemble(&[stop])?, &Drop)?;
 //! let settings = BranchSettings { harmonics: 2, max_energy_ratio: Some(3.0), ..BranchSettings::default() };
 //! let computed = compute_branch(model, &settings, |_| std::ops::ControlFlow::Continue(()))?;

@@ -157,7 +157,8 @@ fn beyond_its_tongues_the_backbone_of_the_beam_changes_little_up_to_20_harmonics
     };
     for hz in [40.3, 41.0, 44.4, 46.4, 50.0] {
         let [a, b] = [&few, &many].map(|branch| energy_at(branch, hz).unwrap());
-        eprintln!("{hz} {}", b / a);
+        // Between its tongues the branch still bends toward them: by 16 % of its energy, half a hertz, at 50 Hz.
+        assert!((b / a - 1.0).abs() < 0.2, "{hz} Hz: {a} with 5, {b} with 20 harmonics");
     }
 }
 

@@ -19,8 +19,11 @@ use crate::config::scene::Scene;
 pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
     let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
     let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
-    let contacts = contact::check(raw, mesh.as_ref(), findings);
+    let mut contacts = contact::check(raw, mesh.as_ref(), findings);
     let method = raw.method.as_ref().and_then(|method| method::check(method, raw, &contacts, findings));
+    if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
+        contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
+    }
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
     let scene = Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),

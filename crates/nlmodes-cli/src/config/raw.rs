@@ -40,7 +40,7 @@ pub struct RawScene {
     pub output: Option<RawOutput>,
 }
 
-/// A rigid stop on one side of a node.
+/// A stop on one side of a node.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawContact {
@@ -56,6 +56,9 @@ pub struct RawContact {
     /// Clearance at rest; 0 touches, a negative one presses
     #[schemars(required, extend("unit" = "m"))]
     pub gap_m: Option<f64>,
+    /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has `method.contact_stiffness_n_m`
+    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
+    pub stiffness_n_m: Option<f64>,
 }
 
 /// Where results go.

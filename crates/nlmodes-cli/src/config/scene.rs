@@ -90,7 +90,7 @@ pub enum Section {
     },
 }
 
-/// A rigid stop on one side of a node.
+/// A stop on one side of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Contact {
     /// Number of the node, 0 at the start.
@@ -103,6 +103,9 @@ pub struct Contact {
     pub side: Side,
     /// Clearance at rest, m; 0 touches, a negative one presses.
     pub gap: f64,
+    /// Contact stiffness, N/m; a rigid stop has none. Always there for [`MethodKind::Hbm`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
 }
 
 /// How the periodic motion is computed.
@@ -125,7 +128,7 @@ pub struct Method {
     pub mass_redistribution: MassRule,
     /// Solver of the contact problem.
     pub contact_solver: ContactSolver,
-    /// Stiffness of the stops, N/m; always there for [`MethodKind::Hbm`].
+    /// Stiffness of the stops that have none of their own, N/m; [`MethodKind::Hbm`] only.
     pub contact_stiffness: Option<f64>,
     /// Time symmetry that the motion is assumed to have.
     pub symmetry: Symmetry,

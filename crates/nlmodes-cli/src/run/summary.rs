@@ -191,7 +191,7 @@ fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
     MethodUsed {
         name: match scene.method.kind {
             MethodKind::MsHbm => "mixed shooting-harmonic balance, massless contact nodes",
-            MethodKind::Hbm => "harmonic balance, elastic stops",
+            MethodKind::Hbm => "harmonic balance, elastic stops, contact nodes in harmonics",
         },
         equations: match computed.largest_unfolding {
             None => "cosine coefficients only (motions even in time): square without a phase anchor",

@@ -39,7 +39,7 @@ pub fn square_beam(height: f64, elements: usize, start: Support, end: Support) -
 }
 
 pub fn stop(position: f64, direction: Direction) -> Stop {
-    Stop { position, direction, side: Side::Positive, gap: 1e-3 }
+    Stop::rigid(position, direction, Side::Positive, 1e-3)
 }
 
 /// Angular frequencies in rad/s of the lowest modes of the pencil.

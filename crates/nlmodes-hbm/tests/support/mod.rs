@@ -8,7 +8,9 @@ use nlmodes_continuation::{Bound, Branch, Continuation, Linearization, Parametri
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes_linalg::{SparseMatrix, sparse_from_triplets};
 use nlmodes_modal::ModalPoint;
-use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+use nlmodes_model::{
+    Contact, ContactLaw, Dof, DofKind, Drop, MassRedistribution, MasslessContactModel, Side, StructuralModel,
+};
 
 /// Clamped-free rod of `elements` linear elements with consistent mass, a stop at each `(node, side, gap)`.
 pub fn rod(elements: usize, ea: f64, rho_a: f64, length: f64, stops: &[(usize, Side, f64)]) -> StructuralModel {
@@ -25,7 +27,7 @@ pub fn rod(elements: usize, ea: f64, rho_a: f64, length: f64, stops: &[(usize, S
         }
     }
     let dofs = (1..=elements).map(|node| Dof { node, position: l * node as f64, kind: DofKind::Axial }).collect();
-    let contacts = stops.iter().map(|&(node, side, gap)| Contact { dof: node - 1, side, gap }).collect();
+    let contacts = stops.iter().map(|&(node, side, gap)| Contact::rigid(node - 1, side, gap)).collect();
     StructuralModel::new(
         sparse_from_triplets(elements, elements, &m).unwrap(),
         sparse_from_triplets(elements, elements, &k).unwrap(),
@@ -48,6 +50,22 @@ pub fn two_element_rod() -> CondensedStructure {
 pub fn condense(model: &StructuralModel) -> CondensedStructure {
     let n = model.dofs().len();
     CondensedStructure::new(MasslessContactModel::new(model, &Drop).unwrap(), n).unwrap()
+}
+
+/// The same structure with its stops on springs of the given stiffness; one that is not finite stays rigid.
+pub fn on_springs(model: &StructuralModel, stiffness: &[f64]) -> StructuralModel {
+    let contacts = model.contacts().iter().zip(stiffness).map(|(c, &stiffness)| Contact {
+        law: if stiffness.is_finite() { ContactLaw::Elastic { stiffness } } else { ContactLaw::Rigid },
+        ..*c
+    });
+    StructuralModel::new(model.mass().clone(), model.stiffness().clone(), model.dofs().to_vec(), contacts.collect())
+        .unwrap()
+}
+
+/// Conventional harmonic balance: the contact nodes move in harmonics, with their mass or without.
+pub fn condense_tips(model: &StructuralModel, rule: Option<&dyn MassRedistribution>) -> CondensedStructure {
+    let n = model.dofs().len();
+    CondensedStructure::new(MasslessContactModel::with_spring_tips(model, rule).unwrap(), n).unwrap()
 }
 
 pub fn problem<'s>(

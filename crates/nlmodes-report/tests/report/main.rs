@@ -1,6 +1,7 @@
 //! What the files and figures of this crate hold, read back.
 
 mod branches;
+mod convergences;
 mod histories;
 mod motions;
 mod samples;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
+use nlmodes_model::ContactCoordinates;
 
 use super::prepare::problem;
 use super::trace::Tracer;
@@ -132,7 +133,7 @@ pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoin
 }
 
 /// Name of a branch in legends.
-pub(super) fn label(settings: &BranchSettings) -> String {
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
     }
@@ -141,7 +142,11 @@ pub(super) fn label(settings: &BranchSettings) -> String {
         Switching::Exact => String::new(),
         Switching::Sampled { samples } => format!(", {samples} samples"),
     };
-    format!("MS-HBM, {} harmonic{plural}{sampled}", settings.harmonics)
+    let method = match coordinates {
+        ContactCoordinates::Nodes => "MS-HBM",
+        ContactCoordinates::SpringTips => "HBM",
+    };
+    format!("{method}, {} harmonic{plural}{sampled}", settings.harmonics)
 }
 
 /// Why a branch of so many points ended, in words.

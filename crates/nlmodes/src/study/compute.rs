@@ -39,7 +39,8 @@ pub fn compute_branch(
     Ok(tree.branches.swap_remove(0))
 }
 
-/// Computes the nonlinear mode of `model` by MS-HBM, with all branches that the settings ask for.
+/// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact nodes are massless,
+/// by conventional HBM where it was made with spring tips.
 ///
 /// # Errors
 /// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -64,7 +65,11 @@ pub fn compute_tree(
     };
     let branches = traced.into_iter().enumerate().map(|(number, traced)| {
         let Traced { found, end, origin } = traced;
-        let name = if number == 0 { label(settings) } else { format!("branch {number}") };
+        let name = if number == 0 {
+            label(settings, structure.model().contact_coordinates())
+        } else {
+            format!("branch {number}")
+        };
         let unknowns: Vec<Vec<f64>> = found.unknowns;
         let unfolding = unknowns.iter().filter_map(|x| tracer.problem.unfolding(x)).map(f64::abs);
         ComputedBranch {

@@ -25,7 +25,7 @@ pub fn rod(elements: usize, mass_matrix: MassMatrix) -> MasslessContactModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: 20.0, direction: Direction::Axial, side: Side::Positive, gap: ROD_GAP };
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, ROD_GAP);
     MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
 }
 
@@ -39,7 +39,7 @@ pub fn beam(youngs_modulus: f64) -> StructuralModel {
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop { position: BEAM_LENGTH, direction: Direction::Transverse, side: Side::Positive, gap: BEAM_GAP };
+    let stop = Stop::rigid(BEAM_LENGTH, Direction::Transverse, Side::Positive, BEAM_GAP);
     beam.assemble(&[stop]).unwrap()
 }
 

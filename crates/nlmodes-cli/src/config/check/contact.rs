@@ -31,7 +31,14 @@ pub fn check(raw: &RawScene, mesh: Option<&Mesh>, findings: &mut Findings<'_>) -
 }
 
 fn plain(raw: &RawContact, node: usize, at: f64) -> Option<Contact> {
-    Some(Contact { node, at, direction: raw.direction?, side: raw.side?, gap: raw.gap_m? })
+    Some(Contact {
+        node,
+        at,
+        direction: raw.direction?,
+        side: raw.side?,
+        gap: raw.gap_m?,
+        stiffness: raw.stiffness_n_m,
+    })
 }
 
 /// Whether the structure moves in the direction of the contact at all.

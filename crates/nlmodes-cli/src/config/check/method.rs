@@ -14,10 +14,10 @@ pub fn check(
 ) -> Option<Method> {
     let kind = method.kind.unwrap_or(MethodKind::MsHbm);
     let mass_rule = mass_rule(method, kind, findings);
-    let stiffness = stiffness(method, kind, findings);
+    let stiffness = stiffness(method, scene, kind, findings);
     let samples = samples(method, findings);
     let mode = method.mode.map_or(1, |mode| mode as usize);
-    check_modes(mode, method.held_modes, modes(scene, mass_rule, contacts), findings);
+    check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
     Some(Method {
         kind,
         mode,
@@ -48,10 +48,14 @@ fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
     rule
 }
 
-fn stiffness(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
+/// Contact stiffness of the stops that have none of their own; only harmonic balance has such a default.
+fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
     let path = "method.contact_stiffness_n_m";
+    let contacts = scene.contact.as_deref().unwrap_or_default();
+    let each_has_its_own =
+        !contacts.is_empty() && (0..contacts.len()).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
     match kind {
-        MethodKind::Hbm if !findings.has(path) => {
+        MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
             let problem = Problem::error(format!("`{path}` is missing"));
             let problem = problem.help("hbm needs elastic stops; method.kind = \"ms-hbm\" takes rigid ones");
             findings.put(
@@ -62,7 +66,7 @@ fn stiffness(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
         }
         MethodKind::MsHbm if findings.has(path) => {
             let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "the stops of ms-hbm are rigid; only method.kind = \"hbm\" uses it");
+            findings.put(path, problem, "only method.kind = \"hbm\" uses it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
         }
         _ => {}
     }
@@ -97,8 +101,9 @@ fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
     Some(samples)
 }
 
-/// Number of linear modes of the structure, and of those with the contacts held; `None` if the mesh is not known.
-fn modes(scene: &RawScene, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
+/// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None` if the mesh is
+/// not known.
+fn modes(scene: &RawScene, kind: MethodKind, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
     let structure = scene.structure.as_ref()?;
     let ends = [structure.start?, structure.end.unwrap_or(Support::Free)];
     let dofs = free_dofs(structure.kind?, structure.elements? as usize, ends);
@@ -106,7 +111,8 @@ fn modes(scene: &RawScene, mass_rule: MassRule, contacts: &[Contact]) -> Option<
     places.sort_unstable();
     places.dedup();
     let held = dofs.saturating_sub(places.len());
-    Some([if mass_rule == MassRule::None { dofs } else { held }, held])
+    let free = if mass_rule == MassRule::None { dofs } else { held };
+    Some([free, if kind == MethodKind::Hbm { free } else { held }])
 }
 
 fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {

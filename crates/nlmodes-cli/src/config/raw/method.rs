@@ -33,7 +33,7 @@ pub struct RawMethod {
     /// Solver of the contact problem
     #[schemars(extend("default" = "active-set"))]
     pub contact_solver: Option<ContactSolver>,
-    /// Stiffness of the stops, for hbm
+    /// Contact stiffness of the stops that have no `stiffness_n_m` of their own, for hbm
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub contact_stiffness_n_m: Option<f64>,
     /// Time symmetry that the motion is assumed to have
