@@ -3,7 +3,7 @@ use std::fmt;
 use crate::ModalPoint;
 
 /// Share of the averaged kinetic energy in one harmonic above the first from which on it counts as resonant.
-pub const RESONANT_SHARE: f64 = 0.2;
+pub const RESONANT_SHARE: f64 = 0.25;
 
 /// An internal resonance `n : mode k`: harmonic n of the motion excites linear mode k.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -127,7 +127,7 @@ fn a_skipped_tongue_leaves_the_backbone_as_it_is() {
     let tongues = computed.tongues();
     assert_eq!(tongues.len(), 1);
     assert!(tongues[0].skipped && tongues[0].resonance.to_string() == "3:mode 2");
-    assert!(computed.branch.points.iter().all(|p| p.harmonic_share(3) < 0.21));
+    assert!(computed.branch.points.iter().all(|p| p.harmonic_share(3) < 0.25));
     let (end, expected) = (last(computed), last(&followed));
     assert!((end.omega / expected.omega - 1.0).abs() < 1e-10);
     assert!((end.kinetic_energy / expected.kinetic_energy - 1.0).abs() < 1e-8);
