@@ -54,12 +54,12 @@ impl<M: Method> LcpWorkspace for Session<M> {
         self.check_length("b", b.len())?;
         self.check_length("closed contacts", closed.len())?;
         self.check_length("lambda", lambda.len())?;
-        let outcome = if self.sample.load(b)? {
+        if let Some(verdict) = self.sample.begin(b)? {
             closed.fill(false);
-            Outcome { iterations: 0, verdict: self.sample.judge(), infeasible: false }
-        } else {
-            self.method.run(&mut self.sample, closed)
-        };
+            lambda.fill(0.0);
+            return Ok(LcpStatistics { iterations: 0, violation: verdict.violation() });
+        }
+        let outcome = self.method.run(&mut self.sample, closed);
         if !self.sample.unload_forces(lambda) && outcome.verdict.is_accepted() {
             return Err(LcpError::OutOfRange);
         }
