@@ -265,9 +265,10 @@ mod tests {
                 assert_eq!((z[at], rescale(0.5, &mut z, &y)), (-6.0, 9.0));
                 assert!(scaled_products(&x, 2.0, &y, &mut z));
                 assert_eq!(z[at], -12.0);
-                for tiny in [1e-310, -1e-310, f64::MAX] {
-                    x[at] = tiny;
-                    assert!(!scaled_products(&x, 2.0, &y, &mut z));
+                for abnormal in [1e-310, -1e-310, f64::MAX] {
+                    z.copy_from_slice(&ones);
+                    z[at] = abnormal;
+                    assert!(!scaled_products(&z, 2.0, &y, &mut vec![0.0; n]));
                 }
                 assert_eq!(max_abs_min(&x, &ones, &y, &ones), 2.0);
                 x[at] = f64::INFINITY;

@@ -97,6 +97,17 @@ impl Sample {
         self.matrix.violation(self.size, &self.lambda, &self.gap)
     }
 
+    /// What rounding the forces and summing up `A λ + b` may contribute to the violation.
+    pub(crate) fn rounding(&self) -> f64 {
+        let c = self.b.len();
+        let row = |i: usize| {
+            let column = self.matrix.column(i).iter();
+            column.zip(&self.lambda).fold(self.b[i].abs(), |sum, (a, l)| sum + (a * l).abs())
+        };
+        let mut sums: Vec<f64> = (0..c).map(row).collect();
+        0.5 * f64::EPSILON * (c + 2) as f64 * self.matrix.rescale(1.0, &mut sums) / self.size
+    }
+
     pub(crate) fn refresh_gaps(&mut self) {
         self.matrix.gap(&self.b, &self.lambda, &mut self.gap);
     }

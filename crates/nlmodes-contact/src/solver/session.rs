@@ -45,6 +45,10 @@ impl<M: Method> Session<M> {
             return LcpError::Infeasible { ray: self.sample.ray() };
         }
         let (iterations, violation) = (outcome.iterations, outcome.verdict.violation());
+        let rounding = self.sample.rounding();
+        if violation <= rounding {
+            return LcpError::Rounding { solver: M::NAME, violation, rounding, lambda: lambda.to_vec() };
+        }
         LcpError::NotConverged { solver: M::NAME, iterations, violation, lambda: lambda.to_vec() }
     }
 }
