@@ -91,7 +91,7 @@ pub enum LcpError {
     /// The best forces solve the problem as far as floating-point numbers can tell, but they are so large, because the contacts
     /// are nearly redundant, that their rounding alone may move the gaps by more than the judge allows.
     ///
-    /// Forces of about `1e6 max |b|` (scaled) and more are too large.
+    /// That begins at forces of about `1e5 max |b|` (scaled): contacts that are redundant but for 1e-5 of their compliance.
     #[error(
         "contact solver `{solver}`: the contacts are so nearly redundant that forces cannot be told exactly enough: \
          violation {violation:e}, of which rounding explains up to {rounding:e}"

@@ -56,9 +56,9 @@
 //! these passes and that a backend from elsewhere can be put through in one line.
 //!
 //! All of them pass the whole suite, `closed-form` its problems of one contact. They decline with an error, never in silence,
-//! what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows (about 1e6 times
-//! `max |b|` in scaled units). Without their polish, `proximal` declines conditions above about 1e6 and `clarabel` most
-//! problems in which a gap and its force both vanish.
+//! what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows, from about 1e5 times
+//! `max |b|` in scaled units on ([`LcpError::Rounding`]). Without their polish, `proximal` declines conditions above about 1e6
+//! and `clarabel` most problems in which a gap and its force both vanish.
 //!
 //! # References
 //! - E. L. Keller, The general quadratic optimization problem, Math. Program. 5 (1973) 311-337.
