@@ -97,10 +97,10 @@ pub(crate) fn any(flags: &[bool]) -> bool {
     eights.iter().any(|flags| u64::from_le_bytes(flags.map(u8::from)) != 0) || rest.contains(&true)
 }
 
-/// Whether an entry is negative or NaN.
-pub(crate) fn any_negative(x: &[f64]) -> bool {
+/// Whether no entry is negative or NaN.
+pub(crate) fn none_negative(x: &[f64]) -> bool {
     let (x8, rest) = x.as_chunks::<8>();
-    x8.iter().any(|v| v.iter().fold(false, |any, v| any | !(*v >= 0.0))) || rest.iter().any(|v| !(*v >= 0.0))
+    x8.iter().all(|v| v.iter().fold(true, |none, v| none & (*v >= 0.0))) && rest.iter().all(|v| *v >= 0.0)
 }
 
 /// What the entries of a vector lie between.
@@ -256,7 +256,7 @@ mod tests {
                 let (mut x, y, ones) = (vec![0.5; n], vec![3.0; n], vec![1.0; n]);
                 x[at] = -2.0;
                 assert_eq!(max_abs(&x), 2.0);
-                assert!(any_negative(&x) && !any_negative(&y));
+                assert!(!none_negative(&x) && none_negative(&y));
                 let flags: Vec<bool> = x.iter().map(|v| *v < 0.0).collect();
                 assert!(any(&flags) && !any(&vec![false; n]));
                 let mut z = vec![0.0; n];
@@ -273,10 +273,10 @@ mod tests {
                 assert_eq!(max_abs_min(&x, &ones, &y, &ones), 2.0);
                 x[at] = f64::INFINITY;
                 assert!(max_abs_min(&x, &ones, &y, &ones).is_nan());
-                assert!(!any_negative(&x));
+                assert!(none_negative(&x));
                 assert!(products(&x, &y, &mut z).is_none());
                 x[at] = f64::NAN;
-                assert!(any_negative(&x));
+                assert!(!none_negative(&x));
                 assert!(products(&x, &y, &mut z).is_none());
                 x.fill(f64::MAX);
                 assert!(products(&x, &ones, &mut z).is_some());

@@ -114,7 +114,7 @@ impl Sample {
 
     /// Puts out negative forces, judging again if there were any.
     pub(crate) fn clamp(&mut self, verdict: Verdict) -> Verdict {
-        if !kernel::any_negative(&self.lambda) {
+        if kernel::none_negative(&self.lambda) {
             return verdict;
         }
         for l in &mut self.lambda {
