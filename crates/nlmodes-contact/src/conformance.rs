@@ -123,7 +123,9 @@ fn check_outcome(
         (Err(LcpError::Infeasible { ray }), Expected::Infeasible) => {
             check_ray(matrix, &case.b, &ray).map(|()| Ending::Infeasible)
         }
-        (Err(LcpError::NotConverged { violation, lambda, .. }), _) if may_decline => {
+        (Err(LcpError::NotConverged { violation, lambda, .. } | LcpError::Rounding { violation, lambda, .. }), _)
+            if may_decline =>
+        {
             check_best_iterate(matrix, &case.b, &lambda, violation).map(|()| Ending::Declined)
         }
         (Err(error), _) => Err(error.to_string()),

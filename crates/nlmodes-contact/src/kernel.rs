@@ -91,17 +91,91 @@ pub(crate) fn max_abs(x: &[f64]) -> f64 {
     lanes.iter().chain(rest).fold(0.0, |m, v| larger(v.abs(), m))
 }
 
-/// `max |x_i p_i|`. NaN is passed over.
-pub(crate) fn max_abs_product(x: &[f64], p: &[f64]) -> f64 {
-    let ((x4, x_rest), (p4, p_rest)) = (x.as_chunks::<4>(), p.as_chunks::<4>());
-    let mut lanes = [0.0; 4];
-    for (x, p) in x4.iter().zip(p4) {
+/// Whether any of the flags is set.
+pub(crate) fn any(flags: &[bool]) -> bool {
+    let (eights, rest) = flags.as_chunks::<8>();
+    eights.iter().any(|flags| u64::from_le_bytes(flags.map(u8::from)) != 0) || rest.contains(&true)
+}
+
+/// Whether no entry is negative or NaN.
+pub(crate) fn none_negative(x: &[f64]) -> bool {
+    let (x8, rest) = x.as_chunks::<8>();
+    x8.iter().all(|v| v.iter().fold(true, |none, v| none & (*v >= 0.0))) && rest.iter().all(|v| *v >= 0.0)
+}
+
+/// What the entries of a vector lie between.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    /// `max |x_i|`.
+    pub(crate) largest: f64,
+    /// `min x_i`, zero for an empty vector.
+    pub(crate) least: f64,
+}
+
+/// `z_i = x_i p_i` and their extent. None if a product is not finite.
+pub(crate) fn products(x: &[f64], p: &[f64], z: &mut [f64]) -> Option<Extent> {
+    let ((x4, x_rest), (p4, p_rest), (z4, z_rest)) = (x.as_chunks::<4>(), p.as_chunks::<4>(), z.as_chunks_mut::<4>());
+    let (mut largest, mut least, mut sum) = ([0.0; 4], [f64::INFINITY; 4], [0.0; 4]);
+    for ((x, p), z) in x4.iter().zip(p4).zip(z4) {
         for l in 0..4 {
+            z[l] = x[l] * p[l];
+            largest[l] = larger(z[l].abs(), largest[l]);
+            least[l] = smaller(z[l], least[l]);
+            sum[l] += z[l].abs();
+        }
+    }
+    for ((x, p), v) in x_rest.iter().zip(p_rest).zip(z_rest) {
+        *v = x * p;
+        largest[0] = larger(v.abs(), largest[0]);
+        least[0] = smaller(*v, least[0]);
+        sum[0] += v.abs();
+    }
+    // A finite sum has finite terms; one that is not may have overflowed.
+    let finite = sum.iter().all(|s| s.is_finite()) || all_finite(&z[..x.len()]);
+    let extent = Extent {
+        largest: max_abs(&largest),
+        least: if x.is_empty() { 0.0 } else { least.iter().copied().fold(f64::INFINITY, f64::min) },
+    };
+    finite.then_some(extent)
+}
+
+/// `x ← f x`. Returns `max |x_i p_i|`; NaN is passed over.
+pub(crate) fn rescale(f: f64, x: &mut [f64], p: &[f64]) -> f64 {
+    let ((x4, x_rest), (p4, p_rest)) = (x.as_chunks_mut::<4>(), p.as_chunks::<4>());
+    let mut lanes = [0.0; 4];
+    for (x, p) in x4.iter_mut().zip(p4) {
+        for l in 0..4 {
+            x[l] *= f;
             lanes[l] = larger((x[l] * p[l]).abs(), lanes[l]);
         }
     }
-    let rest = x_rest.iter().zip(p_rest).fold(0.0, |m, (x, p)| larger((x * p).abs(), m));
-    larger(rest, max_abs(&lanes))
+    for (x, p) in x_rest.iter_mut().zip(p_rest) {
+        *x *= f;
+        lanes[0] = larger((*x * p).abs(), lanes[0]);
+    }
+    max_abs(&lanes)
+}
+
+/// `z_i = (x_i f) p_i`. Tells whether all that are not zero are normal numbers.
+pub(crate) fn scaled_products(x: &[f64], f: f64, p: &[f64], z: &mut [f64]) -> bool {
+    let ((x4, x_rest), (p4, p_rest), (z4, z_rest)) = (x.as_chunks::<4>(), p.as_chunks::<4>(), z.as_chunks_mut::<4>());
+    let (mut least, mut largest) = ([1.0; 4], [0.0; 4]);
+    let mut take = |l: usize, x: f64, p: f64| {
+        let z = (x * f) * p;
+        let size = z.abs();
+        least[l] = smaller(if x == 0.0 { 1.0 } else { size }, least[l]);
+        largest[l] = larger(size, largest[l]);
+        z
+    };
+    for ((x, p), z) in x4.iter().zip(p4).zip(z4) {
+        for l in 0..4 {
+            z[l] = take(l, x[l], p[l]);
+        }
+    }
+    for ((x, p), z) in x_rest.iter().zip(p_rest).zip(z_rest) {
+        *z = take(0, *x, *p);
+    }
+    least.iter().all(|l| *l >= f64::MIN_POSITIVE) && largest.iter().all(|l| *l <= f64::MAX)
 }
 
 /// The larger one; the second if one is NaN.
@@ -182,10 +256,30 @@ mod tests {
                 let (mut x, y, ones) = (vec![0.5; n], vec![3.0; n], vec![1.0; n]);
                 x[at] = -2.0;
                 assert_eq!(max_abs(&x), 2.0);
-                assert_eq!(max_abs_product(&x, &y), 6.0);
+                assert!(!none_negative(&x) && none_negative(&y));
+                let flags: Vec<bool> = x.iter().map(|v| *v < 0.0).collect();
+                assert!(any(&flags) && !any(&vec![false; n]));
+                let mut z = vec![0.0; n];
+                let extent = products(&x, &y, &mut z).unwrap();
+                assert_eq!((extent.largest, extent.least), (6.0, -6.0));
+                assert_eq!((z[at], rescale(0.5, &mut z, &y)), (-6.0, 9.0));
+                assert!(scaled_products(&x, 2.0, &y, &mut z));
+                assert_eq!(z[at], -12.0);
+                for abnormal in [1e-310, -1e-310, f64::MAX] {
+                    z.copy_from_slice(&ones);
+                    z[at] = abnormal;
+                    assert!(!scaled_products(&z, 2.0, &y, &mut vec![0.0; n]));
+                }
                 assert_eq!(max_abs_min(&x, &ones, &y, &ones), 2.0);
                 x[at] = f64::INFINITY;
                 assert!(max_abs_min(&x, &ones, &y, &ones).is_nan());
+                assert!(none_negative(&x));
+                assert!(products(&x, &y, &mut z).is_none());
+                x[at] = f64::NAN;
+                assert!(!none_negative(&x));
+                assert!(products(&x, &y, &mut z).is_none());
+                x.fill(f64::MAX);
+                assert!(products(&x, &ones, &mut z).is_some());
             }
         }
     }

@@ -51,13 +51,14 @@
 //! | `lemke` | [`Lemke`] | an exact second opinion up to a few hundred contacts |
 //! | `closed-form` | [`ClosedForm`] | one contact; `active-set` takes it by itself |
 //!
-//! [`Series`] solves the samples of a period with one matrix and warm starts. [`conformance`] holds the suite that each of
+//! [`Series`] solves the samples of a period with one matrix and warm starts, and gives the derivatives of forces, gaps and
+//! displacements at each. [`ContactBody`] makes the problem from directions, compliance and gaps of a body. [`conformance`] holds the suite that each of
 //! these passes and that a backend from elsewhere can be put through in one line.
 //!
 //! All of them pass the whole suite, `closed-form` its problems of one contact. They decline with an error, never in silence,
-//! what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows (about 1e6 times
-//! `max |b|` in scaled units). Without their polish, `proximal` declines conditions above about 1e6 and `clarabel` most
-//! problems in which a gap and its force both vanish.
+//! what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows, from about 1e5 times
+//! `max |b|` in scaled units on ([`LcpError::Rounding`]). Without their polish, `proximal` declines conditions above about 1e6
+//! and `clarabel` most problems in which a gap and its force both vanish.
 //!
 //! # References
 //! - E. L. Keller, The general quadratic optimization problem, Math. Program. 5 (1973) 311-337.
@@ -72,6 +73,7 @@
 //!   arXiv:2405.12762.
 
 mod block;
+mod body;
 pub mod conformance;
 mod error;
 mod factor;
@@ -83,6 +85,7 @@ mod series;
 mod solver;
 
 pub use block::ClosedBlock;
+pub use body::{ClosedResponse, ContactBody};
 pub use error::LcpError;
 pub use nlmodes_linalg::Mat;
 pub use problem::LcpMatrix;

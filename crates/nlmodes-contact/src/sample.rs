@@ -51,26 +51,32 @@ impl Sample {
         &self.matrix
     }
 
-    /// Takes over `b` (m) and forgets everything else. Tells whether no contact needs a force.
-    pub(crate) fn load(&mut self, b: &[f64]) -> Result<bool, LcpError> {
-        self.lambda.fill(0.0);
-        for ((scaled, b), unit) in self.b.iter_mut().zip(b).zip(self.matrix.gap_unit()) {
-            *scaled = b * unit;
+    /// Takes over `b` (m), forgets everything else. A verdict if no contact needs a force: there is nothing to solve.
+    pub(crate) fn begin(&mut self, b: &[f64]) -> Result<Option<Verdict>, LcpError> {
+        let extent = kernel::products(b, self.matrix.gap_unit(), &mut self.b);
+        let extent = extent.ok_or(LcpError::NotFinite { what: "b" })?;
+        if extent.least >= 0.0 {
+            // λ = 0 and g = b ≥ 0 violate nothing. `unload_gaps` undoes the units only.
+            self.gap.copy_from_slice(&self.b);
+            self.scale = 1.0;
+            return Ok(Some(Verdict { violation: 0.0 }));
         }
-        if !kernel::all_finite(&self.b) {
-            return Err(LcpError::NotFinite { what: "b" });
-        }
-        let size = kernel::max_abs(&self.b);
-        let e = if size > 0.0 { exponent(size) } else { 0 };
-        let inverse = power_of_two(-e);
+        self.scale_down(extent.largest);
+        Ok(None)
+    }
+
+    /// Takes over `b` (m), forgets everything else.
+    pub(crate) fn load(&mut self, b: &[f64]) -> Result<(), LcpError> {
+        let extent = kernel::products(b, self.matrix.gap_unit(), &mut self.b);
+        self.scale_down(extent.ok_or(LcpError::NotFinite { what: "b" })?.largest);
+        Ok(())
+    }
+
+    fn scale_down(&mut self, largest: f64) {
+        let e = if largest > 0.0 { exponent(largest) } else { 0 };
         self.scale = power_of_two(e);
-        let mut open = true;
-        for b in &mut self.b {
-            *b *= inverse;
-            open &= *b >= 0.0;
-        }
-        self.size = self.matrix.size(&self.b);
-        Ok(open)
+        self.size = self.matrix.rescale(power_of_two(-e), &mut self.b);
+        self.lambda.fill(0.0);
     }
 
     /// Takes over `lambda` (N).
@@ -91,13 +97,24 @@ impl Sample {
         self.matrix.violation(self.size, &self.lambda, &self.gap)
     }
 
+    /// What rounding the forces and summing up `A λ + b` may contribute to the violation.
+    pub(crate) fn rounding(&self) -> f64 {
+        let c = self.b.len();
+        let row = |i: usize| {
+            let column = self.matrix.column(i).iter();
+            column.zip(&self.lambda).fold(self.b[i].abs(), |sum, (a, l)| sum + (a * l).abs())
+        };
+        let mut sums: Vec<f64> = (0..c).map(row).collect();
+        0.5 * f64::EPSILON * (c + 2) as f64 * self.matrix.rescale(1.0, &mut sums) / self.size
+    }
+
     pub(crate) fn refresh_gaps(&mut self) {
         self.matrix.gap(&self.b, &self.lambda, &mut self.gap);
     }
 
     /// Puts out negative forces, judging again if there were any.
     pub(crate) fn clamp(&mut self, verdict: Verdict) -> Verdict {
-        if self.lambda.iter().all(|l| *l >= 0.0) {
+        if kernel::none_negative(&self.lambda) {
             return verdict;
         }
         for l in &mut self.lambda {
@@ -129,18 +146,13 @@ impl Sample {
 
     /// Writes the forces in N. False if one of them overflows or underflows there.
     pub(crate) fn unload_forces(&self, lambda: &mut [f64]) -> bool {
-        let mut fits = true;
-        for ((out, l), unit) in lambda.iter_mut().zip(&self.lambda).zip(self.matrix.force_unit()) {
-            *out = (l * self.scale) * unit;
-            fits &= *l == 0.0 || (out.abs() >= f64::MIN_POSITIVE && out.abs() <= f64::MAX);
-        }
-        fits
+        kernel::scaled_products(&self.lambda, self.scale, self.matrix.force_unit(), lambda)
     }
 
     /// Writes the gaps in m.
     pub(crate) fn unload_gaps(&self, gaps: &mut [f64]) {
-        for ((out, g), unit) in gaps.iter_mut().zip(&self.gap).zip(self.matrix.gap_unit()) {
-            *out = (g * self.scale) / unit;
+        for ((out, g), inverse) in gaps.iter_mut().zip(&self.gap).zip(self.matrix.inverse_gap_unit()) {
+            *out = (g * self.scale) * inverse;
         }
     }
 }

@@ -15,6 +15,7 @@ pub(crate) struct Scaled {
     entries: Vec<f64>,
     /// `S`: `b` and `g` scaled are `S b` and `S g`.
     gap_unit: Vec<f64>,
+    inverse_gap_unit: Vec<f64>,
     /// `F`: `λ = F λ_scaled`.
     force_unit: Vec<f64>,
     /// Square roots of the scaled diagonal, in `[1, 2)`, and their inverses: the step to an exact unit diagonal.
@@ -33,7 +34,8 @@ impl Scaled {
         }
         let root: Vec<f64> = (0..c).map(|i| entries[i * c + i]).map(|d| if d > 0.0 { d.sqrt() } else { 1.0 }).collect();
         let inverse_root = root.iter().map(|r| 1.0 / r).collect();
-        Self { c, entries, gap_unit, force_unit, root, inverse_root }
+        let inverse_gap_unit = gap_unit.iter().map(|u| 1.0 / u).collect();
+        Self { c, entries, gap_unit, inverse_gap_unit, force_unit, root, inverse_root }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
@@ -57,6 +59,11 @@ impl Scaled {
         &self.gap_unit
     }
 
+    /// Exact, as all units are powers of two.
+    pub(crate) fn inverse_gap_unit(&self) -> &[f64] {
+        &self.inverse_gap_unit
+    }
+
     pub(crate) fn force_unit(&self) -> &[f64] {
         &self.force_unit
     }
@@ -67,9 +74,9 @@ impl Scaled {
         kernel::add_columns(lambda, |j| self.column(j), g);
     }
 
-    /// The size of `b` with the diagonal of `A` scaled to one exactly: `max |D b|`.
-    pub(crate) fn size(&self, b: &[f64]) -> f64 {
-        kernel::max_abs_product(b, &self.inverse_root)
+    /// `b ← f b`. Returns the size of `b` with the diagonal of `A` scaled to one exactly: `max |D b|`.
+    pub(crate) fn rescale(&self, f: f64, b: &mut [f64]) -> f64 {
+        kernel::rescale(f, b, &self.inverse_root)
     }
 
     /// The judge: `max |min(D⁻¹ λ, D g)| / size` with the diagonal of `A` scaled to one exactly.

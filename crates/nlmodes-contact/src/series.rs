@@ -6,7 +6,7 @@ use nlmodes_linalg::Mat;
 
 pub use solution::SeriesSolution;
 
-use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace};
+use crate::{ClosedResponse, ContactBody, LcpError, LcpMatrix, LcpSolver, LcpWorkspace, body::response_of_gaps};
 
 /// Where the search for the closed contacts of a sample begins.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -35,17 +35,18 @@ pub enum Start {
 /// series.solve(&b, Start::PreviousSample, &mut solution)?;
 /// assert_eq!(solution.closed(1), [true, false]);
 /// assert!((solution.lambda(1)[0] - 500.0).abs() < 1e-9);
-/// let derivative = series.sensitivity(solution.closed(1))?;
-/// assert!((derivative[(0, 0)] + 5e5).abs() < 1e-6);
+/// let response = series.response(solution.closed(1))?;
+/// assert!((response.lambda[(0, 0)] + 5e5).abs() < 1e-6 && (response.gaps[(1, 0)] + 0.5).abs() < 1e-12);
 /// # Ok::<(), nlmodes_contact::LcpError>(())
 /// ```
 pub struct Series {
     matrix: LcpMatrix,
+    body: Option<ContactBody>,
     workspace: Box<dyn LcpWorkspace>,
-    sensitivities: HashMap<Box<[bool]>, Arc<Mat<f64>>>,
+    responses: HashMap<Box<[bool]>, Arc<ClosedResponse>>,
 }
 
-/// Bytes of sensitivities kept.
+/// Bytes of derivatives kept.
 const BUDGET_BYTES: usize = 128 << 20;
 
 impl std::fmt::Debug for Series {
@@ -61,7 +62,15 @@ impl Series {
     /// [`LcpError`] if the backend cannot treat the matrix.
     pub fn new(matrix: &LcpMatrix, solver: &dyn LcpSolver) -> Result<Self, LcpError> {
         let workspace = solver.workspace(matrix)?;
-        Ok(Self { matrix: matrix.clone(), workspace, sensitivities: HashMap::new() })
+        Ok(Self { matrix: matrix.clone(), body: None, workspace, responses: HashMap::new() })
+    }
+
+    /// Prepares `solver` for the contacts of a body: [`Series::response`] then tells how its displacements follow.
+    ///
+    /// # Errors
+    /// [`LcpError`] if the backend cannot treat the matrix.
+    pub fn of_body(body: &ContactBody, solver: &dyn LcpSolver) -> Result<Self, LcpError> {
+        Ok(Self { body: Some(body.clone()), ..Self::new(body.matrix(), solver)? })
     }
 
     /// The matrix of the series.
@@ -102,20 +111,28 @@ impl Series {
         self.workspace.gaps(&mut solution.gaps[range])
     }
 
-    /// [`LcpMatrix::sensitivity`], computed once per closed set: few distinct ones occur in a period.
+    /// Derivatives of forces, gaps and displacements with the closed contacts of a sample, `solution.closed(sample)`: see
+    /// [`ContactBody::response`]. Computed once per closed set: few distinct ones occur in a period.
+    ///
+    /// Without a body the displacements are the gaps, `u = g` and `u_free = b`.
     ///
     /// # Errors
     /// [`LcpError::Dimension`] if `closed` has not c entries.
-    pub fn sensitivity(&mut self, closed: &[bool]) -> Result<Arc<Mat<f64>>, LcpError> {
-        if let Some(known) = self.sensitivities.get(closed) {
+    pub fn response(&mut self, closed: &[bool]) -> Result<Arc<ClosedResponse>, LcpError> {
+        if let Some(known) = self.responses.get(closed) {
             return Ok(known.clone());
         }
-        let derivative = Arc::new(self.matrix.sensitivity(closed)?);
-        if (self.sensitivities.len() + 1) * closed.len() * closed.len() * 8 > BUDGET_BYTES {
-            self.sensitivities.clear();
+        let response = Arc::new(match &self.body {
+            Some(body) => body.response(closed)?,
+            None => response_of_gaps(&self.matrix, closed)?,
+        });
+        let entries = |m: &Mat<f64>| m.nrows() * m.ncols();
+        let entries = entries(&response.lambda) + entries(&response.gaps) + entries(&response.blocked);
+        if (self.responses.len() + 1) * entries * size_of::<f64>() > BUDGET_BYTES {
+            self.responses.clear();
         }
-        self.sensitivities.insert(closed.into(), derivative.clone());
-        Ok(derivative)
+        self.responses.insert(closed.into(), response.clone());
+        Ok(response)
     }
 }
 
@@ -167,22 +184,26 @@ mod tests {
     }
 
     #[test]
-    fn sensitivities_are_central_differences_of_the_forces() {
+    fn responses_are_central_differences_of_forces_and_gaps() {
         let (matrix, b) = (smooth(12), wave());
         let mut series = Series::new(&matrix, &crate::ActiveSet::default()).unwrap();
         let mut solution = SeriesSolution::default();
         series.solve(&b, Start::default(), &mut solution).unwrap();
-        let derivative = series.sensitivity(solution.closed(3)).unwrap();
-        let mut forces = |step: f64| {
+        let response = series.response(solution.closed(3)).unwrap();
+        assert!(Arc::ptr_eq(&response, &series.response(solution.closed(3)).unwrap()));
+        let mut moved = |step: f64| {
             let mut moved = b[36..48].to_vec();
             moved[4] += step;
             series.solve(&moved, Start::Cold, &mut solution).unwrap();
-            solution.lambda(0).to_vec()
+            (solution.lambda(0).to_vec(), solution.gaps(0).to_vec())
         };
-        let (above, below) = (forces(1e-8), forces(-1e-8));
+        let (above, below) = (moved(1e-8), moved(-1e-8));
         for i in 0..12 {
-            let difference = (above[i] - below[i]) / 2e-8;
-            approx::assert_relative_eq!(derivative[(i, 4)], difference, epsilon = 1e-6, max_relative = 1e-6);
+            let forces = (above.0[i] - below.0[i]) / 2e-8;
+            approx::assert_relative_eq!(response.lambda[(i, 4)], forces, epsilon = 1e-6, max_relative = 1e-6);
+            let gaps = (above.1[i] - below.1[i]) / 2e-8;
+            approx::assert_abs_diff_eq!(response.gaps[(i, 4)], gaps, epsilon = 1e-6);
+            approx::assert_abs_diff_eq!(response.displacement()[(i, 4)], gaps, epsilon = 1e-6);
         }
     }
 }

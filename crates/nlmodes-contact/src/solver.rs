@@ -31,7 +31,7 @@ pub trait LcpWorkspace: Send {
     /// independent subset that was chosen to carry the forces.
     ///
     /// # Errors
-    /// [`LcpError`]: not finite, infeasible, or not converged; then `lambda` holds the best iterate.
+    /// [`LcpError`]: not finite, infeasible, not converged, or beyond rounding; then `lambda` holds the best iterate.
     fn solve(&mut self, b: &[f64], closed: &mut [bool], lambda: &mut [f64]) -> Result<LcpStatistics, LcpError>;
 
     /// Writes the gaps `A λ + b` (c, m) of the last problem solved, as the judge computed them.

@@ -21,18 +21,13 @@ pub(crate) struct ClosedSet {
 
 impl ClosedSet {
     pub fn new(structure: &CondensedStructure, closed: &[bool]) -> Result<Self, HbmError> {
-        let (c, n) = (closed.len(), structure.n_contact_dofs());
-        let s = structure.compliance.sensitivity(closed).map_err(HbmError::Compliance)?;
-        let a = structure.compliance.a();
-        let gap_rows = a * &s;
-        let guard = Mat::from_fn(c, c, |i, j| {
-            if closed[i] { a[(i, i)] * s[(i, j)] } else { gap_rows[(i, j)] + if i == j { 1.0 } else { 0.0 } }
-        });
-        let k_inv_w_s = &structure.k_inv_w * &s;
-        let d = &k_inv_w_s * structure.model.w().transpose();
-        let r = (0..n).map(|i| (0..c).map(|j| k_inv_w_s[(i, j)] * structure.gaps[j]).sum()).collect();
-        let d = rows(&d).into_iter().map(|v| -v).collect();
-        Ok(Self { closed: closed.to_vec(), s: rows(&s), guard: rows(&guard), d, r })
+        let c = closed.len();
+        let response = structure.body.response(closed).map_err(HbmError::Compliance)?;
+        let a = structure.body.matrix().a();
+        let guard =
+            |i: usize, j: usize| if closed[i] { a[(i, i)] * response.lambda[(i, j)] } else { response.gaps[(i, j)] };
+        let (s, d) = (rows(&response.lambda), rows(&response.blocked));
+        Ok(Self { closed: closed.to_vec(), s, guard: rows(&Mat::from_fn(c, c, guard)), d, r: response.offset })
     }
 
     /// Guard `i` at the given `y`.

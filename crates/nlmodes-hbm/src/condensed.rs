@@ -1,4 +1,4 @@
-use nlmodes_contact::LcpMatrix;
+use nlmodes_contact::{ContactBody, LcpMatrix};
 use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
 
@@ -48,9 +48,8 @@ pub struct CondensedStructure {
     pub(crate) t0: Mat<f64>,
     /// What the held modes that were not computed still contribute.
     pub(crate) residual: ResidualMass,
-    /// `K_NN⁻¹ W`, n_N × c.
-    pub(crate) k_inv_w: Mat<f64>,
-    pub(crate) compliance: LcpMatrix,
+    /// The contact degrees of freedom with `C = K_NN⁻¹`.
+    pub(crate) body: ContactBody,
     pub(crate) gaps: Vec<f64>,
     n_held: usize,
 }
@@ -67,10 +66,10 @@ impl CondensedStructure {
             .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
         let coupling = model.k_ln().transpose() * &psi;
         let t0 = solve_columns(&k_nn, &(-coupling));
-        let k_inv_w = solve_columns(&k_nn, model.w());
-        let mut compliance = symmetric(&(model.w().transpose() * &k_inv_w));
-        model.stop_compliance().iter().enumerate().for_each(|(i, c)| compliance[(i, i)] += c);
-        let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
+        let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
+        let body = ContactBody::new(model.w().clone(), solve_columns(&k_nn, model.w()), gaps.clone())
+            .and_then(|body| body.with_stop_compliance(&model.stop_compliance()))
+            .map_err(HbmError::Compliance)?;
         separate_repeated(&mut held, &model, &k_nn)?;
         let g = held.shapes.transpose() * model.k_ln();
         let scale = (0..t0.nrows()).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
@@ -89,9 +88,8 @@ impl CondensedStructure {
         } else {
             ResidualMass::none(&psi)
         };
-        let gaps = model.contacts().iter().map(|c| c.gap).collect();
         let n_held = held.omega.len();
-        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, k_inv_w, compliance, gaps, n_held })
+        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, gaps, n_held })
     }
 
     /// The structure that was reduced.
@@ -116,7 +114,7 @@ impl CondensedStructure {
 
     /// Contact compliance `A = Wᵀ K_NN⁻¹ W + C`, eqs. (11), (13), with that of the stops in series; c × c, m/N.
     pub fn compliance(&self) -> &LcpMatrix {
-        &self.compliance
+        self.body.matrix()
     }
 
     /// Number of contact degrees of freedom n_N.

@@ -133,7 +133,7 @@ impl Rest {
             what: "a structure that is pressed at rest but not supported",
             source,
         })?;
-        let mut q = structure.k_inv_w.clone();
+        let mut q = structure.body.compliance_w().clone();
         for i in 0..c {
             let mut column: Vec<f64> = q.col(i).iter().copied().collect();
             lu.solve_in_place(&mut column);

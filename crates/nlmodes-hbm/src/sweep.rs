@@ -81,7 +81,7 @@ impl ContactSweep {
             y: vec![vec![zero; h + 1]; c],
             iterations: 0,
             switching,
-            workspace: solver.workspace(&structure.compliance).map_err(HbmError::Compliance)?,
+            workspace: solver.workspace(structure.body.matrix()).map_err(HbmError::Compliance)?,
             basis: HarmonicBasis::new(h, samples)?,
             y_t: vec![vec![0.0; samples]; c],
             dy_t: vec![vec![0.0; samples]; c],

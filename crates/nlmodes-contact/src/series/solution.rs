@@ -1,4 +1,4 @@
-use crate::LcpStatistics;
+use crate::{LcpStatistics, kernel};
 
 /// Forces, gaps and closed contacts of all samples of a [`Series`](crate::Series).
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -72,6 +72,17 @@ impl SeriesSolution {
     fn extrapolate(&mut self, sample: usize) {
         let (last, before) = (self.range(sample - 1), self.range(sample - 2));
         let (closed, guess) = self.closed.split_at_mut(sample * self.c);
+        let guess = &mut guess[..self.c];
+        if !kernel::any(&closed[last.clone()]) {
+            // Without forces only the gaps tell, and mostly that nothing will close.
+            let gaps = || self.gaps[last.clone()].iter().zip(&self.gaps[before.clone()]).map(|(g, b)| 2.0 * g - b);
+            if gaps().fold(true, |open, gap| open & (gap >= 0.0)) {
+                guess.fill(false);
+            } else {
+                guess.iter_mut().zip(gaps()).for_each(|(guess, gap)| *guess = gap < 0.0);
+            }
+            return;
+        }
         let forces = self.lambda[last.clone()].iter().zip(&self.lambda[before.clone()]);
         let gaps = self.gaps[last.clone()].iter().zip(&self.gaps[before]);
         for (((guess, closed), force), gap) in guess.iter_mut().zip(&closed[last]).zip(forces).zip(gaps) {

@@ -11,7 +11,7 @@ use super::{
     closed_form::OneContact,
     session::{Method, Outcome, Session},
 };
-use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, sample::Sample};
+use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, kernel, sample::Sample};
 
 pub(crate) const NAME: &str = "active-set";
 
@@ -64,7 +64,7 @@ impl Method for Search {
     const NAME: &'static str = NAME;
 
     fn run(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
-        if closed.contains(&true) {
+        if kernel::any(closed) {
             self.newton.guess(closed);
         } else {
             sweeps::run(sample, self.settings.sweeps);

@@ -45,6 +45,10 @@ impl<M: Method> Session<M> {
             return LcpError::Infeasible { ray: self.sample.ray() };
         }
         let (iterations, violation) = (outcome.iterations, outcome.verdict.violation());
+        let rounding = self.sample.rounding();
+        if violation <= rounding {
+            return LcpError::Rounding { solver: M::NAME, violation, rounding, lambda: lambda.to_vec() };
+        }
         LcpError::NotConverged { solver: M::NAME, iterations, violation, lambda: lambda.to_vec() }
     }
 }
@@ -54,12 +58,12 @@ impl<M: Method> LcpWorkspace for Session<M> {
         self.check_length("b", b.len())?;
         self.check_length("closed contacts", closed.len())?;
         self.check_length("lambda", lambda.len())?;
-        let outcome = if self.sample.load(b)? {
+        if let Some(verdict) = self.sample.begin(b)? {
             closed.fill(false);
-            Outcome { iterations: 0, verdict: self.sample.judge(), infeasible: false }
-        } else {
-            self.method.run(&mut self.sample, closed)
-        };
+            lambda.fill(0.0);
+            return Ok(LcpStatistics { iterations: 0, violation: verdict.violation() });
+        }
+        let outcome = self.method.run(&mut self.sample, closed);
         if !self.sample.unload_forces(lambda) && outcome.verdict.is_accepted() {
             return Err(LcpError::OutOfRange);
         }
