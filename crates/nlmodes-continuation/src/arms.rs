@@ -3,8 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::ParametricSystem;
-use crate::circle::{Circle, ITERATIONS, SingularPlane};
+use crate::circle::{Circle, ITERATIONS, SingularPlane, TRIALS};
 use crate::corrector::{Correction, Corrector, Surface, along, distance, dot};
+
+/// Distance below which two arms are one: over the radius, and where rounding blurs them.
+const DISTINCT: (f64, f64) = (1e-3, 1e-7);
 
 /// Solutions at the distance `radius` from `center`.
 #[derive(Debug, Clone)]
@@ -31,6 +34,7 @@ impl Arms {
         corrector.evaluate(system, center).ok()?;
         let plane = SingularPlane::of(corrector.jacobian())?;
         let mut own = Corrector::new(center.len() - 1, corrector.tolerance, ITERATIONS);
+        own.trials = TRIALS;
         let surface = Surface::Sphere { center: center.to_vec(), radius };
         let back = own.correct(system, back, &surface).map_or_else(|_| back.to_vec(), |c| c.z);
         let (guesses, spent) = Circle::new(system, corrector.tolerance, center, radius, &plane)
@@ -39,7 +43,8 @@ impl Arms {
         for guess in guesses {
             let Ok(arm) = own.correct(system, &guess, &surface) else { continue };
             let known = onward.iter().map(|o| &o.z).chain([&back]);
-            if distance(&arm.z, &guess) < 0.3 * radius && known.into_iter().all(|z| distance(z, &arm.z) > 0.02 * radius)
+            if distance(&arm.z, &guess) < 0.3 * radius
+                && known.into_iter().all(|z| distance(z, &arm.z) > (DISTINCT.0 * radius).max(DISTINCT.1))
             {
                 onward.push(arm);
             }

@@ -8,10 +8,16 @@ use crate::corrector::{Corrector, Hyperplane, Surface, dot};
 use crate::{Linearization, ParametricSystem};
 
 /// Newton iterations permitted for one direction.
-pub(crate) const ITERATIONS: usize = 15;
+pub(crate) const ITERATIONS: usize = 40;
+
+/// Steps tried, each half the one before: from where an interval of contact has just closed, Newton's full step may lead far away.
+pub(crate) const TRIALS: usize = 12;
 
 /// Angles from the way back, rad, at which the circle is examined: closer where a sharp corner has its other arm.
-const NEAR: [f64; 5] = [0.012, 0.025, 0.045, 0.07, 0.1];
+const NEAR: [f64; 10] = [1e-5, 5e-5, 2e-4, 1e-3, 4e-3, 0.012, 0.025, 0.045, 0.07, 0.1];
+
+/// Newton step, over the radius, below which a point of the circle counts as found.
+const SETTLED: f64 = 1e-2;
 
 /// Number of equal parts of the rest of the circle.
 const PARTS: usize = 56;
@@ -84,14 +90,18 @@ impl<'a, S: ParametricSystem> Circle<'a, S> {
     pub fn new(system: &'a mut S, tolerance: f64, center: &'a [f64], radius: f64, plane: &'a SingularPlane) -> Self {
         let n = center.len() - 1;
         let reduced = Reduced { system, inner: Linearization::new(n), plane, position: 0.0 };
-        Self { reduced, corrector: Corrector::new(n + 1, tolerance, ITERATIONS), center, radius, last: None }
+        let mut corrector = Corrector::new(n + 1, tolerance, ITERATIONS);
+        // The sign of μ is wanted, not the point: where a third direction is nearly free too, that would not settle.
+        corrector.resolution = SETTLED * radius;
+        corrector.trials = TRIALS;
+        Self { reduced, corrector, center, radius, last: None }
     }
 
     /// Points near the changes of sign of `μ(θ)`, beside the one at the angle `from`; and the evaluations spent.
     pub fn roots(mut self, from: f64) -> (Vec<Vec<f64>>, usize) {
         let n = self.center.len() - 1;
-        let rest = TAU - 2.0 * NEAR[4];
-        let equal = (1..PARTS).map(|k| NEAR[4] + rest * k as f64 / PARTS as f64);
+        let rest = TAU - 2.0 * NEAR[9];
+        let equal = (1..PARTS).map(|k| NEAR[9] + rest * k as f64 / PARTS as f64);
         let offsets = NEAR.iter().copied().chain(equal).chain(NEAR.iter().rev().map(|d| TAU - d));
         let points: Vec<(f64, Vec<f64>)> = offsets.filter_map(|d| self.lift(from + d)).collect();
         let mut roots = Vec::new();

@@ -93,6 +93,10 @@ pub struct Corrector {
     /// Newton steps permitted.
     pub max_iterations: usize,
     pub(crate) evaluations: usize,
+    /// Newton step below which a point counts as settled.
+    pub(crate) resolution: f64,
+    /// Steps tried, each half the one before, until the residual does not rise.
+    pub(crate) trials: usize,
     linearization: Linearization,
     bordered: Mat<f64>,
     lu: DenseLu,
@@ -107,6 +111,8 @@ impl Corrector {
             tolerance,
             max_iterations,
             evaluations: 0,
+            resolution: RESOLUTION,
+            trials: 4,
             linearization: Linearization::new(n),
             bordered: Mat::zeros(n + 1, n + 1),
             lu: DenseLu::default(),
@@ -153,7 +159,7 @@ impl Corrector {
             let update = dot(&self.update, &self.update).sqrt();
             if norm.max(defect.abs()) <= self.tolerance {
                 let attainable = update > 0.5 * last_update || iteration == self.max_iterations;
-                if update <= RESOLUTION || (attainable && update <= COARSEST) {
+                if update <= self.resolution || (attainable && update <= COARSEST) {
                     return Ok(self.finish(system, z, norm, iteration));
                 }
             }
@@ -201,7 +207,7 @@ impl Corrector {
     fn advance<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64], norm: f64) -> Option<(Vec<f64>, f64)> {
         let mut best: Option<(Vec<f64>, f64)> = None;
         let mut factor = 1.0;
-        for _ in 0..4 {
+        for _ in 0..self.trials {
             let trial: Vec<f64> = z.iter().zip(&self.update).map(|(a, d)| a + factor * d).collect();
             if let Ok(trial_norm) = self.evaluate(system, &trial) {
                 if trial_norm <= norm.max(self.tolerance) {
