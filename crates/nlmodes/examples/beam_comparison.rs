@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::modal::{HarmonicBasis, ModalPoint, TimeHistory};
-use nlmodes::model::{Drop, MasslessContactModel, Side, StructuralModel};
+use nlmodes::model::{Conserve, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure};
 use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 
@@ -39,6 +39,11 @@ fn beam(modulus: f64, stiffness: Option<f64>) -> Outcome<StructuralModel> {
 /// Without the mass of the tip, modulus updated to 40.10 Hz (Table 1).
 fn ms_hbm(stiffness: Option<f64>) -> Outcome<MasslessContactModel> {
     Ok(MasslessContactModel::new(&beam(181.36e9, stiffness)?, &Drop)?)
+}
+
+/// The mass of the tip given to its neighbours, so that the modulus of the structure with its mass holds.
+fn conserved(stiffness: f64) -> Outcome<MasslessContactModel> {
+    Ok(MasslessContactModel::new(&beam(187.60e9, Some(stiffness))?, &Conserve)?)
 }
 
 /// With the mass of the tip, modulus updated to 40.10 Hz (Table 1).
@@ -127,6 +132,7 @@ fn main() -> Outcome<()> {
         ("MS-HBM, rigid stop", ms_hbm(None)?),
         ("MS-HBM, 2.3e6 N/m", ms_hbm(Some(STIFFNESS))?),
         ("HBM, 2.3e6 N/m", hbm(STIFFNESS)?),
+        ("MS-HBM, 2.3e6 N/m, mass conserved", conserved(STIFFNESS)?),
         ("HBM, 2.3e7 N/m", hbm(10.0 * STIFFNESS)?),
         ("HBM, 2.3e5 N/m", hbm(0.1 * STIFFNESS)?),
     ];
