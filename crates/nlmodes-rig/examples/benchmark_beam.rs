@@ -1,7 +1,11 @@
 //! The beam of the paper on the virtual rig: levels of the shaker up and down, one line each.
 //!
-//! `cargo run -p nlmodes-rig --example benchmark_beam -- [shaker|force] [noise] LEVEL…`
-#![allow(mixed_script_confusables, dead_code)]
+//! ```text
+//! cargo run -p nlmodes-rig --example benchmark_beam -- [force] [hard] [noise] [up] [cut=0.1] [R=2 …] LEVEL…
+//! ```
+//!
+//! Ideal force instead of the shaker, hard stop instead of the spring, noise of the sensors, only upwards, cut-off of the detector
+//! over the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
 
 #[path = "../tests/rig/analysis.rs"]
 mod analysis;
@@ -11,7 +15,7 @@ mod beam;
 use std::f64::consts::TAU;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-use nlmodes_rig::{Exciter, RigError, Schedule, Shaker, VirtualTest};
+use nlmodes_rig::{Exciter, RigError, Schedule, Shaker, Stop, StopLaw, VirtualTest};
 
 fn main() -> Result<(), RigError> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -31,7 +35,11 @@ fn main() -> Result<(), RigError> {
         stinger_damping: value("cs", d.stinger_damping),
     };
     let exciter = if has("force") { Exciter::IdealForce } else { Exciter::Shaker(shaker) };
-    let rig = if has("noise") { beam::with_noise(beam::setup(exciter)) } else { beam::setup(exciter) };
+    let mut rig = if has("noise") { beam::with_noise(beam::setup(exciter)) } else { beam::setup(exciter) };
+    if has("hard") {
+        let residual = beam::Shapes::new().residual(beam::LENGTH);
+        rig.stop = rig.stop.map(|stop| Stop { law: StopLaw::Hard, residual, ..stop });
+    }
     let mut levels: Vec<f64> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
     if levels.is_empty() {
         levels = vec![0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
@@ -39,7 +47,7 @@ fn main() -> Result<(), RigError> {
     let resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };
     let test = VirtualTest {
         settings: LoopSettings {
-            cut_off: value("cut", 0.05) * resonance.omega,
+            cut_off: value("cut", 0.1) * resonance.omega,
             ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL)
         },
         schedule: if has("up") { Schedule::new(levels) } else { Schedule::up_and_down(levels) },
@@ -51,21 +59,21 @@ fn main() -> Result<(), RigError> {
     let began = std::time::Instant::now();
     test.run(|outcome| {
         let f = analysis::figures(&test.rig, &outcome.record, outcome.steady.omega, 100);
-        let contact = &outcome.record.channels[beam::CONTACT_FORCE].samples;
+        let contact = outcome.record.channel("f_contact").map_or(&[][..], |channel| &channel.samples);
         println!(
             "{:.3} {:5.1} {:.5} {:.4} {:.4} {:.4e} {:.4e} {:.4} {:.2e} {:.4} {:7.1} {}",
             outcome.level,
             outcome.settling.duration,
             outcome.steady.omega / TAU,
             f.lag.to_degrees(),
-            f.force,
+            outcome.steady.force,
             f.amplitude,
             f.damping,
             f.pbmif,
             f.modal[1].norm() / f.modal[0].norm(),
-            f.tip * 1e3,
+            analysis::amplitudes(&outcome.record, "x_tip", 1)[0].norm() * 1e3,
             contact.iter().fold(0.0f64, |a, b| a.max(*b)),
-            outcome.settling.findings.iter().map(|f| f.to_string()).collect::<Vec<_>>().join("; "),
+            outcome.findings.iter().map(|f| f.to_string()).collect::<Vec<_>>().join("; "),
         );
     })?;
     println!("{:.1} s of computing", began.elapsed().as_secs_f64());

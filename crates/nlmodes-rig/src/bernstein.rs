@@ -57,12 +57,11 @@ fn halves(b: &[f64]) -> ([f64; MOST + 1], [f64; MOST + 1]) {
     let n = b.len();
     let (mut first, mut second) = ([0.0; MOST + 1], [0.0; MOST + 1]);
     second[..n].copy_from_slice(b);
-    first[0] = b[0];
-    for level in 1..n {
-        for j in 0..n - level {
-            second[j] = 0.5 * (second[j] + second[j + 1]);
+    for (level, value) in first[..n].iter_mut().enumerate() {
+        *value = second[0];
+        for j in 1..n - level {
+            second[j - 1] = 0.5 * (second[j - 1] + second[j]);
         }
-        first[level] = second[0];
     }
     (first, second)
 }

@@ -94,6 +94,21 @@ impl Hold {
     }
 }
 
+impl Hold {
+    /// Findings of a record that follows a hold. One window alone is noisier than their mean: three times the lag tolerance.
+    pub(crate) fn judge_record(&self, record: &SteadyState, target: f64) -> Vec<Finding> {
+        let (error, spread) = (record.lag - target, record.spread);
+        let mut findings = Vec::new();
+        if error.is_nan() || error.abs() > 3.0 * self.lag {
+            findings.push(Finding::NotLocked { error });
+        }
+        if spread.is_nan() || spread > self.spread {
+            findings.push(Finding::Aperiodic { spread });
+        }
+        findings
+    }
+}
+
 impl SteadyState {
     /// Mean over windows of equal length.
     pub(crate) fn mean(windows: &[Self]) -> Self {

@@ -1,5 +1,6 @@
 use crate::RigError;
 use crate::bernstein::first_negative;
+use crate::error::finite;
 use crate::functional::Functional;
 use crate::matrix::{Matrix, add_scaled, dot};
 use crate::state_space::{Linear, StateSpace};
@@ -9,6 +10,9 @@ const ORDER: usize = 24;
 
 /// Largest `‖A‖ h`: the rest of the series is then below `2²⁵ / 25! = 2e-18` of the state.
 const LARGEST_NORM: f64 = 2.0;
+
+/// Most parts into which a sampling interval is divided without being told to.
+const MOST_PARTS: usize = 1000;
 
 /// Degree of the polynomial that stands for the drive within one step.
 pub(crate) const DEGREE: usize = 7;
@@ -51,9 +55,9 @@ impl Propagator {
     /// Prepares steps of `interval / substeps`, or of as few parts as are needed.
     pub(crate) fn new(space: &StateSpace, interval: f64, substeps: Option<usize>) -> Result<Self, RigError> {
         let norm = space.systems.iter().map(|system| system.a.norm()).fold(0.0, f64::max);
-        let limit = LARGEST_NORM / norm;
+        let limit = LARGEST_NORM / finite("fastest rate of the rig (1/s)", norm)?;
         let needed = (interval / limit).ceil().max(1.0) as usize;
-        let step = interval / substeps.unwrap_or(needed).max(1) as f64;
+        let step = interval / substeps.unwrap_or(needed.min(MOST_PARTS)).max(1) as f64;
         if step > limit * (1.0 + 1e-12) {
             return Err(RigError::StepTooLarge { step, limit, substeps: needed });
         }

@@ -2,7 +2,7 @@ use std::collections::VecDeque;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
 
-use crate::error::{finite, not_negative};
+use crate::error::{finite, not_negative, positive};
 use crate::hold::Settling;
 use crate::period::{Period, PeriodAnalyzer};
 use crate::{Drive, Finding, Hold, Quantity, Record, RecordChannel, RigError, RigSetup, SteadyState, VirtualRig};
@@ -44,6 +44,11 @@ impl Session {
         &self.state
     }
 
+    /// The loop.
+    pub fn control(&self) -> &PhaseLockedLoop {
+        &self.pll
+    }
+
     /// Amplitude of the drive, N or V.
     pub fn amplitude(&self) -> f64 {
         self.amplitude
@@ -52,6 +57,15 @@ impl Session {
     /// Holds the frequency as it is, or gives it back to the loop.
     pub fn hold_frequency(&mut self, held: bool) {
         self.state = self.state.hold_frequency(held);
+    }
+
+    /// Holds the frequency at `omega`, rad/s.
+    ///
+    /// # Errors
+    /// [`RigError::NotPositive`].
+    pub fn hold_frequency_at(&mut self, omega: f64) -> Result<(), RigError> {
+        self.state = self.state.hold_frequency_at(positive("frequency (rad/s)", omega)?);
+        Ok(())
     }
 
     /// Changes the amplitude of the drive linearly to `amplitude` in `duration` seconds, under control.

@@ -3,7 +3,7 @@ use nlmodes_experiment::phase_loop::LoopSettings;
 use crate::error::not_negative;
 use crate::hold::Settling;
 use crate::session::Session;
-use crate::{Hold, Record, RigError, RigSetup, SteadyState};
+use crate::{Finding, Hold, Record, RigError, RigSetup, SteadyState};
 
 /// Levels of a test and how they are gone through.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,10 +39,12 @@ impl Schedule {
 pub struct LevelOutcome {
     /// Amplitude of the drive, N or V.
     pub level: f64,
-    /// How it came to rest, and with which findings.
+    /// How it came to rest.
     pub settling: Settling,
     /// Means over the record.
     pub steady: SteadyState,
+    /// What is not as it should be: after the hold, or within the record. Empty for a good level.
+    pub findings: Vec<Finding>,
     /// Samples of all channels.
     pub record: Record,
 }
@@ -82,7 +84,10 @@ impl VirtualTest {
             }
             let settling = session.settle(&self.schedule.hold)?;
             let (record, steady) = session.record(self.schedule.record)?;
-            let outcome = LevelOutcome { level, settling, steady, record };
+            let in_record = self.schedule.hold.judge_record(&steady, session.control().target_lag());
+            let mut findings = settling.findings.clone();
+            findings.extend(in_record.into_iter().filter(|f| settling.findings.iter().all(|g| g.name() != f.name())));
+            let outcome = LevelOutcome { level, settling, steady, findings, record };
             observe(&outcome);
             outcomes.push(outcome);
         }

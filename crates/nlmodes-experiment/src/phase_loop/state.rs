@@ -62,4 +62,9 @@ impl LoopState {
     pub fn hold_frequency(self, held: bool) -> Self {
         Self { held, ..self }
     }
+
+    /// The same state with the frequency held at `omega`, rad/s, as a generator would that knows nothing of the phase.
+    pub fn hold_frequency_at(self, omega: f64) -> Self {
+        Self { held: true, omega, ..self }
+    }
 }

@@ -17,10 +17,6 @@ pub struct Figures {
     pub pbmif: f64,
     /// Lag of the drive point's displacement, rad.
     pub lag: f64,
-    /// Amplitude of the fundamental of the force, N.
-    pub force: f64,
-    /// Amplitude of the fundamental at the tip, m.
-    pub tip: f64,
 }
 
 /// Coefficients of the harmonics 1 to `harmonics` in the frame of the drive. A squared Hann window over n periods has side lobes
@@ -55,8 +51,6 @@ pub fn figures(setup: &RigSetup, record: &Record, omega: f64, harmonics: usize) 
         damping: power(0) / (amplitude.powi(2) * omega.powi(3)),
         pbmif: active / (square(&force) * square(&velocity)).sqrt(),
         lag: (force[0] * amplitudes(record, "x_ex", 1)[0].conj()).arg(),
-        force: force[0].norm(),
-        tip: amplitudes(record, "x_tip", 1)[0].norm(),
         modal,
         amplitude,
     }

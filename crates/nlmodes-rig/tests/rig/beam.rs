@@ -21,8 +21,6 @@ const HEIGHT: f64 = 0.020;
 /// Channels of [`setup`].
 pub const FORCE: usize = 0;
 pub const DRIVE_DISPLACEMENT: usize = 1;
-pub const TIP_DISPLACEMENT: usize = 3;
-pub const CONTACT_FORCE: usize = 5;
 
 /// The finite element beam.
 pub struct Shapes {

@@ -146,9 +146,8 @@ fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
         };
         let i = num_complex::Complex64::i();
         let mut response = num_complex::Complex64::from(residual);
-        for k in 0..6 {
-            let (ωk, ζ) = (setup.structure.omega[k], 0.02);
-            response += shape[k] * setup.drive_point.shape[k] / (ωk * ωk - ω * ω + 2.0 * i * ζ * ωk * ω);
+        for ((φ, φ_ex), ωk) in shape.iter().zip(&setup.drive_point.shape).zip(&setup.structure.omega) {
+            response += φ * φ_ex / (ωk * ωk - ω * ω + 2.0 * i * 0.02 * ωk * ω);
         }
         let order = match motion {
             Motion::Displacement => 0,
@@ -211,13 +210,14 @@ impl Chain {
     }
 
     fn step(&mut self, h: f64) {
+        self.kick(0.5 * h);
+        self.q.iter_mut().zip(&self.v).for_each(|(q, v)| *q += h * v);
+        self.kick(0.5 * h);
+    }
+
+    fn kick(&mut self, h: f64) {
         let a = self.accelerations();
-        for i in 0..4 {
-            self.v[i] += 0.5 * h * a[i];
-            self.q[i] += h * self.v[i];
-        }
-        let a = self.accelerations();
-        (0..4).for_each(|i| self.v[i] += 0.5 * h * a[i]);
+        self.v.iter_mut().zip(a).for_each(|(v, a)| *v += h * a);
     }
 }
 
@@ -297,6 +297,8 @@ fn what_makes_no_sense_is_refused() {
         refused(&|s| s.exciter = Exciter::Shaker(Shaker { inductance: 0.0, ..Shaker::default() })),
         RigError::NotPositive { .. }
     ));
+    assert!(matches!(refused(&|s| s.structure.omega[0] = 1e12), RigError::StepTooLarge { .. }));
+    assert!(matches!(refused(&|s| s.structure.omega[0] = 1e200), RigError::NotFinite { .. }));
     let mut rig = VirtualRig::new(setup).unwrap();
     assert!(matches!(rig.read(9), Err(RigError::NoChannel { channel: 9, channels: 4 })));
     let fast = Drive { amplitude: [1.0; 2], phase: 0.0, omega: 2e4 };

@@ -1,5 +1,4 @@
 //! The virtual rig: exact motion, phase resonance, contact.
-#![allow(mixed_script_confusables)]
 
 mod analysis;
 mod beam;

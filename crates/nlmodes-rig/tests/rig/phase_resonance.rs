@@ -103,9 +103,10 @@ fn the_shaker_goes_up_the_backbone_at_ninety_degrees() {
     let outcomes = test.run(|_| {}).unwrap();
     let all: Vec<Figures> = outcomes.iter().map(|o| figures(&test.rig, &o.record, o.steady.omega, 100)).collect();
     for (outcome, figures) in outcomes.iter().zip(&all) {
-        assert!(outcome.settling.findings.is_empty(), "{:?}", outcome.settling);
+        assert!(outcome.findings.is_empty(), "{:?}", outcome.findings);
         assert!((figures.lag.to_degrees() - 90.0).abs() < 0.05, "{} V: {}", outcome.level, figures.lag.to_degrees());
-        assert!((outcome.steady.lag - figures.lag).abs() < 2e-4);
+        // Two estimates from the same noise, which is 7e-10 m in one of them.
+        assert!((outcome.steady.lag - figures.lag).abs() < 1e-5 + 3e-9 / outcome.steady.response);
     }
     for (outcome, figures) in outcomes[..2].iter().zip(&all) {
         // Noise of the sensors: 1e-4 of the amplitudes in one second of record.
@@ -135,6 +136,7 @@ fn two_motions_coexist_at_five_newton() {
     start(&mut session, 4.6);
     let up = settled(&mut session, 5.0);
     settled(&mut session, 5.4);
+    settled(&mut session, 5.2);
     let down = settled(&mut session, 5.0);
     assert!(down - up > 0.3, "{up} {down}");
 }
@@ -143,25 +145,28 @@ fn two_motions_coexist_at_five_newton() {
 fn without_control_the_response_falls() {
     let mut controlled = session(&beam::setup(Exciter::IdealForce), settings());
     start(&mut controlled, 4.0);
-    controlled.ramp(6.5, 5.0).unwrap();
-    controlled.run(15.0).unwrap();
-    assert!(controlled.state().is_locked() || controlled.state().error().is_some_and(|e| e.abs() < 0.1));
+    controlled.ramp(6.5, 1.0).unwrap();
+    controlled.run(10.0).unwrap();
+    let locked = controlled.window(200).unwrap();
+    assert!((locked.lag - FRAC_PI_2).abs() < 0.05, "{locked:?}");
     let mut held = controlled.clone();
-    held.hold_frequency(true);
-    let omega = held.state().omega();
+    held.hold_frequency_at(locked.omega).unwrap();
+    // Three percent less force for two seconds: enough to pass the fold of the frequency response.
     for session in [&mut controlled, &mut held] {
-        session.run(15.0).unwrap();
+        session.ramp(0.97 * 6.5, 0.5).unwrap();
+        session.run(2.0).unwrap();
+        session.ramp(6.5, 0.5).unwrap();
+        session.run(6.0).unwrap();
     }
-    let (with, without) = (controlled.window(40).unwrap(), held.window(40).unwrap());
-    assert_eq!(held.state().omega(), omega);
-    assert!((with.lag - FRAC_PI_2).abs() < 0.1, "{with:?}");
-    assert!(without.response < 0.8 * with.response, "{} {}", without.response, with.response);
+    let (with, without) = (controlled.window(100).unwrap(), held.window(40).unwrap());
+    assert_eq!(held.state().omega(), locked.omega);
+    assert!((with.response / locked.response - 1.0).abs() < 0.01, "{with:?} {locked:?}");
+    assert!(without.response < 0.2 * locked.response && without.lag > 2.5, "{without:?}");
 }
 
 #[test]
 fn the_rig_is_stable_up_to_the_limit_of_routh_and_not_beyond() {
-    let setup = RigSetup { stop: None, ..beam::setup(Exciter::IdealForce) };
-    let mut setup = setup;
+    let mut setup = RigSetup { stop: None, ..beam::setup(Exciter::IdealForce) };
     setup.sensors.truncate(2);
     // A loop that believes in three times the damping lets more pass than the beam bears.
     let believed = Resonance { damping_ratio: 3.0 * RESONANCE.damping_ratio, ..RESONANCE };

@@ -56,7 +56,7 @@ fn a_test_repeats_itself_from_its_seed_and_records_every_channel() {
 #[test]
 fn what_is_not_yet_steady_is_said_with_its_number() {
     let outcomes = hasty(7).run(|_| {}).unwrap();
-    let findings = &outcomes[0].settling.findings;
+    let findings = &outcomes[0].findings;
     let drift = findings.iter().find_map(|finding| match finding {
         Finding::AmplitudeDrift { rate } => Some(*rate),
         _ => None,
