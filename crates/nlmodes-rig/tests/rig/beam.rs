@@ -5,7 +5,7 @@
 //! inside the first element, whose static interpolation gives the shapes there.
 
 use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop as Node, Support};
-use nlmodes_model::{DofKind, LinearModes, Side, StructuralModel, linear_modes};
+use nlmodes_model::{ContactLaw, DofKind, LinearModes, Side, StructuralModel, linear_modes};
 use nlmodes_rig::{DrivePoint, Exciter, ModalStructure, Motion, Place, RigSetup, Sensor, Stop, StopLaw, StopSide};
 
 pub const LENGTH: f64 = 0.62975520;
@@ -40,7 +40,13 @@ impl Shapes {
             start: Support::Clamped,
             end: Support::Free,
         };
-        let tip = Node { position: LENGTH, direction: Direction::Transverse, side: Side::Positive, gap: GAP };
+        let tip = Node {
+            position: LENGTH,
+            direction: Direction::Transverse,
+            side: Side::Positive,
+            gap: GAP,
+            law: ContactLaw::Rigid,
+        };
         let model = beam.assemble(&[tip]).unwrap();
         let modes = linear_modes(model.mass(), model.stiffness(), 12).unwrap();
         Self { mesh, model, modes }
