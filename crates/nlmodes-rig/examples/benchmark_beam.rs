@@ -7,6 +7,8 @@
 //! Ideal force instead of the shaker, hard stop instead of the spring, noise of the sensors, only upwards, cut-off of the detector
 //! over the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
 
+#![allow(mixed_script_confusables, dead_code)]
+
 #[path = "../tests/rig/analysis.rs"]
 mod analysis;
 #[path = "../tests/rig/beam.rs"]
@@ -15,7 +17,7 @@ mod beam;
 use std::f64::consts::TAU;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-use nlmodes_rig::{Exciter, RigError, Schedule, Shaker, Stop, StopLaw, VirtualTest};
+use nlmodes_rig::{ContactLaw, Exciter, RigError, Schedule, Shaker, Stop, VirtualTest};
 
 fn main() -> Result<(), RigError> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -38,7 +40,7 @@ fn main() -> Result<(), RigError> {
     let mut rig = if has("noise") { beam::with_noise(beam::setup(exciter)) } else { beam::setup(exciter) };
     if has("hard") {
         let residual = beam::Shapes::new().residual(beam::LENGTH);
-        rig.stop = rig.stop.map(|stop| Stop { law: StopLaw::Hard, residual, ..stop });
+        rig.stop = rig.stop.map(|stop| Stop { law: ContactLaw::Rigid, residual, ..stop });
     }
     let mut levels: Vec<f64> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
     if levels.is_empty() {

@@ -1,4 +1,6 @@
 use nlmodes_experiment::phase_loop::PhaseLoopError;
+use nlmodes_linalg::LinalgError;
+use nlmodes_model::ModelError;
 use thiserror::Error;
 
 /// Why a virtual rig cannot be built or cannot go on.
@@ -39,12 +41,12 @@ pub enum RigError {
         /// Number of values.
         found: usize,
     },
-    /// A hard stop needs the static flexibility of the point at which it stands.
+    /// A rigid stop needs the static flexibility of the point at which it stands.
     #[error(
-        "a hard stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not {residual}: \
+        "a rigid stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not {residual}: \
          without it the contact node would have mass, and an impact law would be needed"
     )]
-    HardStopWithoutFlexibility {
+    RigidStopWithoutFlexibility {
         /// Residual flexibility, m/N.
         residual: f64,
     },
@@ -99,6 +101,20 @@ pub enum RigError {
         /// Time, s.
         time: f64,
     },
+    /// A structure has not as many modes as asked for.
+    #[error("{wanted} modes were asked for, but the structure has {found}")]
+    TooFewModes {
+        /// Asked for.
+        wanted: usize,
+        /// There are.
+        found: usize,
+    },
+    /// The modes of a structure cannot be computed.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Its static deflections cannot be computed.
+    #[error(transparent)]
+    Statics(#[from] LinalgError),
     /// The loop is refused.
     #[error(transparent)]
     Loop(#[from] PhaseLoopError),

@@ -9,7 +9,7 @@
 //! f = k_s (x_a − w_ex) + c_s (v_a − ẇ_ex)                                stinger; f is what the force sensor measures
 //! ```
 //!
-//! `A` is the flexibility of the stop, that of a massless contact node, or both; so a hard stop needs no impact law, see [`Stop`]. The
+//! `A` is the flexibility of the stop, that of a massless contact node, or both; so a rigid stop needs no impact law, see [`Stop`]. The
 //! whole is piecewise linear. Between contact instants it is propagated by the matrix exponential, and the instants are
 //! the roots of a Taylor series that leaves none out: energy is kept to rounding (below 1e-9 in two seconds with a hundred
 //! contacts), and a step too large for that is [refused](RigError::StepTooLarge). The drive is harmonic within a sampling interval.
@@ -67,6 +67,7 @@ mod matrix;
 mod period;
 mod propagator;
 mod record;
+mod reduction;
 mod rig;
 mod sensor;
 mod session;
@@ -80,10 +81,12 @@ pub use error::RigError;
 pub use exciter::{Exciter, Shaker};
 pub use finding::Finding;
 pub use hold::{Hold, Settling, SteadyState};
+pub use nlmodes_model::{ContactLaw, Side};
 pub use record::{Record, RecordChannel};
+pub use reduction::ModalReduction;
 pub use rig::{RigSetup, VirtualRig};
 pub use sensor::{Motion, Place, Quantity, Sensor};
 pub use session::Session;
-pub use stop::{Stop, StopLaw, StopSide};
+pub use stop::Stop;
 pub use structure::{DrivePoint, ModalStructure};
 pub use virtual_test::{LevelOutcome, Schedule, VirtualTest};

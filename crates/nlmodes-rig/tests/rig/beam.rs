@@ -4,9 +4,11 @@
 //! κ = 5/6, consistent mass, nothing dropped, which has its first frequency at 40.10 Hz. The drive point at a tenth of the length lies
 //! inside the first element, whose static interpolation gives the shapes there.
 
-use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop as Node, Support};
-use nlmodes_model::{ContactLaw, DofKind, LinearModes, Side, StructuralModel, linear_modes};
-use nlmodes_rig::{DrivePoint, Exciter, ModalStructure, Motion, Place, RigSetup, Sensor, Stop, StopLaw, StopSide};
+use nlmodes_fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
+use nlmodes_model::{DofKind, StructuralModel};
+use nlmodes_rig::{
+    ContactLaw, DrivePoint, Exciter, ModalReduction, ModalStructure, Motion, Place, RigSetup, Sensor, Side, Stop,
+};
 
 pub const LENGTH: f64 = 0.62975520;
 pub const FREQUENCIES_HZ: [f64; 6] = [40.10, 268.62, 758.26, 1371.82, 2427.72, 3508.31];
@@ -15,87 +17,50 @@ pub const GAP: f64 = 1.03e-3;
 pub const INTERVAL: f64 = 5e-5;
 
 const YOUNGS_MODULUS: f64 = 187.60e9;
-const WIDTH: f64 = 0.012;
-const HEIGHT: f64 = 0.020;
 
 /// Channels of [`setup`].
 pub const FORCE: usize = 0;
 pub const DRIVE_DISPLACEMENT: usize = 1;
 
-/// The finite element beam.
+/// The finite element beam and its six lowest bending modes.
 pub struct Shapes {
-    mesh: Mesh,
+    beam: Beam,
     model: StructuralModel,
-    modes: LinearModes,
+    reduction: ModalReduction,
 }
 
 impl Shapes {
     pub fn new() -> Self {
-        let mesh = Mesh::graded(LENGTH, 21, 9.1958536).unwrap();
         let beam = Beam {
             material: Material::new(YOUNGS_MODULUS, 7730.0).unwrap(),
-            section: Section::rectangle(WIDTH, HEIGHT).unwrap(),
-            mesh: mesh.clone(),
+            section: Section::rectangle(0.012, 0.020).unwrap(),
+            mesh: Mesh::graded(LENGTH, 21, 9.1958536).unwrap(),
             mass_matrix: MassMatrix::Consistent,
             start: Support::Clamped,
             end: Support::Free,
         };
-        let tip = Node {
-            position: LENGTH,
-            direction: Direction::Transverse,
-            side: Side::Positive,
-            gap: GAP,
-            law: ContactLaw::Rigid,
-        };
-        let model = beam.assemble(&[tip]).unwrap();
-        let modes = linear_modes(model.mass(), model.stiffness(), 12).unwrap();
-        Self { mesh, model, modes }
+        let model = beam.assemble(&[]).unwrap();
+        let reduction =
+            ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), DofKind::Deflection, 6).unwrap();
+        Self { beam, model, reduction }
     }
 
-    /// The first six bending modes at `x`, 1/√kg, positive at the tip.
+    /// Mode shapes at `x`, 1/√kg.
     pub fn at(&self, x: f64) -> Vec<f64> {
-        let bending = (0..self.modes.omega.len()).filter(|&k| self.deflection(k, LENGTH).abs() > 1e-6);
-        bending.take(6).map(|k| self.deflection(k, x) * self.deflection(k, LENGTH).signum()).collect()
+        self.reduction.shape(&self.beam.deflection_at(self.model.dofs(), x).unwrap())
     }
 
-    /// Eigenfrequencies of these modes in the finite element model, rad/s.
-    fn omega(&self) -> Vec<f64> {
-        let bending = (0..self.modes.omega.len()).filter(|&k| self.deflection(k, LENGTH).abs() > 1e-6);
-        bending.take(6).map(|k| self.modes.omega[k]).collect()
-    }
-
-    /// Static flexibility at `x` less that of the six modes, m/N; `x³/3EI + x/κGA` is exact.
+    /// Residual flexibility at `x`, m/N: `x³/3EI + x/κGA` less that of the six modes, exact also inside an element.
     pub fn residual(&self, x: f64) -> f64 {
-        let (ei, ga) = (bending_stiffness(), shear_stiffness());
-        let statics = x.powi(3) / (3.0 * ei) + x / ga;
-        statics - self.at(x).iter().zip(self.omega()).map(|(φ, ω)| (φ / ω).powi(2)).sum::<f64>()
+        let (ei, ga) = (YOUNGS_MODULUS * 8e-9, 5.0 / 6.0 * YOUNGS_MODULUS / 2.6 * 2.4e-4);
+        let modal = self.at(x).into_iter().zip(self.reduction.omega()).map(|(φ, ω)| (φ / ω).powi(2));
+        x.powi(3) / (3.0 * ei) + x / ga - modal.sum::<f64>()
     }
 
-    /// Deflection of mode `k` by the static shape functions of the element in which `x` lies.
-    fn deflection(&self, k: usize, x: f64) -> f64 {
-        let nodes = self.mesh.nodes();
-        let element = (1..nodes.len()).find(|&i| x <= nodes[i] + 1e-12).unwrap() - 1;
-        let l = nodes[element + 1] - nodes[element];
-        let (s, p) = ((x - nodes[element]) / l, 12.0 * bending_stiffness() / (shear_stiffness() * l * l));
-        let of = |node, kind| {
-            let dof = self.model.dofs().iter().position(|dof| dof.node == node && dof.kind == kind);
-            dof.map_or(0.0, |dof| self.modes.shapes[(dof, k)])
-        };
-        let (s2, s3) = (s * s, s * s * s);
-        let near = (2.0 * s3 - 3.0 * s2 - p * s + 1.0 + p) * of(element, DofKind::Deflection)
-            + l * (s3 - (2.0 + p / 2.0) * s2 + (1.0 + p / 2.0) * s) * of(element, DofKind::Rotation);
-        let far = (-2.0 * s3 + 3.0 * s2 + p * s) * of(element + 1, DofKind::Deflection)
-            + l * (s3 - (1.0 - p / 2.0) * s2 - p / 2.0 * s) * of(element + 1, DofKind::Rotation);
-        (near + far) / (1.0 + p)
+    /// The same by the finite elements; at nodes no different.
+    pub fn residual_of_elements(&self, x: f64) -> f64 {
+        self.reduction.residual(&self.beam.deflection_at(self.model.dofs(), x).unwrap())
     }
-}
-
-fn bending_stiffness() -> f64 {
-    YOUNGS_MODULUS * WIDTH * HEIGHT.powi(3) / 12.0
-}
-
-fn shear_stiffness() -> f64 {
-    5.0 / 6.0 * YOUNGS_MODULUS / 2.6 * WIDTH * HEIGHT
 }
 
 /// The rig of Section 5: compliant stop, sensors as in Fig. 6, without noise.
@@ -126,9 +91,9 @@ pub fn setup(exciter: Exciter) -> RigSetup {
         stop: Some(Stop {
             position: LENGTH,
             shape: shapes.at(LENGTH),
-            side: StopSide::Positive,
+            side: Side::Positive,
             gap: GAP,
-            law: StopLaw::Compliant { stiffness: 2.3e6 },
+            law: ContactLaw::Elastic { stiffness: 2.3e6 },
             residual: 0.0,
         }),
         sensors,

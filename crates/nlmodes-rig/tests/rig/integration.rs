@@ -3,14 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_rig::{
-    Drive, DrivePoint, Exciter, ModalStructure, Motion, Place, RigError, RigSetup, Sensor, Shaker, Stop, StopLaw,
-    StopSide, VirtualRig,
+    ContactLaw, Drive, DrivePoint, Exciter, ModalReduction, ModalStructure, Motion, Place, RigError, RigSetup, Sensor,
+    Shaker, Side, Stop, VirtualRig,
 };
 
 use crate::beam;
 
 /// One mode of 1 kg at 40 Hz in front of a stop at 1 mm.
-fn oscillator(law: StopLaw, residual: f64, side: StopSide) -> RigSetup {
+fn oscillator(law: ContactLaw, residual: f64, side: Side) -> RigSetup {
     RigSetup {
         structure: ModalStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.0] },
         drive_point: DrivePoint { position: 0.0, shape: vec![1.0], residual: 0.0 },
@@ -52,7 +52,7 @@ fn energy_is_kept_over_two_seconds_with_either_stop() {
     let compliant = undamped(beam::setup(Exciter::IdealForce));
     let mut hard = compliant.clone();
     let residual = beam::Shapes::new().residual(beam::LENGTH);
-    hard.stop = hard.stop.map(|stop| Stop { law: StopLaw::Hard, residual, ..stop });
+    hard.stop = hard.stop.map(|stop| Stop { law: ContactLaw::Rigid, residual, ..stop });
     for setup in [compliant, hard] {
         let (drift, contacts) = energy_drift(setup, &[-9e-4, 2e-5, 0.0, 1e-6, 0.0, 0.0]);
         // Asked for: 1e-4. Rounding over 40000 steps and a hundred contacts leaves some 1e-11.
@@ -87,11 +87,11 @@ fn period(amplitude: f64, gap: f64, ω: f64, k: f64) -> f64 {
 fn an_impact_oscillator_has_the_period_of_the_closed_form() {
     let (ω, gap, amplitude, stiffness) = (TAU * 40.0, 1e-3, 2e-3, 3e6);
     for (law, residual) in [
-        (StopLaw::Compliant { stiffness }, 0.0),
-        (StopLaw::Hard, 1.0 / stiffness),
-        (StopLaw::Compliant { stiffness: 2.0 * stiffness }, 0.5 / stiffness),
+        (ContactLaw::Elastic { stiffness }, 0.0),
+        (ContactLaw::Rigid, 1.0 / stiffness),
+        (ContactLaw::Elastic { stiffness: 2.0 * stiffness }, 0.5 / stiffness),
     ] {
-        for side in [StopSide::Positive, StopSide::Negative] {
+        for side in [Side::Positive, Side::Negative] {
             let mut rig = VirtualRig::new(oscillator(law, residual, side)).unwrap();
             rig.set_motion(&[-side.sign() * amplitude], &[0.0]).unwrap();
             let exact = period(amplitude, gap, ω, stiffness);
@@ -110,14 +110,15 @@ fn an_impact_oscillator_has_the_period_of_the_closed_form() {
 #[test]
 fn a_hard_stop_is_not_penetrated_and_a_compliant_one_by_the_force_over_its_stiffness() {
     let stiffness = 3e6;
-    for (law, residual) in [(StopLaw::Hard, 1.0 / stiffness), (StopLaw::Compliant { stiffness }, 0.2 / stiffness)] {
-        let mut rig = VirtualRig::new(oscillator(law, residual, StopSide::Positive)).unwrap();
+    for (law, residual) in [(ContactLaw::Rigid, 1.0 / stiffness), (ContactLaw::Elastic { stiffness }, 0.2 / stiffness)]
+    {
+        let mut rig = VirtualRig::new(oscillator(law, residual, Side::Positive)).unwrap();
         rig.set_motion(&[-2e-3], &[0.0]).unwrap();
         let mut largest = 0.0f64;
         for _ in 0..5_000 {
             rig.advance(&Drive::OFF).unwrap();
             let (x, force) = (rig.exact(0).unwrap(), rig.exact(3).unwrap());
-            let compression = if matches!(law, StopLaw::Hard) { 0.0 } else { force / stiffness };
+            let compression = if matches!(law, ContactLaw::Rigid) { 0.0 } else { force / stiffness };
             assert!(force >= 0.0 && (x - 1e-3 <= 1e-18) == (force == 0.0) || (x - 1e-3 - compression).abs() < 1e-15);
             largest = largest.max(force);
         }
@@ -233,9 +234,9 @@ fn a_hard_stop_moves_as_the_massless_node_in_physical_coordinates() {
         stop: Some(Stop {
             position: 0.0,
             shape: (0..4).map(|r| mode(r, 3)).collect(),
-            side: StopSide::Positive,
+            side: Side::Positive,
             gap: 0.4,
-            law: StopLaw::Hard,
+            law: ContactLaw::Rigid,
             // All modes are kept: what is left is the massless node on its spring, 1/K_NN.
             residual: 1.0 / Chain::K,
         }),
@@ -262,6 +263,39 @@ fn a_hard_stop_moves_as_the_massless_node_in_physical_coordinates() {
 }
 
 #[test]
+fn a_reduced_structure_has_the_flexibility_of_its_elements() {
+    let shapes = beam::Shapes::new();
+    // The tip is a node: elements and closed form agree to the solver's rounding, cond(K) 1e-16.
+    let (exact, elements) = (shapes.residual(beam::LENGTH), shapes.residual_of_elements(beam::LENGTH));
+    assert!((elements / exact - 1.0).abs() < 1e-4 && exact > 0.0, "{elements} {exact}");
+    // Inside the first element, 73 mm long, the elements miss what it yields under a load between its nodes.
+    let x = 0.1 * beam::LENGTH;
+    assert!(shapes.residual_of_elements(x) < shapes.residual(x));
+}
+
+#[test]
+fn all_modes_of_a_massless_contact_model_leave_the_flexibility_of_its_node() {
+    use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop as Node, Support};
+    use nlmodes_model::{DofKind, Drop, MasslessContactModel};
+    let rod = Rod {
+        material: Material::new(210e9, 9000.0).unwrap(),
+        area: 1.0,
+        mesh: Mesh::uniform(20.0, 5).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    let model = rod.assemble(&[Node::rigid(20.0, Direction::Axial, Side::Positive, 0.5)]).unwrap();
+    let model = MasslessContactModel::new(&model, &Drop).unwrap();
+    let reduce = |count| ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), DofKind::Axial, count);
+    let tip = [(model.contact_dofs()[0], 1.0)];
+    let all = reduce(4).unwrap();
+    assert!((all.residual(&tip) * model.k_nn()[(0, 0)] - 1.0).abs() < 1e-9);
+    assert!(reduce(2).unwrap().residual(&tip) > all.residual(&tip));
+    assert_eq!(reduce(5).unwrap_err(), RigError::TooFewModes { wanted: 5, found: 4 });
+}
+
+#[test]
 fn noise_is_deterministic_of_its_size_and_its_own_for_each_channel() {
     let setup = beam::with_noise(beam::setup(Exciter::IdealForce));
     let draw = |setup: RigSetup, channel| {
@@ -280,14 +314,14 @@ fn noise_is_deterministic_of_its_size_and_its_own_for_each_channel() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let setup = oscillator(StopLaw::Hard, 1e-7, StopSide::Positive);
+    let setup = oscillator(ContactLaw::Rigid, 1e-7, Side::Positive);
     let refused = |change: &dyn Fn(&mut RigSetup)| {
         let mut setup = setup.clone();
         change(&mut setup);
         VirtualRig::new(setup).unwrap_err()
     };
     let no_flexibility = refused(&|s| s.stop.as_mut().unwrap().residual = 0.0);
-    assert!(matches!(no_flexibility, RigError::HardStopWithoutFlexibility { .. }));
+    assert!(matches!(no_flexibility, RigError::RigidStopWithoutFlexibility { .. }));
     assert!(matches!(refused(&|s| s.stop = None), RigError::NoStop { .. }));
     assert!(matches!(refused(&|s| s.structure.omega[0] = f64::NAN), RigError::NotPositive { .. }));
     assert!(matches!(refused(&|s| s.structure.damping_ratios = vec![]), RigError::ModeCount { .. }));
