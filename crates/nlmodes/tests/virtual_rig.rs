@@ -68,7 +68,7 @@ fn distance(branch: &ModalBranch, amplitude: f64, hz: f64) -> f64 {
     let crossing = |pair: &[nlmodes::modal::ModalPoint]| {
         let [a, b] = [&pair[0], &pair[1]].map(|point| (point.modal_amplitude, point.omega / TAU));
         let share = (amplitude - a.0) / (b.0 - a.0);
-        (0.0..=1.0).contains(&share).then(|| hz - (a.1 + share * (b.1 - a.1)))
+        (0.0..=1.0).contains(&share).then_some(hz - (a.1 + share * (b.1 - a.1)))
     };
     branch.points.windows(2).filter_map(crossing).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
 }
