@@ -44,6 +44,14 @@ pub enum FemError {
         /// Index of the nearest node.
         node: usize,
     },
+    /// A point that is not on the structure.
+    #[error("there is nothing at {asked} m: the structure reaches from 0 to {length} m")]
+    OutsideMesh {
+        /// Position asked for, m.
+        asked: f64,
+        /// Length of the structure, m.
+        length: f64,
+    },
     /// A stop in a direction in which the elements have no displacement.
     #[error("the stop at {position} m is {direction}, but a rod moves axially only")]
     NoSuchDirection {

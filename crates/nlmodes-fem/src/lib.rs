@@ -45,6 +45,7 @@
 mod assembly;
 mod element;
 mod error;
+mod interpolation;
 mod material;
 mod mesh;
 mod rod;

@@ -84,7 +84,7 @@ pub fn timoshenko_element(
 }
 
 /// `Φ = 12 EI / κGA l²`: shear flexibility over bending flexibility of an element.
-fn shear_parameter(material: &Material, section: &Section, length: f64) -> f64 {
+pub(crate) fn shear_parameter(material: &Material, section: &Section, length: f64) -> f64 {
     let bending = 12.0 * material.youngs_modulus() * section.second_moment();
     bending / (section.shear_factor() * material.shear_modulus() * section.area() * length.powi(2))
 }

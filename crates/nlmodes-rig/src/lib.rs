@@ -1,1 +1,92 @@
-//! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule.
+//! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule under a phase-locked loop.
+//!
+//! It shows what a test would show before there is one, and makes records with known truth for the extraction of modes.
+//!
+//! ```text
+//! q̈_k + 2 ζ_k ω_k q̇_k + ω_k² q_k = φ_ex,k f − side · φ_s,k λ             structure, eq. (23) in modal coordinates
+//! 0 ≤ g = g_0 − side · Σ_k φ_s,k q_k + A λ  ⊥  λ ≥ 0                     stop, eqs. (3), (5), (11), (13)
+//! L di/dt + R i + T v_a = u ,   m_a v̇_a + c_a v_a + k_a x_a = T i − f    shaker
+//! f = k_s (x_a − w_ex) + c_s (v_a − ẇ_ex)                                stinger; f is what the force sensor measures
+//! ```
+//!
+//! `A` is the flexibility of the stop, that of a massless contact node, or both; so a rigid stop needs no impact law, see [`Stop`]. The
+//! whole is piecewise linear. Between contact instants it is propagated by the matrix exponential, and the instants are
+//! the roots of a Taylor series that leaves none out: energy is kept to rounding (below 1e-9 in two seconds with a hundred
+//! contacts), and a step too large for that is [refused](RigError::StepTooLarge). The drive is harmonic within a sampling interval.
+//!
+//! | symbol | meaning | unit | item |
+//! | --- | --- | --- | --- |
+//! | `ω_k`, `ζ_k` | eigenfrequencies, damping ratios | rad/s, – | [`ModalStructure`] |
+//! | `φ_ex,k`, `φ_s,k` | mass-normalised shapes at drive point and stop | 1/√kg | [`DrivePoint`], [`Stop`] |
+//! | `g_0`, `λ`, `A` | gap, contact force, flexibility | m, N, m/N | [`Stop`] |
+//! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
+//!
+//! A [`Session`] is a rig with its loop closed; a [`VirtualTest`] goes through a [`Schedule`] of levels, holds each until lag, drift and
+//! periodicity are within tolerance, and gives its [`Record`] with what is still wrong as [`Finding`]s. The loop of
+//! [`nlmodes_experiment::phase_loop`] sees two noisy channels and nothing of the model. The same seed gives the same records.
+//!
+//! ```
+//! use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+//! use nlmodes_rig::{DrivePoint, Exciter, ModalStructure, Motion, Place, RigSetup, Schedule, Sensor, VirtualTest};
+//!
+//! // One mode at 40 Hz with 1 % damping, an ideal force, and a loop that starts 0.3 Hz too low.
+//! let omega = 2.0 * std::f64::consts::PI * 40.0;
+//! let rig = RigSetup {
+//!     structure: ModalStructure { omega: vec![omega], damping_ratios: vec![0.01] },
+//!     drive_point: DrivePoint { position: 0.1, shape: vec![1.0], residual: 0.0 },
+//!     exciter: Exciter::IdealForce,
+//!     stop: None,
+//!     sensors: vec![
+//!         Sensor::new("force", Place::Excitation, 0.0),
+//!         Sensor::new("response", Place::DrivePoint(Motion::Displacement), 1e-9),
+//!     ],
+//!     interval: 1.0 / 20_000.0,
+//!     substeps: None,
+//!     seed: 1,
+//! };
+//! let settings = LoopSettings::new(Resonance { omega, damping_ratio: 0.01 }, omega - 2.0, rig.interval);
+//! let test = VirtualTest { rig, settings, force: 0, response: 1, schedule: Schedule::new(vec![0.5]) };
+//! let levels = test.run(|_| {})?;
+//! assert!(levels[0].findings.is_empty());
+//! assert!((levels[0].steady.omega / omega - 1.0).abs() < 1e-6);
+//! assert_eq!(levels[0].record.channel("response").map(|channel| channel.samples.len()), Some(20_000));
+//! # Ok::<(), nlmodes_rig::RigError>(())
+//! ```
+//!
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
+//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
+
+mod bernstein;
+mod drive;
+mod error;
+mod exciter;
+mod finding;
+mod functional;
+mod hold;
+mod matrix;
+mod period;
+mod propagator;
+mod record;
+mod reduction;
+mod rig;
+mod sensor;
+mod session;
+mod state_space;
+mod stop;
+mod structure;
+mod virtual_test;
+
+pub use drive::Drive;
+pub use error::RigError;
+pub use exciter::{Exciter, Shaker};
+pub use finding::Finding;
+pub use hold::{Hold, Settling, SteadyState};
+pub use nlmodes_model::{ContactLaw, Side};
+pub use record::{Record, RecordChannel};
+pub use reduction::ModalReduction;
+pub use rig::{RigSetup, VirtualRig};
+pub use sensor::{Motion, Place, Quantity, Sensor};
+pub use session::Session;
+pub use stop::Stop;
+pub use structure::{DrivePoint, ModalStructure};
+pub use virtual_test::{LevelOutcome, Schedule, VirtualTest};

@@ -4,6 +4,7 @@ mod closed_forms;
 mod common;
 mod contacts;
 mod euler_bernoulli;
+mod interpolation;
 mod redistribution;
 mod reference_values;
 mod rod;

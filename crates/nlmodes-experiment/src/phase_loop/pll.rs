@@ -1,0 +1,116 @@
+use std::f64::consts::{PI, TAU};
+
+use super::detector::PreparedDetector;
+use super::{Gains, LoopSettings, LoopState, LowPass, PhaseLoopError};
+
+/// A phase-locked loop with checked settings; see the [module](super) for its equations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhaseLockedLoop {
+    settings: LoopSettings,
+    gains: Gains,
+    detector: PreparedDetector,
+    target: f64,
+}
+
+impl PhaseLockedLoop {
+    /// A loop with these settings.
+    ///
+    /// # Errors
+    /// [`PhaseLoopError::UnstableGains`] beyond the limit of Routh, and the other variants for settings that cannot work.
+    pub fn new(settings: LoopSettings) -> Result<Self, PhaseLoopError> {
+        settings.check()?;
+        let low_pass = settings.detector.low_pass(settings.cut_off);
+        let gains = match settings.gains {
+            Some(gains) => gains,
+            None => Gains::design(settings.resonance, low_pass)?,
+        };
+        gains.check(settings.resonance, low_pass)?;
+        let detector = settings.detector.prepare(settings.cut_off, settings.step)?;
+        let target = settings.quantity.lag(settings.displacement_lag);
+        Ok(Self { settings, gains, detector, target })
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &LoopSettings {
+        &self.settings
+    }
+
+    /// The gains in use.
+    pub fn gains(&self) -> Gains {
+        self.gains
+    }
+
+    /// The low-pass of the detector, as the stability limit sees it.
+    pub fn low_pass(&self) -> LowPass {
+        self.settings.detector.low_pass(self.settings.cut_off)
+    }
+
+    /// Lag of the measured response that the loop works for, rad.
+    pub fn target_lag(&self) -> f64 {
+        self.target
+    }
+
+    /// State before the first sample: phase zero at the starting frequency.
+    pub fn start(&self) -> LoopState {
+        LoopState {
+            theta: 0.0,
+            omega: self.settings.start,
+            integral: 0.0,
+            lag: self.target,
+            error: None,
+            within: 0.0,
+            locked: false,
+            held: false,
+            at_limit: false,
+            detector: self.detector.start(),
+        }
+    }
+
+    /// The state after the samples `force` and `response`, taken at the phase [`LoopState::drive_phase`] of `state`.
+    ///
+    /// The phase of the result is that of the next sample, one step later. Samples that are not finite are passed over: the
+    /// drive goes on at its frequency, and the loop counts as not locked.
+    pub fn step(&self, state: &LoopState, force: f64, response: f64) -> LoopState {
+        let mut next = *state;
+        let finite = force.is_finite() && response.is_finite();
+        if finite {
+            next.detector = self.detector.step(&state.detector, state.theta, force, response);
+        }
+        self.measure(&mut next, finite);
+        if let (Some(error), false) = (next.error, next.held) {
+            self.control(&mut next, error);
+        }
+        next.theta = (state.theta + next.omega * self.settings.step).rem_euclid(TAU);
+        next
+    }
+
+    /// Lag, its error, and the lock.
+    fn measure(&self, state: &mut LoopState, finite: bool) {
+        let [force, response] = state.detector.fundamentals();
+        let product = force * response.conj();
+        let [least_force, least_response] = self.settings.smallest;
+        let measurable =
+            finite && product.norm_sqr() > 0.0 && force.norm() >= least_force && response.norm() >= least_response;
+        state.error = measurable.then(|| wrap(self.target - product.arg()));
+        state.lag = self.target - state.error.unwrap_or(0.0);
+        state.within = self.settings.lock.count(state.within, state.error, self.settings.step);
+        state.locked = state.within > 0.0 && state.within >= self.settings.lock.duration;
+    }
+
+    /// Loop filter. At an end of the range the integral stands still rather than wind up.
+    fn control(&self, state: &mut LoopState, error: f64) {
+        let [low, high] = self.settings.range;
+        let integral = state.integral + self.gains.integral * error * self.settings.step;
+        let omega = self.settings.start + self.gains.proportional * error + integral;
+        state.omega = omega.clamp(low, high);
+        state.at_limit = state.omega != omega;
+        if !state.at_limit || (omega > high) != (error > 0.0) {
+            state.integral = integral;
+        }
+    }
+}
+
+/// `angle` in (−π, π].
+fn wrap(angle: f64) -> f64 {
+    PI - (PI - angle).rem_euclid(TAU)
+}

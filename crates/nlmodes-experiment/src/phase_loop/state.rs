@@ -1,0 +1,70 @@
+use num_complex::Complex64;
+
+use super::detector::DetectorState;
+
+/// What a loop remembers from one sample to the next: a value, without anything on the heap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopState {
+    pub(super) theta: f64,
+    pub(super) omega: f64,
+    pub(super) integral: f64,
+    pub(super) lag: f64,
+    pub(super) error: Option<f64>,
+    pub(super) within: f64,
+    pub(super) locked: bool,
+    pub(super) held: bool,
+    pub(super) at_limit: bool,
+    pub(super) detector: DetectorState,
+}
+
+impl LoopState {
+    /// Phase `θ` at which to drive now, rad, in [0, 2π): the drive is `A cos θ`, and moves on with [`Self::omega`].
+    pub fn drive_phase(&self) -> f64 {
+        self.theta
+    }
+
+    /// Angular frequency `ω`, rad/s, from this sample to the next.
+    pub fn omega(&self) -> f64 {
+        self.omega
+    }
+
+    /// Measured lag `ψ` of the response behind the force, rad, in (−π, π] around the target.
+    pub fn lag(&self) -> f64 {
+        self.lag
+    }
+
+    /// Target less lag, rad; none while force or response are too small to have a phase.
+    pub fn error(&self) -> Option<f64> {
+        self.error
+    }
+
+    /// Complex amplitudes `F_1`, `X_1` of force and response in the frame of the drive, in the units of the signals.
+    pub fn fundamentals(&self) -> [Complex64; 2] {
+        self.detector.fundamentals()
+    }
+
+    /// Whether the lag error has been within its tolerance for the time asked for.
+    pub fn is_locked(&self) -> bool {
+        self.locked
+    }
+
+    /// Whether the frequency stands at an end of its range.
+    pub fn is_at_limit(&self) -> bool {
+        self.at_limit
+    }
+
+    /// Whether the frequency is held.
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+
+    /// The same state with the frequency held (`true`) or controlled (`false`). Phases are measured in either case.
+    pub fn hold_frequency(self, held: bool) -> Self {
+        Self { held, ..self }
+    }
+
+    /// The same state with the frequency held at `omega`, rad/s, as a generator would that knows nothing of the phase.
+    pub fn hold_frequency_at(self, omega: f64) -> Self {
+        Self { held: true, omega, ..self }
+    }
+}

@@ -1,0 +1,151 @@
+use nlmodes_experiment::phase_loop::PhaseLoopError;
+use nlmodes_linalg::LinalgError;
+use nlmodes_model::ModelError;
+use thiserror::Error;
+
+/// Why a virtual rig cannot be built or cannot go on.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RigError {
+    /// A quantity that has to be positive and finite is not.
+    #[error("{what} must be positive and finite, not {value}")]
+    NotPositive {
+        /// The quantity, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity that must not be negative is, or is not finite.
+    #[error("{what} must be zero or positive, not {value}")]
+    Negative {
+        /// The quantity, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity is not a number.
+    #[error("{what} must be finite, not {value}")]
+    NotFinite {
+        /// The quantity, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A list has not one entry a mode.
+    #[error("{what}: {found} values for {modes} modes")]
+    ModeCount {
+        /// The list.
+        what: String,
+        /// Number of modes.
+        modes: usize,
+        /// Number of values.
+        found: usize,
+    },
+    /// A rigid stop needs the static flexibility of the point at which it stands.
+    #[error(
+        "a rigid stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not {residual}: \
+         without it the contact node would have mass, and an impact law would be needed"
+    )]
+    RigidStopWithoutFlexibility {
+        /// Residual flexibility, m/N.
+        residual: f64,
+    },
+    /// There is no stop for a sensor that measures at one.
+    #[error("sensor `{sensor}` measures at the stop, but there is none")]
+    NoStop {
+        /// The sensor.
+        sensor: String,
+    },
+    /// There is no such sensor.
+    #[error("channel {channel}: there are {channels}")]
+    NoChannel {
+        /// Index asked for.
+        channel: usize,
+        /// Number of channels.
+        channels: usize,
+    },
+    /// The integration step is too large to be exact.
+    #[error(
+        "integration step too large: {step} s, at most {limit} s for the fastest motion of this rig; \
+         at least {substeps} steps a sampling interval are needed"
+    )]
+    StepTooLarge {
+        /// Step, s.
+        step: f64,
+        /// Longest step, s.
+        limit: f64,
+        /// Steps a sampling interval that would do.
+        substeps: usize,
+    },
+    /// The drive turns too far in one integration step to be represented.
+    #[error(
+        "the drive turns by {angle} rad in one integration step, at most {limit} rad: sample faster or drive more slowly"
+    )]
+    DriveTooFast {
+        /// Angle `ω h`, rad.
+        angle: f64,
+        /// Largest, rad.
+        limit: f64,
+    },
+    /// Contact opened and closed more often in one step than a piecewise linear motion of this size can.
+    #[error("contact switched more than {most} times in one step at {time} s")]
+    Chatter {
+        /// Time, s.
+        time: f64,
+        /// Most.
+        most: usize,
+    },
+    /// The motion left the range of numbers.
+    #[error("the motion is not finite at {time} s")]
+    Diverged {
+        /// Time, s.
+        time: f64,
+    },
+    /// A structure has not as many modes as asked for.
+    #[error("{wanted} modes were asked for, but the structure has {found}")]
+    TooFewModes {
+        /// Asked for.
+        wanted: usize,
+        /// There are.
+        found: usize,
+    },
+    /// The modes of a structure cannot be computed.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Its static deflections cannot be computed.
+    #[error(transparent)]
+    Statics(#[from] LinalgError),
+    /// The loop is refused.
+    #[error(transparent)]
+    Loop(#[from] PhaseLoopError),
+    /// The loop's sampling interval is not that of the rig.
+    #[error("the loop has a sampling interval of {of_loop} s, the rig one of {of_rig} s")]
+    SamplingIntervals {
+        /// Of the loop, s.
+        of_loop: f64,
+        /// Of the rig, s.
+        of_rig: f64,
+    },
+    /// The loop is set for another quantity than its response sensor measures.
+    #[error("the loop expects a response in {expected}, but sensor `{sensor}` measures in {found}")]
+    ResponseQuantity {
+        /// The sensor.
+        sensor: String,
+        /// Unit that the loop expects.
+        expected: &'static str,
+        /// Unit of the sensor.
+        found: &'static str,
+    },
+}
+
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, RigError> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(RigError::NotPositive { what, value }) }
+}
+
+pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, RigError> {
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(RigError::Negative { what, value }) }
+}
+
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, RigError> {
+    if value.is_finite() { Ok(value) } else { Err(RigError::NotFinite { what, value }) }
+}

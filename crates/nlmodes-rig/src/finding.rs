@@ -1,0 +1,59 @@
+use std::fmt;
+
+/// What a careful experimenter wants to be told about a level, with its number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// The lag is not the one asked for.
+    NotLocked {
+        /// Lag less target, rad.
+        error: f64,
+    },
+    /// The frequency still moves.
+    FrequencyDrift {
+        /// Relative change a second, 1/s.
+        rate: f64,
+    },
+    /// The amplitude of the response still moves.
+    AmplitudeDrift {
+        /// Relative change a second, 1/s.
+        rate: f64,
+    },
+    /// One period is not like the next.
+    Aperiodic {
+        /// Root mean square difference from the mean period, relative.
+        spread: f64,
+    },
+    /// The loop wants a frequency outside of its range.
+    FrequencyLimit {
+        /// Where it stands, rad/s.
+        omega: f64,
+    },
+}
+
+impl Finding {
+    /// Short name, as it stands in tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::NotLocked { .. } => "not-locked",
+            Self::FrequencyDrift { .. } => "frequency-drift",
+            Self::AmplitudeDrift { .. } => "amplitude-drift",
+            Self::Aperiodic { .. } => "aperiodic",
+            Self::FrequencyLimit { .. } => "frequency-limit",
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotLocked { error } => write!(f, "not locked: the lag is off by {:.3} degrees", error.to_degrees()),
+            Self::FrequencyDrift { rate } => write!(f, "the frequency drifts by {:.1e} of itself a second", rate),
+            Self::AmplitudeDrift { rate } => write!(f, "the amplitude drifts by {:.1e} of itself a second", rate),
+            Self::Aperiodic { spread } => write!(f, "aperiodic: periods differ by {:.2} %", 100.0 * spread),
+            Self::FrequencyLimit { omega } => {
+                write!(f, "the loop stands at the end of its range, {:.3} Hz", omega / std::f64::consts::TAU)
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix};
+use nlmodes_model::{Dof, DofKind, linear_modes};
+
+use crate::{DrivePoint, RigError};
+
+/// A component counts as at rest below this share of the largest one of a mode.
+const REST: f64 = 1e-9;
+
+/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the others.
+///
+/// A point of the structure is a list of degrees of freedom with weights, `w = Σ weight · q`. Its shape is `φ_k = Σ weight · Φ_k`, its
+/// residual flexibility `pᵀ K⁻¹ p − Σ_k φ_k² / ω_k²` with `p` the weights as a load. With massless contact nodes ([`MasslessContactModel`],
+/// mass `M_R`) the residual at a contact contains the flexibility `1/K_NN` of its node: what a rigid [`Stop`](crate::Stop) needs.
+///
+/// [`MasslessContactModel`]: nlmodes_model::MasslessContactModel
+#[derive(Debug, Clone)]
+pub struct ModalReduction {
+    omega: Vec<f64>,
+    shapes: Mat<f64>,
+    kept: Vec<usize>,
+    statics: SparseCholesky,
+}
+
+impl ModalReduction {
+    /// The lowest `count` modes in which degrees of freedom of this kind move.
+    ///
+    /// # Errors
+    /// [`RigError::Model`] or [`RigError::Statics`] if modes or static deflections cannot be computed, [`RigError::TooFewModes`].
+    pub fn new(
+        mass: &SparseMatrix,
+        stiffness: &SparseMatrix,
+        dofs: &[Dof],
+        kind: DofKind,
+        count: usize,
+    ) -> Result<Self, RigError> {
+        let statics = SparseCholesky::factor(stiffness, "stiffness with open contacts")?;
+        // Modes of other kinds lie between: twice the number is nearly always enough.
+        let mut wanted = (2 * count + 4).min(dofs.len());
+        loop {
+            let modes = linear_modes(mass, stiffness, wanted)?;
+            let mut kept: Vec<usize> =
+                (0..modes.omega.len()).filter(|&k| moves(&modes.shapes, k, dofs, kind)).collect();
+            if kept.len() >= count {
+                kept.truncate(count);
+                let omega = kept.iter().map(|&k| modes.omega[k]).collect();
+                return Ok(Self { omega, shapes: modes.shapes, kept, statics });
+            }
+            if wanted == dofs.len() {
+                return Err(RigError::TooFewModes { wanted: count, found: kept.len() });
+            }
+            wanted = (2 * wanted).min(dofs.len());
+        }
+    }
+
+    /// Angular eigenfrequencies, rad/s.
+    pub fn omega(&self) -> &[f64] {
+        &self.omega
+    }
+
+    /// Mass-normalised shapes at a point, 1/√kg.
+    ///
+    /// # Panics
+    /// If a degree of freedom does not exist.
+    pub fn shape(&self, point: &[(usize, f64)]) -> Vec<f64> {
+        let of = |&k: &usize| point.iter().map(|&(dof, weight)| weight * self.shapes[(dof, k)]).sum();
+        self.kept.iter().map(of).collect()
+    }
+
+    /// Residual flexibility at a point, m/N. Zero up to rounding where no mode was left out.
+    ///
+    /// A point between nodes loads them by its weights: what the element yields between its nodes is not in it.
+    ///
+    /// # Panics
+    /// If a degree of freedom does not exist.
+    pub fn residual(&self, point: &[(usize, f64)]) -> f64 {
+        let mut x = vec![0.0; self.statics.dim()];
+        point.iter().for_each(|&(dof, weight)| x[dof] += weight);
+        self.statics.solve_in_place(&mut x);
+        let statics: f64 = point.iter().map(|&(dof, weight)| weight * x[dof]).sum();
+        let modal: f64 = self.shape(point).iter().zip(&self.omega).map(|(φ, ω)| (φ / ω).powi(2)).sum();
+        (statics - modal).max(0.0)
+    }
+
+    /// The point as one at which an exciter pushes; `position` in m.
+    pub fn drive_point(&self, position: f64, point: &[(usize, f64)]) -> DrivePoint {
+        DrivePoint { position, shape: self.shape(point), residual: self.residual(point) }
+    }
+}
+
+fn moves(shapes: &Mat<f64>, k: usize, dofs: &[Dof], kind: DofKind) -> bool {
+    let largest = |of: &dyn Fn(&Dof) -> bool| {
+        let components = dofs.iter().enumerate().filter(|(_, dof)| of(dof)).map(|(i, _)| shapes[(i, k)].abs());
+        components.fold(0.0, f64::max)
+    };
+    largest(&|dof| dof.kind == kind) > REST * largest(&|_| true)
+}

@@ -1,0 +1,282 @@
+use std::collections::VecDeque;
+
+use nlmodes_experiment::phase_loop::{LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
+
+use crate::error::{finite, not_negative, positive};
+use crate::hold::Settling;
+use crate::period::{Period, PeriodAnalyzer};
+use crate::{Drive, Finding, Hold, Quantity, Record, RecordChannel, RigError, RigSetup, SteadyState, VirtualRig};
+
+/// A rig with its loop closed: ramp, wait, settle, record, hold the frequency.
+///
+/// The loop sees two channels of the rig, with their noise, and nothing else.
+#[derive(Debug, Clone)]
+pub struct Session {
+    rig: VirtualRig,
+    pll: PhaseLockedLoop,
+    state: LoopState,
+    force: usize,
+    response: usize,
+    amplitude: f64,
+}
+
+impl Session {
+    /// A rig at rest and a loop before its first sample. `force` and `response` are the channels that the loop sees.
+    ///
+    /// # Errors
+    /// Those of [`VirtualRig::new`]; [`RigError::Loop`], among others for unstable gains; [`RigError::NoChannel`];
+    /// [`RigError::SamplingIntervals`] and [`RigError::ResponseQuantity`] if rig and loop do not fit.
+    pub fn new(setup: RigSetup, settings: LoopSettings, force: usize, response: usize) -> Result<Self, RigError> {
+        let rig = VirtualRig::new(setup)?;
+        let pll = PhaseLockedLoop::new(settings)?;
+        check_channels(&rig, &pll, force, response)?;
+        let state = pll.start();
+        Ok(Self { rig, pll, state, force, response, amplitude: 0.0 })
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> &VirtualRig {
+        &self.rig
+    }
+
+    /// The loop's state.
+    pub fn state(&self) -> &LoopState {
+        &self.state
+    }
+
+    /// The loop.
+    pub fn control(&self) -> &PhaseLockedLoop {
+        &self.pll
+    }
+
+    /// Amplitude of the drive, N or V.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// Holds the frequency as it is, or gives it back to the loop.
+    pub fn hold_frequency(&mut self, held: bool) {
+        self.state = self.state.hold_frequency(held);
+    }
+
+    /// Holds the frequency at `omega`, rad/s.
+    ///
+    /// # Errors
+    /// [`RigError::NotPositive`].
+    pub fn hold_frequency_at(&mut self, omega: f64) -> Result<(), RigError> {
+        self.state = self.state.hold_frequency_at(positive("frequency (rad/s)", omega)?);
+        Ok(())
+    }
+
+    /// Changes the amplitude of the drive linearly to `amplitude` in `duration` seconds, under control.
+    ///
+    /// # Errors
+    /// Those of [`VirtualRig::advance`], and unsuitable numbers.
+    pub fn ramp(&mut self, amplitude: f64, duration: f64) -> Result<(), RigError> {
+        let (from, to) = (self.amplitude, finite("level", amplitude)?);
+        let samples = self.samples(duration)?.max(1);
+        for k in 1..=samples {
+            let share = k as f64 / samples as f64;
+            self.sample(from + share * (to - from), |_, _| Ok(()))?;
+        }
+        Ok(())
+    }
+
+    /// Goes on for `duration` seconds at the present amplitude.
+    ///
+    /// # Errors
+    /// As [`Session::ramp`].
+    pub fn run(&mut self, duration: f64) -> Result<(), RigError> {
+        self.ramp(self.amplitude, duration)
+    }
+
+    /// Holds the level until it is steady, or as long as allowed.
+    ///
+    /// # Errors
+    /// As [`Session::ramp`].
+    pub fn settle(&mut self, hold: &Hold) -> Result<Settling, RigError> {
+        hold.check()?;
+        let start = self.rig.time();
+        let mut windows: VecDeque<SteadyState> = VecDeque::with_capacity(hold.windows + 1);
+        loop {
+            let before = self.rig.time();
+            windows.push_back(self.window(hold.periods)?);
+            if windows.len() > hold.windows {
+                windows.pop_front();
+            }
+            let (now, last) = (self.rig.time(), windows.make_contiguous());
+            let out_of_time = now - start >= hold.longest;
+            if last.len() < 2 || (last.len() < hold.windows && !out_of_time) {
+                continue;
+            }
+            let mut findings = hold.judge(last, self.pll.target_lag(), now - before);
+            if self.state.is_at_limit() {
+                findings.push(Finding::FrequencyLimit { omega: self.state.omega() });
+            }
+            if findings.is_empty() || out_of_time {
+                return Ok(Settling { duration: now - start, steady: SteadyState::mean(last), findings });
+            }
+        }
+    }
+
+    /// Means over the next `periods` periods.
+    ///
+    /// # Errors
+    /// As [`Session::ramp`].
+    pub fn window(&mut self, periods: usize) -> Result<SteadyState, RigError> {
+        let mut window = Window::new(periods, self.angle());
+        while !window.is_complete() {
+            let (force, response) = (self.force, self.response);
+            self.sample(self.amplitude, |readings, state| {
+                window.push(state, readings(force)?, readings(response)?);
+                Ok(())
+            })?;
+        }
+        Ok(window.steady_state(self.pll.target_lag()))
+    }
+
+    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least).
+    ///
+    /// # Errors
+    /// As [`Session::ramp`].
+    pub fn record(&mut self, duration: f64) -> Result<(Record, SteadyState), RigError> {
+        let samples = self.samples(duration)?;
+        let mut record = self.empty_record(samples)?;
+        let mut window = Window::new(usize::MAX, self.angle());
+        let (force, response) = (self.force, self.response);
+        let sensors = record.channels.len() - 1;
+        let mut taken = 0;
+        while taken < samples || window.periods.is_empty() {
+            self.sample(self.amplitude, |readings, state| {
+                let mut values = [0.0; 2];
+                for (index, channel) in record.channels[..sensors].iter_mut().enumerate() {
+                    let value = readings(index)?;
+                    if index == force {
+                        values[0] = value;
+                    }
+                    if index == response {
+                        values[1] = value;
+                    }
+                    if taken < samples {
+                        channel.samples.push(value);
+                    }
+                }
+                if taken < samples {
+                    record.channels[sensors].samples.push(state.drive_phase());
+                }
+                window.push(state, values[0], values[1]);
+                Ok(())
+            })?;
+            taken += 1;
+        }
+        Ok((record, window.steady_state(self.pll.target_lag())))
+    }
+
+    /// Angle of the drive in a sampling interval, rad.
+    fn angle(&self) -> f64 {
+        self.state.omega() * self.rig.setup().interval
+    }
+
+    fn empty_record(&self, samples: usize) -> Result<Record, RigError> {
+        let mut channels = Vec::new();
+        for (index, sensor) in self.rig.setup().sensors.iter().enumerate() {
+            let (quantity, position) = self.rig.channel(index)?;
+            channels.push(RecordChannel {
+                name: sensor.name.clone(),
+                quantity,
+                position,
+                samples: Vec::with_capacity(samples),
+            });
+        }
+        channels.push(RecordChannel {
+            name: "drive_phase".to_owned(),
+            quantity: Quantity::Phase,
+            position: None,
+            samples: Vec::with_capacity(samples),
+        });
+        Ok(Record { interval: self.rig.setup().interval, start: self.rig.time(), channels })
+    }
+
+    fn samples(&self, duration: f64) -> Result<usize, RigError> {
+        Ok((not_negative("duration (s)", duration)? / self.rig.setup().interval).round() as usize)
+    }
+
+    /// One sample: read, let `see` look at the readings (each channel is read once), step the loop, move on.
+    fn sample(
+        &mut self,
+        amplitude: f64,
+        see: impl FnOnce(&mut dyn FnMut(usize) -> Result<f64, RigError>, &LoopState) -> Result<(), RigError>,
+    ) -> Result<(), RigError> {
+        let (force, response) = (self.rig.read(self.force)?, self.rig.read(self.response)?);
+        let (rig, of_force, of_response) = (&mut self.rig, self.force, self.response);
+        let mut readings = |channel: usize| match channel {
+            channel if channel == of_force => Ok(force),
+            channel if channel == of_response => Ok(response),
+            channel => rig.read(channel),
+        };
+        see(&mut readings, &self.state)?;
+        let phase = self.state.drive_phase();
+        self.state = self.pll.step(&self.state, force, response);
+        let drive = Drive { amplitude: [self.amplitude, amplitude], phase, omega: self.state.omega() };
+        self.amplitude = amplitude;
+        self.rig.advance(&drive)
+    }
+}
+
+fn check_channels(rig: &VirtualRig, pll: &PhaseLockedLoop, force: usize, response: usize) -> Result<(), RigError> {
+    rig.channel(force)?;
+    let (of_loop, of_rig) = (pll.settings().step, rig.setup().interval);
+    if (of_loop / of_rig - 1.0).abs() > 1e-9 {
+        return Err(RigError::SamplingIntervals { of_loop, of_rig });
+    }
+    let expected = match pll.settings().quantity {
+        ResponseQuantity::Displacement => Quantity::Displacement,
+        ResponseQuantity::Velocity => Quantity::Velocity,
+        ResponseQuantity::Acceleration => Quantity::Acceleration,
+    };
+    let (found, _) = rig.channel(response)?;
+    if found == expected {
+        return Ok(());
+    }
+    let sensor = rig.setup().sensors[response].name.clone();
+    Err(RigError::ResponseQuantity { sensor, expected: expected.unit(), found: found.unit() })
+}
+
+/// Whole periods, and the mean frequency meanwhile.
+struct Window {
+    wanted: usize,
+    analyzer: PeriodAnalyzer,
+    periods: Vec<Period>,
+    omega: f64,
+    samples: usize,
+}
+
+impl Window {
+    fn new(wanted: usize, angle: f64) -> Self {
+        Self { wanted, analyzer: PeriodAnalyzer::new(angle), periods: Vec::new(), omega: 0.0, samples: 0 }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.periods.len() >= self.wanted
+    }
+
+    fn push(&mut self, state: &LoopState, force: f64, response: f64) {
+        self.periods.extend(self.analyzer.push(state.drive_phase(), force, response));
+        self.omega += state.omega();
+        self.samples += 1;
+    }
+
+    /// The lag is given on the branch nearest to the target.
+    fn steady_state(&self, target: f64) -> SteadyState {
+        let mean = Period::mean(&self.periods);
+        let (force, response) = (mean.force[0], mean.response[0]);
+        let turned = (force * response.conj() * num_complex::Complex64::cis(-target)).arg();
+        SteadyState {
+            omega: self.omega / self.samples as f64,
+            lag: target + turned,
+            force: force.norm(),
+            response: response.norm(),
+            spread: Period::spread(&self.periods),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+use nlmodes_experiment::phase_loop::LoopSettings;
+
+use crate::error::not_negative;
+use crate::hold::Settling;
+use crate::session::Session;
+use crate::{Finding, Hold, Record, RigError, RigSetup, SteadyState};
+
+/// Levels of a test and how they are gone through.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    /// Amplitudes of the drive in their order, N or V.
+    pub levels: Vec<f64>,
+    /// Time at the first level with the frequency held, s, until response and detector have come up.
+    pub start: f64,
+    /// Time from one level to the next, s.
+    pub ramp: f64,
+    /// When a level is steady.
+    pub hold: Hold,
+    /// Length of the record of each level, s.
+    pub record: f64,
+}
+
+impl Schedule {
+    /// These levels, with one second at the start, ramps of one second, the default hold and records of one second.
+    pub fn new(levels: Vec<f64>) -> Self {
+        Self { levels, start: 1.0, ramp: 1.0, hold: Hold::default(), record: 1.0 }
+    }
+
+    /// These levels, and back from the last but one.
+    pub fn up_and_down(mut levels: Vec<f64>) -> Self {
+        let back: Vec<f64> = levels.iter().rev().skip(1).copied().collect();
+        levels.extend(back);
+        Self::new(levels)
+    }
+}
+
+/// One level of a test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelOutcome {
+    /// Amplitude of the drive, N or V.
+    pub level: f64,
+    /// How it came to rest.
+    pub settling: Settling,
+    /// Means over the record.
+    pub steady: SteadyState,
+    /// What is not as it should be: after the hold, or within the record. Empty for a good level.
+    pub findings: Vec<Finding>,
+    /// Samples of all channels.
+    pub record: Record,
+}
+
+/// A whole test: rig, loop, schedule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VirtualTest {
+    /// The rig.
+    pub rig: RigSetup,
+    /// The loop.
+    pub settings: LoopSettings,
+    /// Channel of the excitation force, for the loop.
+    pub force: usize,
+    /// Channel of the response, for the loop.
+    pub response: usize,
+    /// The levels.
+    pub schedule: Schedule,
+}
+
+impl VirtualTest {
+    /// Runs the schedule. `observe` sees each level as soon as it is recorded.
+    ///
+    /// # Errors
+    /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come to rest is no
+    /// error: its findings say so.
+    pub fn run(&self, mut observe: impl FnMut(&LevelOutcome)) -> Result<Vec<LevelOutcome>, RigError> {
+        let mut session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
+        self.schedule.hold.check()?;
+        not_negative("time at the start (s)", self.schedule.start)?;
+        let mut outcomes = Vec::with_capacity(self.schedule.levels.len());
+        for (index, &level) in self.schedule.levels.iter().enumerate() {
+            session.hold_frequency(index == 0);
+            session.ramp(level, self.schedule.ramp)?;
+            if index == 0 {
+                session.run(self.schedule.start)?;
+                session.hold_frequency(false);
+            }
+            let settling = session.settle(&self.schedule.hold)?;
+            let (record, steady) = session.record(self.schedule.record)?;
+            let in_record = self.schedule.hold.judge_record(&steady, session.control().target_lag());
+            let mut findings = settling.findings.clone();
+            findings.extend(in_record.into_iter().filter(|f| settling.findings.iter().all(|g| g.name() != f.name())));
+            let outcome = LevelOutcome { level, settling, steady, findings, record };
+            observe(&outcome);
+            outcomes.push(outcome);
+        }
+        Ok(outcomes)
+    }
+}

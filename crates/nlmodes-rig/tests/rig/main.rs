@@ -1,0 +1,7 @@
+//! The virtual rig: exact motion, phase resonance, contact.
+
+mod analysis;
+mod beam;
+mod integration;
+mod phase_resonance;
+mod schedule;

@@ -1,0 +1,96 @@
+//! Schedules, records, findings.
+
+use std::f64::consts::TAU;
+
+use nlmodes_experiment::phase_loop::{LoopSettings, Resonance, ResponseQuantity};
+use nlmodes_rig::{Exciter, Finding, Hold, Quantity, RigError, Schedule, Session, Shaker, VirtualTest};
+
+use crate::beam;
+
+/// Two short levels, far from steady.
+fn hasty(seed: u64) -> VirtualTest {
+    let mut rig = beam::with_noise(beam::setup(Exciter::Shaker(Shaker::default())));
+    rig.seed = seed;
+    let resonance = Resonance { omega: TAU * 40.1, damping_ratio: 0.0019 };
+    VirtualTest {
+        rig,
+        settings: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
+        force: beam::FORCE,
+        response: beam::DRIVE_DISPLACEMENT,
+        schedule: Schedule {
+            start: 0.2,
+            ramp: 0.1,
+            hold: Hold { longest: 1.0, ..Hold::default() },
+            record: 0.25,
+            ..Schedule::up_and_down(vec![0.5, 1.5])
+        },
+    }
+}
+
+#[test]
+fn a_test_repeats_itself_from_its_seed_and_records_every_channel() {
+    let test = hasty(7);
+    let mut seen = 0;
+    let outcomes = test.run(|_| seen += 1).unwrap();
+    assert_eq!((outcomes.len(), seen), (3, 3));
+    assert_eq!(outcomes, test.run(|_| {}).unwrap());
+    assert_ne!(outcomes[0].record, hasty(8).run(|_| {}).unwrap()[0].record);
+    assert_eq!([0, 1, 2].map(|i| outcomes[i].level), [0.5, 1.5, 0.5]);
+    for outcome in &outcomes {
+        let record = &outcome.record;
+        assert_eq!(record.channels.len(), test.rig.sensors.len() + 1);
+        assert!(record.channels.iter().all(|channel| channel.samples.len() == 5000));
+        assert_eq!(record.interval, beam::INTERVAL);
+        let tip = record.channel("x_tip").unwrap();
+        assert_eq!(
+            (tip.quantity, tip.quantity.unit(), tip.position),
+            (Quantity::Displacement, "m", Some(beam::LENGTH))
+        );
+        assert_eq!(record.channel("a3").unwrap().quantity.unit(), "m/s^2");
+        let phase = &record.channel("drive_phase").unwrap().samples;
+        assert!(phase.iter().all(|θ| (0.0..TAU).contains(θ)));
+    }
+    assert!(outcomes.windows(2).all(|pair| pair[0].record.start + 0.25 < pair[1].record.start));
+}
+
+#[test]
+fn what_is_not_yet_steady_is_said_with_its_number() {
+    let outcomes = hasty(7).run(|_| {}).unwrap();
+    let findings = &outcomes[0].findings;
+    let drift = findings.iter().find_map(|finding| match finding {
+        Finding::AmplitudeDrift { rate } => Some(*rate),
+        _ => None,
+    });
+    // Half a second after 0.3 s at a constant force: an amplitude 1 − e^{−ζωt} grows by some ten to a hundred percent a second.
+    assert!(drift.is_some_and(|rate| (0.1..3.0).contains(&rate)), "{findings:?}");
+    assert!(findings.iter().all(|finding| !finding.to_string().is_empty()));
+}
+
+#[test]
+fn loops_that_do_not_fit_the_rig_are_refused() {
+    let test = hasty(1);
+    let refused = |change: &dyn Fn(&mut VirtualTest)| {
+        let mut changed = test.clone();
+        change(&mut changed);
+        changed.run(|_| {}).unwrap_err()
+    };
+    assert!(matches!(refused(&|t| t.settings.step = 1e-4), RigError::SamplingIntervals { .. }));
+    let velocity = refused(&|t| t.settings.quantity = ResponseQuantity::Velocity);
+    assert!(matches!(velocity, RigError::ResponseQuantity { expected: "m/s", found: "m", .. }));
+    assert!(matches!(refused(&|t| t.response = 99), RigError::NoChannel { channel: 99, .. }));
+    assert!(matches!(refused(&|t| t.settings.cut_off = 1e3), RigError::Loop(_)));
+    assert!(matches!(refused(&|t| t.schedule.levels[0] = f64::NAN), RigError::NotFinite { .. }));
+    assert!(matches!(refused(&|t| t.schedule.hold.windows = 1), RigError::NotPositive { .. }));
+}
+
+#[test]
+fn a_loop_at_the_end_of_its_range_is_said_to_be_there() {
+    let mut test = hasty(1);
+    test.settings.range = [TAU * 39.0, TAU * 40.05];
+    let mut session = Session::new(test.rig, test.settings, test.force, test.response).unwrap();
+    session.ramp(1.0, 0.5).unwrap();
+    let settling = session.settle(&Hold { longest: 4.0, ..Hold::default() }).unwrap();
+    let limit =
+        settling.findings.iter().any(|f| matches!(f, Finding::FrequencyLimit { omega } if *omega == TAU * 40.05));
+    assert!(limit, "{:?}", settling.findings);
+}

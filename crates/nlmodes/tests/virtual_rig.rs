@@ -1,0 +1,140 @@
+//! The backbone that the loop finds on the virtual rig against the computed one of the same modes and the same stop.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
+use nlmodes::linalg::sparse_from_triplets;
+use nlmodes::modal::ModalBranch;
+use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
+use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_rig::{
+    DrivePoint, Exciter, Hold, ModalReduction, ModalStructure, Motion, Place, RigSetup, Sensor, Session, Stop,
+};
+use num_complex::Complex64;
+
+const LENGTH: f64 = 0.62975520;
+/// Table 1 of the paper.
+const FREQUENCIES_HZ: [f64; 6] = [40.10, 268.62, 758.26, 1371.82, 2427.72, 3508.31];
+const DAMPING_RATIOS: [f64; 6] = [0.0019, 0.0076, 0.0005, 0.0017, 0.0010, 0.0014];
+const STIFFNESS: f64 = 2.3e6;
+const GAP: f64 = 1.03e-3;
+
+/// Shapes of the finite-element beam at a tenth of its length and at the tip.
+fn shapes() -> [Vec<f64>; 2] {
+    let beam = Beam {
+        material: Material::new(187.60e9, 7730.0).unwrap(),
+        section: Section::rectangle(0.012, 0.020).unwrap(),
+        mesh: Mesh::graded(LENGTH, 21, 9.1958536).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    let model = beam.assemble(&[]).unwrap();
+    let reduction = ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), DofKind::Deflection, 6).unwrap();
+    [0.1 * LENGTH, LENGTH].map(|x| reduction.shape(&beam.deflection_at(model.dofs(), x).unwrap()))
+}
+
+/// The modes as degrees of freedom, and the massless tip of the stop's spring: `K = [Λ + k φ φᵀ, −k φ; −k φᵀ, k]`.
+fn modal_model(tip: &[f64]) -> MasslessContactModel {
+    let (mut k, mut m) = (vec![(6, 6, STIFFNESS)], Vec::new());
+    for (i, hz) in FREQUENCIES_HZ.iter().enumerate() {
+        m.push((i, i, 1.0));
+        k.push((i, i, (TAU * hz).powi(2)));
+        k.extend([(i, 6, -STIFFNESS * tip[i]), (6, i, -STIFFNESS * tip[i])]);
+        k.extend((0..6).map(|j| (i, j, STIFFNESS * tip[i] * tip[j])));
+    }
+    let [stiffness, mass] = [k, m].map(|entries| sparse_from_triplets(7, 7, &entries).unwrap());
+    let dof = |node| Dof { node, position: node as f64, kind: DofKind::Deflection };
+    let stop = Contact::rigid(6, Side::Positive, GAP);
+    let model = StructuralModel::new(mass, stiffness, (0..7).map(dof).collect(), vec![stop]).unwrap();
+    MasslessContactModel::new(&model, &Drop).unwrap()
+}
+
+/// Conservative backbone with twenty harmonics, past its internal resonances, from contact to 42.5 Hz.
+fn backbone(tip: &[f64]) -> ModalBranch {
+    let settings = BranchSettings {
+        harmonics: 20,
+        internal_resonance: ResonanceRule::Skip,
+        frequency_hz: Some([40.0, 42.5]),
+        ..BranchSettings::default()
+    };
+    compute_branch(modal_model(tip), &settings, |_| ControlFlow::Continue(())).unwrap().branch
+}
+
+/// Distance, Hz, from `hz` to the nearest frequency of the branch at this modal amplitude.
+fn distance(branch: &ModalBranch, amplitude: f64, hz: f64) -> f64 {
+    let crossing = |pair: &[nlmodes::modal::ModalPoint]| {
+        let [a, b] = [&pair[0], &pair[1]].map(|point| (point.modal_amplitude, point.omega / TAU));
+        let share = (amplitude - a.0) / (b.0 - a.0);
+        (0.0..=1.0).contains(&share).then_some(hz - (a.1 + share * (b.1 - a.1)))
+    };
+    branch.points.windows(2).filter_map(crossing).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+}
+
+fn session([drive, tip]: &[Vec<f64>; 2], exciter: Exciter) -> Session {
+    let setup = RigSetup {
+        structure: ModalStructure {
+            omega: FREQUENCIES_HZ.map(|hz| TAU * hz).to_vec(),
+            damping_ratios: DAMPING_RATIOS.to_vec(),
+        },
+        drive_point: DrivePoint { position: 0.1 * LENGTH, shape: drive.clone(), residual: 0.0 },
+        exciter,
+        stop: Some(Stop {
+            position: LENGTH,
+            shape: tip.clone(),
+            side: Side::Positive,
+            gap: GAP,
+            law: ContactLaw::Elastic { stiffness: STIFFNESS },
+            residual: 0.0,
+        }),
+        sensors: vec![
+            Sensor::new("force", Place::Excitation, 0.0),
+            Sensor::new("displacement", Place::DrivePoint(Motion::Displacement), 0.0),
+        ],
+        interval: 5e-5,
+        substeps: None,
+        seed: 0,
+    };
+    let resonance = Resonance { omega: TAU * FREQUENCIES_HZ[0], damping_ratio: DAMPING_RATIOS[0] };
+    Session::new(setup, LoopSettings::new(resonance, TAU * 40.0, 5e-5), 0, 1).unwrap()
+}
+
+/// `√Σ |q_k,1|²` of eqs. (21), (22) over forty periods, from the modal coordinates themselves: only the loop is on trial here.
+fn modal_amplitude(session: &mut Session) -> f64 {
+    let samples = (40.0 * TAU / session.state().omega() / 5e-5).round() as usize;
+    let (mut sums, mut weights) = ([Complex64::ZERO; 6], 0.0);
+    for k in 0..samples {
+        let weight = (std::f64::consts::PI * (k as f64 + 0.5) / samples as f64).sin().powi(4);
+        let wave = Complex64::cis(-session.state().drive_phase()) * (2.0 * weight);
+        sums.iter_mut().zip(session.rig().modal_coordinates()).for_each(|(sum, q)| *sum += wave * q);
+        weights += weight;
+        session.run(5e-5).unwrap();
+    }
+    sums.iter().map(|sum| (sum / weights).norm_sqr()).sum::<f64>().sqrt()
+}
+
+#[test]
+fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
+    let shapes = shapes();
+    let branch = backbone(&shapes[1]);
+    assert!(branch.end.complete, "{:?}", branch.end);
+    let mut session = session(&shapes, Exciter::IdealForce);
+    session.hold_frequency(true);
+    session.ramp(4.2, 1.0).unwrap();
+    session.run(1.0).unwrap();
+    session.hold_frequency(false);
+    let mut reached = 0.0;
+    for level in [4.4, 4.7, 5.0, 5.4, 5.6, 7.0] {
+        session.ramp(level, 1.0).unwrap();
+        let settling = session.settle(&Hold::default()).unwrap();
+        assert!(settling.findings.is_empty(), "{level} N: {:?}", settling.findings);
+        let hz = settling.steady.omega / TAU;
+        let amplitude = modal_amplitude(&mut session);
+        let off = distance(&branch, amplitude, hz);
+        assert!(off.abs() < 0.1, "{level} N: {hz} Hz, {amplitude} m√kg, off by {off} Hz");
+        reached = hz;
+    }
+    assert!(reached > 41.8, "{reached}");
+}
