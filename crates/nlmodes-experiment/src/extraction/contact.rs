@@ -1,12 +1,15 @@
 //! The contact force, and the impacts at the stop.
 
-use nlmodes_modal::{ContactStiffness, Restitution, TimeHistory, contact_intervals};
+use nlmodes_modal::{ContactStiffness, Restitution, TimeHistory, contact_intervals, noise_level};
 use num_complex::Complex64;
 
 use crate::extraction::layout::{Layout, Place, displacement, find, member};
 use crate::extraction::window::Window;
 use crate::extraction::{ContactFigures, Finding, HarmonicFit, Measured, Stop};
 use crate::records::{Quantity, Record};
+
+/// Standard deviations of the noise from which on a force is one.
+const DETECTED: f64 = 6.0;
 
 /// What the contact is evaluated from.
 #[derive(Debug)]
@@ -37,8 +40,12 @@ impl Evidence<'_> {
         })
     }
 
-    /// Mean of the largest forces of the single periods.
+    /// Mean of the largest forces of the single periods; zero, with the noise as its error, where no force rises above the noise.
     fn peak(&self, force: &[f64]) -> Measured {
+        let noise = noise_level(force);
+        if force.iter().all(|force| *force <= DETECTED * noise) {
+            return Measured { value: 0.0, uncertainty: noise };
+        }
         let (n, periods) = (force.len(), self.window.periods);
         let largest = |samples: &[f64]| samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let peaks: Vec<f64> = (0..periods).map(|k| largest(&force[k * n / periods..(k + 1) * n / periods])).collect();

@@ -1,38 +1,37 @@
 use crate::extraction::{ExtractionError, HarmonicFit, Measured};
 
 /// Harmonics of the stages: the fundamental alone has the widest basin, all of them the least bias.
-const STAGES: [usize; 5] = [1, 3, 10, 30, 100];
+const STAGES: [usize; 3] = [1, 3, 10];
 /// Most Gauss-Newton steps of a stage.
 const MAX_STEPS: usize = 30;
-/// Relative step at which a frequency is found.
-const CONVERGED: f64 = 1e-13;
+/// Relative step at which a frequency is found; the steps converge quadratically, so that the one after it is lost in rounding.
+const CONVERGED: f64 = 1e-9;
+/// The same for the stages before the last.
+const NEAR: f64 = 1e-4;
 
 /// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least squares problem in coefficients
 /// and frequency, of which the coefficients are eliminated (variable projection).
 ///
-/// At most `max_harmonics` are taken. `None` if it leaves the neighbourhood of the start, or finds nothing.
-pub fn refine(signal: &[f64], start: f64, max_harmonics: usize) -> Option<f64> {
+/// `harmonics` are taken in the end. `None` if it leaves the neighbourhood of the start, or finds nothing.
+pub fn refine(signal: &[f64], start: f64, harmonics: usize) -> Option<f64> {
     let mut step = start;
     // Beyond half a line of the spectrum lies another minimum.
     let reach = 0.7 * std::f64::consts::TAU / signal.len() as f64;
-    for stage in stages(max_harmonics) {
+    let harmonics = harmonics.max(1);
+    for stage in STAGES.into_iter().filter(|stage| *stage < harmonics).chain(std::iter::once(harmonics)) {
+        let enough = if stage == harmonics { CONVERGED } else { NEAR };
         for _ in 0..MAX_STEPS {
             let change = gauss_newton(signal, step, stage)?;
             step *= 1.0 + change.clamp(-0.1, 0.1);
             if !step.is_finite() || (step - start).abs() > reach {
                 return None;
             }
-            if change.abs() < CONVERGED {
+            if change.abs() < enough {
                 break;
             }
         }
     }
     Some(step)
-}
-
-fn stages(max_harmonics: usize) -> impl Iterator<Item = usize> {
-    let last = max_harmonics.clamp(1, STAGES[STAGES.len() - 1]);
-    STAGES.into_iter().filter(move |stage| *stage < last).chain(std::iter::once(last))
 }
 
 /// Relative change of the frequency.

@@ -9,7 +9,7 @@ use crate::records::Record;
 /// Fewest periods from which anything is extracted.
 pub const FEWEST_PERIODS: usize = 2;
 /// Harmonics by which the frequency is found.
-const FREQUENCY_HARMONICS: usize = 100;
+const FREQUENCY_HARMONICS: usize = 40;
 
 /// A whole number of periods at the end of a record.
 #[derive(Debug, Clone, Copy)]
