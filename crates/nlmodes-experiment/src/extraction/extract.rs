@@ -258,6 +258,7 @@ fn modal(method: &Method<'_>, all: &Figures, single: &[Figures]) -> Option<Modal
         participation_uncertainty: errors.collect(),
         damping: measured(all, single, |f| f.modal.as_ref()?.damping),
         dissipation: nlmodes_modal::LinearDissipation::new(modes, &modal.coordinates, method.omega),
-        kinetic_energy: measured(all, single, |f| Some(f.modal.as_ref()?.kinetic_energy))?,
+        kinetic_energy: measured(all, single, |f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
+        harmonic_energy: modal.harmonic_energy.clone(),
     })
 }

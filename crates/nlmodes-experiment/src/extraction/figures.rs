@@ -46,7 +46,8 @@ pub struct Modal {
     pub coordinates: HarmonicCoefficients,
     pub participation: Participation,
     pub damping: Option<f64>,
-    pub kinetic_energy: f64,
+    /// Kinetic energy of each harmonic, averaged over a period, J.
+    pub harmonic_energy: Vec<f64>,
 }
 
 impl Method<'_> {
@@ -88,7 +89,7 @@ impl Method<'_> {
         let square = |n: usize| (0..modes.n_modes()).map(|k| coordinates.of(k)[n].norm_sqr()).sum::<f64>();
         let damping = power.map(|power| damping_coefficient(power.fundamental, shape.modal_amplitude, self.omega));
         let energy = |n: usize| 0.25 * (n as f64 * self.omega).powi(2) * square(n);
-        let kinetic_energy = (1..=self.harmonics).map(energy).sum();
-        Ok(Modal { shape, coordinates, participation, damping, kinetic_energy })
+        let harmonic_energy = (0..=self.harmonics).map(energy).collect();
+        Ok(Modal { shape, coordinates, participation, damping, harmonic_energy })
     }
 }

@@ -47,6 +47,8 @@ pub struct ModalFigures {
     pub dissipation: LinearDissipation,
     /// Kinetic energy averaged over a period, J.
     pub kinetic_energy: Measured,
+    /// The share of each harmonic in it, J, from harmonic 0 on.
+    pub harmonic_energy: Vec<f64>,
 }
 
 /// Quantities of the excitation.
@@ -103,6 +105,8 @@ impl RecordExtraction {
             omega: self.omega.value,
             coefficients: self.motion.clone(),
             kinetic_energy: modal.kinetic_energy.value,
+            harmonic_energy: modal.harmonic_energy.clone(),
+            resonance: None,
             total_energy: f64::NAN,
             modal_amplitude: modal.amplitude.value,
             fundamental: self.motion.of(last)[1].norm(),
