@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, SceneFile, wants_colours};
-use crate::{Status, check, compare, lcp, modes, run as study};
+use crate::{Status, check, compare, lcp, modes, run as study, updating};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -97,13 +97,19 @@ pub fn run() -> Status {
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            if file.scene.contacts.is_empty() { no_contact(&file) } else { study::run(&file, quiet) }
+            if file.scene.contacts.is_empty() {
+                return no_contact(&file);
+            }
+            with_parameters(file, quiet, |file| study::run(file, quiet))
         }),
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
-            if file.scene.contacts.is_empty() { no_contact(&file) } else { compare::run(&file, &compare) }
+            if file.scene.contacts.is_empty() {
+                return no_contact(&file);
+            }
+            with_parameters(file, false, |file| compare::run(file, &compare))
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
-        Command::Modes { scene } => with_scene(&scene, |file| modes::modes(&file)),
+        Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
         Command::Check { scene } => with_scene(&scene, |file| print(&check::summary(&file.scene))),
         Command::Schema => print(&format!("{:#}", config::schema())),
     }
@@ -122,6 +128,20 @@ fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status
             say!("{}", refused.text(wants_colours()));
             Status::Wrong
         }
+    }
+}
+
+/// Updates the parameters that the scene asks for, says so, and goes on.
+fn with_parameters(file: SceneFile, quiet: bool, then: impl FnOnce(&SceneFile) -> Status) -> Status {
+    match updating::updated(file) {
+        Ok(file) => {
+            let said = file.scene.updating.as_ref().and_then(updating::said).filter(|_| !quiet);
+            match said.map_or(Status::Done, |text| print(&format!("{text}\n"))) {
+                Status::Done => then(&file),
+                status => status,
+            }
+        }
+        Err(status) => status,
     }
 }
 

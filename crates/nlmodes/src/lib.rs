@@ -49,6 +49,7 @@
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 pub mod study;
+pub mod updating;
 
 pub use nlmodes_contact as contact;
 pub use nlmodes_continuation as continuation;

@@ -6,6 +6,7 @@ mod method;
 mod nodes;
 mod plausible;
 mod structure;
+mod updating;
 
 pub use nodes::free_dofs;
 
@@ -25,10 +26,15 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
     }
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
+    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, findings));
     let scene = Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         contacts,
+        updating: match updating {
+            Some(updating) => Some(updating?),
+            None => None,
+        },
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw, stem),

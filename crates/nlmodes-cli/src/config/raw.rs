@@ -8,10 +8,12 @@
 mod continuation;
 mod method;
 mod structure;
+mod updating;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
 pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use updating::RawUpdating;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -30,6 +32,8 @@ pub struct RawScene {
     pub structure: Option<RawStructure>,
     /// One-sided stops, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawContact>>,
+    /// Parameters that are fitted to given linear frequencies first
+    pub updating: Option<RawUpdating>,
     /// How the periodic motion is computed
     #[schemars(required)]
     pub method: Option<RawMethod>,

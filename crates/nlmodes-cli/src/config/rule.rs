@@ -119,6 +119,9 @@ impl<'a> Rule<'a> {
 
     fn expected_array(self) -> String {
         match (self.limit("minItems"), self.items()) {
+            (Some(_), Some(items)) if self.limit("maxItems").is_none() => {
+                format!("a list in square brackets, each {}{}", items.expected(), self.unit(", in "))
+            }
             (Some(n), Some(items)) => {
                 format!("{n} numbers in square brackets, each{}{}", items.limits(), self.unit(", in "))
             }

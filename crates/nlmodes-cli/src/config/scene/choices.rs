@@ -88,6 +88,15 @@ choices! {
         /// It stays where it is, for hbm
         None = "none",
     }
+    /// Parameter of a structure that is fitted to linear frequencies.
+    UpdatedParameter {
+        /// Young's modulus
+        YoungsModulus = "youngs_modulus_pa",
+        /// Mass per volume
+        Density = "density_kg_m3",
+        /// Length; stops keep their nodes
+        Length = "length_m",
+    }
     /// Solver of the contact problem at an instant.
     ContactSolver {
         /// Active set
