@@ -1,1 +1,42 @@
 //! Records of a test: channels with quantity, unit, role and position, read from and written to files.
+//!
+//! ```text
+//! file  →  RecordTable (numbers as recorded)  →  Record (channels in SI units)
+//! ```
+//!
+//! | format | names of channels | sampling rate |
+//! | --- | --- | --- |
+//! | CSV, [`read_csv`] | header | time column |
+//! | Universal File 58 and 58b, [`read_uff`] | header | header, or its abscissa |
+//! | WAV, [`read_wav`] | none: in the order of the description | header |
+//! | NumPy, [`read_npy`] | none: in the order of the description | none |
+//!
+//! Readers take memory as numbers come, never as a header announces, and answer a malformed file with an error that names the place.
+
+mod channel;
+mod csv;
+mod error;
+mod file;
+mod limits;
+mod npy;
+mod quantity;
+mod record;
+mod sample_rate;
+mod table;
+mod uff;
+mod wav;
+
+pub use channel::{Channel, Role};
+pub use csv::{TIME_COLUMN, read_csv, write_csv};
+pub use error::RecordError;
+pub use file::{Recording, write_record};
+pub use npy::{read_npy, write_npy};
+pub use quantity::Quantity;
+pub use record::Record;
+pub use sample_rate::SampleRate;
+pub use table::{Column, RecordTable};
+pub use uff::{
+    Abscissa, Axis, ByteOrder, Dataset58, Node, Ordinates, Precision, Storage, UffError, read_uff, read_uff58,
+    write_uff, write_uff58,
+};
+pub use wav::{read_wav, write_wav};

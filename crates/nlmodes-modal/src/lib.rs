@@ -10,6 +10,12 @@
 //! | `q_n` | complex Fourier coefficients | that of the coordinate | [`HarmonicCoefficients`], [`HarmonicBasis`] |
 //! | `ω̃` | nonlinear modal frequency | rad/s | [`ModalPoint::omega`] |
 //! | `q̃` | nonlinear modal amplitude, eqs. (21), (22) | m·√kg | [`ModalPoint::modal_amplitude`] |
+//! | `φ̃_n` | complex mode shape per harmonic, eqs. (21), (22) | 1/√kg | [`NonlinearModeShape`] |
+//! | `Φ` | mass-normalised linear modes | 1/√kg | [`LinearModes`] |
+//! | `v` | participation of the linear modes, eq. (30) | 1 | [`Participation`] |
+//! | `δ̃` | nonlinear modal damping coefficient, eqs. (25)-(28) | 1 | [`damping_coefficient`], [`LinearDissipation`] |
+//! | `e_N` | coefficient of restitution, eq. (29) | 1 | [`Restitution`] |
+//! | `k_c` | contact stiffness, eq. (3) | N/m | [`ContactStiffness`] |
 //! | `E_av` | averaged kinetic energy | J | [`ModalPoint::kinetic_energy`] |
 //!
 //! A [`ModalBranch`] is a nonlinear mode over energy, computed or measured; a [`TimeHistory`] looks closer at one of its points.
@@ -20,13 +26,29 @@
 mod basis;
 mod branch;
 mod coefficients;
+mod contact_interval;
+mod contact_stiffness;
+mod damping;
 mod error;
 mod history;
+mod linear_modes;
+mod mode_shape;
+mod noise;
+mod participation;
 mod resonance;
+mod restitution;
 
 pub use basis::HarmonicBasis;
 pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint};
 pub use coefficients::HarmonicCoefficients;
+pub use contact_interval::{ContactInterval, contact_intervals};
+pub use contact_stiffness::ContactStiffness;
+pub use damping::{LinearDissipation, damping_coefficient};
 pub use error::ModalError;
 pub use history::{ContactInstant, TimeHistory};
+pub use linear_modes::LinearModes;
+pub use mode_shape::{NonlinearModeShape, PhaseAnchor, shifted};
+pub use noise::noise_level;
+pub use participation::Participation;
 pub use resonance::{InternalResonance, RESONANT_SHARE, Tongue, tongues};
+pub use restitution::{Impact, Restitution, RestitutionStatistics};

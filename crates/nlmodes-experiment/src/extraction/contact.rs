@@ -1,0 +1,125 @@
+//! The contact force, and the impacts at the stop.
+
+use nlmodes_modal::{ContactStiffness, Restitution, TimeHistory, contact_intervals, noise_level};
+use num_complex::Complex64;
+
+use crate::extraction::layout::{Layout, Place, displacement, find, member};
+use crate::extraction::window::Window;
+use crate::extraction::{ContactFigures, Finding, HarmonicFit, Measured, Stop};
+use crate::records::{Quantity, Record};
+
+/// Standard deviations of the noise from which on a force is one.
+const DETECTED: f64 = 6.0;
+
+/// What the contact is evaluated from.
+#[derive(Debug)]
+pub struct Evidence<'a> {
+    pub record: &'a Record,
+    pub layout: &'a Layout,
+    pub window: &'a Window,
+    pub fit: &'a HarmonicFit,
+    pub coefficients: &'a [Vec<Complex64>],
+    pub noise: &'a [f64],
+}
+
+impl Evidence<'_> {
+    /// Figures of the contact; `None` without a contact force.
+    pub fn figures(&self, stop: Option<&Stop>, findings: &mut Vec<Finding>) -> Option<ContactFigures> {
+        let channel = self.layout.contact?;
+        let force = self.shifted(channel);
+        let history = stop.and_then(|stop| self.history(&force, stop, findings));
+        let intervals = history.as_ref().and_then(|history| contact_intervals(history).ok()).unwrap_or_default();
+        let closed: f64 = intervals.iter().map(|interval| interval.leaving - interval.touching).sum();
+        Some(ContactFigures {
+            peak_force: self.peak(&force),
+            closed_fraction: closed / (self.window.n_samples as f64 / self.record.sample_rate),
+            intervals_per_period: intervals.len() as f64 / self.window.periods as f64,
+            restitution: history.as_ref().and_then(|history| Restitution::of(history).ok()),
+            stiffness: history.as_ref().and_then(|history| ContactStiffness::of(history).ok()),
+            history,
+        })
+    }
+
+    /// Mean of the largest forces of the single periods; zero, with the noise as its error, where no force rises above the noise.
+    fn peak(&self, force: &[f64]) -> Measured {
+        let noise = noise_level(force);
+        if force.iter().all(|force| *force <= DETECTED * noise) {
+            return Measured { value: 0.0, uncertainty: noise };
+        }
+        let (n, periods) = (force.len(), self.window.periods);
+        let largest = |samples: &[f64]| samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let peaks: Vec<f64> = (0..periods).map(|k| largest(&force[k * n / periods..(k + 1) * n / periods])).collect();
+        Measured::new(peaks.iter().sum::<f64>() / peaks.len() as f64, &peaks)
+    }
+
+    fn history(&self, force: &[f64], stop: &Stop, findings: &mut Vec<Finding>) -> Option<TimeHistory> {
+        let Some(place) = find(&self.layout.places, stop.position).map(|k| &self.layout.places[k]) else {
+            let consequence = "without the motion at the stop there is no restitution and no contact stiffness";
+            let channel = format!("response at {} m", stop.position);
+            findings.push(Finding::ChannelMissing { channel, consequence });
+            return None;
+        };
+        let series = |quantity, order| match member(place, &self.record.channels, quantity) {
+            Some(channel) => self.shifted(channel),
+            None => self.synthesized(place, order),
+        };
+        Some(TimeHistory {
+            label: self.record.name.clone(),
+            time: (0..self.window.n_samples).map(|j| j as f64 / self.record.sample_rate).collect(),
+            displacement: series(Quantity::Displacement, 0),
+            velocity: series(Quantity::Velocity, 1),
+            acceleration: series(Quantity::Acceleration, 2),
+            force: force.to_vec(),
+            stop: if stop.positive { stop.gap } else { -stop.gap },
+            instants: vec![],
+        })
+    }
+
+    /// A derivative of the displacement at a place from the harmonics of its channels.
+    fn synthesized(&self, place: &Place, order: u32) -> Vec<f64> {
+        let omega = self.window.omega;
+        let derivative = |n: usize| {
+            displacement(place, self.coefficients, self.noise, omega, n)
+                * Complex64::new(0.0, n as f64 * omega).powu(order)
+        };
+        let coefficients: Vec<Complex64> = (0..=self.fit.n_harmonics()).map(derivative).collect();
+        self.fit.synthesize(&coefficients).0
+    }
+
+    /// Samples of a channel in the window without its delay, between samples by the cubic through four of them.
+    fn shifted(&self, channel: usize) -> Vec<f64> {
+        let samples = &self.record.samples[channel];
+        let delay = self.record.channels[channel].delay * self.record.sample_rate;
+        if delay == 0.0 {
+            return self.window.of(samples).to_vec();
+        }
+        let last = samples.len() as f64 - 1.0;
+        let range = self.window.first..self.window.first + self.window.n_samples;
+        range.map(|j| cubic(samples, (j as f64 + delay).clamp(0.0, last))).collect()
+    }
+}
+
+/// Value between samples, by the Lagrange cubic; `at` lies within the samples.
+fn cubic(samples: &[f64], at: f64) -> f64 {
+    let last = samples.len() - 1;
+    let base = (at.floor() as usize).min(last);
+    let x = at - base as f64;
+    let y = |k: isize| samples[(base as isize + k).clamp(0, last as isize) as usize];
+    let (a, b, c, d) = (y(-1), y(0), y(1), y(2));
+    b + x * ((c - a / 3.0 - b / 2.0 - d / 6.0) + x * ((a - 2.0 * b + c) / 2.0 + x * (d - a + 3.0 * (b - c)) / 6.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cubic_is_exact_for_cubics() {
+        let p = |x: f64| 1.0 - x + 0.5 * x * x - 0.1 * x.powi(3);
+        let samples: Vec<f64> = (0..10).map(|j| p(f64::from(j))).collect();
+        for at in [1.0, 3.25, 6.9, 8.0] {
+            assert!((cubic(&samples, at) - p(at)).abs() < 1e-11, "{at}");
+        }
+        assert_eq!(cubic(&samples, 9.0), samples[9]);
+    }
+}

@@ -1,0 +1,108 @@
+//! Frequency and amplitude over the periods.
+
+use num_complex::Complex64;
+
+use crate::extraction::measured::wrapped;
+use crate::extraction::{Finding, Tolerances};
+
+/// Standard errors that a drift must exceed to be told.
+const SIGNIFICANT: f64 = 5.0;
+
+/// Fundamental of the reference over the blocks.
+#[derive(Debug, Clone)]
+pub struct Drift {
+    /// Standard error of the frequency, rad/s.
+    pub omega_error: f64,
+    /// Change of frequency over the window, rad/s, with its standard error.
+    pub omega_change: (f64, f64),
+    /// Change of the amplitude over the window, relative, with its standard error.
+    pub amplitude_change: (f64, f64),
+}
+
+impl Drift {
+    /// Of the fundamentals of the blocks, at their instants (s), next to that of all. A single block tells nothing.
+    pub fn new(all: Complex64, single: &[Complex64], centres: &[f64]) -> Self {
+        let phases: Vec<f64> = single.iter().map(|q| wrapped((q / all).arg())).collect();
+        let sizes: Vec<f64> = single.iter().map(|q| (q / all).norm()).collect();
+        let duration = match centres {
+            [first, .., last] => (last - first) * centres.len() as f64 / (centres.len() - 1) as f64,
+            _ => f64::NAN,
+        };
+        let half = 0.5 * duration;
+        let line = fit(centres, &phases, |t| t / half);
+        // Phase u² − mean: the frequency changes by 4/half from one end of the window to the other.
+        let mean = centres.iter().map(|t| (t / half).powi(2)).sum::<f64>() / centres.len() as f64;
+        let bend = fit(centres, &phases, |t| (t / half).powi(2) - mean);
+        let slope = fit(centres, &sizes, |t| t / half);
+        Self {
+            omega_error: line.1 / half,
+            omega_change: (4.0 * bend.0 / half, 4.0 * bend.1 / half),
+            amplitude_change: (2.0 * slope.0, 2.0 * slope.1),
+        }
+    }
+
+    /// Reports drifts that exceed tolerance and noise.
+    pub fn report(&self, omega: f64, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
+        let (change, error) = self.omega_change;
+        if change.abs() > (tolerances.frequency_drift * omega).max(SIGNIFICANT * error) {
+            let change_hz = change / std::f64::consts::TAU;
+            findings.push(Finding::FrequencyDrift { change_hz, relative: change / omega });
+        }
+        let (relative, error) = self.amplitude_change;
+        if relative.abs() > tolerances.amplitude_drift.max(SIGNIFICANT * error) {
+            findings.push(Finding::AmplitudeDrift { relative });
+        }
+    }
+}
+
+/// Factor of a shape in the values, beside line and mean where the shape is even, with its standard error; NaN with fewer than four values.
+fn fit(t: &[f64], values: &[f64], shape: impl Fn(f64) -> f64) -> (f64, f64) {
+    let n = values.len() as f64;
+    if n < 4.0 {
+        return (f64::NAN, f64::NAN);
+    }
+    let centre = t.iter().sum::<f64>() / n;
+    let shapes: Vec<f64> = t.iter().map(|t| shape(*t)).collect();
+    let (mean, mean_shape) = (values.iter().sum::<f64>() / n, shapes.iter().sum::<f64>() / n);
+    let (mut square, mut product) = (0.0, 0.0);
+    for (s, x) in shapes.iter().zip(values) {
+        square += (s - mean_shape).powi(2);
+        product += (s - mean_shape) * (x - mean);
+    }
+    let factor = product / square;
+    // Scatter about shape and line together: blocks are even in time, so both are orthogonal or the same.
+    let line: f64 = t.iter().zip(values).map(|(t, x)| (t - centre) * (x - mean)).sum::<f64>()
+        / t.iter().map(|t| (t - centre).powi(2)).sum::<f64>();
+    let odd = (shape(1.0) + shape(-1.0)).abs() < 1e-12 * shape(1.0).abs();
+    let rest = |(t, (s, x)): (&f64, (&f64, &f64))| {
+        let line = if odd { 0.0 } else { line * (t - centre) };
+        (x - mean - line - factor * (s - mean_shape)).powi(2)
+    };
+    let rest: f64 = t.iter().zip(shapes.iter().zip(values)).map(rest).sum();
+    (factor, (rest / (n - 3.0).max(1.0) / square).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chirp_and_a_decay_have_their_numbers() {
+        let centres: Vec<f64> = (0..20).map(|k| (f64::from(k) - 9.5) * 0.025).collect();
+        let all = Complex64::new(0.3, -0.4);
+        // Frequency 2 rad/s higher at the end of the half second than at its beginning; 1 % less amplitude.
+        let single: Vec<Complex64> = centres
+            .iter()
+            .map(|t| all * Complex64::from_polar(1.0 - 0.01 * t / 0.5, 2.0 * t * t / (2.0 * 0.5)))
+            .collect();
+        let drift = Drift::new(all, &single, &centres);
+        assert!((drift.omega_change.0 - 2.0).abs() < 1e-9, "{drift:?}");
+        assert!((drift.amplitude_change.0 + 0.01).abs() < 1e-9, "{drift:?}");
+        let mut findings = vec![];
+        drift.report(250.0, &Tolerances::default(), &mut findings);
+        let names: Vec<&str> = findings.iter().map(Finding::name).collect();
+        assert_eq!(names, ["frequency-drift", "amplitude-drift"]);
+        Drift::new(all, &[all; 3], &centres[..3]).report(250.0, &Tolerances::default(), &mut findings);
+        assert_eq!(findings.len(), 2);
+    }
+}

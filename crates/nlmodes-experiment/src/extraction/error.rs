@@ -1,0 +1,49 @@
+use nlmodes_modal::ModalError;
+use thiserror::Error;
+
+use crate::extraction::Finding;
+
+/// Why no modal point comes out of a record.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ExtractionError {
+    /// The record does not serve.
+    #[error("{}: {finding}", finding.name())]
+    Refused {
+        /// What stands in the way.
+        finding: Finding,
+        /// What was found beside it.
+        others: Vec<Finding>,
+    },
+    /// No frequency near the first guess makes the record periodic.
+    #[error("no fundamental frequency is found near {guess_hz} Hz in channel \"{channel}\"; give a first guess")]
+    NoFrequency {
+        /// The first guess, Hz.
+        guess_hz: f64,
+        /// Name of the channel.
+        channel: String,
+    },
+    /// The harmonics cannot be told apart.
+    #[error("{harmonics} harmonics of {frequency_hz} Hz cannot be told apart in {samples} samples")]
+    Harmonics {
+        /// Number of harmonics.
+        harmonics: usize,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+        /// Samples.
+        samples: usize,
+    },
+    /// A setting that makes no sense.
+    #[error("{setting} is {value}; expected {expected}")]
+    Setting {
+        /// Which.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is expected.
+        expected: &'static str,
+    },
+    /// The modal quantities cannot be formed.
+    #[error(transparent)]
+    Modal(#[from] ModalError),
+}

@@ -1,0 +1,264 @@
+use num_complex::Complex64;
+
+use crate::extraction::blocks::{Blocks, take_out_delay};
+use crate::extraction::contact::Evidence;
+use crate::extraction::drift::Drift;
+use crate::extraction::figures::{Figures, Method};
+use crate::extraction::layout::{Layout, Place, modes_at};
+use crate::extraction::skew::Comparison;
+use crate::extraction::window::Window;
+use crate::extraction::{
+    ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, ModalFigures,
+    RecordExtraction, clipping, quality, window,
+};
+use crate::records::Record;
+
+/// Most harmonics that are fitted, unless more are asked for.
+const MAX_HARMONICS: usize = 500;
+/// Lag at phase resonance, degrees.
+const RESONANCE_DEG: f64 = 90.0;
+/// Standard errors by which the two frequencies must differ to be told.
+const SIGNIFICANT: f64 = 5.0;
+
+/// Turns a record into a point of a nonlinear mode.
+///
+/// Frequency: from the excitation phase where there is such a channel, else from the record itself. Fourier coefficients: least squares on
+/// all harmonics over a whole number of periods at the end of the record, velocity and acceleration integrated in the frequency domain.
+/// Modal amplitude, shape, participation and damping: eqs. (20)-(22), (28), (30), normalised by mass through the linear modes. Power:
+/// eqs. (17)-(19). Every figure has the standard error of the mean of its values in single periods.
+///
+/// # Errors
+/// [`ExtractionError`] if no frequency is found, or with the finding that stands in the way. What does not is in the result.
+pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordExtraction, ExtractionError> {
+    check(settings)?;
+    let mut findings = Vec::new();
+    quality::missing(record, &mut findings);
+    let usable = quality::usable(record, &mut findings);
+    let layout = Layout::new(record, &usable);
+    let window = window::choose(record, &layout, settings, &mut findings)?;
+    let analysis = Analysis { record, settings, layout, window };
+    analysis.run(findings)
+}
+
+fn check(settings: &ExtractionSettings) -> Result<(), ExtractionError> {
+    let modes = settings.linear_modes.as_ref().map_or(usize::MAX, |modes| modes.n_modes());
+    let checks = [
+        ("harmonics", settings.harmonics as f64, settings.harmonics > 0, "1 or more"),
+        (
+            "pbmif_harmonics",
+            settings.pbmif_harmonics.unwrap_or(1) as f64,
+            settings.pbmif_harmonics != Some(0),
+            "1 or more",
+        ),
+        ("mode", settings.mode as f64, (1..=modes).contains(&settings.mode), "the number of a linear mode, from 1"),
+        (
+            "omega",
+            settings.omega.unwrap_or(1.0),
+            settings.omega.is_none_or(|omega| omega > 0.0 && omega.is_finite()),
+            "a positive frequency, rad/s",
+        ),
+    ];
+    match checks.into_iter().find(|(_, _, sound, _)| !sound) {
+        Some((setting, value, _, expected)) => Err(ExtractionError::Setting { setting, value, expected }),
+        None => Ok(()),
+    }
+}
+
+struct Analysis<'a> {
+    record: &'a Record,
+    settings: &'a ExtractionSettings,
+    layout: Layout,
+    window: Window,
+}
+
+impl Analysis<'_> {
+    fn run(self, mut findings: Vec<Finding>) -> Result<RecordExtraction, ExtractionError> {
+        let (harmonics, power_harmonics, fitted) = self.harmonics(&mut findings);
+        let record_omega = self.window.omega;
+        let omega = self.window.from_phase.map_or(record_omega, |phase| phase.value);
+        let fit = HarmonicFit::new(fitted, omega / self.record.sample_rate, self.window.n_samples)?;
+        let blocks = self.blocks(&fit, omega);
+        self.clipping(&mut findings);
+        self.aperiodic(&blocks, &mut findings);
+        let omega = self.frequency(&blocks, omega, record_omega, &mut findings);
+        let (modes, shape_places) = self.modes(&mut findings)?;
+        let method = Method {
+            layout: &self.layout,
+            shape_places,
+            modes,
+            mode: self.settings.mode - 1,
+            omega: omega.value,
+            noise: &blocks.noise,
+            harmonics,
+            power_harmonics,
+        };
+        let all = method.figures(&blocks.all)?;
+        let single = blocks.single.iter().map(|q| method.figures(q)).collect::<Result<Vec<_>, _>>()?;
+        self.skew(&method, &blocks, &mut findings);
+        let window = Window { omega: omega.value, ..self.window };
+        let evidence = Evidence {
+            record: self.record,
+            layout: &self.layout,
+            window: &window,
+            fit: &fit,
+            coefficients: &blocks.all,
+            noise: &blocks.noise,
+        };
+        let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
+        let excitation = excitation(&all, &single);
+        self.excitation_findings(excitation.as_ref(), &mut findings);
+        Ok(RecordExtraction {
+            record: self.record.name.clone(),
+            omega,
+            periods: self.window.periods,
+            harmonics,
+            positions: method.shape_places.iter().filter_map(|place| place.position).collect(),
+            modal: modal(&method, &all, &single),
+            motion: all.motion,
+            excitation,
+            contact,
+            findings,
+        })
+    }
+
+    /// Harmonics of the shape, of the power, and of the fit.
+    fn harmonics(&self, findings: &mut Vec<Finding>) -> (usize, usize, usize) {
+        // The fit has as many unknowns as two for each harmonic and one for the mean.
+        let limit = self.window.nyquist_harmonics(self.record.sample_rate).min((self.window.n_samples - 1) / 2).max(1);
+        let mut within = |wanted: usize| {
+            if wanted > limit {
+                findings.push(Finding::AboveNyquist { wanted, used: limit });
+            }
+            wanted.min(limit)
+        };
+        let harmonics = within(self.settings.harmonics);
+        let power = self.settings.pbmif_harmonics.map_or(limit, &mut within);
+        (harmonics, power, limit.min(MAX_HARMONICS).max(harmonics).max(power))
+    }
+
+    fn blocks(&self, fit: &HarmonicFit, omega: f64) -> Blocks {
+        let unusable = vec![0.0; self.window.n_samples];
+        let taken = |i: usize| {
+            let samples = self.window.of(&self.record.samples[i]);
+            if samples.iter().all(|x| x.is_finite()) && Some(i) != self.layout.phase { samples } else { &unusable }
+        };
+        let signals: Vec<&[f64]> = (0..self.record.channels.len()).map(taken).collect();
+        let mut blocks = Blocks::new(fit, &signals, self.window.periods, self.record.sample_rate);
+        for (i, channel) in self.record.channels.iter().enumerate().filter(|(_, channel)| channel.delay != 0.0) {
+            take_out_delay(&mut blocks.all[i], omega, channel.delay);
+            blocks.single.iter_mut().for_each(|q| take_out_delay(&mut q[i], omega, channel.delay));
+        }
+        blocks
+    }
+
+    fn clipping(&self, findings: &mut Vec<Finding>) {
+        let per_period = self.window.n_samples as f64 / self.window.periods as f64;
+        for (i, channel) in self.record.channels.iter().enumerate().filter(|(i, _)| Some(*i) != self.layout.phase) {
+            clipping::check(channel, self.window.of(&self.record.samples[i]), per_period, findings);
+        }
+    }
+
+    fn aperiodic(&self, blocks: &Blocks, findings: &mut Vec<Finding>) {
+        let mut judged: Vec<usize> = self.layout.reference.into_iter().chain(self.layout.force).collect();
+        judged.dedup();
+        for i in judged {
+            let (signal, rest) = (self.window.of(&self.record.samples[i]), &blocks.rest[i]);
+            let (name, rate) = (&self.record.channels[i].name, self.record.sample_rate);
+            quality::aperiodic(signal, rest, name, rate, self.settings.tolerances.aperiodic, findings);
+        }
+    }
+
+    /// The frequency with its standard error; reports drifts, and a phase channel that runs at another frequency.
+    fn frequency(&self, blocks: &Blocks, omega: f64, record_omega: f64, findings: &mut Vec<Finding>) -> Measured {
+        let Some(reference) = self.layout.reference else { return Measured { value: omega, uncertainty: f64::NAN } };
+        let single: Vec<Complex64> = blocks.single.iter().map(|q| q[reference][1]).collect();
+        let drift = Drift::new(blocks.all[reference][1], &single, &blocks.centres);
+        drift.report(omega, &self.settings.tolerances, findings);
+        let Some(phase) = self.window.from_phase else {
+            return Measured { value: omega, uncertainty: drift.omega_error };
+        };
+        let error = drift.omega_error.hypot(phase.uncertainty);
+        let limit = (self.settings.tolerances.frequency_drift * omega).max(SIGNIFICANT * error);
+        if (phase.value - record_omega).abs() > limit {
+            let [phase_hz, record_hz] = [phase.value, record_omega].map(|omega| omega / std::f64::consts::TAU);
+            findings.push(Finding::FrequencyDisagrees { phase_hz, record_hz });
+        }
+        Measured { value: omega, uncertainty: phase.uncertainty }
+    }
+
+    fn modes(
+        &self,
+        findings: &mut Vec<Finding>,
+    ) -> Result<(Option<nlmodes_modal::LinearModes>, Vec<Place>), ExtractionError> {
+        let places = &self.layout.places;
+        let Some(given) = &self.settings.linear_modes else { return Ok((None, places.clone())) };
+        match modes_at(given, places, &self.record.channels, findings) {
+            Some((modes, at)) if self.settings.mode <= modes.n_modes() => {
+                Ok((Some(modes), at.into_iter().map(|k| places[k].clone()).collect()))
+            }
+            _ => Ok((None, places.clone())),
+        }
+    }
+
+    fn skew(&self, method: &Method<'_>, blocks: &Blocks, findings: &mut Vec<Finding>) {
+        let comparison = Comparison {
+            blocks,
+            names: self.record.channels.iter().map(|channel| channel.name.as_str()).collect(),
+            omega: method.omega,
+            sample_rate: self.record.sample_rate,
+            n_samples: self.window.n_samples,
+            tolerances: self.settings.tolerances,
+        };
+        let before = findings.len();
+        comparison.collocated(&self.layout.places, findings);
+        // A channel that disagrees with its neighbour spoils the comparison with the modes.
+        if let Some(modes) = method.modes.as_ref().filter(|_| findings.len() == before) {
+            comparison.against_modes(modes, &method.shape_places, findings);
+        }
+    }
+
+    fn excitation_findings(&self, excitation: Option<&ExcitationFigures>, findings: &mut Vec<Finding>) {
+        let Some(excitation) = excitation else { return };
+        let tolerances = &self.settings.tolerances;
+        let lag_deg = excitation.lag.value.to_degrees();
+        if excitation.power.fundamental_factor() < tolerances.reversed {
+            let (pbmif, harmonics) = (excitation.pbmif.value, excitation.power.harmonics);
+            findings.push(Finding::ReversedForce { pbmif, harmonics });
+        } else if (lag_deg - RESONANCE_DEG).abs() > tolerances.lag_deg {
+            findings.push(Finding::NotLocked { lag_deg, target_deg: RESONANCE_DEG });
+        }
+    }
+}
+
+/// A figure of all periods, with those of single ones.
+fn measured(all: &Figures, single: &[Figures], of: impl Fn(&Figures) -> Option<f64>) -> Option<Measured> {
+    let repeated: Vec<f64> = single.iter().filter_map(&of).collect();
+    Some(Measured::new(of(all)?, &repeated))
+}
+
+fn excitation(all: &Figures, single: &[Figures]) -> Option<ExcitationFigures> {
+    let lags: Vec<f64> = single.iter().filter_map(|figures| figures.lag).collect();
+    Some(ExcitationFigures {
+        power: all.power?,
+        fundamental_power: measured(all, single, |f| Some(f.power?.fundamental))?,
+        pbmif: measured(all, single, |f| Some(f.power?.indicator()))?,
+        force: measured(all, single, |f| f.force)?,
+        lag: Measured::angle(all.lag?, &lags),
+    })
+}
+
+fn modal(method: &Method<'_>, all: &Figures, single: &[Figures]) -> Option<ModalFigures> {
+    let (modal, modes) = (all.modal.as_ref()?, method.modes.as_ref()?);
+    let factor = |k: usize| measured(all, single, move |f| Some(f.modal.as_ref()?.participation.factors[k]));
+    let errors = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
+    Some(ModalFigures {
+        amplitude: measured(all, single, |f| Some(f.modal.as_ref()?.shape.modal_amplitude))?,
+        shape: modal.shape.clone(),
+        participation: modal.participation.clone(),
+        participation_uncertainty: errors.collect(),
+        damping: measured(all, single, |f| f.modal.as_ref()?.damping),
+        dissipation: nlmodes_modal::LinearDissipation::new(modes, &modal.coordinates, method.omega),
+        kinetic_energy: measured(all, single, |f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
+        harmonic_energy: modal.harmonic_energy.clone(),
+    })
+}

@@ -1,0 +1,95 @@
+//! The figures of one set of Fourier coefficients: of all periods, or of a single one.
+
+use nlmodes_modal::{
+    HarmonicCoefficients, LinearModes, ModalError, NonlinearModeShape, Participation, PhaseAnchor, damping_coefficient,
+};
+use num_complex::Complex64;
+
+use crate::extraction::layout::{Layout, Place, displacement};
+use crate::extraction::{ExcitationPower, ExtractionError};
+
+/// What does not change from period to period.
+#[derive(Debug)]
+pub struct Method<'a> {
+    pub layout: &'a Layout,
+    /// Places of the mode shape, in the order of the rows of the modes.
+    pub shape_places: Vec<Place>,
+    pub modes: Option<LinearModes>,
+    /// Number of the mode, from 0.
+    pub mode: usize,
+    pub omega: f64,
+    pub noise: &'a [f64],
+    /// Harmonics of the shape.
+    pub harmonics: usize,
+    /// Harmonics of the power.
+    pub power_harmonics: usize,
+}
+
+/// The figures of one set of coefficients.
+#[derive(Debug, Clone)]
+pub struct Figures {
+    /// Displacement at the places of the shape.
+    pub motion: HarmonicCoefficients,
+    pub power: Option<ExcitationPower>,
+    /// Lag of the drive-point displacement behind the force, rad.
+    pub lag: Option<f64>,
+    /// Amplitude of the force's fundamental, N.
+    pub force: Option<f64>,
+    pub modal: Option<Modal>,
+}
+
+/// Modal figures of one set of coefficients.
+#[derive(Debug, Clone)]
+pub struct Modal {
+    pub shape: NonlinearModeShape,
+    /// Modal coordinates, not normalised, m·√kg.
+    pub coordinates: HarmonicCoefficients,
+    pub participation: Participation,
+    pub damping: Option<f64>,
+    /// Kinetic energy of each harmonic, averaged over a period, J.
+    pub harmonic_energy: Vec<f64>,
+}
+
+impl Method<'_> {
+    /// Evaluates coefficients (channels × harmonics).
+    pub fn figures(&self, coefficients: &[Vec<Complex64>]) -> Result<Figures, ExtractionError> {
+        let at = |place: &Place, n: usize| displacement(place, coefficients, self.noise, self.omega, n);
+        let mut motion = HarmonicCoefficients::zeros(self.shape_places.len(), self.harmonics);
+        for (d, place) in self.shape_places.iter().enumerate() {
+            motion.of_mut(d).iter_mut().enumerate().for_each(|(n, q)| *q = at(place, n));
+        }
+        let drive: Option<Vec<Complex64>> =
+            self.layout.drive.as_ref().map(|place| (0..=self.power_harmonics.max(1)).map(|n| at(place, n)).collect());
+        let force = self.layout.force.map(|i| &coefficients[i]);
+        let power = drive.as_ref().zip(force).map(|(drive, force)| self.power(force, drive));
+        let lag = drive.as_ref().zip(force).map(|(drive, force)| (force[1] / drive[1]).arg());
+        let anchor = drive.map(|drive| drive[1].arg());
+        let modal = self.modes.as_ref().map(|modes| self.modal(modes, &motion, anchor, power.as_ref())).transpose()?;
+        Ok(Figures { motion, power, lag, force: force.map(|force| force[1].norm()), modal })
+    }
+
+    fn power(&self, force: &[Complex64], drive: &[Complex64]) -> ExcitationPower {
+        let rate = |(n, q): (usize, &Complex64)| Complex64::new(0.0, n as f64 * self.omega) * q;
+        let velocity: Vec<Complex64> = drive.iter().enumerate().map(rate).collect();
+        ExcitationPower::new(force, &velocity, self.power_harmonics)
+    }
+
+    /// The phase anchor is the drive point, to which a loop locks; without one the coordinate of the mode.
+    fn modal(
+        &self,
+        modes: &LinearModes,
+        motion: &HarmonicCoefficients,
+        anchor: Option<f64>,
+        power: Option<&ExcitationPower>,
+    ) -> Result<Modal, ModalError> {
+        let coordinates = modes.modal_coordinates(motion);
+        let phase = anchor.unwrap_or_else(|| coordinates.of(self.mode)[1].arg());
+        let shape = NonlinearModeShape::new(motion, |q| modes.mass_norm_squared(q), PhaseAnchor::Phase(phase))?;
+        let participation = Participation::new(&modes.modal_coordinates(&shape.harmonics), 1..=self.harmonics);
+        let square = |n: usize| (0..modes.n_modes()).map(|k| coordinates.of(k)[n].norm_sqr()).sum::<f64>();
+        let damping = power.map(|power| damping_coefficient(power.fundamental, shape.modal_amplitude, self.omega));
+        let energy = |n: usize| 0.25 * (n as f64 * self.omega).powi(2) * square(n);
+        let harmonic_energy = (0..=self.harmonics).map(energy).collect();
+        Ok(Modal { shape, coordinates, participation, damping, harmonic_energy })
+    }
+}

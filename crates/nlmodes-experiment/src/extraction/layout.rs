@@ -1,0 +1,140 @@
+//! Which channels of a record stand for what.
+
+use nlmodes_modal::{LinearModes, noise_level};
+use num_complex::Complex64;
+
+use crate::extraction::Finding;
+use crate::extraction::measured::spread;
+use crate::records::{Channel, Quantity, Record, Role};
+
+/// Positions count as the same within this share of the largest one.
+const SAME_PLACE: f64 = 1e-3;
+
+/// Channels that measure the motion at one place: displacement, velocity, acceleration.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// Position, m.
+    pub position: Option<f64>,
+    /// Numbers of the channels, each with its order of differentiation.
+    pub members: Vec<(usize, u32)>,
+}
+
+/// Which channels of a record stand for what. Numbers are those of the record's channels.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    pub force: Option<usize>,
+    pub drive: Option<Place>,
+    pub contact: Option<usize>,
+    pub phase: Option<usize>,
+    /// Places of all motion channels that have a position, ascending.
+    pub places: Vec<Place>,
+    /// The channel that tells the frequency best.
+    pub reference: Option<usize>,
+}
+
+impl Layout {
+    /// Of the channels that are usable.
+    pub fn new(record: &Record, usable: &[bool]) -> Self {
+        let first = |role: Role| record.with_role(role).find(|i| usable[*i]);
+        let motion: Vec<usize> = (0..record.channels.len())
+            .filter(|i| usable[*i] && record.channels[*i].quantity.time_derivative().is_some())
+            .collect();
+        let order = |i: usize| record.channels[i].quantity.time_derivative().unwrap_or(0);
+        let places = places(&record.channels, &motion);
+        let drive: Vec<(usize, u32)> =
+            motion.iter().filter(|i| record.channels[**i].role == Role::DrivePoint).map(|i| (*i, order(*i))).collect();
+        let force = first(Role::Excitation);
+        let at_force = || {
+            let position = record.channels[force?].position?;
+            find(&places, position).map(|at| places[at].clone())
+        };
+        let drive = match drive.first() {
+            Some((i, _)) => Some(Place { position: record.channels[*i].position, members: drive }),
+            None => at_force(),
+        };
+        let reference = reference(record, &motion).or(force);
+        Self { force, drive, contact: first(Role::Contact), phase: first(Role::ExcitationPhase), places, reference }
+    }
+}
+
+/// Displacement before velocity before acceleration, since it has the weakest harmonics; then the channel with the least noise.
+fn reference(record: &Record, motion: &[usize]) -> Option<usize> {
+    let order = |i: &usize| record.channels[*i].quantity.time_derivative().unwrap_or(0);
+    let lowest = motion.iter().map(order).min()?;
+    let noise = |i: &usize| noise_level(&record.samples[*i]) / spread(&record.samples[*i]);
+    motion.iter().copied().filter(|i| order(i) == lowest).min_by(|a, b| noise(a).total_cmp(&noise(b)))
+}
+
+fn places(channels: &[Channel], motion: &[usize]) -> Vec<Place> {
+    let mut places: Vec<Place> = Vec::new();
+    let largest = motion.iter().filter_map(|i| channels[*i].position).fold(0.0, |m: f64, x| m.max(x.abs()));
+    for i in motion {
+        let channel = &channels[*i];
+        let (Some(position), Some(order)) = (channel.position, channel.quantity.time_derivative()) else { continue };
+        let same = |place: &&mut Place| place.position.is_some_and(|p| (p - position).abs() <= SAME_PLACE * largest);
+        match places.iter_mut().find(same) {
+            Some(place) => place.members.push((*i, order)),
+            None => places.push(Place { position: Some(position), members: vec![(*i, order)] }),
+        }
+    }
+    places.sort_by(|a, b| a.position.unwrap_or(0.0).total_cmp(&b.position.unwrap_or(0.0)));
+    places
+}
+
+/// Number of the place at this position.
+pub fn find(places: &[Place], position: f64) -> Option<usize> {
+    let largest = places.iter().filter_map(|place| place.position).fold(position.abs(), |m, x| m.max(x.abs()));
+    let near = |place: &Place| place.position.is_some_and(|p| (p - position).abs() <= SAME_PLACE * largest);
+    places.iter().position(near)
+}
+
+/// The linear modes at the places that have a sensor, as many as can be told apart, and the places in their order.
+pub fn modes_at(
+    modes: &LinearModes,
+    places: &[Place],
+    channels: &[Channel],
+    findings: &mut Vec<Finding>,
+) -> Option<(LinearModes, Vec<usize>)> {
+    let rows: Vec<(usize, usize)> =
+        modes.positions().iter().enumerate().filter_map(|(row, x)| Some((row, find(places, *x)?))).collect();
+    for (k, place) in places.iter().enumerate().filter(|(k, _)| rows.iter().all(|(_, at)| at != k)) {
+        let channel = place.members.first().map_or_else(String::new, |(i, _)| channels[*i].name.clone());
+        findings.push(Finding::PositionWithoutShape { channel, position: places[k].position.unwrap_or(f64::NAN) });
+    }
+    let (sensors, wanted) = (rows.len(), modes.n_modes());
+    if sensors < wanted {
+        findings.push(Finding::FewerSensorsThanModes { sensors, modes: wanted });
+    }
+    let (rows, at): (Vec<usize>, Vec<usize>) = rows.into_iter().unzip();
+    if rows.is_empty() {
+        return None;
+    }
+    Some((modes.restricted(&rows, wanted.min(sensors)).ok()?, at))
+}
+
+/// Displacement from the coefficients of collocated channels, each integrated in the frequency domain, weighted by its noise: displacement
+/// counts most at low harmonics, acceleration at high ones. The mean comes from displacement alone and is zero without it.
+pub fn displacement(place: &Place, coefficients: &[Vec<Complex64>], noise: &[f64], omega: f64, n: usize) -> Complex64 {
+    let (mut sum, mut weights) = (Complex64::default(), 0.0);
+    for (i, order) in &place.members {
+        if n == 0 && *order > 0 {
+            continue;
+        }
+        let factor = Complex64::new(0.0, n as f64 * omega).powu(*order);
+        let weight = factor.norm_sqr() / noise[*i].powi(2);
+        sum += coefficients[*i][n] / factor * weight;
+        weights += weight;
+    }
+    if weights > 0.0 { sum / weights } else { Complex64::default() }
+}
+
+/// Standard deviation of the displacement of harmonic `n` that noise gives, with `n_samples`.
+pub fn displacement_noise(place: &Place, noise: &[f64], omega: f64, n: usize, n_samples: usize) -> f64 {
+    let weight = |(i, order): &(usize, u32)| ((n as f64 * omega).powi(*order as i32) / noise[*i]).powi(2);
+    (2.0 / n_samples as f64 / place.members.iter().map(weight).sum::<f64>()).sqrt()
+}
+
+/// Whether a place has a channel of this quantity.
+pub fn member(place: &Place, channels: &[Channel], quantity: Quantity) -> Option<usize> {
+    place.members.iter().map(|(i, _)| *i).find(|i| channels[*i].quantity == quantity)
+}

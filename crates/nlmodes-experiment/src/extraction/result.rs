@@ -1,0 +1,121 @@
+use nlmodes_modal::{
+    ContactStiffness, HarmonicCoefficients, LinearDissipation, ModalPoint, NonlinearModeShape, Participation,
+    Restitution, TimeHistory,
+};
+
+use crate::extraction::{ExcitationPower, Finding, Measured};
+
+/// What a record says about a nonlinear mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordExtraction {
+    /// Name of the record.
+    pub record: String,
+    /// Frequency, rad/s.
+    pub omega: Measured,
+    /// Number of periods.
+    pub periods: usize,
+    /// Harmonics of the mode shape and of the participation.
+    pub harmonics: usize,
+    /// Positions of the sensors, m.
+    pub positions: Vec<f64>,
+    /// Displacement at these positions, m; phases count from the middle of the periods. The mean is zero where no sensor gives it.
+    pub motion: HarmonicCoefficients,
+    /// Modal quantities, where linear modes are given.
+    pub modal: Option<ModalFigures>,
+    /// Quantities of the excitation, where there are a force and a drive point.
+    pub excitation: Option<ExcitationFigures>,
+    /// Quantities of the contact, where its force was measured.
+    pub contact: Option<ContactFigures>,
+    /// What a careful experimenter wants to be told.
+    pub findings: Vec<Finding>,
+}
+
+/// Modal quantities, eqs. (20)-(28), (30).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalFigures {
+    /// Nonlinear modal amplitude `q̃`, m·√kg.
+    pub amplitude: Measured,
+    /// Mode shape per harmonic.
+    pub shape: NonlinearModeShape,
+    /// Participation of the linear modes; says which harmonics are in the sum.
+    pub participation: Participation,
+    /// Standard errors of the participation factors.
+    pub participation_uncertainty: Vec<f64>,
+    /// Damping coefficient `δ̃`, eq. (28), where the excitation was measured.
+    pub damping: Option<Measured>,
+    /// Power that the damping ratios of the linear modes dissipate, eqs. (25), (26).
+    pub dissipation: LinearDissipation,
+    /// Kinetic energy averaged over a period, J.
+    pub kinetic_energy: Measured,
+    /// The share of each harmonic in it, J, from harmonic 0 on.
+    pub harmonic_energy: Vec<f64>,
+}
+
+/// Quantities of the excitation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExcitationFigures {
+    /// Powers, eqs. (17), (18).
+    pub power: ExcitationPower,
+    /// Active power of the fundamental, W.
+    pub fundamental_power: Measured,
+    /// Power-based mode indicator, eq. (19), from as many harmonics as `power` says.
+    pub pbmif: Measured,
+    /// Amplitude of the force's fundamental, N.
+    pub force: Measured,
+    /// Lag of the drive-point displacement behind the force, rad; π/2 at phase resonance.
+    pub lag: Measured,
+}
+
+/// Quantities of the contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactFigures {
+    /// Largest force of a period, N.
+    pub peak_force: Measured,
+    /// Share of time in contact.
+    pub closed_fraction: f64,
+    /// Contact intervals a period.
+    pub intervals_per_period: f64,
+    /// Coefficients of restitution, eq. (29); `None` without contact.
+    pub restitution: Option<Restitution>,
+    /// Contact stiffness; `None` without contact, or where force and displacement do not rise together.
+    pub stiffness: Option<ContactStiffness>,
+    /// Motion at the stop and contact force; `None` without a description of the stop.
+    pub history: Option<TimeHistory>,
+}
+
+impl RecordExtraction {
+    /// Names of the findings, separated by spaces.
+    pub fn finding_names(&self) -> String {
+        self.findings.iter().map(Finding::name).collect::<Vec<_>>().join(" ")
+    }
+
+    /// As a point of a branch, for tables and figures beside computed ones; `None` without modal quantities.
+    ///
+    /// Signal-based figures that a record does not give are NaN: the strain energy, and so the total one.
+    pub fn modal_point(&self) -> Option<ModalPoint> {
+        let modal = self.modal.as_ref()?;
+        let last = self.motion.n_coordinates().checked_sub(1)?;
+        let contact = self.contact.as_ref();
+        let history = contact.and_then(|contact| contact.history.as_ref());
+        let peak = history.map_or(f64::NAN, |history| {
+            let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
+            history.displacement.iter().map(|x| side * x).fold(f64::NEG_INFINITY, f64::max)
+        });
+        Some(ModalPoint {
+            omega: self.omega.value,
+            coefficients: self.motion.clone(),
+            kinetic_energy: modal.kinetic_energy.value,
+            harmonic_energy: modal.harmonic_energy.clone(),
+            resonance: None,
+            total_energy: f64::NAN,
+            modal_amplitude: modal.amplitude.value,
+            fundamental: self.motion.of(last)[1].norm(),
+            peak,
+            contact_fraction: contact.map_or(f64::NAN, |contact| contact.closed_fraction),
+            contact_intervals: contact.map_or(0, |contact| contact.intervals_per_period.round() as usize),
+            peak_contact_force: contact.map_or(f64::NAN, |contact| contact.peak_force.value),
+            residual: f64::NAN,
+            events: vec![],
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! Channels that are late or early against those they must agree with.
+
+use nlmodes_modal::LinearModes;
+use num_complex::Complex64;
+
+use crate::extraction::blocks::Blocks;
+use crate::extraction::layout::{Place, displacement, displacement_noise};
+use crate::extraction::measured::{spread, wrapped};
+use crate::extraction::{Finding, Tolerances};
+
+/// Harmonics that are compared.
+const HARMONICS: usize = 5;
+/// Standard errors that a delay must exceed.
+const SIGNIFICANT: f64 = 5.0;
+/// Phases that scatter more than this (rad) are noise.
+const CLEAR: f64 = 0.1;
+/// Misfit of sensors with the linear modes, over noise, that counts as agreement.
+const AGREEMENT: f64 = 5.0;
+/// A delay leaves amplitudes alone: within this share.
+const SAME_SIZE: f64 = 0.05;
+
+/// What is compared.
+#[derive(Debug)]
+pub struct Comparison<'a> {
+    pub blocks: &'a Blocks,
+    pub names: Vec<&'a str>,
+    pub omega: f64,
+    pub sample_rate: f64,
+    pub n_samples: usize,
+    pub tolerances: Tolerances,
+}
+
+impl Comparison<'_> {
+    /// Reports channels at one place that disagree in time.
+    pub fn collocated(&self, places: &[Place], findings: &mut Vec<Finding>) {
+        for place in places {
+            let alone = |member: (usize, u32)| Place { position: place.position, members: vec![member] };
+            let Some((first, others)) = place.members.split_first() else { continue };
+            for other in others {
+                let against = self.names[first.0].to_owned();
+                let ratio = |q: &[Vec<Complex64>], n: usize| {
+                    self.displacement(&alone(*other), q, n) / self.displacement(&alone(*first), q, n)
+                };
+                self.report(self.delay(ratio), self.names[other.0], against, findings);
+            }
+        }
+    }
+
+    /// Reports the one place, if any, whose delay makes all others agree with the linear modes. It takes at least two more places than
+    /// modes: one to see that something is wrong, one more to see where.
+    pub fn against_modes(&self, modes: &LinearModes, places: &[Place], findings: &mut Vec<Finding>) {
+        if places.len() < modes.n_modes() + 2 {
+            return;
+        }
+        let everyone: Vec<usize> = (0..places.len()).collect();
+        let q = &self.blocks.all;
+        if self.misfit(modes, places, &everyone, q).is_none_or(|misfit| misfit < AGREEMENT) {
+            return;
+        }
+        let without = |d: usize| everyone.iter().copied().filter(|i| *i != d).collect::<Vec<_>>();
+        let misfits = everyone.iter().filter_map(|d| Some((*d, self.misfit(modes, places, &without(*d), q)?)));
+        let Some((culprit, misfit)) = misfits.min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        if misfit > AGREEMENT {
+            return;
+        }
+        let others = without(culprit);
+        let ratio = |q: &[Vec<Complex64>], n: usize| {
+            let predicted = self.predicted(modes, places, &others, culprit, q, n);
+            predicted.map_or(Complex64::new(f64::NAN, 0.0), |p| self.displacement(&places[culprit], q, n) / p)
+        };
+        let size = ratio(q, 1).norm();
+        if (size - 1.0).abs() < SAME_SIZE {
+            let name = places[culprit].members.first().map_or("", |(i, _)| self.names[*i]);
+            self.report(self.delay(ratio), name, "the other sensors and the linear modes".into(), findings);
+        }
+    }
+
+    fn displacement(&self, place: &Place, q: &[Vec<Complex64>], n: usize) -> Complex64 {
+        displacement(place, q, &self.blocks.noise, self.omega, n)
+    }
+
+    fn noise(&self, place: &Place, n: usize) -> f64 {
+        displacement_noise(place, &self.blocks.noise, self.omega, n, self.n_samples)
+    }
+
+    /// Modal coordinates from some places, each weighted by its noise.
+    fn weighted(
+        &self,
+        modes: &LinearModes,
+        places: &[Place],
+        rows: &[usize],
+        q: &[Vec<Complex64>],
+        n: usize,
+    ) -> Option<(Vec<Complex64>, LinearModes, Vec<Complex64>)> {
+        let scale: Vec<f64> = rows.iter().map(|d| 1.0 / self.noise(&places[*d], n)).collect();
+        let shape = |(d, s): (&usize, &f64)| (0..modes.n_modes()).map(|k| modes.shape(*d, k) * s).collect::<Vec<_>>();
+        let shapes: Vec<Vec<f64>> = rows.iter().zip(&scale).map(shape).collect();
+        let positions: Vec<f64> = rows.iter().map(|d| modes.positions()[*d]).collect();
+        let weighted = LinearModes::new(&positions, modes.omegas(), modes.damping_ratios(), &shapes).ok()?;
+        let motion: Vec<Complex64> =
+            rows.iter().zip(&scale).map(|(d, s)| self.displacement(&places[*d], q, n) * s).collect();
+        Some((weighted.project(&motion), weighted, motion))
+    }
+
+    /// Root mean square of what the modes leave of the fundamental at these places, over its noise.
+    fn misfit(&self, modes: &LinearModes, places: &[Place], rows: &[usize], q: &[Vec<Complex64>]) -> Option<f64> {
+        let (eta, weighted, motion) = self.weighted(modes, places, rows, q, 1)?;
+        let rest: f64 = weighted.expand(&eta).iter().zip(&motion).map(|(a, b)| (a - b).norm_sqr()).sum();
+        let freedom = 2 * (rows.len() - modes.n_modes());
+        (freedom > 0).then(|| (rest / freedom as f64).sqrt())
+    }
+
+    fn predicted(
+        &self,
+        modes: &LinearModes,
+        places: &[Place],
+        rows: &[usize],
+        place: usize,
+        q: &[Vec<Complex64>],
+        n: usize,
+    ) -> Option<Complex64> {
+        let (eta, ..) = self.weighted(modes, places, rows, q, n)?;
+        Some(eta.iter().enumerate().map(|(k, eta)| eta * modes.shape(place, k)).sum())
+    }
+
+    /// Delay (s) and its standard error from the phases of a ratio over the harmonics, each weighted by its scatter from block to block.
+    fn delay(&self, ratio: impl Fn(&[Vec<Complex64>], usize) -> Complex64) -> Option<(f64, f64)> {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        let highest = self.blocks.all.first().map_or(0, |q| q.len() - 1).min(HARMONICS);
+        for n in 1..=highest {
+            let angle = ratio(&self.blocks.all, n).arg();
+            let near = |q: &Vec<Vec<Complex64>>| angle + wrapped(ratio(q, n).arg() - angle);
+            let angles: Vec<f64> = self.blocks.single.iter().map(near).collect();
+            let scatter = spread(&angles);
+            if !(scatter < CLEAR && angle.abs() < 1.0) {
+                continue;
+            }
+            let omega = n as f64 * self.omega;
+            let weight = omega.powi(2) / (scatter.powi(2) / angles.len() as f64).max(1e-24);
+            sum -= weight * angle / omega;
+            weights += weight;
+        }
+        (weights > 0.0).then(|| (sum / weights, weights.sqrt().recip()))
+    }
+
+    fn report(&self, delay: Option<(f64, f64)>, channel: &str, against: String, findings: &mut Vec<Finding>) {
+        let Some((delay, uncertainty)) = delay else { return };
+        let samples = delay * self.sample_rate;
+        if samples.abs() > self.tolerances.skew && delay.abs() > SIGNIFICANT * uncertainty {
+            let degrees = (delay * self.omega).to_degrees();
+            findings.push(Finding::Skew { channel: channel.to_owned(), delay, uncertainty, samples, degrees, against });
+        }
+    }
+}

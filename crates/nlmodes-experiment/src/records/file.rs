@@ -1,0 +1,74 @@
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use crate::records::{
+    ByteOrder, Channel, Record, RecordError, RecordTable, Storage, read_csv, read_npy, read_uff, read_wav, write_csv,
+    write_npy, write_uff, write_wav,
+};
+
+/// What is known of a recording beside its files.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Channels to take from each file.
+    pub channels: Vec<Channel>,
+    /// Declared sampling rate, Hz.
+    pub sample_rate: Option<f64>,
+    /// Name of the time column of text tables.
+    pub time_column: Option<String>,
+}
+
+impl Recording {
+    /// Reads a record; the ending of the name tells the format: `.csv`, `.uff` or `.unv`, `.wav`, `.npy`.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn read(&self, path: &Path) -> Result<Record, RecordError> {
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        self.read_table(path)?.into_record(&name, &self.channels, self.sample_rate)
+    }
+
+    fn read_table(&self, path: &Path) -> Result<RecordTable, RecordError> {
+        let extension = extension(path);
+        let known = ["csv", "uff", "unv", "wav", "npy"].contains(&extension.as_str());
+        if !known {
+            return Err(RecordError::Extension { extension });
+        }
+        let io = |source| RecordError::Io { path: path.to_path_buf(), source };
+        let file = BufReader::new(File::open(path).map_err(io)?);
+        let table = match extension.as_str() {
+            "csv" => read_csv(file, self.time_column.as_deref()),
+            "wav" => read_wav(file),
+            "npy" => read_npy(file),
+            _ => read_uff(file),
+        };
+        table.map_err(|error| match error {
+            RecordError::Stream(source) => io(source),
+            other => other,
+        })
+    }
+}
+
+/// Writes a record in SI units; the ending of the name tells the format. Universal Files are binary.
+///
+/// # Errors
+/// [`RecordError`].
+pub fn write_record(path: &Path, record: &Record) -> Result<(), RecordError> {
+    let io = |source| RecordError::Io { path: path.to_path_buf(), source };
+    let extension = extension(path);
+    if !["csv", "uff", "unv", "wav", "npy"].contains(&extension.as_str()) {
+        return Err(RecordError::Extension { extension });
+    }
+    let mut file = BufWriter::new(File::create(path).map_err(io)?);
+    match extension.as_str() {
+        "csv" => write_csv(&mut file, record, None),
+        "wav" => write_wav(&mut file, record),
+        "npy" => write_npy(&mut file, record),
+        _ => write_uff(&mut file, record, Storage::Binary(ByteOrder::Little)),
+    }?;
+    file.flush().map_err(io)
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map_or_else(String::new, |extension| extension.to_string_lossy().to_lowercase())
+}

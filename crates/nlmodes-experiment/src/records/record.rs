@@ -1,0 +1,62 @@
+use crate::records::{Channel, Column, RecordTable, Role, SampleRate};
+
+/// Channels that were sampled together, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Name, for instance that of the file.
+    pub name: String,
+    /// Sampling rate, Hz.
+    pub sample_rate: f64,
+    /// The channels.
+    pub channels: Vec<Channel>,
+    /// Samples of each channel, in the SI unit of its quantity; all of the same length.
+    pub samples: Vec<Vec<f64>>,
+    /// Channels that were described, but that the file does not have.
+    pub missing: Vec<String>,
+}
+
+impl Record {
+    /// A record without channels.
+    pub fn new(name: impl Into<String>, sample_rate: f64) -> Self {
+        Self { name: name.into(), sample_rate, channels: vec![], samples: vec![], missing: vec![] }
+    }
+
+    /// Adds a channel with samples that are in SI units already.
+    #[must_use]
+    pub fn with(mut self, channel: Channel, samples: Vec<f64>) -> Self {
+        self.channels.push(channel);
+        self.samples.push(samples);
+        self
+    }
+
+    /// Number of samples of each channel; of the shortest, where they differ.
+    pub fn n_samples(&self) -> usize {
+        self.samples.iter().map(Vec::len).min().unwrap_or(0)
+    }
+
+    /// Duration, s.
+    pub fn duration(&self) -> f64 {
+        self.n_samples() as f64 / self.sample_rate
+    }
+
+    /// Numbers of the channels with this role.
+    pub fn with_role(&self, role: Role) -> impl Iterator<Item = usize> + '_ {
+        self.channels.iter().enumerate().filter(move |(_, channel)| channel.role == role).map(|(i, _)| i)
+    }
+
+    /// As a table with the SI values, to be written. The description of its channels is that of [`Self::si_channels`].
+    pub fn table(&self) -> RecordTable {
+        let column = |(channel, samples): (&Channel, &Vec<f64>)| Column {
+            name: channel.name.clone(),
+            aliases: vec![],
+            rate: Some(SampleRate::exact(self.sample_rate)),
+            values: samples.clone(),
+        };
+        RecordTable { columns: self.channels.iter().zip(&self.samples).map(column).collect(), named: true }
+    }
+
+    /// Description of the channels as they are written: SI units, sign and sensitivity one. Delays stay in the samples and so stay here.
+    pub fn si_channels(&self) -> Vec<Channel> {
+        self.channels.iter().map(|channel| Channel { delay: channel.delay, ..channel.in_si() }).collect()
+    }
+}

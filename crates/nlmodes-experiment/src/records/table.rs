@@ -1,0 +1,127 @@
+use crate::records::{Channel, Record, RecordError, SampleRate};
+
+/// Relative difference of sampling rates within a file that counts as agreement.
+const AGREEMENT: f64 = 1e-6;
+
+/// The numbers of a file before its channels are described.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordTable {
+    /// The columns in the order of the file.
+    pub columns: Vec<Column>,
+    /// Whether the columns have names of their own; else they are taken in order.
+    pub named: bool,
+}
+
+/// A column of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name.
+    pub name: String,
+    /// Other names under which it can be found.
+    pub aliases: Vec<String>,
+    /// Sampling rate, where the file tells one.
+    pub rate: Option<SampleRate>,
+    /// Recorded numbers.
+    pub values: Vec<f64>,
+}
+
+impl RecordTable {
+    /// The record that the channels describe, in SI units. `rate_hz` is the declared sampling rate; without one that of the file counts.
+    ///
+    /// A described channel that a file with names does not have is no error here: it is listed in [`Record::missing`].
+    ///
+    /// # Errors
+    /// [`RecordError`] if rates or lengths disagree, if names are ambiguous, or if there is nothing to take.
+    pub fn into_record(
+        mut self,
+        name: &str,
+        channels: &[Channel],
+        rate_hz: Option<f64>,
+    ) -> Result<Record, RecordError> {
+        if !self.named && self.columns.len() != channels.len() {
+            return Err(RecordError::ChannelCount { found: self.columns.len(), described: channels.len() });
+        }
+        let mut picked: Vec<(Channel, Column)> = Vec::new();
+        let mut missing = Vec::new();
+        for (i, channel) in channels.iter().enumerate() {
+            match if self.named { self.find(&channel.name)? } else { Some(i) } {
+                Some(at) => {
+                    let values = std::mem::take(&mut self.columns[at].values);
+                    picked.push((channel.clone(), Column { values, ..self.columns[at].clone() }));
+                }
+                None => missing.push(channel.name.clone()),
+            }
+        }
+        let sample_rate = common_rate(&picked, rate_hz)?;
+        check_lengths(&picked)?;
+        let mut record = Record::new(name, sample_rate);
+        record.missing = missing;
+        for (channel, column) in picked {
+            let scale = channel.scale()?;
+            record.channels.push(channel);
+            record.samples.push(column.values.into_iter().map(|x| x * scale).collect());
+        }
+        Ok(record)
+    }
+
+    /// Where the column of this name stands.
+    fn find(&self, name: &str) -> Result<Option<usize>, RecordError> {
+        let exact = self.columns.iter().position(|column| column.name == name);
+        if exact.is_some() {
+            return Ok(exact);
+        }
+        let called = |column: &&Column| column.aliases.iter().any(|alias| alias == name);
+        match self.columns.iter().filter(called).count() {
+            0 => Ok(None),
+            1 => Ok(self.columns.iter().position(|column| called(&column))),
+            count => Err(RecordError::Ambiguous { name: name.to_owned(), count }),
+        }
+    }
+
+    /// Names of the columns, separated by commas.
+    pub fn names(&self) -> String {
+        self.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<f64, RecordError> {
+    let mut rates = picked.iter().filter_map(|(channel, column)| Some((&channel.name, column.rate?)));
+    let first = rates.clone().next();
+    if let Some((name, rate)) = first {
+        let disagrees = |other: &SampleRate| {
+            (other.hz / rate.hz - 1.0).abs() > AGREEMENT + rate.relative_error + other.relative_error
+        };
+        if let Some((other, other_rate)) = rates.find(|(_, other)| disagrees(other)) {
+            return Err(RecordError::RatesDisagree {
+                first: name.clone(),
+                first_hz: rate.hz,
+                other: other.clone(),
+                other_hz: other_rate.hz,
+            });
+        }
+    }
+    let rate = match (declared, first) {
+        (Some(declared), Some((_, rate))) => rate.agree(declared)?,
+        (Some(declared), None) => declared,
+        (None, Some((_, rate))) => rate.hz,
+        (None, None) => return Err(RecordError::NoRate),
+    };
+    if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(RecordError::NoRate) }
+}
+
+fn check_lengths(picked: &[(Channel, Column)]) -> Result<(), RecordError> {
+    let Some((first, column)) = picked.first() else { return Ok(()) };
+    let samples = column.values.len();
+    if samples < 2 {
+        return Err(RecordError::Empty { samples });
+    }
+    match picked.iter().find(|(_, other)| other.values.len() != samples) {
+        Some((other, other_column)) => Err(RecordError::LengthsDisagree {
+            first: first.name.clone(),
+            first_samples: samples,
+            other: other.name.clone(),
+            other_samples: other_column.values.len(),
+        }),
+        None => Ok(()),
+    }
+}

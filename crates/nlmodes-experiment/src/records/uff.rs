@@ -1,0 +1,91 @@
+//! Universal File Format, dataset 58 (function at nodal degree of freedom), as text and as binary (58b).
+//!
+//! A file is a sequence of datasets between lines that hold `−1` alone. Dataset 58 has eleven header lines of fixed-width fields and then
+//! the ordinates: real or complex, in single or double precision, over an even or an uneven abscissa; in 58b these are binary, in either
+//! byte order. All of these are read and written; datasets of other types are passed over.
+
+mod bytes;
+mod dataset;
+mod error;
+mod header;
+mod lines;
+mod read;
+mod text;
+mod write;
+
+pub use dataset::{Abscissa, Axis, ByteOrder, Dataset58, Node, Ordinates, Precision, Storage};
+pub use error::UffError;
+pub use read::read_uff58;
+pub use write::write_uff58;
+
+use std::io::{Read, Write};
+
+use crate::records::limits::{MAX_CHANNELS, read_all};
+use crate::records::{Column, Quantity, Record, RecordError, RecordTable, SampleRate};
+
+/// Abscissa of time, in the codes of the format.
+const TIME: i32 = 17;
+
+/// Reads the time records of a Universal File. The name of a column is the first identification line of its dataset, or where that is empty
+/// the label of its ordinate, or the name of its response entity; all of them, and `node:direction`, find it.
+///
+/// # Errors
+/// [`UffError`] for a file that is not sound, or that holds something else than real functions of time.
+pub fn read_uff(source: impl Read) -> Result<RecordTable, RecordError> {
+    let datasets = read_uff58(&read_all(source)?)?;
+    if datasets.len() > MAX_CHANNELS {
+        return Err(RecordError::TooManyChannels { found: datasets.len(), limit: MAX_CHANNELS });
+    }
+    let columns = datasets.into_iter().map(column).collect::<Result<_, _>>()?;
+    Ok(RecordTable { columns, named: true })
+}
+
+fn column(dataset: Dataset58) -> Result<Column, RecordError> {
+    let mut names = dataset.names();
+    let name = if names.is_empty() { String::new() } else { names.remove(0) };
+    let Ordinates::Real(values) = dataset.ordinates else {
+        return Err(UffError::NotATimeRecord { name, reason: "its ordinates are complex" }.into());
+    };
+    if !matches!(dataset.abscissa_axis.kind, 0 | TIME) {
+        return Err(UffError::NotATimeRecord { name, reason: "its abscissa is not time" }.into());
+    }
+    let rate = match dataset.abscissa {
+        Abscissa::Even { step, rounding, .. } if step > 0.0 => SampleRate::of_interval(step, rounding),
+        Abscissa::Even { step, .. } => return Err(UffError::Step { name, step }.into()),
+        Abscissa::Uneven { values, rounding } => SampleRate::of_times(&values, rounding)?,
+    };
+    Ok(Column { name, aliases: names, rate: Some(rate), values })
+}
+
+/// Writes the channels of a record in SI units, a dataset each, in double precision.
+///
+/// The sampling interval stands in a header field of six digits. Where it needs more, a reader takes the rate from its user, or to a
+/// relative error of 5e-6 from the header.
+///
+/// # Errors
+/// [`RecordError`] if the stream cannot be written.
+pub fn write_uff(mut target: impl Write, record: &Record, storage: Storage) -> Result<(), RecordError> {
+    for (channel, samples) in record.channels.iter().zip(&record.samples) {
+        let mut dataset = Dataset58::real(samples.clone(), Abscissa::even(0.0, 1.0 / record.sample_rate));
+        dataset.identification[0].clone_from(&channel.name);
+        dataset.identification[1].clone_from(&record.name);
+        dataset.response.entity.clone_from(&channel.name);
+        dataset.abscissa_axis = Axis { kind: TIME, label: "Time".into(), unit: "s".into(), ..Axis::default() };
+        let unit = channel.quantity.si_unit().into();
+        dataset.ordinate_axis =
+            Axis { kind: kind(channel.quantity), label: channel.name.clone(), unit, ..Axis::default() };
+        write_uff58(&mut target, &dataset, storage, Precision::Double)?;
+    }
+    Ok(())
+}
+
+/// Code of the quantity in the format.
+fn kind(quantity: Quantity) -> i32 {
+    match quantity {
+        Quantity::Displacement => 8,
+        Quantity::Velocity => 11,
+        Quantity::Acceleration => 12,
+        Quantity::Force => 13,
+        Quantity::Phase => 1,
+    }
+}

@@ -1,0 +1,69 @@
+//! Fixed-width fields of header lines.
+
+use crate::records::uff::{Axis, Node, UffError};
+
+/// A header line with its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Line<'a> {
+    pub bytes: &'a [u8],
+    pub number: usize,
+}
+
+impl Line<'_> {
+    /// Text between two columns, counted from 0, without the blanks around it.
+    pub fn text(&self, first: usize, last: usize) -> String {
+        let field = self.bytes.get(first..last.min(self.bytes.len())).unwrap_or_default();
+        String::from_utf8_lossy(field.trim_ascii()).into_owned()
+    }
+
+    /// Whole number; an empty field is zero.
+    pub fn integer(&self, first: usize, last: usize) -> Result<i64, UffError> {
+        let text = self.text(first, last);
+        if text.is_empty() {
+            return Ok(0);
+        }
+        text.parse().map_err(|_| self.refuse(first, last, "a whole number"))
+    }
+
+    /// Whole number of few digits; an empty field is zero.
+    pub fn small(&self, first: usize, last: usize) -> Result<i32, UffError> {
+        i32::try_from(self.integer(first, last)?).map_err(|_| self.refuse(first, last, "a number of few digits"))
+    }
+
+    /// Number; an empty field is zero.
+    pub fn number(&self, first: usize, last: usize) -> Result<f64, UffError> {
+        let text = self.text(first, last);
+        if text.is_empty() {
+            return Ok(0.0);
+        }
+        parse(&text).ok_or_else(|| self.refuse(first, last, "a number"))
+    }
+
+    pub fn refuse(&self, first: usize, last: usize, expected: &'static str) -> UffError {
+        UffError::Field { line: self.number, first: first + 1, last, text: self.text(first, last), expected }
+    }
+
+    /// Entity, node and direction.
+    pub fn node(&self, first: usize) -> Result<Node, UffError> {
+        Ok(Node {
+            entity: self.text(first, first + 10),
+            node: self.small(first + 10, first + 20)?,
+            direction: self.small(first + 20, first + 24)?,
+        })
+    }
+
+    /// Axis with label and unit.
+    pub fn axis(&self) -> Result<Axis, UffError> {
+        Ok(Axis {
+            kind: self.small(0, 10)?,
+            exponents: [self.small(10, 15)?, self.small(15, 20)?, self.small(20, 25)?],
+            label: self.text(26, 46),
+            unit: self.text(47, 67),
+        })
+    }
+}
+
+/// A number as Fortran writes it.
+pub fn parse(text: &str) -> Option<f64> {
+    text.parse().ok().or_else(|| text.replace(['D', 'd'], "e").parse().ok())
+}

@@ -1,0 +1,180 @@
+use num_complex::Complex64;
+
+use crate::records::sample_rate::rounding;
+use crate::records::uff::header::Line;
+use crate::records::uff::lines::{Lines, is_mark};
+use crate::records::uff::{Abscissa, ByteOrder, Dataset58, Ordinates, Precision, Storage, UffError, bytes, text};
+
+/// Header lines of a dataset 58, without the one that holds its type.
+const HEADER_LINES: usize = 11;
+
+/// Reads all functions of a Universal File, text and binary mixed as they come.
+///
+/// # Errors
+/// [`UffError`]; each names the line.
+pub fn read_uff58(file: &[u8]) -> Result<Vec<Dataset58>, UffError> {
+    let mut lines = Lines::new(file);
+    let mut functions = Vec::new();
+    let mut others = 0;
+    while let Some(line) = lines.next() {
+        if !is_mark(line) {
+            continue;
+        }
+        let Some(kind) = lines.next() else { break };
+        match storage(Line { bytes: kind, number: lines.number - 1 })? {
+            Some(binary) => functions.push(function(&mut lines, binary)?),
+            None => {
+                others += 1;
+                while lines.next().is_some_and(|line| !is_mark(line)) {}
+            }
+        }
+    }
+    if functions.is_empty() { Err(UffError::NoFunction { datasets: others }) } else { Ok(functions) }
+}
+
+/// How a dataset 58 stores its numbers; `None` for one of another type.
+fn storage(line: Line<'_>) -> Result<Option<Storage>, UffError> {
+    if line.text(0, 6) != "58" {
+        return Ok(None);
+    }
+    if !line.text(6, 7).eq_ignore_ascii_case("b") {
+        return Ok(Some(Storage::Text));
+    }
+    let order = match line.integer(7, 13)? {
+        1 => ByteOrder::Little,
+        2 => ByteOrder::Big,
+        _ => return Err(line.refuse(7, 13, "1 (little-endian) or 2 (big-endian)")),
+    };
+    match line.integer(13, 19)? {
+        2 => {}
+        format => return Err(UffError::FloatFormat { line: line.number, format }),
+    }
+    if line.integer(19, 31)? != HEADER_LINES as i64 {
+        return Err(line.refuse(19, 31, "11, the number of header lines of a dataset 58"));
+    }
+    Ok(Some(Storage::Binary(order)))
+}
+
+/// What the header says about the numbers.
+struct Layout {
+    precision: Precision,
+    complex: bool,
+    uneven: bool,
+    n_values: usize,
+}
+
+fn function(lines: &mut Lines<'_>, storage: Storage) -> Result<Dataset58, UffError> {
+    let begin = lines.number;
+    let mut header = Vec::with_capacity(HEADER_LINES);
+    for found in 0..HEADER_LINES {
+        let number = lines.number;
+        let bytes = lines.next().ok_or(UffError::HeaderCutOff { line: begin, found })?;
+        header.push(Line { bytes, number });
+    }
+    let layout = layout(header[6])?;
+    let mut dataset = described(&header)?;
+    let numbers = match storage {
+        Storage::Text => {
+            let widths = text::widths(layout.precision, layout.complex, layout.uneven);
+            text::read(lines, &widths, layout.announced(begin)?)?
+        }
+        Storage::Binary(order) => binary(lines, &layout, order)?,
+    };
+    let (values, abscissa) = layout.split(&numbers);
+    if let Some(values) = abscissa {
+        let digits = if storage == Storage::Text || layout.precision == Precision::Single { 5e-6 } else { 0.0 };
+        let largest = values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        dataset.abscissa = Abscissa::Uneven { values, rounding: digits * largest };
+    }
+    dataset.ordinates = values;
+    Ok(dataset)
+}
+
+fn layout(line: Line<'_>) -> Result<Layout, UffError> {
+    let (precision, complex) = match line.integer(0, 10)? {
+        2 => (Precision::Single, false),
+        4 => (Precision::Double, false),
+        5 => (Precision::Single, true),
+        6 => (Precision::Double, true),
+        _ => return Err(line.refuse(0, 10, "a type of ordinates: 2, 4, 5 or 6")),
+    };
+    let n_values = usize::try_from(line.integer(10, 20)?).map_err(|_| line.refuse(10, 20, "a number of values"))?;
+    let uneven = match line.integer(20, 30)? {
+        0 => true,
+        1 => false,
+        _ => return Err(line.refuse(20, 30, "0 (uneven abscissa) or 1 (even)")),
+    };
+    Ok(Layout { precision, complex, uneven, n_values })
+}
+
+fn described(header: &[Line<'_>]) -> Result<Dataset58, UffError> {
+    let (kind, data) = (header[5], header[6]);
+    let step = Abscissa::Even {
+        first: data.number(30, 43)?,
+        step: data.number(43, 56)?,
+        rounding: rounding(&data.text(43, 56)),
+    };
+    Ok(Dataset58 {
+        identification: std::array::from_fn(|i| header[i].text(0, 80)),
+        function_type: kind.small(0, 5)?,
+        function: kind.small(5, 15)?,
+        version: kind.small(15, 20)?,
+        load_case: kind.small(20, 30)?,
+        response: kind.node(31)?,
+        reference: kind.node(56)?,
+        z: data.number(56, 69)?,
+        abscissa_axis: header[7].axis()?,
+        ordinate_axis: header[8].axis()?,
+        denominator_axis: header[9].axis()?,
+        z_axis: header[10].axis()?,
+        ..Dataset58::real(vec![], step)
+    })
+}
+
+impl Layout {
+    /// Numbers of a value.
+    fn width(&self) -> usize {
+        usize::from(self.uneven) + if self.complex { 2 } else { 1 }
+    }
+
+    /// Numbers of the dataset.
+    fn announced(&self, line: usize) -> Result<usize, UffError> {
+        let too_many = UffError::CutOff { line, announced: self.n_values, found: 0 };
+        self.n_values.checked_mul(self.width()).ok_or(too_many)
+    }
+
+    /// Ordinates, and the abscissa where it stands value by value.
+    fn split(&self, numbers: &[f64]) -> (Ordinates, Option<Vec<f64>>) {
+        let values = || numbers.chunks_exact(self.width());
+        let from = usize::from(self.uneven);
+        let ordinates = if self.complex {
+            Ordinates::Complex(values().map(|value| Complex64::new(value[from], value[from + 1])).collect())
+        } else {
+            Ordinates::Real(values().map(|value| value[from]).collect())
+        };
+        (ordinates, self.uneven.then(|| values().map(|value| value[0]).collect()))
+    }
+}
+
+/// Reads binary numbers and the end mark behind them.
+fn binary(lines: &mut Lines<'_>, layout: &Layout, order: ByteOrder) -> Result<Vec<f64>, UffError> {
+    let line = lines.number;
+    let announced = layout.announced(line)?;
+    let size = layout.precision.size();
+    let rest = lines.rest();
+    let cut_off = UffError::CutOff { line, announced, found: rest.len() / size };
+    // The length follows from count and precision; the header's own field for it is wrong in many files.
+    let length = announced.checked_mul(size).filter(|length| *length <= rest.len()).ok_or(cut_off)?;
+    let numbers = &rest[..length];
+    lines.skip(length);
+    let mark = lines.next().map(|line| if line.is_empty() { lines.next().unwrap_or_default() } else { line });
+    match mark {
+        Some(mark) if is_mark(mark) => {}
+        Some(_) => return Err(UffError::NoEnd { line, bytes: length }),
+        None => return Err(UffError::CutOff { line, announced, found: announced }),
+    }
+    if bytes::is_swapped(numbers, layout.precision, order) {
+        return Err(UffError::ByteOrder { line, declared: order.name() });
+    }
+    Ok(bytes::decode(numbers, layout.precision, order))
+}

@@ -1,0 +1,50 @@
+//! A structure in phase resonance against a stop: contact stiffness, gap and modal figures from its record.
+
+mod support;
+
+use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, Stop, extract};
+use support::autoresonance::Rig;
+use support::{POSITIONS, modes};
+
+fn rig(force: f64, noise: f64) -> Rig {
+    Rig { modes: modes(), drive: 0, tip: 3, gap: 1e-3, stiffness: 4e5, force, sample_rate: 20_000.0, noise }
+}
+
+fn extracted(rig: &Rig) -> RecordExtraction {
+    let settings = ExtractionSettings {
+        linear_modes: Some(modes()),
+        stop: Some(Stop { position: POSITIONS[3], gap: 1e-3, positive: true }),
+        ..ExtractionSettings::default()
+    };
+    extract(&rig.record("rig", 4.0, 8000, 7), &settings).unwrap()
+}
+
+#[test]
+fn without_contact_the_modal_figures_are_those_of_the_linear_mode() {
+    let found = extracted(&rig(2.0, 1e-4));
+    let modal = found.modal.unwrap();
+    // The force follows the velocity of the mode itself, so its frequency is the undamped one.
+    assert!((found.omega.value / modes().omegas()[0] - 1.0).abs() < 1e-5, "{:?}", found.omega);
+    assert!((modal.damping.unwrap().value / 0.0019 - 1.0).abs() < 2e-3, "{:?}", modal.damping);
+    assert!(modal.participation.factors[1].abs() < 5e-3, "{:?}", modal.participation);
+    let contact = found.contact.unwrap();
+    assert!(contact.restitution.is_none() && contact.stiffness.is_none());
+    assert!(contact.peak_force.value == 0.0 && contact.closed_fraction == 0.0);
+}
+
+#[test]
+fn with_contact_stiffness_and_stop_are_recovered_under_noise() {
+    let found = extracted(&rig(6.0, 3e-4));
+    let contact = found.contact.unwrap();
+    let stiffness = contact.stiffness.unwrap();
+    assert!((stiffness.stiffness / 4e5 - 1.0).abs() < 0.01, "{stiffness:?}");
+    assert!((stiffness.stop - 1e-3).abs() < 1e-6, "{stiffness:?}");
+    assert!(stiffness.stiffness_error < 4e3 && stiffness.n_intervals >= 10, "{stiffness:?}");
+    assert!(found.omega.value > 1.002 * modes().omegas()[0], "the frequency rises: {:?}", found.omega);
+    assert!(contact.closed_fraction > 0.02 && contact.closed_fraction < 0.3, "{}", contact.closed_fraction);
+    assert!((contact.intervals_per_period - 1.0).abs() < 0.11, "{}", contact.intervals_per_period);
+    let excitation = found.excitation.unwrap();
+    assert!(excitation.pbmif.value < 0.99 && excitation.pbmif.value > 0.1, "{:?}", excitation.pbmif);
+    let restitution = contact.restitution.unwrap();
+    assert!(restitution.statistics().mean > 0.0 && restitution.statistics().n_impacts >= 10);
+}

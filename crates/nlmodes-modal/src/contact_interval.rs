@@ -1,0 +1,98 @@
+use crate::noise::noise_level;
+use crate::{ModalError, TimeHistory};
+
+/// The contact counts as closed where its force exceeds so many standard deviations of its noise …
+const NOISE_FACTOR: f64 = 6.0;
+/// … and this share of its peak.
+const PEAK_SHARE: f64 = 0.02;
+/// A force that drops below the threshold for fewer samples than this has not left the stop.
+const SHORTEST_GAP: usize = 3;
+
+/// A time span in which a contact is closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactInterval {
+    /// Instant of touching, s.
+    pub touching: f64,
+    /// Instant of leaving, s.
+    pub leaving: f64,
+    /// First sample within.
+    pub first: usize,
+    /// Last sample within.
+    pub last: usize,
+}
+
+/// Closed intervals of a time history that begin and end within it.
+///
+/// They come from the instants that the history brings, as a computed one does; where it brings none, from its force: closed is what
+/// exceeds six standard deviations of the noise and a fiftieth of the peak, and the instants are where the force, continued in a straight
+/// line, comes to zero.
+///
+/// # Errors
+/// [`ModalError::HistoryLength`], [`ModalError::NotFinite`], [`ModalError::NoContact`].
+pub fn contact_intervals(history: &TimeHistory) -> Result<Vec<ContactInterval>, ModalError> {
+    check(history)?;
+    let threshold = closed_force(&history.force);
+    let intervals = if history.instants.is_empty() { from_force(history, threshold) } else { from_instants(history) };
+    if intervals.is_empty() {
+        let peak = history.force.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        return Err(ModalError::NoContact { peak, threshold });
+    }
+    Ok(intervals)
+}
+
+/// Force above which a contact counts as closed, N.
+pub fn closed_force(force: &[f64]) -> f64 {
+    let peak = force.iter().copied().fold(0.0, f64::max);
+    (NOISE_FACTOR * noise_level(force)).max(PEAK_SHARE * peak)
+}
+
+fn check(history: &TimeHistory) -> Result<(), ModalError> {
+    let lengths = [&history.time, &history.displacement, &history.velocity, &history.force].map(Vec::len);
+    let needed = 8;
+    if lengths.iter().any(|n| *n != lengths[0]) || lengths[0] < needed {
+        let [time, displacement, velocity, force] = lengths;
+        return Err(ModalError::HistoryLength { needed, time, displacement, velocity, force });
+    }
+    let mut series = [&history.time, &history.displacement, &history.velocity, &history.force].into_iter().flatten();
+    if series.all(|x| x.is_finite()) { Ok(()) } else { Err(ModalError::NotFinite { what: "time history" }) }
+}
+
+fn from_instants(history: &TimeHistory) -> Vec<ContactInterval> {
+    let pairs = history.instants.windows(2).filter(|pair| pair[0].touching && !pair[1].touching);
+    let interval = |(touching, leaving): (f64, f64)| {
+        let first = history.time.partition_point(|t| *t < touching);
+        let last = history.time.partition_point(|t| *t <= leaving).checked_sub(1)?;
+        (first <= last).then_some(ContactInterval { touching, leaving, first, last })
+    };
+    pairs.filter_map(|pair| interval((pair[0].time, pair[1].time))).collect()
+}
+
+fn from_force(history: &TimeHistory, threshold: f64) -> Vec<ContactInterval> {
+    let n = history.force.len();
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (j, _) in history.force.iter().enumerate().filter(|(_, force)| **force > threshold && threshold >= 0.0) {
+        match runs.last_mut() {
+            Some((_, last)) if j - *last <= SHORTEST_GAP => *last = j,
+            _ => runs.push((j, j)),
+        }
+    }
+    let whole = runs.into_iter().filter(|(first, last)| *first > 0 && *last + 1 < n && last > first);
+    whole.map(|(first, last)| interval(history, first, last)).collect()
+}
+
+/// The instants lie between the last open sample and the first closed one, and so at the other end.
+fn interval(history: &TimeHistory, first: usize, last: usize) -> ContactInterval {
+    let touching = zero_before(history, first, first + 1).clamp(history.time[first - 1], history.time[first]);
+    let leaving = zero_before(history, last, last - 1).clamp(history.time[last], history.time[last + 1]);
+    ContactInterval { touching, leaving, first, last }
+}
+
+/// Where the line through the forces of two samples comes to zero; the instant of the outer one where they do not rise inward.
+fn zero_before(history: &TimeHistory, outer: usize, inner: usize) -> f64 {
+    let (time, force) = (&history.time, &history.force);
+    let rise = force[inner] - force[outer];
+    if rise <= 0.0 {
+        return time[outer] + 0.5 * (time[outer] - time[inner]);
+    }
+    time[outer] - force[outer] * (time[inner] - time[outer]) / rise
+}

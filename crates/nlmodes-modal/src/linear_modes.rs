@@ -1,0 +1,208 @@
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+use crate::{HarmonicCoefficients, ModalError};
+
+/// Singular values below this share of the largest count as zero: shapes that the positions cannot tell apart.
+const RANK_TOLERANCE: f64 = 1e-10;
+
+/// Mass-normalised linear modes at some coordinates, `Φ` of eq. (30), `Φᵀ M Φ = 1`.
+///
+/// A motion `q` at the coordinates has the modal coordinates `η = Φ⁺ q`, in the sense of least squares where there are more coordinates
+/// than modes; then `qᴴ M q = ηᴴ η`, which is how a motion that was measured at a few places is normalised by mass (eq. 22).
+///
+/// Shapes: `Φ` is coordinates × modes, unit 1/√kg; `η` has the unit m·√kg.
+///
+/// ```
+/// use nlmodes_modal::LinearModes;
+/// let modes = LinearModes::new(&[0.0, 1.0], &[1.0, 3.0], &[0.01, 0.01], &[vec![1.0, 1.0], vec![1.0, -1.0]])?;
+/// let eta = modes.project(&[3.0.into(), 1.0.into()]);
+/// assert!((eta[0].re - 2.0).abs() < 1e-14 && (eta[1].re - 1.0).abs() < 1e-14);
+/// # Ok::<(), nlmodes_modal::ModalError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearModes {
+    positions: Vec<f64>,
+    omegas: Vec<f64>,
+    damping_ratios: Vec<f64>,
+    shapes: DMatrix<f64>,
+    inverse: DMatrix<f64>,
+}
+
+impl LinearModes {
+    /// Modes at `positions` (m) with eigenfrequencies `omegas` (rad/s) and damping ratios; `shapes` has a row a position and an entry a
+    /// mode (1/√kg).
+    ///
+    /// # Errors
+    /// [`ModalError::ShapeTable`] if the table has rows of different lengths or another number of rows than positions, or more modes
+    /// than frequencies or damping ratios; [`ModalError::NotFinite`]; [`ModalError::DependentShapes`] if the positions cannot tell the
+    /// modes apart, as always with fewer positions than modes.
+    pub fn new(
+        positions: &[f64],
+        omegas: &[f64],
+        damping_ratios: &[f64],
+        shapes: &[Vec<f64>],
+    ) -> Result<Self, ModalError> {
+        let n_modes = shapes.first().map_or(0, Vec::len);
+        let table = ModalError::ShapeTable {
+            rows: shapes.len(),
+            columns: n_modes,
+            positions: positions.len(),
+            modes: omegas.len().min(damping_ratios.len()),
+        };
+        let even = shapes.iter().all(|row| row.len() == n_modes);
+        if !even || n_modes == 0 || shapes.len() != positions.len() || n_modes > omegas.len().min(damping_ratios.len())
+        {
+            return Err(table);
+        }
+        let numbers = positions.iter().chain(omegas).chain(damping_ratios).chain(shapes.iter().flatten());
+        if !numbers.into_iter().all(|x| x.is_finite()) {
+            return Err(ModalError::NotFinite { what: "linear modes" });
+        }
+        let shapes = DMatrix::from_fn(positions.len(), n_modes, |i, j| shapes[i][j]);
+        let inverse = pseudo_inverse(&shapes)?;
+        let (omegas, damping_ratios) = (omegas[..n_modes].to_vec(), damping_ratios[..n_modes].to_vec());
+        Ok(Self { positions: positions.to_vec(), omegas, damping_ratios, shapes, inverse })
+    }
+
+    /// Number of coordinates.
+    pub fn n_coordinates(&self) -> usize {
+        self.shapes.nrows()
+    }
+
+    /// Number of modes.
+    pub fn n_modes(&self) -> usize {
+        self.shapes.ncols()
+    }
+
+    /// Positions of the coordinates, m.
+    pub fn positions(&self) -> &[f64] {
+        &self.positions
+    }
+
+    /// Eigenfrequencies, rad/s.
+    pub fn omegas(&self) -> &[f64] {
+        &self.omegas
+    }
+
+    /// Damping ratios.
+    pub fn damping_ratios(&self) -> &[f64] {
+        &self.damping_ratios
+    }
+
+    /// Shape of mode `k` at coordinate `d`, 1/√kg.
+    pub fn shape(&self, d: usize, k: usize) -> f64 {
+        self.shapes[(d, k)]
+    }
+
+    /// The same modes at the coordinates `rows`, the first `n_modes` of them.
+    ///
+    /// # Errors
+    /// [`ModalError::DependentShapes`] if these coordinates cannot tell these modes apart.
+    ///
+    /// # Panics
+    /// If there is no such row or mode.
+    pub fn restricted(&self, rows: &[usize], n_modes: usize) -> Result<Self, ModalError> {
+        let shapes = DMatrix::from_fn(rows.len(), n_modes, |i, j| self.shapes[(rows[i], j)]);
+        Ok(Self {
+            positions: rows.iter().map(|i| self.positions[*i]).collect(),
+            omegas: self.omegas[..n_modes].to_vec(),
+            damping_ratios: self.damping_ratios[..n_modes].to_vec(),
+            inverse: pseudo_inverse(&shapes)?,
+            shapes,
+        })
+    }
+
+    /// Modal coordinates `η = Φ⁺ q` of one motion `q`, m·√kg.
+    ///
+    /// # Panics
+    /// If `motion` has another number of entries than there are coordinates.
+    pub fn project(&self, motion: &[Complex64]) -> Vec<Complex64> {
+        assert_eq!(motion.len(), self.n_coordinates());
+        let row = |k: usize| motion.iter().enumerate().map(move |(d, q)| q * self.inverse[(k, d)]);
+        (0..self.n_modes()).map(|k| row(k).sum()).collect()
+    }
+
+    /// Motion `Φ η` of modal coordinates at the coordinates.
+    ///
+    /// # Panics
+    /// If `modal` has another number of entries than there are modes.
+    pub fn expand(&self, modal: &[Complex64]) -> Vec<Complex64> {
+        assert_eq!(modal.len(), self.n_modes());
+        let row = |d: usize| modal.iter().enumerate().map(move |(k, eta)| eta * self.shapes[(d, k)]);
+        (0..self.n_coordinates()).map(|d| row(d).sum()).collect()
+    }
+
+    /// Modal coordinates of every harmonic: modes × (H + 1).
+    ///
+    /// # Panics
+    /// If the motion has another number of coordinates.
+    pub fn modal_coordinates(&self, motion: &HarmonicCoefficients) -> HarmonicCoefficients {
+        let mut modal = HarmonicCoefficients::zeros(self.n_modes(), motion.n_harmonics());
+        for n in 0..=motion.n_harmonics() {
+            let q: Vec<Complex64> = (0..motion.n_coordinates()).map(|d| motion.of(d)[n]).collect();
+            self.project(&q).into_iter().enumerate().for_each(|(k, eta)| modal.of_mut(k)[n] = eta);
+        }
+        modal
+    }
+
+    /// `qᴴ M q = ‖Φ⁺ q‖²` of one motion, kg·m².
+    ///
+    /// # Panics
+    /// As [`Self::project`].
+    pub fn mass_norm_squared(&self, motion: &[Complex64]) -> f64 {
+        self.project(motion).iter().map(Complex64::norm_sqr).sum()
+    }
+}
+
+fn pseudo_inverse(shapes: &DMatrix<f64>) -> Result<DMatrix<f64>, ModalError> {
+    let (coordinates, modes) = shapes.shape();
+    let dependent = |ratio| ModalError::DependentShapes { coordinates, modes, ratio };
+    if coordinates < modes {
+        return Err(dependent(0.0));
+    }
+    // The iteration limit is far above what finite matrices need, and keeps the rest from hanging.
+    let svd = shapes.clone().try_svd(true, true, f64::EPSILON, 1000).ok_or_else(|| dependent(0.0))?;
+    let (largest, smallest) = (svd.singular_values.max(), svd.singular_values.min());
+    if smallest.is_nan() || smallest <= RANK_TOLERANCE * largest {
+        return Err(dependent(if largest > 0.0 { smallest / largest } else { 0.0 }));
+    }
+    svd.pseudo_inverse(0.0).map_err(|_| dependent(smallest / largest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mass_norm_is_that_of_the_mass_matrix() {
+        // M = diag(2, 0.5), Φ = M^{-1/2} times a rotation.
+        let (c, s) = (0.3_f64.cos(), 0.3_f64.sin());
+        let m = [2.0_f64, 0.5];
+        let shapes = [vec![c / m[0].sqrt(), -s / m[0].sqrt()], vec![s / m[1].sqrt(), c / m[1].sqrt()]];
+        let modes = LinearModes::new(&[0.1, 0.2], &[10.0, 20.0, 30.0], &[0.0, 0.0, 0.0], &shapes).unwrap();
+        let q = [Complex64::new(0.3, -1.0), Complex64::new(2.0, 0.4)];
+        let direct: f64 = q.iter().zip(m).map(|(q, m)| m * q.norm_sqr()).sum();
+        assert!((modes.mass_norm_squared(&q) - direct).abs() < 1e-13 * direct);
+        let back = modes.expand(&modes.project(&q));
+        assert!(back.iter().zip(q).all(|(a, b)| (a - b).norm() < 1e-14));
+    }
+
+    #[test]
+    fn more_positions_than_modes_are_a_least_squares_fit() {
+        let shapes = [vec![1.0], vec![2.0], vec![2.0]];
+        let modes = LinearModes::new(&[0.0, 1.0, 2.0], &[1.0], &[0.0], &shapes).unwrap();
+        let eta = modes.project(&[1.0.into(), 2.0.into(), 2.9.into()]);
+        assert!((eta[0].re - (1.0 + 4.0 + 5.8) / 9.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_is_refused() {
+        let shapes = |b: f64| [vec![1.0, 2.0], vec![2.0, b]];
+        assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(4.0)).is_err());
+        assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(f64::NAN)).is_err());
+        assert!(LinearModes::new(&[0.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(5.0)[..1]).is_err());
+        assert!(LinearModes::new(&[0.0, 1.0], &[1.0], &[0.0], &shapes(5.0)).is_err());
+        assert!(LinearModes::new(&[], &[], &[], &[]).is_err());
+    }
+}

@@ -1,0 +1,200 @@
+use crate::{ContactInterval, ModalError, TimeHistory, contact_intervals};
+
+/// Samples from which the velocity at an instant of touching or leaving is taken.
+const VELOCITY_SAMPLES: usize = 4;
+
+/// One impact: velocities normal to the stop before and after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact {
+    /// When the contact was closed.
+    pub interval: ContactInterval,
+    /// Speed toward the stop at the instant of touching, m/s, positive.
+    pub approach: f64,
+    /// Speed away from the stop at the instant of leaving, m/s.
+    pub departure: f64,
+}
+
+impl Impact {
+    /// Coefficient of restitution `e_N = −γ⁺/γ⁻`, eq. (29), with `γ⁻` before and `γ⁺` after the impact.
+    pub fn restitution(&self) -> f64 {
+        self.departure / self.approach
+    }
+}
+
+/// Coefficients of restitution of several impacts over their approach speed (Fig. 7 a).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Restitution {
+    /// The impacts in the order of time.
+    pub impacts: Vec<Impact>,
+}
+
+/// Mean and spread of the impacts in a range of approach speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestitutionStatistics {
+    /// Mean approach speed, m/s.
+    pub approach: f64,
+    /// Mean coefficient of restitution.
+    pub mean: f64,
+    /// Standard deviation of one impact; NaN with a single one.
+    pub std: f64,
+    /// Number of impacts.
+    pub n_impacts: usize,
+}
+
+impl Restitution {
+    /// The impacts of a time history, measured or computed. The stop stands on the side that the sign of [`TimeHistory::stop`] tells, the
+    /// positive one where it is zero.
+    ///
+    /// The velocity at an instant is that of a straight line through the four samples outside the contact next to it: a velocity that
+    /// changes within one sample is not smeared, and noise is halved. Impacts that do not approach are left out.
+    ///
+    /// # Errors
+    /// As [`contact_intervals`]; [`ModalError::NoContact`] also if there is no impact that approaches.
+    pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
+        let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
+        let intervals = contact_intervals(history)?;
+        let impact = |(i, interval): (usize, &ContactInterval)| {
+            let from = i.checked_sub(1).map_or(0, |before| intervals[before].last + 1);
+            let to = intervals.get(i + 1).map_or(history.time.len(), |after| after.first);
+            let before = from.max(interval.first.saturating_sub(VELOCITY_SAMPLES))..interval.first;
+            let after = interval.last + 1..to.min(interval.last + 1 + VELOCITY_SAMPLES);
+            let approach = side * line_at(history, before, interval.touching)?;
+            let departure = -side * line_at(history, after, interval.leaving)?;
+            (approach > 0.0).then_some(Impact { interval: *interval, approach, departure })
+        };
+        let impacts: Vec<Impact> = intervals.iter().enumerate().filter_map(impact).collect();
+        if impacts.is_empty() {
+            let peak = history.force.iter().copied().fold(0.0, f64::max);
+            return Err(ModalError::NoContact {
+                peak,
+                threshold: crate::contact_interval::closed_force(&history.force),
+            });
+        }
+        Ok(Self { impacts })
+    }
+
+    /// Mean and spread of all impacts.
+    pub fn statistics(&self) -> RestitutionStatistics {
+        statistics(&self.impacts)
+    }
+
+    /// Mean and spread in `n_bins` equal ranges of the approach speed; ranges without an impact are left out.
+    pub fn over_speed(&self, n_bins: usize) -> Vec<RestitutionStatistics> {
+        let speeds = self.impacts.iter().map(|impact| impact.approach);
+        let low = speeds.clone().fold(f64::INFINITY, f64::min);
+        let width = (speeds.fold(0.0, f64::max) - low) / n_bins.max(1) as f64;
+        let bin = |impact: &Impact| ((impact.approach - low) / width).min(n_bins as f64 - 0.5) as usize;
+        let members = |k: usize| self.impacts.iter().filter(move |i| bin(i) == k).copied().collect::<Vec<_>>();
+        (0..n_bins).map(members).filter(|members| !members.is_empty()).map(|members| statistics(&members)).collect()
+    }
+}
+
+/// Value at `time` of the straight line that fits the velocities of the samples best; `None` without samples.
+fn line_at(history: &TimeHistory, samples: std::ops::Range<usize>, time: f64) -> Option<f64> {
+    let (t, v) = (&history.time[samples.clone()], &history.velocity[samples]);
+    let n = t.len() as f64;
+    if t.is_empty() {
+        return None;
+    }
+    let (mean_t, mean_v) = (t.iter().sum::<f64>() / n, v.iter().sum::<f64>() / n);
+    let square: f64 = t.iter().map(|t| (t - mean_t).powi(2)).sum();
+    let product: f64 = t.iter().zip(v).map(|(t, v)| (t - mean_t) * (v - mean_v)).sum();
+    let slope = if square > 0.0 { product / square } else { 0.0 };
+    Some(mean_v + slope * (time - mean_t))
+}
+
+fn statistics(impacts: &[Impact]) -> RestitutionStatistics {
+    let n = impacts.len() as f64;
+    let mean = impacts.iter().map(Impact::restitution).sum::<f64>() / n;
+    let squares: f64 = impacts.iter().map(|impact| (impact.restitution() - mean).powi(2)).sum();
+    RestitutionStatistics {
+        approach: impacts.iter().map(|impact| impact.approach).sum::<f64>() / n,
+        mean,
+        std: if impacts.len() > 1 { (squares / (n - 1.0)).sqrt() } else { f64::NAN },
+        n_impacts: impacts.len(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::tests::Normal;
+
+    /// A ball on a floor below it: parabolas between impacts of a short half-sine force, each losing speed by the factor `e`.
+    fn bouncing(e: f64, noise: f64, side: f64) -> TimeHistory {
+        let (g, mut v0, contact, dt) = (9.81, 2.0, 4e-3, 1e-4);
+        let mut normal = Normal::new(3);
+        let (mut time, mut x, mut v, mut f) = (vec![], vec![], vec![], vec![]);
+        let mut start = 0.0137e-1;
+        for _ in 0..12 {
+            // Flight upward from the stop at x = 0, then contact.
+            let flight = 2.0 * v0 / g;
+            while (time.len() as f64) * dt < start + flight + contact {
+                let s = time.len() as f64 * dt - start;
+                let (height, speed, force) = if s < flight {
+                    (v0 * s - 0.5 * g * s * s, v0 - g * s, 0.0)
+                } else {
+                    let phase = (s - flight) / contact;
+                    let speed = -v0 + (1.0 + e) * v0 * 0.5 * (1.0 - (std::f64::consts::PI * phase).cos());
+                    (0.0, speed, 50.0 * (std::f64::consts::PI * phase).sin())
+                };
+                time.push(time.len() as f64 * dt);
+                x.push(-side * height);
+                v.push(-side * speed + noise * normal.draw());
+                f.push(force + 0.1 * normal.draw());
+            }
+            start += flight + contact;
+            v0 *= e;
+        }
+        // The record ends in the midst of the last contact.
+        let n = time.len() - 20;
+        [&mut time, &mut x, &mut v, &mut f].into_iter().for_each(|series| series.truncate(n));
+        let acceleration = vec![0.0; n];
+        TimeHistory {
+            label: String::new(),
+            time,
+            displacement: x,
+            velocity: v,
+            acceleration,
+            force: f,
+            stop: side * 1e-12,
+            instants: vec![],
+        }
+    }
+
+    #[test]
+    fn a_bouncing_ball_has_its_coefficient_of_restitution() {
+        for side in [1.0, -1.0] {
+            let found = Restitution::of(&bouncing(0.8, 0.0, side)).unwrap();
+            assert_eq!(found.impacts.len(), 11);
+            for (k, impact) in found.impacts.iter().enumerate() {
+                assert!((impact.approach - 2.0 * 0.8f64.powi(k as i32)).abs() < 2e-3, "{k}: {impact:?}");
+                assert!((impact.restitution() - 0.8).abs() < 2e-3, "{k}: {impact:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn with_noise_it_is_found_within_the_spread_that_noise_gives() {
+        let noise = 2e-3;
+        let found = Restitution::of(&bouncing(0.9, noise, 1.0)).unwrap();
+        let statistics = found.statistics();
+        assert_eq!(statistics.n_impacts, 11);
+        // A line through four samples continued by half a step has 1.05 times the noise of one; the slowest approach is 0.7 m/s.
+        let expected = noise / 0.7 * 2.0;
+        assert!((statistics.mean - 0.9).abs() < expected, "{statistics:?}");
+        assert!(statistics.std < expected && statistics.std > 0.1 * noise, "{statistics:?}");
+        let bins = found.over_speed(3);
+        assert_eq!(bins.iter().map(|bin| bin.n_impacts).sum::<usize>(), 11);
+        assert!(bins.windows(2).all(|pair| pair[0].approach < pair[1].approach));
+    }
+
+    #[test]
+    fn without_contact_there_is_none() {
+        let mut history = bouncing(0.8, 0.0, 1.0);
+        history.force.fill(0.0);
+        assert_eq!(Restitution::of(&history).unwrap_err(), ModalError::NoContact { peak: 0.0, threshold: 0.0 });
+        history.velocity.pop();
+        assert!(matches!(Restitution::of(&history), Err(ModalError::HistoryLength { .. })));
+    }
+}
