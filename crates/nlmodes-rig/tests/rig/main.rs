@@ -2,6 +2,7 @@
 
 mod analysis;
 mod beam;
+mod extracted;
 mod integration;
 mod phase_resonance;
 mod schedule;
