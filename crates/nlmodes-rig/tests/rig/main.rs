@@ -3,6 +3,7 @@
 mod analysis;
 mod beam;
 mod extracted;
+mod forced_response;
 mod integration;
 mod phase_resonance;
 mod schedule;
