@@ -6,38 +6,19 @@ use std::ops::ControlFlow;
 use criterion::{Criterion, criterion_group, criterion_main};
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Linearization, ParametricSystem};
-use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::fem::MassMatrix;
 use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
-use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{BranchSettings, compute_branch};
 
 /// The rod of Section 3, with `elements` elements.
 fn rod(elements: usize) -> MasslessContactModel {
-    let rod = Rod {
-        material: Material::new(210e9, 9000.0).expect("steel-like"),
-        area: 1.0,
-        mesh: Mesh::uniform(20.0, elements).expect("a mesh"),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
-    MasslessContactModel::new(&rod.assemble(&[stop]).expect("a rod"), &Drop).expect("massless tip")
+    nlmodes_benchmarks::rod(elements, MassMatrix::Consistent).expect("the rod of the paper")
 }
 
 /// The beam of Section 4.
 fn beam() -> MasslessContactModel {
-    let length = 0.629_755_20;
-    let beam = Beam {
-        material: Material::new(181.36e9, 7730.0).expect("steel"),
-        section: Section::rectangle(0.012, 0.020).expect("a rectangle"),
-        mesh: Mesh::graded(length, 21, 9.195_853_6).expect("a mesh"),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop::rigid(length, Direction::Transverse, Side::Positive, 1.03e-3);
-    MasslessContactModel::new(&beam.assemble(&[stop]).expect("a beam"), &Drop).expect("massless tip")
+    nlmodes_benchmarks::beam().expect("the beam of the paper")
 }
 
 /// Residual with Jacobian at a motion with contact, for several numbers of harmonics.

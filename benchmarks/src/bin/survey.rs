@@ -7,11 +7,10 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
-use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::fem::MassMatrix;
+use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, ResonanceRule, compute_branch};
-
-type Failure = Box<dyn std::error::Error>;
+use nlmodes_benchmarks::{Failure, beam, rod};
 
 fn main() -> Result<(), Failure> {
     let wanted = std::env::args().nth(1);
@@ -68,33 +67,6 @@ fn main() -> Result<(), Failure> {
 fn rod_settings(harmonics: usize, start: BranchStart) -> BranchSettings {
     let frequency_hz = if start == BranchStart::Grazing { None } else { Some([60.9, 70.0]) };
     BranchSettings { harmonics, start, frequency_hz, max_energy_ratio: Some(15.0), ..BranchSettings::default() }
-}
-
-fn rod(elements: usize, mass_matrix: MassMatrix) -> Result<MasslessContactModel, Failure> {
-    let rod = Rod {
-        material: Material::new(210e9, 9000.0)?,
-        area: 1.0,
-        mesh: Mesh::uniform(20.0, elements)?,
-        mass_matrix,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
-    Ok(MasslessContactModel::new(&rod.assemble(&[stop])?, &Drop)?)
-}
-
-fn beam() -> Result<MasslessContactModel, Failure> {
-    let length = 0.629_755_20;
-    let beam = Beam {
-        material: Material::new(181.36e9, 7730.0)?.with_poissons_ratio(0.3)?,
-        section: Section::rectangle(0.012, 0.020)?.with_shear_factor(5.0 / 6.0)?,
-        mesh: Mesh::graded(length, 21, 9.195_853_6)?,
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop::rigid(length, Direction::Transverse, Side::Positive, 1.03e-3);
-    Ok(MasslessContactModel::new(&beam.assemble(&[stop])?, &Drop)?)
 }
 
 const COLUMNS: [&str; 7] = ["points", "refused", "events", "tongues", "end", "largest residual", "ms"];

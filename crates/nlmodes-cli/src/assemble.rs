@@ -1,7 +1,9 @@
 //! From a checked scene to the structural model.
 
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
-use nlmodes::model::{Drop, MassRedistribution, MasslessContactModel, ModelError, Move, Side, StructuralModel};
+use nlmodes::model::{
+    Conserve, Drop, MassRedistribution, MasslessContactModel, ModelError, Move, Side, StructuralModel,
+};
 
 use crate::config::scene::{self, MassRule, MethodKind, Scene};
 
@@ -42,6 +44,7 @@ pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> 
     match scene.method.mass_redistribution {
         MassRule::Drop => Some(&Drop),
         MassRule::Move => Some(&Move),
+        MassRule::Conserve => Some(&Conserve),
         MassRule::None => None,
     }
 }

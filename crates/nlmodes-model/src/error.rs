@@ -88,9 +88,9 @@ pub enum ModelError {
         /// The entry.
         value: f64,
     },
-    /// There are not two places that can take the mass of a contact.
+    /// There are not enough places that can take the mass of a contact.
     #[error(
-        "the mass of the {kind} contact at {position} m cannot be moved: two free, massive neighbours of the same kind are needed, {found} found",
+        "the mass of the {kind} contact at {position} m cannot be moved: its {found} free, massive neighbours are too few or too light",
         kind = .kind.name()
     )]
     TooFewNeighbours {

@@ -41,6 +41,7 @@
 //! Khenous, P. Laborde, Y. Renard, *Mass redistribution method for finite element contact problems in elastodynamics*,
 //! European Journal of Mechanics A/Solids 27 (2008) 918-932.
 
+mod conserve;
 mod error;
 mod linear_modes;
 mod massless;
@@ -50,6 +51,7 @@ mod structure;
 #[cfg(test)]
 mod test_chain;
 
+pub use conserve::Conserve;
 pub use error::ModelError;
 pub use linear_modes::{LinearModes, held_modes, linear_modes};
 pub use massless::{ContactCoordinates, MasslessContactModel};

@@ -37,7 +37,8 @@ pub struct Drop;
 /// which is smaller than its own for usual meshes; where it is not, an error says so.
 ///
 /// Kept exactly, apart from rounding: for each kind of displacement that a contact has, total mass and first moment, and so
-/// the centre of mass. Not kept: moment of inertia and, with it, the frequencies of rigid rotation.
+/// the centre of mass. Not kept: moment of inertia and, with it, the frequencies of rigid rotation; [`Conserve`](crate::Conserve)
+/// keeps that too.
 ///
 /// [`MassProperties`]: crate::MassProperties
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -79,12 +80,12 @@ impl MassRedistribution for Move {
 }
 
 /// Entries of `mass` that are in no row and no column of `gone` (ascending).
-fn without(mass: &SparseMatrix, gone: &[usize]) -> Vec<Triplet> {
+pub(crate) fn without(mass: &SparseMatrix, gone: &[usize]) -> Vec<Triplet> {
     let stays = |i: usize| gone.binary_search(&i).is_err();
     triplets(mass).filter(|&(i, j, _)| stays(i) && stays(j)).collect()
 }
 
-fn from_entries(n: usize, entries: &[Triplet]) -> Result<SparseMatrix, ModelError> {
+pub(crate) fn from_entries(n: usize, entries: &[Triplet]) -> Result<SparseMatrix, ModelError> {
     sparse_from_triplets(n, n, entries).map_err(ModelError::during("redistributed mass matrix"))
 }
 
@@ -133,7 +134,7 @@ fn neighbours(dofs: &[Dof], dof: usize, massive: &[usize]) -> Result<[usize; 2],
     }
 }
 
-fn check_definite(mass: &SparseMatrix, massive: &[usize], dofs: &[Dof]) -> Result<(), ModelError> {
+pub(crate) fn check_definite(mass: &SparseMatrix, massive: &[usize], dofs: &[Dof]) -> Result<(), ModelError> {
     let block = select(mass, massive, massive).map_err(ModelError::during("redistributed mass matrix"))?;
     match SparseCholesky::factor(&block, "redistributed mass matrix") {
         Ok(_) => Ok(()),

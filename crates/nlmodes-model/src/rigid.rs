@@ -67,7 +67,7 @@ fn rotation_about(about: f64, stiffness: &SparseMatrix, dofs: &[Dof], held: &[us
 }
 
 /// Displacements of the unit translation that `kind` measures.
-fn translation(dofs: &[Dof], kind: DofKind) -> Vec<f64> {
+pub(crate) fn translation(dofs: &[Dof], kind: DofKind) -> Vec<f64> {
     dofs.iter().map(|d| f64::from(u8::from(d.kind == kind))).collect()
 }
 
@@ -96,9 +96,9 @@ fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
     r.iter().any(|v| *v != 0.0) && force.iter().zip(&scale).all(|(f, s)| f.abs() <= 1e-12 * s)
 }
 
-/// Mass and its first moment in a rigid translation, of the free degrees of freedom.
+/// Mass and its moments in rigid motions, of the free degrees of freedom.
 ///
-/// `m = rᵀ M r` and `s = rᵀ M ρ`, where `r` translates the structure in the direction of the kind and `ρ` displaces each point by
+/// `m = rᵀ M r`, `s = rᵀ M ρ` and `J = ρᵀ M ρ`, where `r` translates the structure in the direction of the kind and `ρ` displaces each point by
 /// its position `x`: a rotation about `x = 0` for deflections (with the rotations of the cross sections), a stretch for axial
 /// displacements. Mass at supported degrees of freedom is not in `M` and so not counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,6 +107,8 @@ pub struct MassProperties {
     pub total: f64,
     /// First moment `s`, kg·m.
     pub first_moment: f64,
+    /// Moment of inertia `J = ρᵀ M ρ` about `x = 0`, kg·m².
+    pub moment_of_inertia: f64,
 }
 
 impl MassProperties {
@@ -116,7 +118,11 @@ impl MassProperties {
     /// If the size of `mass` is not the number of degrees of freedom.
     pub fn of(mass: &SparseMatrix, dofs: &[Dof], kind: DofKind) -> Self {
         let (r, rho) = (translation(dofs, kind), positions(dofs, kind));
-        Self { total: bilinear(&r, mass, &r), first_moment: bilinear(&r, mass, &rho) }
+        Self {
+            total: bilinear(&r, mass, &r),
+            first_moment: bilinear(&r, mass, &rho),
+            moment_of_inertia: bilinear(&rho, mass, &rho),
+        }
     }
 
     /// Centre of mass `s/m`, m.

@@ -1,7 +1,7 @@
 //! Mass redistribution on assembled structures.
 
 use nlmodes_fem::{Beam, Direction, MassMatrix, Mesh, Rod, Support};
-use nlmodes_model::{DofKind, Drop, MassProperties, MasslessContactModel, ModelError, Move, StructuralModel};
+use nlmodes_model::{Conserve, DofKind, Drop, MassProperties, MasslessContactModel, ModelError, Move, StructuralModel};
 
 use crate::common::{assert_close, cantilever, frequencies, rod, stop};
 
@@ -11,6 +11,11 @@ fn assert_kept(model: &StructuralModel, kind: DofKind) {
     let after = MassProperties::of(moved.mass(), moved.dofs(), kind);
     assert_close(after.total, before.total, 1e-14);
     assert_close(after.centre(), before.centre(), 1e-14);
+    let conserved = MasslessContactModel::new(model, &Conserve).unwrap();
+    let after = MassProperties::of(conserved.mass(), conserved.dofs(), kind);
+    assert_close(after.total, before.total, 1e-14);
+    assert_close(after.centre(), before.centre(), 1e-14);
+    assert_close(after.moment_of_inertia, before.moment_of_inertia, 1e-14);
 }
 
 #[test]
@@ -25,6 +30,15 @@ fn mass_properties_are_those_of_the_body() {
             let body = MassProperties::of(free.mass(), free.dofs(), kind);
             assert_close(body.total, 7730.0 * 0.012 * 0.020 * 0.62975520, 1e-13);
             assert_close(body.centre(), 0.62975520 / 2.0, 1e-13);
+            let rotary = if kind == DofKind::Deflection && mass_matrix == MassMatrix::Consistent {
+                0.020_f64.powi(2) / 12.0
+            } else {
+                0.0
+            };
+            let slender = body.total * (0.62975520_f64.powi(2) / 3.0 + rotary);
+            // Half of an element's mass at its nodes has a larger moment of inertia, by m l²/6 an element.
+            let tolerance = if mass_matrix == MassMatrix::Consistent { 1e-13 } else { 3e-2 };
+            assert_close(body.moment_of_inertia, slender, tolerance);
         }
     }
 }
@@ -77,5 +91,27 @@ fn moving_changes_the_first_frequency_less_than_dropping() {
         let moved = change(MasslessContactModel::new(&model, &Move).unwrap());
         let dropped = change(MasslessContactModel::new(&model, &Drop).unwrap());
         assert!(moved < 0.01 * dropped, "moved {moved:e}, dropped {dropped:e}");
+        let conserved = change(MasslessContactModel::new(&model, &Conserve).unwrap());
+        assert!(conserved < 0.6 * moved, "moved {moved:e}, conserved {conserved:e}");
     }
+}
+
+#[test]
+fn conserving_takes_more_nodes_where_the_mesh_coarsens_towards_the_contact() {
+    let rod = Rod { mesh: Mesh::graded(20.0, 20, 0.1).unwrap(), ..rod(1, MassMatrix::Consistent) };
+    let model = rod.assemble(&[stop(20.0, Direction::Axial)]).unwrap();
+    let conserved = MasslessContactModel::new(&model, &Conserve).unwrap();
+    let (before, after) =
+        [model.mass(), conserved.mass()].map(|m| MassProperties::of(m, model.dofs(), DofKind::Axial)).into();
+    assert_close(after.moment_of_inertia, before.moment_of_inertia, 1e-14);
+    // No inertia loses more than 70 % of itself.
+    let d = model.dofs().len();
+    assert!((0..d - 1).all(|i| conserved.mass()[(i, i)] >= 0.3 * model.mass()[(i, i)]));
+}
+
+#[test]
+fn a_rod_too_short_to_conserve_its_inertia_says_so() {
+    let model = rod(3, MassMatrix::Consistent).assemble(&[stop(20.0, Direction::Axial)]).unwrap();
+    let error = MasslessContactModel::new(&model, &Conserve).unwrap_err();
+    assert!(matches!(error, ModelError::TooFewNeighbours { found: 2, .. }), "{error}");
 }

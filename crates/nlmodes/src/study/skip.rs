@@ -37,9 +37,10 @@ pub(super) fn follow(
     let upward = heading(tracer, &seed)?;
     let mut all = Found::default();
     let mut first = First::Named(start_event);
+    // Where the stretch since the last tongue begins.
+    let mut stretch = 0;
     loop {
-        let before = all.points.len();
-        let (mut count, limit, mut resonance) = (before, tracer.settings.max_points, None);
+        let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
         let (mut segment, stop) = tracer.trace(&seed, None, first, |point| {
             resonance = point.resonance;
             if resonance.is_some() {
@@ -56,7 +57,7 @@ pub(super) fn follow(
         };
         segment.truncate(segment.points.len() - 1);
         all.append(segment);
-        let Some(foot) = foot(&all.points[before..], resonance, upward).map(|i| before + i) else {
+        let Some(foot) = foot(&all.points[stretch..], resonance, upward).map(|i| stretch + i) else {
             return Ok((all, lost(resonance, "it begins on the tongue")));
         };
         all.truncate(foot + 1);
@@ -76,6 +77,7 @@ pub(super) fn follow(
                         return Ok((all, end));
                     }
                 }
+                stretch = all.points.len();
                 all.append(points);
                 seed = next;
                 first = First::Known;

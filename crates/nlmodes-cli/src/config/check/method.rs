@@ -43,7 +43,7 @@ fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
         let path = "method.mass_redistribution";
         let problem = Problem::error(format!("`{path}` cannot be \"none\" with method \"ms-hbm\""));
         let problem = problem.help("ms-hbm rests on contact nodes without mass; \"none\" is for method.kind = \"hbm\"");
-        findings.put(path, problem, "expected \"drop\" or \"move\"");
+        findings.put(path, problem, "expected \"drop\", \"move\" or \"conserve\"");
     }
     rule
 }

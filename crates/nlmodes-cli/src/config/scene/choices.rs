@@ -83,6 +83,8 @@ choices! {
         Drop = "drop",
         /// It goes to the neighbours; total mass and centre of mass stay
         Move = "move",
+        /// It goes to the neighbours; total mass, centre of mass and moment of inertia stay
+        Conserve = "conserve",
         /// It stays where it is, for hbm
         None = "none",
     }
