@@ -5,11 +5,13 @@ mod convergence;
 mod events;
 mod history;
 mod motion;
+mod participation;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
 pub use motion::MotionFigure;
+pub use participation::ParticipationFigure;
 
 use crate::ReportError;
 use crate::output::replace_file;

@@ -77,5 +77,5 @@ mod table;
 mod unit;
 
 pub use error::ReportError;
-pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MotionFigure};
-pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_summary};
+pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MotionFigure, ParticipationFigure};
+pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};
