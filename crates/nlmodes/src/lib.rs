@@ -19,6 +19,7 @@
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
 //! | [`modal`] | harmonic motions and modal quantities |
 //! | [`report`] | tables and figures |
+//! | [`rig`] | a virtual rig: structure, stop, shaker, sensors, schedule |
 //!
 //! # The rod of Section 3
 //!
@@ -50,12 +51,15 @@
 
 pub mod study;
 pub mod updating;
+pub mod virtual_test;
 
 pub use nlmodes_contact as contact;
 pub use nlmodes_continuation as continuation;
+pub use nlmodes_experiment as experiment;
 pub use nlmodes_fem as fem;
 pub use nlmodes_hbm as hbm;
 pub use nlmodes_linalg as linalg;
 pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
+pub use nlmodes_rig as rig;
