@@ -4,11 +4,13 @@ mod branch;
 mod convergence;
 mod events;
 mod history;
+mod measured;
 mod motion;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
+pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
 
 use crate::ReportError;

@@ -18,6 +18,7 @@
 //! | [`hbm`] | mixed shooting-harmonic balance |
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
 //! | [`modal`] | harmonic motions and modal quantities |
+//! | [`experiment`] | measured records to modal points |
 //! | [`report`] | tables and figures |
 //!
 //! # The rod of Section 3
@@ -52,6 +53,7 @@ pub mod study;
 
 pub use nlmodes_contact as contact;
 pub use nlmodes_continuation as continuation;
+pub use nlmodes_experiment as experiment;
 pub use nlmodes_fem as fem;
 pub use nlmodes_hbm as hbm;
 pub use nlmodes_linalg as linalg;

@@ -7,10 +7,12 @@
 
 mod continuation;
 mod method;
+mod records;
 mod structure;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
+pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use structure::{RawMaterial, RawSection, RawStructure};
 
 use schemars::JsonSchema;
