@@ -108,7 +108,10 @@ fn a_reversed_force_is_said_with_its_number() -> Outcome {
     let (status, said, rows) = extract(&scene, out.path(), &["--set", "channel.0.sign=-1"])?;
     assert_eq!(status, 0);
     assert!(rows.iter().all(|row| row["findings"] == "reversed-force" && number(row, "pbmif") < 0.0));
-    assert!(said.contains("reversed-force: the force takes power out (mode indicator -0.7795 from 92 harmonics)"), "{said}");
+    assert!(
+        said.contains("reversed-force: the force takes power out (mode indicator -0.7795 from 92 harmonics)"),
+        "{said}"
+    );
     Ok(())
 }
 

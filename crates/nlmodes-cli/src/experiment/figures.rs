@@ -60,11 +60,12 @@ fn damping(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -
             Some((modal.amplitude.value, pair(modal.damping?), pair(excitation.pbmif), excitation.power.harmonics))
         })
         .collect();
-    let Some((.., harmonics)) = usable.first() else { return Ok(()) };
-    let label = if usable.iter().all(|(.., n)| n == harmonics) {
-        format!("mode indicator ({harmonics} harmonics)")
+    let harmonics = usable.iter().map(|(.., harmonics)| *harmonics);
+    let (Some(least), Some(most)) = (harmonics.clone().min(), harmonics.max()) else { return Ok(()) };
+    let label = if least == most {
+        format!("mode indicator ({most} harmonics)")
     } else {
-        "mode indicator (harmonics: see table)".into()
+        format!("mode indicator ({least} to {most} harmonics)")
     };
     let amplitudes: Vec<f64> = usable.iter().map(|(amplitude, ..)| *amplitude).collect();
     let damping: Vec<(f64, f64)> = usable.iter().map(|(_, damping, ..)| *damping).collect();
