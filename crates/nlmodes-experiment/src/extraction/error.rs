@@ -52,9 +52,7 @@ impl ExtractionError {
     /// Short names of what was found, the one that stands in the way first, separated by spaces.
     pub fn names(&self) -> String {
         match self {
-            Self::Refused { finding, others } => {
-                std::iter::once(finding).chain(others).map(Finding::name).collect::<Vec<_>>().join(" ")
-            }
+            Self::Refused { finding, others } => Finding::names(std::iter::once(finding).chain(others)),
             Self::NoFrequency { .. } => "no-frequency".into(),
             Self::Harmonics { .. } => "harmonics-not-told-apart".into(),
             Self::Setting { .. } => "setting".into(),
