@@ -1,6 +1,7 @@
 //! `nlmodes-cli experiment extract`: measured records into modal points.
 
 mod figures;
+mod modes;
 mod summary;
 mod table;
 
@@ -27,7 +28,8 @@ pub struct Outcome {
 ///
 /// A file that cannot be read ends it before anything is written. A record that gives no point has a row with the reason.
 pub fn extract(file: &SceneFile<RecordScene>, quiet: bool) -> Status {
-    let Some(records) = read(file) else { return Status::Wrong };
+    let Some(file) = with_modes(file) else { return Status::Wrong };
+    let Some(records) = read(&file) else { return Status::Wrong };
     let outcomes: Vec<Outcome> = records
         .into_iter()
         .map(|(name, record)| Outcome { record: name, result: extract_record(&record, &file.scene.settings) })
@@ -48,6 +50,20 @@ pub fn extract(file: &SceneFile<RecordScene>, quiet: bool) -> Status {
         print(&lines.join("\n"));
     }
     if outcomes.iter().all(|outcome| outcome.result.is_ok()) { Status::Done } else { Status::EndedEarly }
+}
+
+/// The scene with the linear modes of its structure, where it has one; `None` where they cannot be had, which is said.
+fn with_modes(file: &SceneFile<RecordScene>) -> Option<SceneFile<RecordScene>> {
+    let mut file = file.clone();
+    let Some(structure) = &file.scene.structure else { return Some(file) };
+    match modes::at_sensors(structure, &file.scene.recording.channels, file.scene.settings.mode) {
+        Ok(modes) => file.scene.settings.linear_modes = Some(modes),
+        Err(error) => {
+            say!("{}", file.error_at("structure", &chain(error.as_ref()), "", &[]));
+            return None;
+        }
+    }
+    Some(file)
 }
 
 /// All records with the names of their files; `None` where one cannot be read, which is said at its place in the scene.
@@ -93,8 +109,12 @@ pub fn summary(scene: &RecordScene) -> String {
     let settings = &scene.settings;
     let row = |name: &str, text: String| format!("  {name:<12}{text}");
     let channels: Vec<&str> = scene.recording.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let without = match scene.structure {
+        Some(_) => "of the structure, at the sensors",
+        None => "none: no modal amplitude, damping and participation",
+    };
     let modes = settings.linear_modes.as_ref().map_or_else(
-        || "none: no modal amplitude, damping and participation".into(),
+        || without.into(),
         |modes| {
             format!("{} at {} positions, mode {} is excited", modes.n_modes(), modes.n_coordinates(), settings.mode)
         },

@@ -20,6 +20,8 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
     let channels = channels(raw.channel.as_deref().unwrap_or_default(), findings);
     let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, findings));
     let settings = settings(raw, modes, findings);
+    let structure = raw.structure.as_ref().and_then(|structure| super::structure::check(structure, findings));
+    one_source_of_modes(raw, findings);
     let recording = raw.recording.as_ref()?;
     let files = recording.files.clone()?;
     rate(&files, recording.sample_rate_hz, recording.time_column.as_deref(), findings);
@@ -32,9 +34,19 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
             sample_rate: recording.sample_rate_hz,
             time_column: recording.time_column.clone(),
         },
+        structure,
         settings: settings?,
         output_directory: super::output_directory(raw.output.as_ref(), stem),
     })
+}
+
+/// Linear modes are given or computed, not both.
+fn one_source_of_modes(raw: &RawRecordScene, findings: &mut Findings<'_>) {
+    if raw.structure.is_some() && raw.linear_modes.is_some() {
+        let problem = Problem::error("the linear modes are given twice");
+        let help = "leave out [structure] to use the given modes, or [linear_modes] to have them computed";
+        findings.put("structure", problem.help(help), "there are `linear_modes` too");
+    }
 }
 
 /// Files that tell no sampling rate need one in the scene.

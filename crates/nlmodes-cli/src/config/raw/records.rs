@@ -3,8 +3,8 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use crate::config::raw::RawOutput;
 use crate::config::raw::method::MAX_HARMONICS;
+use crate::config::raw::{RawOutput, RawStructure};
 use crate::config::scene::{ChannelRole, MeasuredQuantity, Side};
 
 /// Most numbers of a list.
@@ -25,6 +25,8 @@ pub struct RawRecordScene {
     pub channel: Option<Vec<RawChannel>>,
     /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
     pub linear_modes: Option<RawLinearModes>,
+    /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
+    pub structure: Option<RawStructure>,
     /// What is to be extracted
     pub extraction: Option<RawExtraction>,
     /// The stop, for restitution and contact stiffness
