@@ -51,7 +51,15 @@ fn the_short_records_have_the_answer_they_were_made_with() -> Outcome {
         assert!(against["frequency_hz_uncertainty"].parse::<f64>()? < 1e-3);
     }
     assert_eq!(against["findings"], "");
-    for file in ["frequency_amplitude.svg", "damping_amplitude.svg", "history_1.svg", "history_2.svg", "summary.json"] {
+    for file in [
+        "frequency_amplitude.svg",
+        "damping_amplitude.svg",
+        "history_1.svg",
+        "history_2.svg",
+        "contact_2.svg",
+        "restitution.svg",
+        "summary.json",
+    ] {
         assert!(out.path().join(file).exists(), "{file}");
     }
     assert!(said.contains("from 92 harmonics") && said.contains("contact stiffness"), "{said}");

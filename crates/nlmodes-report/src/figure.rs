@@ -6,12 +6,14 @@ mod events;
 mod history;
 mod measured;
 mod motion;
+mod stiffness;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
 pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
+pub use stiffness::StiffnessFigure;
 
 use crate::ReportError;
 use crate::output::replace_file;

@@ -13,6 +13,7 @@
 //! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
+//! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
@@ -78,5 +79,7 @@ mod table;
 mod unit;
 
 pub use error::ReportError;
-pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure};
+pub use figure::{
+    Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure, StiffnessFigure,
+};
 pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_summary};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_intervals};
-use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MeasuredFigure};
+use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::Outcome;
 use crate::config::RecordScene;
@@ -21,6 +21,7 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
     frequency(directory, scene, &found)?;
     damping(directory, scene, &found)?;
+    restitution(directory, scene, &found)?;
     for (k, found) in found.iter().take(HISTORIES).enumerate() {
         if let Some(history) = found.contact.as_ref().and_then(|contact| contact.history.as_ref()) {
             let history = excerpt(history, PERIODS * TAU / found.omega.value);
@@ -28,6 +29,7 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
             let figure = HistoryFigure::new(&[&history]).title(title).with_acceleration().render()?;
             figure.write(directory.join(format!("history_{}.svg", k + 1)))?;
         }
+        stiffness(directory, found, k + 1)?;
     }
     Ok(())
 }
@@ -74,6 +76,25 @@ fn damping(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -
     Ok(figure.render()?.write(directory.join("damping_amplitude.svg"))?)
 }
 
+/// Coefficient of restitution over the approach speed, a dot a record with the spread of its impacts.
+fn restitution(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+    let statistics = found.iter().filter_map(|found| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics()));
+    let (speeds, values): (Vec<f64>, Vec<(f64, f64)>) = statistics.map(|s| (s.approach, (s.mean, s.std))).unzip();
+    if speeds.is_empty() {
+        return Ok(());
+    }
+    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(&scene.title);
+    Ok(figure.panel("coefficient of restitution", &values).render()?.write(directory.join("restitution.svg"))?)
+}
+
+/// Contact force over displacement with the fitted line.
+fn stiffness(directory: &Path, found: &RecordExtraction, number: usize) -> Result<(), Box<dyn Error>> {
+    let Some(contact) = &found.contact else { return Ok(()) };
+    let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(()) };
+    let figure = StiffnessFigure::new(history, fit).title(&found.record).render()?;
+    Ok(figure.write(directory.join(format!("contact_{number}.svg")))?)
+}
+
 fn pair(measured: Measured) -> (f64, f64) {
     (measured.value, measured.uncertainty)
 }
@@ -100,8 +121,8 @@ fn excerpt(history: &TimeHistory, duration: f64) -> TimeHistory {
 
 /// Removes the figures of an earlier extraction, which would not belong to the records of this one.
 pub fn remove(directory: &Path) {
-    let histories = (1..=HISTORIES).map(|k| format!("history_{k}.svg"));
-    let common = ["frequency_amplitude.svg", "damping_amplitude.svg"].map(str::to_owned);
+    let histories = (1..=HISTORIES).flat_map(|k| [format!("history_{k}.svg"), format!("contact_{k}.svg")]);
+    let common = ["frequency_amplitude.svg", "damping_amplitude.svg", "restitution.svg"].map(str::to_owned);
     // What cannot be removed cannot be overwritten either, which is said when it is.
     histories.chain(common).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }

@@ -4,12 +4,14 @@ use crate::chart::{Axis, Chart, Curve, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 
-/// Measured figures over the modal amplitude, as in Fig. 10: a panel each, a dot a record, with a bar of its uncertainty.
+/// Measured figures over the modal amplitude, as in Fig. 10, or over another quantity: a panel each, a dot a record, with a bar of its
+/// uncertainty or spread.
 ///
 /// Values that are not finite are left out.
 #[derive(Debug, Clone)]
 pub struct MeasuredFigure<'a> {
-    amplitudes: &'a [f64],
+    abscissae: &'a [f64],
+    x_label: &'a str,
     title: &'a str,
     panels: Vec<(&'a str, &'a [(f64, f64)])>,
 }
@@ -17,7 +19,13 @@ pub struct MeasuredFigure<'a> {
 impl<'a> MeasuredFigure<'a> {
     /// A figure of records with these modal amplitudes (m·√kg), and no panel yet.
     pub fn new(amplitudes: &'a [f64]) -> Self {
-        Self { amplitudes, title: "", panels: Vec::new() }
+        Self { abscissae: amplitudes, x_label: "modal amplitude in m √kg", title: "", panels: Vec::new() }
+    }
+
+    /// Over something else than modal amplitudes; `label` holds the unit.
+    pub fn over(mut self, label: &'a str) -> Self {
+        self.x_label = label;
+        self
     }
 
     /// With a title; without one otherwise.
@@ -37,19 +45,19 @@ impl<'a> MeasuredFigure<'a> {
     /// # Errors
     /// [`ReportError::NothingToDraw`] without amplitudes, or where a panel has no finite value.
     pub fn render(&self) -> Result<Figure, ReportError> {
-        let nothing = |reason| ReportError::NothingToDraw { figure: "measured figures over modal amplitude", reason };
-        let finite = self.amplitudes.iter().copied().filter(|x| x.is_finite());
+        let nothing = |reason| ReportError::NothingToDraw { figure: "measured figures", reason };
+        let finite = self.abscissae.iter().copied().filter(|x| x.is_finite());
         let scale = Scale::linear(finite, 0.06).ok_or_else(|| nothing("no record has a finite amplitude"))?;
         let panels = self.panels.iter().map(|(label, values)| self.draw(label, values));
         let panels: Option<Vec<Panel>> = panels.collect();
         let panels = panels.ok_or_else(|| nothing("a panel has no finite value"))?;
-        let x = Axis { label: "modal amplitude in m √kg".into(), scale };
+        let x = Axis { label: self.x_label.to_owned(), scale };
         let chart = Chart { title: self.title.to_owned(), x, panels, panel_height: 240.0, legend: Vec::new() };
         Ok(Figure::new(chart.draw()))
     }
 
     fn draw(&self, label: &str, values: &[(f64, f64)]) -> Option<Panel> {
-        let pairs = self.amplitudes.iter().zip(values).map(|(x, (y, error))| (*x, *y, *error));
+        let pairs = self.abscissae.iter().zip(values).map(|(x, (y, error))| (*x, *y, *error));
         let visible: Vec<(f64, f64, f64)> = pairs.filter(|(x, y, _)| x.is_finite() && y.is_finite()).collect();
         let bar = |(_, y, error): &(f64, f64, f64)| if error.is_finite() { [y - error, y + error] } else { [*y, *y] };
         let scale = Scale::linear(visible.iter().flat_map(bar), 0.08)?;
