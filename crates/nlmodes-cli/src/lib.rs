@@ -15,6 +15,7 @@ mod check;
 pub mod command;
 mod compare;
 pub mod config;
+mod experiment;
 mod lcp;
 mod modes;
 mod run;

@@ -19,7 +19,7 @@ fn settings() -> ExtractionSettings {
 }
 
 fn sound() -> Record {
-    Motion::example(omega(), 12).record(RATE, 10_013, 1e-4, 3)
+    Motion::example(omega(), 12).record(RATE, 6_013, 1e-4, 3)
 }
 
 fn found(record: &Record, settings: &ExtractionSettings) -> Vec<Finding> {
@@ -171,7 +171,7 @@ fn a_sample_of_skew_is_found_by_the_linear_modes() {
     motion.eta[2].fill(0.0.into());
     let motion = motion.in_phase_resonance(6.7);
     for name in ["a_1", "a_2", "x_tip"] {
-        let mut record = motion.record(RATE, 10_013, 1e-4, 3);
+        let mut record = motion.record(RATE, 6_013, 1e-4, 3);
         let settings = ExtractionSettings { linear_modes: Some(two.clone()), ..settings() };
         assert_eq!(found(&record, &settings), []);
         late(&mut record, name);
@@ -206,7 +206,7 @@ fn a_lag_off_phase_resonance_is_said() {
     let mut motion = Motion::example(omega(), 12);
     motion.force[1] *= num_complex::Complex64::cis(-0.1);
     let Finding::NotLocked { lag_deg, target_deg } =
-        only(&motion.record(RATE, 10_013, 1e-4, 3), &settings(), "not-locked")
+        only(&motion.record(RATE, 6_013, 1e-4, 3), &settings(), "not-locked")
     else {
         unreachable!()
     };

@@ -4,14 +4,18 @@ mod branch;
 mod convergence;
 mod events;
 mod history;
+mod measured;
 mod motion;
 mod participation;
+mod stiffness;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
+pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
 pub use participation::ParticipationFigure;
+pub use stiffness::StiffnessFigure;
 
 use crate::ReportError;
 use crate::output::replace_file;

@@ -12,6 +12,8 @@
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
 //! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
+//! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
+//! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
@@ -77,5 +79,8 @@ mod table;
 mod unit;
 
 pub use error::ReportError;
-pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MotionFigure, ParticipationFigure};
+pub use figure::{
+    Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
+    ParticipationFigure, StiffnessFigure,
+};
 pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};

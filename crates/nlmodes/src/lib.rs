@@ -18,6 +18,7 @@
 //! | [`hbm`] | mixed shooting-harmonic balance |
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
 //! | [`modal`] | harmonic motions and modal quantities |
+//! | [`experiment`] | measured records to modal points |
 //! | [`report`] | tables and figures |
 //! | [`rig`] | a virtual rig: structure, stop, shaker, sensors, schedule |
 //!

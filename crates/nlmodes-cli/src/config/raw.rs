@@ -7,11 +7,13 @@
 
 mod continuation;
 mod method;
+mod records;
 mod structure;
 mod updating;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
+pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use structure::{RawMaterial, RawSection, RawStructure};
 pub use updating::RawUpdating;
 

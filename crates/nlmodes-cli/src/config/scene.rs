@@ -1,11 +1,14 @@
 //! A scene that was checked: plain values in SI units, every default filled in.
 
 mod choices;
+mod records;
 
 pub use choices::{
-    AtBranchPoint, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule, MethodKind,
-    Side, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+    AtBranchPoint, ChannelRole, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule,
+    MeasuredQuantity, MethodKind, Side, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
+
+pub use records::RecordScene;
 
 use std::path::PathBuf;
 
