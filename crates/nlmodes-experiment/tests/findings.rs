@@ -4,7 +4,7 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use nlmodes_experiment::extraction::{ExtractionError, ExtractionSettings, Finding, extract};
+use nlmodes_experiment::extraction::{ExtractionError, ExtractionSettings, Finding, Stop, extract};
 use nlmodes_experiment::records::{Record, Role};
 use support::{Motion, Normal, modes};
 
@@ -127,6 +127,14 @@ fn missing_channels_are_named_and_the_rest_is_extracted() {
     let extraction = extract(&without_force, &settings()).unwrap();
     assert_eq!(extraction.finding_names(), "channel-missing");
     assert!(extraction.excitation.is_none() && extraction.modal.unwrap().damping.is_none());
+    let mut without_drive = sound();
+    without_drive.channels[0].position = None;
+    without_drive.channels.iter_mut().filter(|c| c.role == Role::DrivePoint).for_each(|c| c.role = Role::Response);
+    let stop = Some(Stop { position: 0.63, gap: 1e-3, positive: true });
+    let extraction = extract(&without_drive, &ExtractionSettings { stop, ..settings() }).unwrap();
+    let missing: Vec<String> = extraction.findings.iter().map(ToString::to_string).collect();
+    assert!(missing[0].contains("drive-point") && missing[1].contains("contact"), "{missing:?}");
+    assert!(extraction.modal.is_some() && extraction.excitation.is_none());
     let empty = Record::new("empty", RATE);
     assert!(matches!(extract(&empty, &settings()), Err(ExtractionError::Refused { .. })));
 }

@@ -113,7 +113,7 @@ pub struct RawExtraction {
     /// Harmonics of the mode shape and of the participation
     #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = 20))]
     pub harmonics: Option<u32>,
-    /// Harmonics of the power-based mode indicator, or "nyquist" for all that the sampling rate carries
+    /// Harmonics of the power-based mode indicator, or "nyquist" for all that the sampling rate carries, 1000 at most
     #[serde(default)]
     #[schemars(schema_with = "number_or_nyquist")]
     pub pbmif_harmonics: Option<RawPbmifHarmonics>,
@@ -144,7 +144,7 @@ fn number_or_nyquist(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": ["integer", "string"],
         "minimum": 1,
-        "maximum": 100_000,
+        "maximum": 5000,
         "pattern": "^nyquist$",
         "default": "nyquist",
     })
