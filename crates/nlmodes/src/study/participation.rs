@@ -9,6 +9,7 @@ use super::{ComputedBranch, StudyError};
 impl ComputedBranch {
     /// Participation of the lowest `modes` linear modes (contacts open, contact mass as in the computation) at each point, eq. (30), with
     /// all harmonics but the mean in the sum; the fundamental of the first contact coordinate is the phase anchor.
+    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of a tongue.
     ///
     /// # Errors
     /// [`StudyError`] if the linear modes cannot be computed.
@@ -26,6 +27,14 @@ impl ComputedBranch {
             .collect();
         let anchor = model.contacts()[0].dof;
         let of = |motion: &HarmonicCoefficients, amplitude: f64| {
+            if amplitude == 0.0 {
+                let none = vec![f64::NAN; linear.omega.len()];
+                return Ok(Participation {
+                    factors: none.clone(),
+                    quadrature: none,
+                    harmonics: 1..=motion.n_harmonics(),
+                });
+            }
             // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
             let phase =
                 if motion.of(anchor)[1].norm() > 0.0 { PhaseAnchor::Coordinate(anchor) } else { PhaseAnchor::None };
