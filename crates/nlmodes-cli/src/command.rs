@@ -116,15 +116,9 @@ struct SceneArguments {
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::parse().command {
-        Command::Run { scene, out, quiet } => with_scene(&scene, |mut file| {
-            if let Some(out) = out {
-                file.scene.output_directory = out;
-            }
-            if file.scene.contacts.is_empty() {
-                return no_contact(&file);
-            }
-            with_parameters(file, quiet, |file| study::run(file, quiet))
-        }),
+        Command::Run { scene, out, quiet } => {
+            with(config::load_each_method(&scene.path, &scene.overrides), |files| run_each(files, out, quiet))
+        }
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
             if file.scene.contacts.is_empty() {
                 return no_contact(&file);
@@ -135,7 +129,9 @@ pub fn run() -> Status {
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
         Command::Experiment(Experiment::Extract { scene, out, quiet }) => extract(&scene, out, quiet),
         Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {
-            AnyScene::Structure(file) => with_warnings(*file, |file| print(&check::summary(&file.scene))),
+            AnyScene::Structure(files) => {
+                each(files, |file| with_warnings(file, |file| print(&check::summary(&file.scene))))
+            }
             AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
         }),
         Command::Schema => print(&format!("{:#}", config::whole_schema())),
@@ -143,8 +139,45 @@ pub fn run() -> Status {
 }
 
 /// Reads the scene of a structure, says what is wrong or looks wrong with it, and goes on if nothing stands in the way.
-fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status) -> Status {
-    with(config::load(&arguments.path, &arguments.overrides), |file| with_warnings(file, then))
+///
+/// A scene with several methods is gone through for each of them.
+fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
+    let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
+    with(loaded, |files| each(files, |file| with_warnings(file, &mut then)))
+}
+
+/// One scene after the other, up to the first that cannot be done.
+fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status {
+    files.into_iter().map(then).find(|status| *status != Status::Done).unwrap_or(Status::Done)
+}
+
+/// Runs a scene with one method, or several that differ in it.
+fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Status {
+    let mut said = String::new();
+    for file in &mut files {
+        let warnings = file.warnings_text();
+        if !warnings.is_empty() && warnings != said {
+            say!("{warnings}\n");
+            said = warnings;
+        }
+        if let Some(out) = &out {
+            file.scene.output_directory.clone_from(out);
+        }
+        if file.scene.contacts.is_empty() {
+            return no_contact(file);
+        }
+    }
+    let mut updated = Vec::new();
+    for file in files {
+        let status = with_parameters(file, quiet, |file| {
+            updated.push(file.clone());
+            Status::Done
+        });
+        if status != Status::Done {
+            return status;
+        }
+    }
+    study::run(&updated, quiet)
 }
 
 /// The same for a scene of measured records.

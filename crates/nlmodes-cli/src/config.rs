@@ -11,6 +11,7 @@ mod conform;
 mod document;
 mod file;
 mod findings;
+mod methods;
 mod mistakes;
 mod nearest;
 mod planned;
@@ -92,19 +93,24 @@ impl Refused {
 /// A scene of either kind.
 #[derive(Debug, Clone)]
 pub enum AnyScene {
-    /// A structure to compute with.
-    Structure(Box<SceneFile>),
+    /// A structure to compute with, a scene for each method.
+    Structure(Vec<SceneFile>),
     /// Records of a test.
     Records(Box<SceneFile<RecordScene>>),
 }
 
-/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line.
+/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
+/// is a scene for each; an override of `method` holds for all of them.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn load(path: &Path, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
+/// [`Refused`] with all that is wrong with the first one that is refused.
+pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
     let (name, text) = text(path)?;
-    parse(&name, &text, overrides)
+    each_method(&name, &text, overrides)
+}
+
+fn each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    methods::split(text).iter().map(|text| parse(name, text, overrides)).collect()
 }
 
 /// Reads and checks a scene file of measured records, in the same way.
@@ -126,7 +132,7 @@ pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refus
     if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
         return Ok(AnyScene::Records(Box::new(parse_records(&name, &text, overrides)?)));
     }
-    Ok(AnyScene::Structure(Box::new(parse(&name, &text, overrides)?)))
+    Ok(AnyScene::Structure(each_method(&name, &text, overrides)?))
 }
 
 /// Name and text of a scene file.

@@ -76,3 +76,28 @@ fn a_branch_starts_at_an_energy_and_goes_both_ways() -> Outcome {
     assert!((energies[start] / grazing - 1.5).abs() < 1e-9 && start > 0);
     Ok(())
 }
+
+#[test]
+fn two_methods_of_one_scene_have_a_folder_each_and_common_figures() -> Outcome {
+    let out = tempdir()?;
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut call = Command::cargo_bin("nlmodes-cli")?;
+    call.args(["run", "configs/beam_methods.toml", "--quiet", "--out"]).arg(out.path());
+    let output = call.current_dir(workspace).output()?;
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    // Each modulus as in Table 1, and the same ends as the scenes with one method.
+    for (folder, modulus, end) in [("ms-hbm", 181.36e9, 52.092_099), ("hbm", 187.60e9, 51.393_472)] {
+        let summary: Value = serde_json::from_str(&fs::read_to_string(out.path().join(folder).join("summary.json"))?)?;
+        let updated = summary["scene"]["updating"]["done"]["to"][0].as_f64().ok_or("nothing updated")?;
+        assert!((updated / modulus - 1.0).abs() < 5e-6, "{updated}");
+        let last = rows(&out.path().join(folder).join("branch.csv"))?.pop().ok_or("an empty table")?;
+        assert!((last[1].parse::<f64>()? - end).abs() < 1e-4, "{last:?}");
+    }
+    for figure in ["frequency_energy", "frequency_amplitude", "participation"] {
+        let text = fs::read_to_string(out.path().join(format!("{figure}.svg")))?;
+        assert!(text.contains(">MS-HBM, 5 harmonics<") && text.contains(">HBM, 5 harmonics<"), "{figure}");
+    }
+    let summary: Value = serde_json::from_str(&fs::read_to_string(out.path().join("summary.json"))?)?;
+    assert_eq!(summary["branches"].as_array().map(Vec::len), Some(2));
+    Ok(())
+}

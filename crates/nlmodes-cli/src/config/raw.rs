@@ -36,7 +36,7 @@ pub struct RawScene {
     pub contact: Option<Vec<RawContact>>,
     /// Parameters that are fitted to given linear frequencies first
     pub updating: Option<RawUpdating>,
-    /// How the periodic motion is computed
+    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     #[schemars(required)]
     pub method: Option<RawMethod>,
     /// How far the branch is followed

@@ -34,7 +34,11 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
         amplitude = amplitude.mark(0, *point, format!("P{}", k + 1));
     }
     amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
-    participation(directory, scene, all)?;
+    for (number, computed) in all.iter().enumerate() {
+        let table = branch_directory(directory, number).join("participation.csv");
+        write_participation(table, &computed.branch, &computed.participation(LINEAR_MODES)?)?;
+    }
+    participation(directory, scene, &all.iter().collect::<Vec<_>>())?;
     let clamped = held_ends(scene, computed);
     for (k, point) in motions.iter().enumerate() {
         let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
@@ -50,18 +54,9 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
     Ok(())
 }
 
-/// Participation of the lowest linear modes: a table for each branch, and a figure of the first of them.
-fn participation(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<(), Box<dyn Error>> {
-    let mut found = Vec::new();
-    for (number, computed) in all.iter().enumerate() {
-        let participation = computed.participation(LINEAR_MODES)?;
-        write_participation(
-            branch_directory(directory, number).join("participation.csv"),
-            &computed.branch,
-            &participation,
-        )?;
-        found.push(participation);
-    }
+/// The figure of the participation of the lowest linear modes.
+pub fn participation(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    let found = all.iter().map(|computed| computed.participation(LINEAR_MODES)).collect::<Result<Vec<_>, _>>()?;
     let pairs = all.iter().zip(&found).map(|(computed, p)| (&computed.branch, p.as_slice()));
     let pairs: Vec<(&ModalBranch, &[Participation])> = pairs.collect();
     let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.factors.len()).min(SHOWN_MODES);

@@ -1,29 +1,33 @@
-//! One branch for each of several numbers of harmonics, and their common figures (Fig. 3 b).
+//! One branch for each of several methods or numbers of harmonics, and their common figures (Figs. 3 b, 8).
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{Abscissa, BranchFigure, write_summary};
+use nlmodes::study::ComputedBranch;
 use serde::Serialize;
 
 use crate::Status;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
 
-use super::{chain, one_branch};
+use super::{chain, figures, one_branch};
 
 #[derive(Serialize)]
 struct Summary<'a> {
     program: &'static str,
     version: &'static str,
-    scene: &'a Scene,
+    /// A scene for each method.
+    scenes: Vec<&'a Scene>,
     branches: Vec<Branch>,
 }
 
 #[derive(Serialize)]
 struct Branch {
+    method: &'static str,
     harmonics: usize,
+    label: String,
     directory: PathBuf,
     points: usize,
     reason: String,
@@ -31,23 +35,54 @@ struct Branch {
     complete: bool,
 }
 
-/// Computes the branches into folders `h1`, `h3`, … of the output directory, then the common figures and the summary.
+/// One of several studies.
+pub struct Part {
+    pub file: SceneFile,
+    /// Its folder within the output directory; none where it is the only one.
+    pub folder: PathBuf,
+}
+
+/// A part for each method and each of its numbers of harmonics.
+pub fn parts(files: &[SceneFile]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let mut kinds: Vec<&str> = Vec::new();
+    for file in files {
+        let method = &file.scene.method;
+        let kind = method.kind.name();
+        let mut folder = PathBuf::new();
+        if files.len() > 1 {
+            kinds.push(kind);
+            let count = kinds.iter().filter(|k| **k == kind).count();
+            folder.push(if count > 1 { format!("{kind}_{count}") } else { kind.to_owned() });
+        }
+        for &harmonics in &method.harmonics_list {
+            let mut folder = folder.clone();
+            if method.harmonics_list.len() > 1 {
+                folder.push(format!("h{harmonics}"));
+            }
+            parts.push(Part { file: with_harmonics(file, harmonics, &folder), folder });
+        }
+    }
+    parts
+}
+
+/// Computes each part in its folder (`ms-hbm`, `hbm`, …; `h1`, `h3`, …), then the common figures and the summary.
 ///
 /// # Errors
 /// The status, where one of them could not be computed at all.
-pub fn study(file: &SceneFile, numbers: &[usize], quiet: bool) -> Result<Status, Status> {
+pub fn study(files: &[SceneFile], parts: &[Part], quiet: bool) -> Result<Status, Status> {
     let mut status = Status::Done;
-    let (mut branches, mut rows) = (Vec::new(), Vec::new());
-    for &harmonics in numbers {
-        let own = with_harmonics(file, harmonics);
-        let (computed, ended) = one_branch(&own, quiet)?;
+    let (mut computed, mut rows) = (Vec::new(), Vec::new());
+    for part in parts {
+        let (mut tree, ended) = one_branch(&part.file, quiet)?;
         if ended != Status::Done {
             status = ended;
         }
-        rows.push(Branch::new(harmonics, &own.scene, &computed.branch));
-        branches.push(computed.branch);
+        let branch = tree.branches.swap_remove(0);
+        rows.push(Branch::new(part, &branch.branch));
+        computed.push(branch);
     }
-    if let Err(error) = write(file, &branches, rows) {
+    if let Err(error) = write(files, &computed, rows) {
         say!("error: {}", chain(error.as_ref()));
         return Ok(Status::EndedEarly);
     }
@@ -55,19 +90,23 @@ pub fn study(file: &SceneFile, numbers: &[usize], quiet: bool) -> Result<Status,
 }
 
 /// The scene with one of its numbers of harmonics, and a folder of its own.
-fn with_harmonics(file: &SceneFile, harmonics: usize) -> SceneFile {
+fn with_harmonics(file: &SceneFile, harmonics: usize, folder: &Path) -> SceneFile {
     let mut own = file.clone();
     own.scene.method.harmonics = harmonics;
     own.scene.method.harmonics_list = vec![harmonics];
-    own.scene.output_directory.push(format!("h{harmonics}"));
+    if folder != Path::new("") {
+        own.scene.output_directory.push(folder);
+    }
     own
 }
 
 impl Branch {
-    fn new(harmonics: usize, scene: &Scene, branch: &ModalBranch) -> Self {
+    fn new(part: &Part, branch: &ModalBranch) -> Self {
         Self {
-            harmonics,
-            directory: scene.output_directory.clone(),
+            method: part.file.scene.method.kind.name(),
+            harmonics: part.file.scene.method.harmonics,
+            label: branch.label.clone(),
+            directory: part.folder.clone(),
             points: branch.points.len(),
             reason: branch.end.reason.clone(),
             message: branch.end.message.clone(),
@@ -76,15 +115,19 @@ impl Branch {
     }
 }
 
-fn write(file: &SceneFile, branches: &[ModalBranch], rows: Vec<Branch>) -> Result<(), Box<dyn Error>> {
-    let scene = &file.scene;
-    let all: Vec<&ModalBranch> = branches.iter().collect();
+fn write(files: &[SceneFile], computed: &[ComputedBranch], rows: Vec<Branch>) -> Result<(), Box<dyn Error>> {
+    let Some(scene) = files.first().map(|file| &file.scene) else { return Ok(()) };
+    let directory = &scene.output_directory;
+    figures::remove(directory);
+    let all: Vec<&ModalBranch> = computed.iter().map(|c| &c.branch).collect();
     for (abscissa, name) in
         [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
     {
         let figure = BranchFigure::new(abscissa, &all).title(&scene.title).render()?;
-        figure.write(scene.output_directory.join(name))?;
+        figure.write(directory.join(name))?;
     }
-    let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scene, branches: rows };
-    Ok(write_summary(scene.output_directory.join("summary.json"), &summary)?)
+    figures::participation(directory, scene, &computed.iter().collect::<Vec<_>>())?;
+    let scenes = files.iter().map(|file| &file.scene).collect();
+    let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
+    Ok(write_summary(directory.join("summary.json"), &summary)?)
 }
