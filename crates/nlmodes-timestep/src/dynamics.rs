@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nlmodes_contact::{ContactBody, LcpWorkspace, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, multiply};
 use nlmodes_modal::HarmonicCoefficients;
-use nlmodes_model::MasslessContactModel;
+use nlmodes_model::{Contact, MasslessContactModel};
 
 use crate::phase::{Coordinates, Phase, column, dot, transposed_product};
 use crate::trajectory::{Segment, Trajectory};
@@ -13,6 +13,9 @@ use crate::{ModalState, TimestepError};
 
 /// Most degrees of freedom that are accepted: all modes are kept, in dense matrices.
 pub const MAX_DOFS: usize = 2000;
+
+/// Most stretches between contact instants in one trajectory: each keeps its modal coordinates.
+const MAX_SEGMENTS: usize = 100_000;
 
 /// Switchings without progress in time, a contact, after which the contact problem just ahead decides, and after which all is given up.
 const PATIENCE: [usize; 2] = [2, 8];
@@ -128,6 +131,26 @@ impl ContactDynamics {
         Ok(phase.energy(&phase.enter(&state.z, &state.v)))
     }
 
+    /// Index of linear mode `mode` (from 1) and the coordinate at which it touches a stop first, standing still.
+    pub(crate) fn grazing_amplitude(&self, mode: usize) -> Result<(usize, f64), TimestepError> {
+        let k = mode.wrapping_sub(1);
+        let highest = self.open.omega.last().copied().unwrap_or(0.0);
+        if self.open.omega.get(k).is_none_or(|ω| *ω <= 1e-7 * highest) {
+            return Err(TimestepError::NoGrazing { mode, why: "there is no such mode with a frequency" });
+        }
+        if self.model.contacts().iter().any(|c| c.gap <= 0.0) {
+            return Err(TimestepError::NoGrazing { mode, why: "a stop touches at rest" });
+        }
+        let shape = |c: &Contact| c.direction() * self.open.shapes[(c.dof, k)];
+        let largest = self.model.contacts().iter().fold(0.0_f64, |m, c| m.max(shape(c).abs()));
+        let moved = self.model.contacts().iter().filter(|c| shape(c).abs() > 1e-9 * largest);
+        let amplitudes = moved.map(|c| -c.gap / shape(c));
+        match amplitudes.min_by(|a, b| a.abs().total_cmp(&b.abs())) {
+            Some(amplitude) if amplitude.is_finite() => Ok((k, amplitude)),
+            _ => Err(TimestepError::NoGrazing { mode, why: "it does not move a contact" }),
+        }
+    }
+
     /// Accelerations in modal coordinates of the open structure.
     pub(crate) fn acceleration(&mut self, state: &ModalState) -> Result<Vec<f64>, TimestepError> {
         let phase = self.phase_at(state)?;
@@ -146,6 +169,9 @@ impl ContactDynamics {
         if expected != found {
             return Err(TimestepError::Dimension { what: "modal coordinates", expected, found });
         }
+        if state.z.iter().chain(&state.v).any(|x| !x.is_finite()) {
+            return Err(TimestepError::NotFinite { what: "state of the motion" });
+        }
         let mut phase = self.phase_at(state)?;
         let (mut segments, mut from, mut idle) = (Vec::new(), 0.0, 0);
         let mut state = state.clone();
@@ -161,6 +187,9 @@ impl ContactDynamics {
                 segments.push(Segment { from, to, phase: Arc::clone(&phase), start });
             }
             from = to;
+            if segments.len() > MAX_SEGMENTS {
+                return Err(TimestepError::TooManyContacts { time: from, most: MAX_SEGMENTS });
+            }
             let Some(contact) = switch else { return Ok(Trajectory { segments, end: state }) };
             if idle > patience[1] {
                 return Err(TimestepError::Chatter { time: from, switches: idle });

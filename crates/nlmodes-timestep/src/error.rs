@@ -25,6 +25,20 @@ pub enum TimestepError {
         /// The size that it has.
         found: usize,
     },
+    /// A state or a coefficient is NaN or infinite.
+    #[error("the {what} contains a value that is not finite")]
+    NotFinite {
+        /// The quantity.
+        what: &'static str,
+    },
+    /// More changes of contact than a trajectory may have.
+    #[error("more than {most} changes of contact up to {time:e} s")]
+    TooManyContacts {
+        /// When, s.
+        time: f64,
+        /// Most that are kept.
+        most: usize,
+    },
     /// A period, frequency or energy is not a positive number.
     #[error("{what} is {value:e}; a positive number was expected")]
     NotPositive {
@@ -32,6 +46,14 @@ pub enum TimestepError {
         what: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// The linear mode does not lead to a first touch.
+    #[error("linear mode {mode} has no amplitude of first touch: {why}")]
+    NoGrazing {
+        /// The mode, from 1.
+        mode: usize,
+        /// The reason.
+        why: &'static str,
     },
     /// Contacts switch without time going on.
     #[error("the contacts switch {switches} times at {time:e} s without time going on")]

@@ -66,6 +66,23 @@ impl Shooting {
         Ok(Self { dynamics, scales, units, pattern: 0 })
     }
 
+    /// In the scales of linear mode `mode` (from 1) at the amplitude at which it just touches a stop, where the nonlinear mode begins;
+    /// with the unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
+    ///
+    /// # Errors
+    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a gap is not positive.
+    pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
+        let (k, amplitude) = dynamics.grazing_amplitude(mode)?;
+        let omega = dynamics.omega()[k];
+        let shooting = Self::new(dynamics, ShootingScales { omega, energy: 0.25 * (omega * amplitude).powi(2) })?;
+        let mut state = ModalState { z: vec![0.0; shooting.units.len()], v: vec![0.0; shooting.units.len()] };
+        state.z[k] = amplitude;
+        let x = shooting.unknowns(&state, omega);
+        let mut direction = vec![0.0; x.len() + 1];
+        (direction[k], direction[x.len()]) = (x[k], 2.0);
+        Ok((shooting, x, direction))
+    }
+
     /// The structure.
     pub fn dynamics(&mut self) -> &mut ContactDynamics {
         &mut self.dynamics
