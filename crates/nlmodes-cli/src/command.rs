@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
-use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating};
+use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating, virtual_test};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -32,7 +32,7 @@ Replaces a value of the scene, or adds one. The key is a dotted path; stops go b
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Compute the branch that a scene describes, and write its tables and figures
+    /// Compute the branch, or run the virtual test, that a scene describes, and write its tables and figures
     #[command(after_help = "\
 Example:
   nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap")]
@@ -117,7 +117,7 @@ struct SceneArguments {
 pub fn run() -> Status {
     match CommandLine::parse().command {
         Command::Run { scene, out, quiet } => {
-            with(config::load_each_method(&scene.path, &scene.overrides), |files| run_each(files, out, quiet))
+            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, quiet))
         }
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
             if file.scene.contacts.is_empty() {
@@ -133,8 +133,24 @@ pub fn run() -> Status {
                 each(files, |file| with_warnings(file, |file| print(&check::summary(&file.scene))))
             }
             AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
+            AnyScene::Test(file) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
         }),
         Command::Schema => print(&format!("{:#}", config::whole_schema())),
+    }
+}
+
+/// Computes what the scene describes.
+fn run_any(scene: AnyScene, out: Option<PathBuf>, quiet: bool) -> Status {
+    match scene {
+        AnyScene::Structure(files) => run_each(files, out, quiet),
+        AnyScene::Test(file) => with_warnings(*file, |mut file| {
+            if let Some(out) = out {
+                file.scene.output_directory = out;
+            }
+            virtual_test::run(&file, quiet)
+        }),
+        // `load_to_run` refuses these with the command that takes them.
+        AnyScene::Records(_) => Status::Wrong,
     }
 }
 

@@ -31,7 +31,7 @@ pub use findings::Findings;
 pub use problem::{Mark, Problem, Severity};
 pub use render::wants_colours;
 pub use rule::number;
-pub use scene::{RecordScene, Scene};
+pub use scene::{RecordScene, Scene, TestScene};
 pub use schema::{schema, whole_schema};
 pub use sources::{Source, Sources};
 
@@ -90,13 +90,15 @@ impl Refused {
     }
 }
 
-/// A scene of either kind.
+/// A scene of any kind.
 #[derive(Debug, Clone)]
 pub enum AnyScene {
     /// A structure to compute with, a scene for each method.
     Structure(Vec<SceneFile>),
     /// Records of a test.
     Records(Box<SceneFile<RecordScene>>),
+    /// A test on a virtual rig.
+    Test(Box<SceneFile<TestScene>>),
 }
 
 /// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
@@ -122,13 +124,16 @@ pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<Recor
     parse_records(&name, &text, overrides)
 }
 
-/// Reads and checks a scene file of either kind.
+/// Reads and checks a scene file of any kind.
 ///
 /// # Errors
 /// [`Refused`] with all that is wrong.
 pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let (name, text) = text(path)?;
     let (_, root) = Document::parse(&name, &text, overrides, &mut Vec::new());
+    if root.as_ref().is_some_and(|root| planned::is_of_test(root.get_ref())) {
+        return Ok(AnyScene::Test(Box::new(parse_test(&name, &text, overrides)?)));
+    }
     if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
         return Ok(AnyScene::Records(Box::new(parse_records(&name, &text, overrides)?)));
     }
@@ -158,7 +163,7 @@ pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, 
     let (document, root) = Document::parse(name, text, overrides, &mut problems);
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawScene> = root.and_then(|root| {
-        let other = planned::problem(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
+        let other = planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
         read(root, other, &schema(), &mut findings)
     });
     let scene = raw.and_then(|raw| check::scene(&raw, &stem(name), &mut findings));
@@ -174,12 +179,38 @@ pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<Sce
     let (document, root) = Document::parse(name, text, overrides, &mut problems);
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
-        let other = planned::problem(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
+        let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
         read(root, other, &schema::record_schema(), &mut findings)
     });
     let base = Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf();
     let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(name), base, &mut findings));
     finish(scene, findings)
+}
+
+/// Reads and checks the text of a scene of a virtual test, in the same way.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
+    let mut problems = Vec::new();
+    let (document, root) = Document::parse(name, text, overrides, &mut problems);
+    let mut findings = Findings::new(&document, problems);
+    let raw: Option<raw::RawTestScene> = root.and_then(|root| read(root, None, &schema::test_schema(), &mut findings));
+    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(name), &mut findings));
+    finish(scene, findings)
+}
+
+/// Reads and checks a scene file for `run`: of a virtual test, or of a structure.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong; also a scene of measured records, with the command that takes it.
+pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    let (name, text) = text(path)?;
+    let (_, root) = Document::parse(&name, &text, overrides, &mut Vec::new());
+    if root.is_some_and(|root| planned::is_of_test(root.get_ref())) {
+        return Ok(AnyScene::Test(Box::new(parse_test(&name, &text, overrides)?)));
+    }
+    Ok(AnyScene::Structure(each_method(&name, &text, overrides)?))
 }
 
 /// The raw tables, unless the scene is one of another kind.

@@ -1,9 +1,9 @@
 //! `nlmodes-cli experiment extract`: measured records into modal points.
 
-mod figures;
+pub mod figures;
 mod modes;
-mod summary;
-mod table;
+pub mod summary;
+pub mod table;
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -17,11 +17,29 @@ use crate::config::SceneFile;
 use crate::config::{RecordScene, number};
 use crate::run::chain;
 
-/// A record of the scene, and what came of it.
+/// A record, and what came of it.
 #[derive(Debug)]
 pub struct Outcome {
     pub record: String,
+    /// Level of the drive, where it is known.
+    pub level: Option<f64>,
+    /// Names of what was found while the record was made, before the extraction.
+    pub findings: Vec<&'static str>,
     pub result: Result<RecordExtraction, ExtractionError>,
+}
+
+impl Outcome {
+    /// Names of all findings, each once, separated by spaces.
+    pub fn finding_names(&self) -> String {
+        let extracted = self.result.as_ref().map_or_else(ExtractionError::names, RecordExtraction::finding_names);
+        let mut names: Vec<&str> = Vec::new();
+        for name in self.findings.iter().copied().chain(extracted.split_whitespace()) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names.join(" ")
+    }
 }
 
 /// Reads all records, extracts from each, and writes table, figures and summary.
@@ -32,7 +50,12 @@ pub fn extract(file: &SceneFile<RecordScene>, quiet: bool) -> Status {
     let Some(records) = read(&file) else { return Status::Wrong };
     let outcomes: Vec<Outcome> = records
         .into_iter()
-        .map(|(name, record)| Outcome { record: name, result: extract_record(&record, &file.scene.settings) })
+        .map(|(name, record)| Outcome {
+            record: name,
+            level: None,
+            findings: Vec::new(),
+            result: extract_record(&record, &file.scene.settings),
+        })
         .collect();
     if let Err(error) = write(&file.scene, &outcomes) {
         say!("error: {}", chain(error.as_ref()));
@@ -99,9 +122,10 @@ fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>
     std::fs::create_dir_all(directory)
         .map_err(|source| nlmodes::report::ReportError::Io { path: directory.clone(), source })?;
     figures::remove(directory);
-    table::write(&directory.join("modal_points.csv"), scene, outcomes)?;
+    let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
+    table::write(&directory.join("modal_points.csv"), modes, None, outcomes)?;
     summary::write(directory, scene, outcomes)?;
-    figures::write(directory, scene, outcomes)
+    figures::write(directory, &scene.title, outcomes, None)
 }
 
 /// What `check` says about a scene of records.

@@ -21,5 +21,6 @@ mod modes;
 mod run;
 mod status;
 mod updating;
+mod virtual_test;
 
 pub use status::Status;

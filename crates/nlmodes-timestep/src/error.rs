@@ -8,7 +8,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum TimestepError {
     /// More degrees of freedom than dense matrices are sensible for.
-    #[error("{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}")]
+    #[error(
+        "{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}"
+    )]
     TooLarge {
         /// Degrees of freedom of the structure.
         found: usize,

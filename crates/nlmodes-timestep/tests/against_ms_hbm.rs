@@ -8,22 +8,22 @@ use std::ops::ControlFlow;
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
 use nlmodes_fem::{Direction, Stop};
-use nlmodes_hbm::{
-    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing,
-};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes_linalg::DenseLu;
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{MasslessContactModel, Side};
-use nlmodes_timestep::{
-    ContactDynamics, GlobalContactProblem, PeriodicMotion, Shooting, ShootingScales, Verification,
-};
+use nlmodes_timestep::{ContactDynamics, GlobalContactProblem, PeriodicMotion, Shooting, ShootingScales, Verification};
 use support::{ClosedForm, dynamics, fitted_slope, massless, rod_with, settle, unit_rod};
 
 fn condensed(model: &MasslessContactModel) -> CondensedStructure {
     CondensedStructure::new(model.clone(), usize::MAX).unwrap()
 }
 
-fn mixed_shooting(structure: &CondensedStructure, harmonics: usize, switching: Switching) -> (MixedShooting<'_>, Grazing) {
+fn mixed_shooting(
+    structure: &CondensedStructure,
+    harmonics: usize,
+    switching: Switching,
+) -> (MixedShooting<'_>, Grazing) {
     let start = grazing(structure, 1).unwrap();
     let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching };
     let solver = solver_by_name("active-set").unwrap();
@@ -86,7 +86,9 @@ fn study(elements: usize, ratio: f64, harmonics: &[usize]) -> Vec<(usize, f64, f
 
 #[test]
 fn explore() {
-    for (h, frequency, tip, returned) in study(10, 3.0, &[1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 56, 80, 113, 160, 226, 320]) {
+    for (h, frequency, tip, returned) in
+        study(10, 3.0, &[1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 56, 80, 113, 160, 226, 320])
+    {
         println!("{h:5} {frequency:.2e} {tip:.2e} {returned:.2e}");
     }
 }

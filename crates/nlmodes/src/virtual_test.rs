@@ -2,8 +2,9 @@
 //! level's record through the extraction that measured records go through.
 
 use nlmodes_experiment::extraction::{self, ExtractionError, ExtractionSettings, RecordExtraction, extract};
+use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
-use nlmodes_model::{ContactLaw, Side};
+use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_rig::{
     DrivePoint, Exciter, LevelOutcome, ModalReduction, ModalStructure, Motion, Place, RigError, RigSetup, Sensor, Stop,
     VirtualTest,
@@ -111,7 +112,7 @@ impl Bench {
         }
     }
 
-    /// The linear modes at all motion sensors, for the extraction.
+    /// The linear modes at all motion sensors, for the extraction; as many of the lowest as there are positions.
     ///
     /// # Errors
     /// [`ModalError`], among others if the sensors cannot tell the modes apart.
@@ -119,8 +120,46 @@ impl Bench {
         let stop = self.stop.as_ref().map(|stop| &stop.at);
         let points: Vec<&BenchPoint> = std::iter::once(&self.drive).chain(&self.accelerometers).chain(stop).collect();
         let positions: Vec<f64> = points.iter().map(|point| point.position).collect();
-        let shapes: Vec<Vec<f64>> = points.iter().map(|point| reduction.shape(&point.weights)).collect();
+        let mut places = positions.clone();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let shape = |point: &&BenchPoint| reduction.shape(&point.weights).into_iter().take(places.len()).collect();
+        let shapes: Vec<Vec<f64>> = points.iter().map(shape).collect();
         LinearModes::new(&positions, &self.omega, &self.damping_ratios, &shapes)
+    }
+
+    /// The undamped modes and the stop as a model whose nonlinear mode can be computed: modal coordinates with unit mass, and the massless
+    /// tip of a spring that is the stop's own or, at a rigid one, the residual flexibility `R` of the modes left out.
+    ///
+    /// ```text
+    /// K = [Λ + k φ φᵀ, −k φ; −k φᵀ, k] ,   k = k_c or 1/R
+    /// ```
+    ///
+    /// `None` without a stop.
+    ///
+    /// # Errors
+    /// [`RigError::RigidStopWithoutFlexibility`], and what the model has against the numbers.
+    pub fn backbone_model(&self, reduction: &ModalReduction) -> Result<Option<MasslessContactModel>, RigError> {
+        let Some(stop) = &self.stop else { return Ok(None) };
+        let reduced = stop.reduced(reduction);
+        let k = match stop.law {
+            ContactLaw::Elastic { stiffness } => stiffness,
+            ContactLaw::Rigid if reduced.residual > 0.0 => 1.0 / reduced.residual,
+            ContactLaw::Rigid => return Err(RigError::RigidStopWithoutFlexibility { residual: reduced.residual }),
+        };
+        let (shape, n) = (&reduced.shape, self.omega.len());
+        let (mut stiffness, mut mass) = (vec![(n, n, k)], Vec::new());
+        for (i, omega) in self.omega.iter().enumerate() {
+            mass.push((i, i, 1.0));
+            stiffness.push((i, i, omega.powi(2)));
+            stiffness.extend([(i, n, -k * shape[i]), (n, i, -k * shape[i])]);
+            stiffness.extend((0..n).map(|j| (i, j, k * shape[i] * shape[j])));
+        }
+        let [stiffness, mass] = [stiffness, mass].map(|entries| sparse_from_triplets(n + 1, n + 1, &entries));
+        let dof = |node| Dof { node, position: node as f64, kind: DofKind::Deflection };
+        let contact = Contact::rigid(n, stop.side, stop.gap);
+        let model = StructuralModel::new(mass?, stiffness?, (0..=n).map(dof).collect(), vec![contact])?;
+        Ok(Some(MasslessContactModel::new(&model, &Drop)?))
     }
 
     /// The stop as the extraction sees it.

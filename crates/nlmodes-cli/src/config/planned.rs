@@ -12,11 +12,16 @@ pub fn is_of_records(root: &DeTable<'_>) -> bool {
     first(root, &RECORDS).is_some() && first(root, &["virtual_test"]).is_none()
 }
 
-/// The problem of a scene that belongs to a command that this version does not have.
-pub fn problem(root: &DeTable<'_>) -> Option<Problem> {
+/// Whether the scene describes a virtual test.
+pub fn is_of_test(root: &DeTable<'_>) -> bool {
+    first(root, &["virtual_test"]).is_some()
+}
+
+/// The problem of a scene of a virtual test where one of another kind is wanted.
+pub fn of_test(root: &DeTable<'_>) -> Option<Problem> {
     let (key, range) = first(root, &["virtual_test"])?;
-    let problem = Problem::error("this is a scene of a virtual test, which this version does not have yet");
-    Some(problem.at(range, format!("`{key}` belongs to such a test")))
+    let problem = Problem::error("this scene describes a virtual test").help("`nlmodes-cli run` runs it");
+    Some(problem.at(range, format!("`{key}` describes the rig")))
 }
 
 /// The problem of a scene of measured records where one of a structure is wanted.

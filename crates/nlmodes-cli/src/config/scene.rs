@@ -2,13 +2,16 @@
 
 mod choices;
 mod records;
+mod virtual_test;
 
 pub use choices::{
-    AtBranchPoint, ChannelRole, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule,
-    MeasuredQuantity, MethodKind, Side, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+    AtBranchPoint, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection, InternalResonance,
+    LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat, Side, StructureKind,
+    Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use records::RecordScene;
+pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
 use std::path::PathBuf;
 

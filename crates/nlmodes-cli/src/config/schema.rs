@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use crate::config::raw::{RawRecordScene, RawScene};
+use crate::config::raw::{RawRecordScene, RawScene, RawTestScene};
 
 /// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
@@ -16,13 +16,20 @@ pub fn record_schema() -> Value {
     schema_of::<RawRecordScene>()
 }
 
-/// JSON schema of all scenes: the keys of both kinds, and which of them each kind demands.
+/// JSON schema of a scene of a virtual test, in the same way.
+pub fn test_schema() -> Value {
+    schema_of::<RawTestScene>()
+}
+
+/// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let (mut schema, records) = (schema(), record_schema());
-    let kinds = [&schema, &records].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
-    if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), records["properties"].as_object()) {
-        for (key, rule) in more {
-            all.entry(key).or_insert_with(|| rule.clone());
+    let (mut schema, records, tests) = (schema(), record_schema(), test_schema());
+    let kinds = [&schema, &records, &tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
+    for other in [&records, &tests] {
+        if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), other["properties"].as_object()) {
+            for (key, rule) in more {
+                all.entry(key).or_insert_with(|| rule.clone());
+            }
         }
     }
     if let Some(root) = schema.as_object_mut() {

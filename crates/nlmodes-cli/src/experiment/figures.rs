@@ -9,19 +9,25 @@ use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_in
 use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::Outcome;
-use crate::config::RecordScene;
 
 /// Most records with a time history.
 const HISTORIES: usize = 20;
+/// Most records whose points are numbered.
+const NAMED: usize = 12;
 /// Periods of a time history.
 const PERIODS: f64 = 2.0;
 
-/// Writes frequency over modal amplitude, damping and mode indicator over modal amplitude, and the time histories at the stop.
-pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
+/// Writes frequency over modal amplitude (and over that of a computed branch), damping and mode indicator over modal amplitude, and the time histories at the stop.
+pub fn write(
+    directory: &Path,
+    title: &str,
+    outcomes: &[Outcome],
+    computed: Option<&ModalBranch>,
+) -> Result<(), Box<dyn Error>> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
-    frequency(directory, scene, &found)?;
-    damping(directory, scene, &found)?;
-    restitution(directory, scene, &found)?;
+    frequency(directory, title, &found, computed)?;
+    damping(directory, title, &found)?;
+    restitution(directory, title, &found)?;
     for (k, found) in found.iter().take(HISTORIES).enumerate() {
         if let Some(history) = found.contact.as_ref().and_then(|contact| contact.history.as_ref()) {
             let history = excerpt(history, PERIODS * TAU / found.omega.value);
@@ -34,7 +40,12 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
     Ok(())
 }
 
-fn frequency(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+fn frequency(
+    directory: &Path,
+    title: &str,
+    found: &[&RecordExtraction],
+    computed: Option<&ModalBranch>,
+) -> Result<(), Box<dyn Error>> {
     let points: Vec<_> = found.iter().filter_map(|found| found.modal_point()).collect();
     let Some(first) = found.iter().find(|found| found.modal.is_some()) else { return Ok(()) };
     let coordinate = |position: &f64| Coordinate { position: *position, kind: "sensor".into() };
@@ -46,15 +57,17 @@ fn frequency(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction])
         points,
         end: BranchEnd { reason: "records".into(), message: "all records".into(), complete: true },
     };
-    let branches = [&branch];
-    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(&scene.title);
+    let branches: Vec<&ModalBranch> = std::iter::once(&branch).chain(computed).collect();
+    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title);
     for k in 0..branch.points.len() {
-        figure = figure.mark(0, k, (k + 1).to_string());
+        // More numbers than these would cover each other.
+        let name = if branch.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
+        figure = figure.mark(0, k, name);
     }
     Ok(figure.render()?.write(directory.join("frequency_amplitude.svg"))?)
 }
 
-fn damping(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+fn damping(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
     let usable: Vec<_> = found
         .iter()
         .filter_map(|found| {
@@ -72,18 +85,18 @@ fn damping(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -
     let amplitudes: Vec<f64> = usable.iter().map(|(amplitude, ..)| *amplitude).collect();
     let damping: Vec<(f64, f64)> = usable.iter().map(|(_, damping, ..)| *damping).collect();
     let pbmif: Vec<(f64, f64)> = usable.iter().map(|(_, _, pbmif, _)| *pbmif).collect();
-    let figure = MeasuredFigure::new(&amplitudes).title(&scene.title).panel("damping", &damping).panel(&label, &pbmif);
+    let figure = MeasuredFigure::new(&amplitudes).title(title).panel("damping", &damping).panel(&label, &pbmif);
     Ok(figure.render()?.write(directory.join("damping_amplitude.svg"))?)
 }
 
 /// Coefficient of restitution over the approach speed, a dot a record with the spread of its impacts.
-fn restitution(directory: &Path, scene: &RecordScene, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+fn restitution(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
     let statistics = found.iter().filter_map(|found| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics()));
     let (speeds, values): (Vec<f64>, Vec<(f64, f64)>) = statistics.map(|s| (s.approach, (s.mean, s.std))).unzip();
     if speeds.is_empty() {
         return Ok(());
     }
-    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(&scene.title);
+    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(title);
     Ok(figure.panel("coefficient of restitution", &values).render()?.write(directory.join("restitution.svg"))?)
 }
 

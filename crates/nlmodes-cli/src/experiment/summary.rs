@@ -19,7 +19,8 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
     write_summary(directory.join("summary.json"), &summary)
 }
 
-fn record(outcome: &Outcome) -> Value {
+/// What was taken from a record.
+pub fn record(outcome: &Outcome) -> Value {
     match &outcome.result {
         Ok(found) => json!({
             "record": outcome.record,

@@ -7,7 +7,6 @@ use std::path::Path;
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 
 use super::Outcome;
-use crate::config::RecordScene;
 
 /// Least number of participation columns.
 const PARTICIPATIONS: usize = 2;
@@ -15,21 +14,24 @@ const PARTICIPATIONS: usize = 2;
 /// A column: its name, and its text for a record.
 type Column = (String, Box<dyn Fn(&RecordExtraction) -> String>);
 
-/// Writes the table. Cells that a record does not give are empty.
-pub fn write(path: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn std::error::Error>> {
-    let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes()).max(PARTICIPATIONS);
-    let columns = columns(modes);
+/// Writes the table with the participation of so many modes, and the level of the drive where its column has a name. Cells that a
+/// record does not give are empty.
+pub fn write(
+    path: &Path,
+    modes: usize,
+    level: Option<&str>,
+    outcomes: &[Outcome],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let columns = columns(modes.max(PARTICIPATIONS));
     let mut table = csv::Writer::from_writer(Vec::new());
     let names = columns.iter().map(|(name, _)| name.as_str());
-    table.write_record(std::iter::once("record").chain(names).chain(["findings"]))?;
+    table.write_record(std::iter::once("record").chain(level).chain(names).chain(["findings"]))?;
     for outcome in outcomes {
         let cell = |(_, text): &Column| outcome.result.as_ref().map_or_else(|_| String::new(), text);
-        let findings = match &outcome.result {
-            Ok(found) => found.finding_names(),
-            Err(error) => error.names(),
-        };
         let row = columns.iter().map(cell);
-        table.write_record(std::iter::once(outcome.record.clone()).chain(row).chain([findings]))?;
+        let level = level.map(|_| outcome.level.map_or_else(String::new, |level| format!("{level:?}")));
+        let first = std::iter::once(outcome.record.clone()).chain(level);
+        table.write_record(first.chain(row).chain([outcome.finding_names()]))?;
     }
     let bytes = table.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
     std::fs::write(path, bytes)

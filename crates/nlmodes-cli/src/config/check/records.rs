@@ -223,19 +223,23 @@ fn settings(
         findings.put("extraction.mode", problem, format!("expected a whole number from 1 to {n}"));
         return None;
     }
-    Some(ExtractionSettings {
-        mode,
-        periods: extraction.periods.map(|n| n as usize),
-        harmonics: extraction.harmonics.unwrap_or(HARMONICS) as usize,
-        pbmif_harmonics: match extraction.pbmif_harmonics {
+    let stop = raw.stop.as_ref().and_then(stop);
+    Some(ExtractionSettings { linear_modes: modes, stop, ..self::extraction(extraction) })
+}
+
+/// What the table says, so far without modes and stop.
+pub fn extraction(raw: &RawExtraction) -> ExtractionSettings {
+    ExtractionSettings {
+        mode: raw.mode.unwrap_or(1) as usize,
+        periods: raw.periods.map(|n| n as usize),
+        harmonics: raw.harmonics.unwrap_or(HARMONICS) as usize,
+        pbmif_harmonics: match raw.pbmif_harmonics {
             Some(RawPbmifHarmonics::Number(n)) => Some(n as usize),
             Some(RawPbmifHarmonics::Word(_)) | None => None,
         },
-        omega: extraction.frequency_hz.map(|f| TAU * f),
-        linear_modes: modes,
-        stop: raw.stop.as_ref().and_then(stop),
+        omega: raw.frequency_hz.map(|f| TAU * f),
         ..ExtractionSettings::default()
-    })
+    }
 }
 
 fn stop(raw: &RawStop) -> Option<Stop> {

@@ -165,5 +165,36 @@ choices! {
         Down = "down",
         /// One after the other
         Both = "both",
+    }    /// What turns the drive of a virtual test into a force.
+    ExciterKind {
+        /// An electrodynamic shaker, driven by voltage
+        Shaker = "shaker",
+        /// A force as it is wanted
+        Force = "force",
+    }
+    /// How the loop measures the lag.
+    LoopDetector {
+        /// Least mean squares on the leading harmonics
+        Adaptive = "adaptive",
+        /// Synchronous demodulation with a low-pass
+        Demodulation = "demodulation",
+    }
+    /// Order of the levels of a test.
+    LevelOrder {
+        /// As they stand
+        Once = "once",
+        /// As they stand, and back from the last but one
+        ThereAndBack = "there-and-back",
+    }
+    /// Format of a record's file.
+    RecordFormat {
+        /// Text with named columns
+        Csv = "csv",
+        /// Universal File Format, dataset 58
+        Uff = "uff",
+        /// Sound file
+        Wav = "wav",
+        /// NumPy array
+        Npy = "npy",
     }
 }

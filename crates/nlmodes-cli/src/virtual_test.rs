@@ -1,0 +1,167 @@
+//! `nlmodes-cli run` of a virtual test: a rig with its loop, level by level, and what its records give.
+
+mod backbone;
+mod bench;
+mod results;
+mod summary;
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::time::Instant;
+
+use nlmodes::experiment::extraction::ExtractionSettings;
+use nlmodes::experiment::records::write_record;
+use nlmodes::report::ReportError;
+use nlmodes::rig::{RigError, VirtualTest};
+use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel};
+
+use crate::Status;
+use crate::command::print;
+use crate::config::scene::{KeptRecords, TestScene};
+use crate::config::{SceneFile, number};
+use crate::run::chain;
+use bench::Rig;
+pub use summary::summary;
+
+/// Runs the test, extracts from the record of each level, and writes table, figures, summary and the records that are to be kept.
+///
+/// A level that does not settle is recorded as it is, with what is wrong with it among its findings, and the status says so.
+pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
+    let (scene, began) = (&file.scene, Instant::now());
+    let rig = match Rig::new(scene) {
+        Ok(rig) => rig,
+        Err(error) => return refuse(file, error.path, &chain(error.source.as_ref())),
+    };
+    if let Err(error) = results::prepare(&scene.output_directory) {
+        say!("error: {}", chain(error.as_ref()));
+        return Status::Wrong;
+    }
+    if !quiet {
+        say!("{}", summary::model(scene, &rig));
+    }
+    let levels = match levels(scene, &rig, quiet) {
+        Ok(levels) => levels,
+        Err(Stopped::Rig(error)) => return refuse_rig(file, &error),
+        Err(Stopped::Record(error)) => {
+            say!("error: {error}");
+            return Status::EndedEarly;
+        }
+    };
+    let backbone = scene.backbone.map(|wanted| backbone::compute(&rig, wanted, scene.settings.mode));
+    let (computed, failed) = match backbone {
+        Some(Ok(computed)) => (Some(computed), false),
+        Some(Err(error)) => {
+            say!("warning: the backbone was not computed: {}", chain(error.as_ref()));
+            (None, true)
+        }
+        None => (None, false),
+    };
+    let settled = levels.iter().filter(|level| is_good(level)).count();
+    let n = levels.len();
+    if let Err(error) = results::write(scene, &rig, levels, computed.as_ref(), began.elapsed()) {
+        say!("error: {}", chain(error.as_ref()));
+        return Status::EndedEarly;
+    }
+    if settled < n {
+        say!("warning: {} of {n} levels did not settle, or gave no modal point; the table says why", n - settled);
+    }
+    if !quiet {
+        print(&format!("Results in {}", scene.output_directory.display()));
+    }
+    if settled < n || failed { Status::EndedEarly } else { Status::Done }
+}
+
+fn is_good(level: &TestLevel) -> bool {
+    level.outcome.findings.is_empty() && level.extraction.is_ok()
+}
+
+/// Why there are no levels.
+enum Stopped {
+    Rig(RigError),
+    Record(String),
+}
+
+fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<Vec<TestLevel>, Stopped> {
+    let test = VirtualTest {
+        rig: rig.bench.setup(&rig.reduction),
+        settings: rig.control.clone(),
+        force: FORCE,
+        response: DRIVE_DISPLACEMENT,
+        schedule: scene.schedule.clone(),
+    };
+    let settings = ExtractionSettings {
+        linear_modes: Some(rig.modes.clone()),
+        stop: rig.bench.extraction_stop(),
+        ..scene.settings.clone()
+    };
+    let (mut count, mut failure) = (0, None);
+    let levels = virtual_test::run(&test, &settings, |level| {
+        count += 1;
+        if !quiet {
+            say!("{}", line(scene, count, level));
+        }
+        if failure.is_none() {
+            failure = keep(scene, count, level).err();
+        }
+    });
+    match failure {
+        Some(failure) => Err(Stopped::Record(failure)),
+        None => levels.map_err(Stopped::Rig),
+    }
+}
+
+/// What is said about a level as soon as it is recorded.
+fn line(scene: &TestScene, count: usize, level: &TestLevel) -> String {
+    let (outcome, steady) = (&level.outcome, &level.outcome.steady);
+    let mut text = format!(
+        "level {count} of {}: {} {}, {:.4} Hz, lag {:.3}°, held for {:.1} s",
+        scene.schedule.levels.len(),
+        number(outcome.level),
+        scene.exciter.unit(),
+        steady.omega / TAU,
+        steady.lag.to_degrees(),
+        outcome.settling.duration
+    );
+    match &level.extraction {
+        Ok(found) => {
+            if let Some(modal) = &found.modal {
+                text += &format!(", amplitude {:.4e} m√kg", modal.amplitude.value);
+                text += &modal.damping.map_or_else(String::new, |damping| format!(", damping {:.3e}", damping.value));
+            }
+            text += &found.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>();
+        }
+        Err(error) => text += &format!("\n  no modal point: {}", chain(error)),
+    }
+    text + &outcome.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>()
+}
+
+/// Writes the record of a level, if it is to be kept.
+fn keep(scene: &TestScene, count: usize, level: &TestLevel) -> Result<(), String> {
+    let Some(KeptRecords { format, levels }) = &scene.records else { return Ok(()) };
+    if levels.as_ref().is_some_and(|levels| !levels.contains(&count)) {
+        return Ok(());
+    }
+    let directory = scene.output_directory.join(results::RECORDS);
+    let io = |source| chain(&ReportError::Io { path: directory.clone(), source });
+    fs::create_dir_all(&directory).map_err(io)?;
+    let name = format!("{}.{}", level.outcome.record.name, format.name());
+    write_record(&directory.join(name), &level.outcome.record).map_err(|error| chain(&error))
+}
+
+fn refuse(file: &SceneFile<TestScene>, path: &str, title: &str) -> Status {
+    say!("{}", file.error_at(path, title, "", &[]));
+    Status::Wrong
+}
+
+/// An error of the rig, at the key of the scene that it is about.
+fn refuse_rig(file: &SceneFile<TestScene>, error: &RigError) -> Status {
+    let path = match error {
+        RigError::Loop(_) => "virtual_test.loop",
+        RigError::RigidStopWithoutFlexibility { .. } => "virtual_test.stop",
+        RigError::StepTooLarge { .. } | RigError::DriveTooFast { .. } => "virtual_test.sample_rate_hz",
+        _ => "virtual_test",
+    };
+    let status = refuse(file, path, &chain(error));
+    // A motion that cannot be followed is not the scene's mistake.
+    if matches!(error, RigError::Chatter { .. } | RigError::Diverged { .. }) { Status::EndedEarly } else { status }
+}
