@@ -195,7 +195,10 @@ pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneF
     let mut problems = Vec::new();
     let (document, root) = Document::parse(name, text, overrides, &mut problems);
     let mut findings = Findings::new(&document, problems);
-    let raw: Option<raw::RawTestScene> = root.and_then(|root| read(root, None, &schema::test_schema(), &mut findings));
+    let raw: Option<raw::RawTestScene> = root.and_then(|root| {
+        let other = planned::of_test_and_branch(root.get_ref());
+        read(root, other, &schema::test_schema(), &mut findings)
+    });
     let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(name), &mut findings));
     finish(scene, findings)
 }

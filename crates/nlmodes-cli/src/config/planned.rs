@@ -24,6 +24,16 @@ pub fn of_test(root: &DeTable<'_>) -> Option<Problem> {
     Some(problem.at(range, format!("`{key}` describes the rig")))
 }
 
+/// The problem of a scene of a virtual test that is one of a branch too.
+pub fn of_test_and_branch(root: &DeTable<'_>) -> Option<Problem> {
+    let (key, range) = first(root, &["contact", "method", "continuation"])?;
+    let problem = Problem::error(format!("`{key}` does not belong to a virtual test"));
+    let problem = problem.help(
+        "the stop of the rig stands below [virtual_test.stop], and [virtual_test.backbone] has its backbone computed",
+    );
+    Some(problem.at(range, "found beside [virtual_test]"))
+}
+
 /// The problem of a scene of measured records where one of a structure is wanted.
 pub fn of_records(root: &DeTable<'_>) -> Option<Problem> {
     let (key, range) = first(root, &RECORDS).filter(|_| is_of_records(root))?;

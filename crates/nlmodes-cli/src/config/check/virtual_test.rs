@@ -27,7 +27,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
     positions(test, length, findings);
     let modes = modes(test, findings);
     let exciter = exciter(test.exciter.as_ref(), findings);
-    let schedule = test.schedule.as_ref().and_then(|raw| schedule(raw, exciter, findings));
+    let schedule = test.schedule.as_ref().zip(exciter).and_then(|(raw, exciter)| schedule(raw, exciter, findings));
     let settings = settings(raw.extraction.as_ref(), modes, findings);
     let records = test.records.as_ref().map(|kept| KeptRecords {
         format: kept.format.unwrap_or(RecordFormat::Csv),
@@ -63,7 +63,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         drive: test.drive_m?,
         accelerometers: test.accelerometers_m.clone().unwrap_or_default(),
         stop,
-        exciter,
+        exciter: exciter?,
         noise: noise(test.noise.as_ref()),
         seed: u64::from(test.seed.unwrap_or(1)),
         sample_rate,
@@ -112,9 +112,13 @@ fn modes(test: &RawVirtualTest, findings: &mut Findings<'_>) -> Option<usize> {
     Some(modes)
 }
 
-fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Exciter {
+/// The exciter, if its kind is one.
+fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Option<Exciter> {
     let (typical, none) = (Shaker::default(), RawExciter::default());
     let raw = raw.unwrap_or(&none);
+    if raw.kind.is_none() && findings.has("virtual_test.exciter.kind") {
+        return None;
+    }
     if raw.kind == Some(ExciterKind::Force) {
         let keys = [
             "resistance_ohm",
@@ -132,9 +136,9 @@ fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Exciter {
                 findings.put(&path, problem, "only kind = \"shaker\" uses it");
             }
         }
-        return Exciter::IdealForce;
+        return Some(Exciter::IdealForce);
     }
-    Exciter::Shaker(Shaker {
+    Some(Exciter::Shaker(Shaker {
         resistance: raw.resistance_ohm.unwrap_or(typical.resistance),
         inductance: raw.inductance_h.unwrap_or(typical.inductance),
         force_constant: raw.force_constant_n_a.unwrap_or(typical.force_constant),
@@ -143,7 +147,7 @@ fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Exciter {
         suspension_damping: raw.suspension_damping_n_s_m.unwrap_or(typical.suspension_damping),
         stinger_stiffness: raw.stinger_stiffness_n_m.unwrap_or(typical.stinger_stiffness),
         stinger_damping: raw.stinger_damping_n_s_m.unwrap_or(typical.stinger_damping),
-    })
+    }))
 }
 
 fn schedule(raw: &RawSchedule, exciter: Exciter, findings: &mut Findings<'_>) -> Option<Schedule> {
