@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, SceneFile, wants_colours};
-use crate::{Status, check, compare, lcp, modes, run as study};
+use crate::{Status, check, compare, lcp, modes, run as study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -70,6 +70,14 @@ Example:
 
 Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
     Lcp(lcp::Arguments),
+    /// Start the full structure from a computed point, and say by how much it fails to return after a period
+    #[command(after_help = "\
+Example:
+  nlmodes-cli run configs/rod.toml
+  nlmodes-cli verify results/rod --point 100
+
+Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
+    Verify(verify::Arguments),
     /// Read and check a scene, and say what would be computed; computes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
@@ -103,6 +111,7 @@ pub fn run() -> Status {
             if file.scene.contacts.is_empty() { no_contact(&file) } else { compare::run(&file, &compare) }
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| modes::modes(&file)),
         Command::Check { scene } => with_scene(&scene, |file| print(&check::summary(&file.scene))),
         Command::Schema => print(&format!("{:#}", config::schema())),

@@ -19,5 +19,6 @@ mod lcp;
 mod modes;
 mod run;
 mod status;
+mod verify;
 
 pub use status::Status;

@@ -8,7 +8,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum TimestepError {
     /// More degrees of freedom than dense matrices are sensible for.
-    #[error("{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}")]
+    #[error(
+        "{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}"
+    )]
     TooLarge {
         /// Degrees of freedom of the structure.
         found: usize,
@@ -62,6 +64,14 @@ pub enum TimestepError {
         time: f64,
         /// How often.
         switches: usize,
+    },
+    /// Newton's method found no periodic motion.
+    #[error("no periodic motion was found: residual {residual:e} after {iterations} iterations")]
+    NotConverged {
+        /// Largest entry of the scaled residual.
+        residual: f64,
+        /// Newton iterations.
+        iterations: usize,
     },
     /// The samples of a period cannot carry the harmonics.
     #[error("{harmonics} harmonics need at least {needed} samples a period, not {samples}")]

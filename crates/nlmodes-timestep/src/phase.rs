@@ -197,8 +197,7 @@ impl<'m> Restrained<'m> {
     }
 
     fn free_stiffness(&self) -> Result<SparseMatrix, TimestepError> {
-        select(&self.stiffness, &self.free, &self.free)
-            .map_err(TimestepError::during("structure with closed contacts"))
+        select(&self.stiffness, &self.free, &self.free).map_err(TimestepError::during("structure with closed contacts"))
     }
 
     /// Static equilibrium of all degrees of freedom.
@@ -236,10 +235,11 @@ impl<'m> Restrained<'m> {
         if !self.massless.is_empty() {
             let failed = TimestepError::during("statics of massless nodes");
             let block = select(&self.stiffness, &self.massless, &self.massless).map_err(&failed)?;
-            let places: Vec<usize> =
-                self.massless.iter().filter_map(|dof| self.free.binary_search(dof).ok()).collect();
+            let places: Vec<usize> = self.massless.iter().filter_map(|dof| self.free.binary_search(dof).ok()).collect();
             let mut own: Vec<f64> = places.iter().map(|&i| load[i]).collect();
-            SparseCholesky::factor(&block, "stiffness of the massless nodes").map_err(&failed)?.solve_in_place(&mut own);
+            SparseCholesky::factor(&block, "stiffness of the massless nodes")
+                .map_err(&failed)?
+                .solve_in_place(&mut own);
             places.iter().zip(&own).for_each(|(&i, own)| x[i] += own);
         }
         Ok(x)

@@ -104,7 +104,12 @@ impl Trajectory {
 
     /// The derivative of the end state with respect to the first one times `z` and `v` (m × any each): a product of
     /// exponentials, since nothing jumps at contact instants. `each` sees the derivative at the beginning of each stretch, in the coordinates of its phase.
-    pub(crate) fn transition(&self, z: Mat<f64>, v: Mat<f64>, mut each: impl FnMut(&Segment, &Mat<f64>, &Mat<f64>)) -> (Mat<f64>, Mat<f64>) {
+    pub(crate) fn transition(
+        &self,
+        z: Mat<f64>,
+        v: Mat<f64>,
+        mut each: impl FnMut(&Segment, &Mat<f64>, &Mat<f64>),
+    ) -> (Mat<f64>, Mat<f64>) {
         let (mut z, mut v) = (z, v);
         for segment in &self.segments {
             let phase = &segment.phase;

@@ -22,9 +22,7 @@ fn soft_and_hard() -> StructuralModel {
 
 fn beam_before_three_stops() -> StructuralModel {
     let beam = beam(9, &[]);
-    let at = |i: usize| {
-        beam.dofs().iter().filter(|d| d.kind == DofKind::Deflection).nth(i).unwrap().position
-    };
+    let at = |i: usize| beam.dofs().iter().filter(|d| d.kind == DofKind::Deflection).nth(i).unwrap().position;
     let stop = |at, side, gap| Stop::rigid(at, Direction::Transverse, side, gap);
     support::beam(
         9,
@@ -47,7 +45,11 @@ fn structures() -> Vec<(&'static str, MasslessContactModel, f64)> {
         ("rod, mass moved", with_rule(&unit_rod(10), &Move), -3.0),
         ("rod between stops", massless(&rod_between_stops()), -0.6),
         ("rod, soft and hard stop", massless(&soft_and_hard()), -1.5),
-        ("rod pressed at rest", massless(&rod_with(8, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, -0.2)])), -1.0),
+        (
+            "rod pressed at rest",
+            massless(&rod_with(8, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, -0.2)])),
+            -1.0,
+        ),
         ("rod, spring tips", tips.unwrap(), -3.0),
         ("beam before three stops", with_rule(&beam_before_three_stops(), &Drop), -4e-3),
     ]
@@ -105,8 +107,8 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
         let (mut dynamics, state, time) = let_go(&model, tip);
         let trajectory = dynamics.propagate(&state, time).unwrap();
         let n = model.dofs().len();
-        let (largest_force, mut tested) = ((0..400).map(|j| trajectory.at(time * f64::from(j) / 400.0).forces)
-            .flatten().fold(0.0, f64::max), 0);
+        let (largest_force, mut tested) =
+            ((0..400).map(|j| trajectory.at(time * f64::from(j) / 400.0).forces).flatten().fold(0.0, f64::max), 0);
         for j in 1..400 {
             let t = time * f64::from(j) / 400.0;
             let at = trajectory.at(t);
@@ -168,7 +170,8 @@ fn the_motion_is_that_of_small_steps_of_runge_and_kutta() {
     };
     let acceleration = |q: &[f64]| {
         let tip = (-(0..n).map(|j| k[(n, j)] * q[j]).sum::<f64>() / k[(n, n)]).min(1.0);
-        let mut a: Vec<f64> = (0..n).map(|i| -(0..n).map(|j| k[(i, j)] * q[j]).sum::<f64>() - k[(i, n)] * tip).collect();
+        let mut a: Vec<f64> =
+            (0..n).map(|i| -(0..n).map(|j| k[(i, j)] * q[j]).sum::<f64>() - k[(i, n)] * tip).collect();
         inverse.solve_in_place(&mut a);
         a
     };

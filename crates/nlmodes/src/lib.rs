@@ -19,6 +19,7 @@
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
 //! | [`modal`] | harmonic motions and modal quantities |
 //! | [`report`] | tables and figures |
+//! | [`timestep`] | exact time integration: verification, shooting, Floquet multipliers |
 //!
 //! # The rod of Section 3
 //!
@@ -58,3 +59,4 @@ pub use nlmodes_linalg as linalg;
 pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
+pub use nlmodes_timestep as timestep;
