@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
-use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating, virtual_test};
+use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating, verify, virtual_test};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -73,6 +73,14 @@ Exit status 1 where a sample has no solution, 2 where the archive holds no conta
     /// Measured records
     #[command(subcommand)]
     Experiment(Experiment),
+    /// Start the full structure from a computed point, and say by how much it fails to return after a period
+    #[command(after_help = "\
+Example:
+  nlmodes-cli run configs/rod.toml
+  nlmodes-cli verify results/rod --point 100
+
+Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
+    Verify(verify::Arguments),
     /// Read and check a scene, and say what would be computed; computes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
@@ -126,6 +134,7 @@ pub fn run() -> Status {
             with_parameters(file, false, |file| compare::run(file, &compare))
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
         Command::Experiment(Experiment::Extract { scene, out, quiet }) => extract(&scene, out, quiet),
         Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {

@@ -1,7 +1,7 @@
 //! `nlmodes-cli lcp`: contact problems of one's own, `0 ≤ A λ + b ⊥ λ ≥ 0`, from a NumPy archive.
 
-mod archive;
-mod error;
+pub(crate) mod archive;
+pub(crate) mod error;
 mod problem;
 mod solution;
 mod summary;

@@ -21,6 +21,7 @@ mod modes;
 mod run;
 mod status;
 mod updating;
+mod verify;
 mod virtual_test;
 
 pub use status::Status;

@@ -65,6 +65,14 @@ pub enum TimestepError {
         /// How often.
         switches: usize,
     },
+    /// Newton's method found no periodic motion.
+    #[error("no periodic motion was found: residual {residual:e} after {iterations} iterations")]
+    NotConverged {
+        /// Largest entry of the scaled residual.
+        residual: f64,
+        /// Newton iterations.
+        iterations: usize,
+    },
     /// The samples of a period cannot carry the harmonics.
     #[error("{harmonics} harmonics need at least {needed} samples a period, not {samples}")]
     Samples {

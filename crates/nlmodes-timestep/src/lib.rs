@@ -1,3 +1,50 @@
+//! Exact time integration of structures with massless contact nodes, and what follows from it: a check of computed periodic motions, exact
+//! periodic motions by shooting, and their stability. No harmonics are involved.
+//!
+//! ```text
+//! M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ          (8) in time, with q_N from (13)
+//! 0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L                  (11), (13)
+//! M_LL q̈_L + K_s q_L = f_s                                              while the set s of closed contacts stays the same
+//! ```
+//!
+//! | symbol | meaning | unit | item |
+//! | --- | --- | --- | --- |
+//! | `z`, `ż` | modal coordinates of the structure with open contacts, and their rates | m·√kg, m·√kg/s | [`ModalState`] |
+//! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
+//! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
+//! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
+//! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
+//!
+//! ```
+//! use nlmodes_linalg::sparse_from_triplets;
+//! use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+//! use nlmodes_timestep::{ContactDynamics, Floquet, Shooting};
+//!
+//! // A wall, a spring, a mass, a spring, and a massless node 1 mm from a stop.
+//! let stiffness = sparse_from_triplets(2, 2, &[(0, 0, 3e4), (0, 1, -2e4), (1, 0, -2e4), (1, 1, 2e4)])?;
+//! let mass = sparse_from_triplets(2, 2, &[(0, 0, 0.1)])?;
+//! let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
+//! let stop = Contact::rigid(1, Side::Positive, 1e-3);
+//! let model = StructuralModel::new(mass, stiffness, vec![dof(1), dof(2)], vec![stop])?;
+//!
+//! // The periodic motion of ten times the energy at which the linear mode just touches, from a rough guess.
+//! let dynamics = ContactDynamics::new(MasslessContactModel::new(&model, &Drop)?)?;
+//! let (mut shooting, mut x, _) = Shooting::from_grazing(dynamics, 1)?;
+//! (x[0], x[1]) = (2.2 * x[0], 1.3);
+//! let motion = shooting.motion_near(&x, 10_f64.ln())?;
+//! assert!((motion.trajectory.end.z[0] / motion.state.z[0] - 1.0).abs() < 1e-12); // it comes back
+//! assert!(Floquet::new(shooting.dynamics(), &motion)?.is_stable());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Main decision: between contact instants all modes of the structure with that set of closed contacts are propagated as cosines and sines, so
+//! that the only errors are those of rounding; contact instants are roots of guards of which none is missed. That costs dense matrices, and so
+//! [`MAX_DOFS`].
+//!
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
+//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and multipliers: A. H. Nayfeh, B. Balachandran,
+//! *Applied Nonlinear Dynamics*, Wiley 1995, doi:10.1002/9783527617548.
+
 mod dynamics;
 mod error;
 mod floquet;

@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem};
 use nlmodes_linalg::Mat;
 
 use crate::phase::dot;
@@ -53,6 +54,8 @@ pub struct PeriodicMotion {
 }
 
 impl Shooting {
+    /// With scales that make the unknowns numbers near one.
+    ///
     /// # Errors
     /// [`TimestepError::NotPositive`] for a scale.
     pub fn new(dynamics: ContactDynamics, scales: ShootingScales) -> Result<Self, TimestepError> {
@@ -121,6 +124,25 @@ impl Shooting {
     pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
         let (state, omega) = (self.state(x), self.omega(x));
         PeriodicMotion::new(&mut self.dynamics, state, omega)
+    }
+
+    /// The periodic motion to which Newton's method leads from the unknown vector `x` at the parameter `p`.
+    ///
+    /// # Errors
+    /// [`TimestepError::NotConverged`], or what [`ContactDynamics::propagate`] reports.
+    pub fn motion_near(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, TimestepError> {
+        let mut across = vec![0.0; x.len() + 1];
+        across[x.len()] = 1.0;
+        let method = Continuation { max_points: 1, ..Continuation::default() };
+        let branch = method.run(self, x, p, &across, |_| ControlFlow::Continue(()));
+        match branch.map(|branch| branch.points.into_iter().next()) {
+            Ok(Some(point)) => self.motion(&point.x),
+            Err(ContinuationError::System(error)) => Err(error),
+            Err(ContinuationError::Start { residual, iterations, .. }) => {
+                Err(TimestepError::NotConverged { residual, iterations })
+            }
+            Ok(None) | Err(_) => Err(TimestepError::NotConverged { residual: f64::NAN, iterations: 0 }),
+        }
     }
 
     fn hash(trajectory: &Trajectory) -> u64 {

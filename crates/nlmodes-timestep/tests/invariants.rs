@@ -66,7 +66,7 @@ fn let_go(model: &MasslessContactModel, tip: f64) -> (ContactDynamics, ModalStat
         let share = 0.1 * tip * modes.omega[0] / modes.omega[k] / modes.shapes[(last, 0)];
         (0..n).for_each(|i| q[i] += share * modes.shapes[(i, k)] / (k + 1) as f64);
     }
-    let mut dynamics = ContactDynamics::new(model.clone()).unwrap();
+    let dynamics = ContactDynamics::new(model.clone()).unwrap();
     let state = dynamics.state(&q, &vec![0.0; n]).unwrap();
     (dynamics, state, if is_beam { 2.2 } else { 60.0 } / modes.omega[0])
 }

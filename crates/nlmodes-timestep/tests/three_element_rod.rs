@@ -6,8 +6,8 @@ mod support;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, Continuation, ParametricSystem, StepSettings, StopReason};
-use nlmodes_timestep::{Floquet, PeriodicMotion, Shooting};
+use nlmodes_continuation::{Bound, Branch, Continuation, StepSettings, StopReason};
+use nlmodes_timestep::{Floquet, Shooting};
 use support::{dynamics, unit_rod};
 
 /// The branch of mode 1 from grazing up to a frequency, Hz.
@@ -55,31 +55,4 @@ fn every_point_of_the_branch_returns_after_its_full_period() {
         assert!((product.re - 1.0).abs() < 1e-9 && product.im.abs() < 1e-9, "{:?}", floquet.multipliers);
         assert!(floquet.trivial_defect < 1e-9, "{:e}", floquet.trivial_defect);
     }
-}
-
-#[test]
-fn growth_of_a_disturbance_is_that_of_the_largest_multiplier() {
-    let (mut shooting, x, direction) = Shooting::from_grazing(dynamics(&unit_rod(3)), 1).unwrap();
-    let branch = branch_to(&mut shooting, &x, &direction, 0.36);
-    let motions: Vec<PeriodicMotion> = branch.points.iter().map(|p| shooting.motion(&p.x).unwrap()).collect();
-    let largest = motions.iter().map(|m| Floquet::new(shooting.dynamics(), m).unwrap().largest());
-    let largest: Vec<f64> = largest.collect();
-    let at = (0..largest.len()).max_by(|&i, &j| largest[i].total_cmp(&largest[j])).unwrap();
-    println!("{largest:?}");
-    let motion = &motions[at];
-    let mut state = motion.state.clone();
-    state.z[1] += 1e-9;
-    state.v[1] += 1e-9;
-    let period = TAU / motion.omega;
-    let apart = |s: &nlmodes_timestep::ModalState| {
-        s.z.iter().zip(&motion.state.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    let growth: Vec<f64> = (0..12)
-        .map(|_| {
-            let before = apart(&state);
-            state = shooting.dynamics().propagate(&state, period).unwrap().end;
-            apart(&state) / before
-        })
-        .collect();
-    println!("{} {growth:?}", largest[at]);
 }

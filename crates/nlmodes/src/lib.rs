@@ -21,6 +21,7 @@
 //! | [`experiment`] | measured records to modal points |
 //! | [`report`] | tables and figures |
 //! | [`rig`] | a virtual rig: structure, stop, shaker, sensors, schedule |
+//! | [`timestep`] | exact time integration: verification, shooting, Floquet multipliers |
 //!
 //! # The rod of Section 3
 //!
@@ -64,3 +65,4 @@ pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
 pub use nlmodes_rig as rig;
+pub use nlmodes_timestep as timestep;

@@ -15,12 +15,12 @@ pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::config::check::free_dofs;
 
 /// A structure with one-sided stops, and how its nonlinear mode is to be computed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Title of tables and figures.
     pub title: String,
@@ -40,7 +40,7 @@ pub struct Scene {
 }
 
 /// Geometry, mesh, supports, material and section.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Structure {
     /// Length along the axis, m.
     pub length: f64,
@@ -78,7 +78,7 @@ impl Structure {
 }
 
 /// Cross section, and with it the theory.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Section {
     /// Axial motion only.
@@ -100,7 +100,7 @@ pub enum Section {
 }
 
 /// A stop on one side of a node.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Number of the node, 0 at the start.
     pub node: usize,
@@ -118,7 +118,7 @@ pub struct Contact {
 }
 
 /// Parameters that are fitted to given linear frequencies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Updating {
     /// The parameters.
     pub parameters: Vec<UpdatedParameter>,
@@ -132,7 +132,7 @@ pub struct Updating {
 }
 
 /// What an updating changed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UpdatingDone {
     /// Values of the parameters before.
     pub from: Vec<f64>,
@@ -145,7 +145,7 @@ pub struct UpdatingDone {
 }
 
 /// How the periodic motion is computed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Method {
     /// Method.
     pub kind: MethodKind,
@@ -154,7 +154,7 @@ pub struct Method {
     /// Number of harmonics beside the mean; the largest where several are asked for.
     pub harmonics: usize,
     /// All numbers of harmonics for which a branch is computed, ascending.
-    #[serde(skip_serializing_if = "is_single")]
+    #[serde(default, skip_serializing_if = "is_single")]
     pub harmonics_list: Vec<usize>,
     /// How the instants of touching and leaving are found.
     pub switching: Switching,
@@ -177,7 +177,7 @@ fn is_single(list: &[usize]) -> bool {
 }
 
 /// How far the branch is followed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Continuation {
     /// Averaged kinetic energy at which the branch ends, over that at grazing.
     pub max_energy_ratio: Option<f64>,
@@ -196,7 +196,7 @@ pub struct Continuation {
 }
 
 /// Where a branch starts.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "at")]
 pub enum Start {
     /// At the linear mode that just touches the stop.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use npyz::npz::NpzArchive;
 use npyz::{DType, NpyFile, Order};
+use num_complex::Complex64;
 
 use super::error::ProblemError;
 
@@ -38,8 +39,7 @@ impl Archive {
 
     /// The array `name`.
     pub fn array(&mut self, name: &'static str) -> Result<Array, ProblemError> {
-        let mut found: Vec<String> = self.0.array_names().map(str::to_owned).collect();
-        found.sort();
+        let found = self.names();
         if !found.iter().any(|known| known == name) {
             return Err(ProblemError::Missing { name, found });
         }
@@ -47,6 +47,31 @@ impl Archive {
         check_header(&bytes).map_err(|found| ProblemError::NotNumbers { name, found })?;
         let file = NpyFile::new(&bytes[..]).map_err(|source| ProblemError::Damaged { name, source })?;
         decode(name, file)
+    }
+
+    /// Names of the arrays, in alphabetical order.
+    pub fn names(&self) -> Vec<String> {
+        let mut found: Vec<String> = self.0.array_names().map(str::to_owned).collect();
+        found.sort();
+        found
+    }
+
+    /// The complex array `name`, row by row, with its lengths along any number of dimensions.
+    pub fn complex(&mut self, name: &'static str) -> Result<(Vec<usize>, Vec<Complex64>), ProblemError> {
+        let bytes = self.bytes(name)?;
+        check_header(&bytes).map_err(|found| ProblemError::NotNumbers { name, found })?;
+        let damaged = |source| ProblemError::Damaged { name, source };
+        let file = NpyFile::new(&bytes[..]).map_err(damaged)?;
+        check_length(&file).map_err(damaged)?;
+        let lengths: Option<Vec<usize>> = file.shape().iter().map(|n| usize::try_from(*n).ok()).collect();
+        let shape = lengths.unwrap_or_default();
+        if file.order() == Order::Fortran && shape.len() > 1 {
+            return Err(ProblemError::NotNumbers { name, found: "columns before rows (Fortran order)".into() });
+        }
+        let values = file
+            .try_data::<Complex64>()
+            .map_err(|_| ProblemError::NotNumbers { name, found: "values that are not complex numbers".into() })?;
+        Ok((shape, values.collect::<io::Result<Vec<_>>>().map_err(damaged)?))
     }
 
     /// The unpacked bytes of an array; memory is taken as they come, whatever the archive claims.

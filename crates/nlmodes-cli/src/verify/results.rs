@@ -1,0 +1,133 @@
+//! A point of a run that is on disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nlmodes::modal::HarmonicCoefficients;
+use nlmodes::model::MasslessContactModel;
+use serde::Deserialize;
+
+use super::error::VerifyError;
+use crate::assemble::{contact_model, structural_model};
+use crate::config::scene::{Scene, Symmetry};
+use crate::lcp::archive::Archive;
+use crate::run::chain;
+
+const SUMMARY: &str = "summary.json";
+const HARMONICS: &str = "harmonics.npz";
+
+/// A periodic motion with its structure.
+pub struct Point {
+    pub number: usize,
+    pub title: String,
+    pub model: MasslessContactModel,
+    pub omega: f64,
+    pub coefficients: HarmonicCoefficients,
+    symmetry: Symmetry,
+}
+
+/// What is read of a summary.
+#[derive(Deserialize)]
+struct Summary {
+    scene: Scene,
+    /// Of a run with several numbers of harmonics.
+    #[serde(default)]
+    branches: Vec<Branch>,
+}
+
+#[derive(Deserialize)]
+struct Branch {
+    directory: PathBuf,
+}
+
+impl Point {
+    /// Reads `summary.json`, that of the directory above for a folder `branch_1` …, and `harmonics.npz`.
+    pub fn read(directory: &Path, number: usize) -> Result<Self, VerifyError> {
+        if !directory.is_dir() {
+            return Err(VerifyError::NoDirectory);
+        }
+        let summary = read_summary(directory)?;
+        let path = directory.join(HARMONICS);
+        if !path.is_file() {
+            return Err(match summary.branches.is_empty() {
+                true => VerifyError::Missing { name: HARMONICS },
+                false => {
+                    let folders = summary.branches.into_iter().map(|branch| branch.directory).collect();
+                    VerifyError::SeveralBranches { folders }
+                }
+            });
+        }
+        let scene = summary.scene;
+        let model = model(&scene)?;
+        let (omega, coefficients) = read_point(&path, number, &model)?;
+        if coefficients.n_harmonics() != scene.method.harmonics {
+            let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
+            return Err(VerifyError::Foreign { what: "number of harmonics", found, expected });
+        }
+        Ok(Self { number, title: scene.title, model, omega, coefficients, symmetry: scene.method.symmetry })
+    }
+
+    /// Whether the structure stands still at the beginning of the period.
+    pub fn is_even(&self) -> bool {
+        self.symmetry == Symmetry::Even
+    }
+}
+
+fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
+    let own = directory.join(SUMMARY);
+    let above = directory.join("..").join(SUMMARY);
+    let branch = directory.file_name().is_some_and(|name| name.to_string_lossy().starts_with("branch_"));
+    let path = if !own.is_file() && branch { above } else { own };
+    if !path.is_file() {
+        return Err(VerifyError::Missing { name: SUMMARY });
+    }
+    let text = fs::read_to_string(&path).map_err(|source| VerifyError::Read { path: path.clone(), source })?;
+    serde_json::from_str(&text).map_err(|source| VerifyError::NotASummary { path, source })
+}
+
+fn model(scene: &Scene) -> Result<MasslessContactModel, VerifyError> {
+    let model = structural_model(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
+    contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })
+}
+
+/// Frequency and coefficients of one point of the archive.
+fn read_point(
+    path: &Path,
+    number: usize,
+    model: &MasslessContactModel,
+) -> Result<(f64, HarmonicCoefficients), VerifyError> {
+    let mut archive = Archive::open(path)?;
+    let names = archive.names();
+    for name in ["omega", "coefficients", "dof_position_m"] {
+        if !names.iter().any(|known| known == name) {
+            return Err(VerifyError::NoArray { name });
+        }
+    }
+    let (omega, positions) = (archive.array("omega")?, archive.array("dof_position_m")?);
+    let (shape, values) = archive.complex("coefficients")?;
+    let foreign = |what, found: String, expected: String| Err(VerifyError::Foreign { what, found, expected });
+    let n = model.dofs().len();
+    let &[points, coordinates, width] = shape.as_slice() else {
+        return foreign("dimensions of `coefficients`", shape.len().to_string(), "3".into());
+    };
+    if omega.shape != [points] {
+        return foreign("points of `omega`", omega.values.len().to_string(), points.to_string());
+    }
+    if coordinates != n || width == 0 {
+        return foreign("degrees of freedom", coordinates.to_string(), n.to_string());
+    }
+    let length = model.dofs().iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
+    let apart = |(found, dof): (&f64, &nlmodes::model::Dof)| !((found - dof.position).abs() <= 1e-9 * length);
+    if positions.values.len() != n || positions.values.iter().zip(model.dofs()).any(apart) {
+        return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
+    }
+    if number >= points {
+        return Err(VerifyError::NoSuchPoint { point: number, points });
+    }
+    let mut coefficients = HarmonicCoefficients::zeros(n, width - 1);
+    for d in 0..n {
+        let from = (number * n + d) * width;
+        coefficients.of_mut(d).copy_from_slice(&values[from..from + width]);
+    }
+    Ok((omega.values[number], coefficients))
+}
