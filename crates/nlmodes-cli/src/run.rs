@@ -2,6 +2,7 @@
 
 mod figures;
 mod harmonics;
+mod page;
 mod progress;
 mod sink;
 mod summary;
@@ -130,7 +131,8 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
     };
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
-        .and_then(|()| figures::write(directory, &file.scene, &tree.branches));
+        .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
+        .and_then(|()| page::write(directory, &file.scene, &tree.branches.iter().collect::<Vec<_>>()));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;

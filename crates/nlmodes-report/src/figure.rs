@@ -5,11 +5,14 @@ mod convergence;
 mod events;
 mod history;
 mod motion;
+mod stroboscope;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub use history::HistoryFigure;
+pub(crate) use events::EventSymbols;
 pub use motion::MotionFigure;
+pub(crate) use stroboscope::stroboscope;
 
 use crate::ReportError;
 use crate::output::replace_file;

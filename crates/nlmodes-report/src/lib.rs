@@ -12,6 +12,7 @@
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
 //! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
+//! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
@@ -69,8 +70,10 @@
 mod chart;
 mod error;
 mod figure;
+mod html;
 mod output;
 mod palette;
+mod stations;
 mod surface;
 mod svg;
 mod table;
@@ -78,4 +81,5 @@ mod unit;
 
 pub use error::ReportError;
 pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MotionFigure};
+pub use html::{DataTable, HtmlReport, StopLine};
 pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_summary};

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{Abscissa, BranchFigure, write_summary};
+use nlmodes::study::ComputedBranch;
 use serde::Serialize;
 
 use crate::Status;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
 
-use super::{chain, one_branch};
+use super::{chain, one_branch, page};
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -45,7 +46,7 @@ pub fn study(file: &SceneFile, numbers: &[usize], quiet: bool) -> Result<Status,
             status = ended;
         }
         rows.push(Branch::new(harmonics, &own.scene, &computed.branch));
-        branches.push(computed.branch);
+        branches.push(computed);
     }
     if let Err(error) = write(file, &branches, rows) {
         say!("error: {}", chain(error.as_ref()));
@@ -76,9 +77,10 @@ impl Branch {
     }
 }
 
-fn write(file: &SceneFile, branches: &[ModalBranch], rows: Vec<Branch>) -> Result<(), Box<dyn Error>> {
+fn write(file: &SceneFile, branches: &[ComputedBranch], rows: Vec<Branch>) -> Result<(), Box<dyn Error>> {
     let scene = &file.scene;
-    let all: Vec<&ModalBranch> = branches.iter().collect();
+    let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
+    page::write(&scene.output_directory, scene, &branches.iter().collect::<Vec<_>>())?;
     for (abscissa, name) in
         [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
     {
