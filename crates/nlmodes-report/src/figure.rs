@@ -9,8 +9,8 @@ mod stroboscope;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
-pub use history::HistoryFigure;
 pub(crate) use events::EventSymbols;
+pub use history::HistoryFigure;
 pub use motion::MotionFigure;
 pub(crate) use stroboscope::stroboscope;
 

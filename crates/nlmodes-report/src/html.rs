@@ -4,6 +4,7 @@ mod data;
 mod document;
 mod frame;
 mod history;
+mod knots;
 mod motion;
 mod number;
 mod overview;

@@ -14,16 +14,15 @@ use crate::assemble::structural_model;
 use crate::config::scene::Scene;
 use crate::modes::{LinearFrequencies, linear_frequencies};
 
-/// Samples of a period of each contact that moves on the page.
-const MOTION_SAMPLES: usize = 128;
+/// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
+const MOTION_SAMPLES: usize = 2000;
 
 /// Writes the page about these branches; its points with a name are those of the figures of the first branch.
 pub fn write(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
     let Some(first) = all.first() else { return Ok(()) };
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
-    let contact_motion = |branch: usize, point: usize, stop: usize| {
-        all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok()
-    };
+    let contact_motion =
+        |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
     let references = reference_points(&first.branch);
     let history = |point: &usize| first.time_history(*point, 0, HISTORY_SAMPLES, &first.branch.label);
     let histories = references.iter().map(history).collect::<Result<Vec<_>, _>>()?;

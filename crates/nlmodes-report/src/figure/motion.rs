@@ -77,7 +77,8 @@ impl<'a> MotionFigure<'a> {
         let x = Unit::fine("m", positions.iter().fold(0.0, |m: f64, value| m.max(value.abs())));
         let t = Unit::fine("s", period);
         let scaled = |values: &[f64], unit: &Unit| values.iter().map(|value| value * unit.per_si).collect::<Vec<_>>();
-        let line = |y: f64| stations::contact_position(self.branch).map(|at| Line { x: at * x.per_si, z: y * z.per_si });
+        let line =
+            |y: f64| stations::contact_position(self.branch).map(|at| Line { x: at * x.per_si, z: y * z.per_si });
         Surface {
             title: self.title(point),
             x: SurfaceAxis { label: format!("position in {}", x.symbol), values: scaled(&positions, &x) },
@@ -85,7 +86,9 @@ impl<'a> MotionFigure<'a> {
             z_label: format!("{name} in {}", z.symbol),
             z: heights.iter().map(|row| scaled(row, &z)).collect(),
             stop: self.branch.stop.filter(|stop| stop.is_finite()).and_then(line),
-            contact: stations.iter().position(|(position, _)| Some(*position) == stations::contact_position(self.branch)),
+            contact: stations
+                .iter()
+                .position(|(position, _)| Some(*position) == stations::contact_position(self.branch)),
         }
     }
 

@@ -30,9 +30,9 @@ pub(crate) fn stroboscope(
         let points = points.into_iter().map(|(at, height)| (at * x.per_si, height * unit.per_si)).collect();
         Curve { class, points, stroke }
     };
-    let moving = shapes.iter().map(|shape| {
-        curve("instant", positions.iter().copied().zip(shape.iter().copied()).collect(), STROKE)
-    });
+    let moving = shapes
+        .iter()
+        .map(|shape| curve("instant", positions.iter().copied().zip(shape.iter().copied()).collect(), STROKE));
     let reach = 0.03 * largest(&mut positions.iter().copied());
     let walls = stops.iter().map(|(at, stop)| curve("stop", vec![(at - reach, *stop), (at + reach, *stop)], STOP));
     let y_scale = Scale::linear(heights().map(|value| value * unit.per_si), 0.08)?;

@@ -33,7 +33,8 @@ mod tests {
 
     #[test]
     fn names_and_values_are_escaped_and_nulls_left_out() {
-        let value = serde_json::json!({"a_b": "<b>", "<i>": [1, 2.5], "none": null, "many": [{"x": true}, {"x": false}]});
+        let value =
+            serde_json::json!({"a_b": "<b>", "<i>": [1, 2.5], "none": null, "many": [{"x": true}, {"x": false}]});
         let html = tree(&value);
         assert!(html.contains("<dt>a b</dt><dd>&lt;b&gt;</dd>"), "{html}");
         assert!(html.contains("<dt>&lt;i&gt;</dt><dd>1, 2.5</dd>"), "{html}");

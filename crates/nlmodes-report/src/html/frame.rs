@@ -17,8 +17,8 @@ const SCRIPT: &str = concat!(
 );
 
 /// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
-const STYLE_HASH: &str = "uS06zNIuh4J0TMCfNU8ukp4SfOpgfD/YWRIwZwTCUJ4=";
-const SCRIPT_HASH: &str = "0N9TupffqL8hMYBqoHwYxRKaYHDb+U7vXMEakx5NCgU=";
+const STYLE_HASH: &str = "QS9rSVDL/16IHEyce/QPWALhl9i1mzKLdB7Y7D+XuGQ=";
+const SCRIPT_HASH: &str = "jWuMfwUNLxVYTNBJQxrAindlciQ+Tz/a6UZK95wgBQ4=";
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
     let policy = format!(

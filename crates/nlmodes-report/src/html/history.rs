@@ -1,11 +1,12 @@
 //! Time histories for the script, and thinned ones.
 
+use super::knots::knots;
 use super::number::rounded;
 use nlmodes_modal::TimeHistory;
 use serde::Serialize;
 
-/// Most samples of a history on the page.
-const MAX_SAMPLES: usize = 501;
+/// By how much of its largest value a curve may miss a sample: a tenth of a pixel.
+const TOLERANCE: f64 = 5e-4;
 
 #[derive(Serialize)]
 pub(super) struct HistoryData {
@@ -37,18 +38,14 @@ impl HistoryData {
     }
 }
 
-/// The history with at most [`MAX_SAMPLES`] samples, both ends among them.
-///
-/// A series that is shorter than the time stays as it is.
+/// The history with as few samples as its curves need; as it is, if a series does not fit the time.
 pub(super) fn thinned(history: &TimeHistory) -> TimeHistory {
-    let n = history.time.len();
-    if n <= MAX_SAMPLES {
+    let all = [&history.displacement, &history.velocity, &history.acceleration, &history.force];
+    if all.iter().any(|values| values.len() != history.time.len()) {
         return history.clone();
     }
-    let pick = |values: &Vec<f64>| -> Vec<f64> {
-        let chosen = (0..MAX_SAMPLES).filter_map(|k| values.get(k * (n - 1) / (MAX_SAMPLES - 1)).copied());
-        if values.len() == n { chosen.collect() } else { values.clone() }
-    };
+    let chosen = knots(&history.time, &all.map(Vec::as_slice), TOLERANCE);
+    let pick = |values: &[f64]| chosen.iter().map(|k| values[*k]).collect();
     TimeHistory {
         label: history.label.clone(),
         time: pick(&history.time),

@@ -1,5 +1,6 @@
 //! Motions for the script: as many points as fit into a page of sensible size, in whole numbers.
 
+use super::knots::knots;
 use super::number::rounded;
 use super::{HtmlReport, StopLine};
 use crate::stations::{self, Station};
@@ -12,6 +13,8 @@ const BUDGET: usize = 1_500_000;
 /// Fewest and most points of a branch whose motion the page holds, beside those with an event or a name.
 const POINTS: (usize, usize) = (12, 300);
 const MAX_STATIONS: usize = 41;
+/// By how much of its largest value displacement and force of a contact may be missed.
+const CONTACT_TOLERANCE: f64 = 2e-3;
 /// Largest whole number in which a motion is expressed: a ten-thousandth of a pixel is not seen, a thousandth is not either.
 const FULL_SCALE: f64 = 9999.0;
 
@@ -49,6 +52,8 @@ struct Frame {
 
 #[derive(Serialize)]
 struct Contact {
+    /// Ten-thousandths of the period, ascending, both ends among them.
+    phase: Vec<i32>,
     displacement: Packed,
     force: Packed,
 }
@@ -117,7 +122,7 @@ fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_sto
     let points = &report.branches[index].points;
     let (n, n_harmonics) = (points.len(), points.first().map_or(0, |point| point.coefficients.n_harmonics()));
     let contacts = if report.contact_motion.is_some() { n_stops } else { 0 };
-    let bytes = 10 * n_stations * (n_harmonics + 1) + 1200 * contacts;
+    let bytes = 10 * n_stations * (n_harmonics + 1) + 1000 * contacts;
     let most = (BUDGET / report.branches.len().max(1) / bytes.max(1)).clamp(POINTS.0, POINTS.1);
     let stride = n.div_ceil(most).max(1);
     let named = |point: usize| report.marks.iter().any(|(branch, marked, _)| (*branch, *marked) == (index, point));
@@ -136,7 +141,11 @@ fn packed_motion(point: &ModalPoint, stations: &[Station]) -> (f64, Vec<Vec<i32>
     let parts = || stations.iter().flat_map(row).flat_map(|q| [q.re, q.im]);
     let scale = scale(parts());
     let packed = |part: fn(&Complex64) -> f64| -> Vec<Vec<i32>> {
-        stations.iter().map(|station| row(station).iter().map(|q| whole(part(q), scale)).collect()).map(trimmed).collect()
+        stations
+            .iter()
+            .map(|station| row(station).iter().map(|q| whole(part(q), scale)).collect())
+            .map(trimmed)
+            .collect()
     };
     let imaginary = packed(|q| q.im);
     let is_even = imaginary.iter().all(Vec::is_empty);
@@ -151,9 +160,19 @@ fn trimmed(mut row: Vec<i32>) -> Vec<i32> {
 
 fn contact(report: &HtmlReport<'_>, branch: usize, point: usize, stop: usize) -> Option<Contact> {
     let history = report.contact_motion?(branch, point, stop)?;
-    let is_whole = history.displacement.len() > 1 && history.force.len() == history.displacement.len();
-    let displacement = packed(&history.displacement);
-    is_whole.then(|| Contact { displacement, force: packed(&history.force) })
+    let (time, displacement, force) = (&history.time, &history.displacement, &history.force);
+    let [first, .., last] = time[..] else { return None };
+    if time.len() != displacement.len() || time.len() != force.len() {
+        return None;
+    }
+    let chosen = knots(time, &[displacement, force], CONTACT_TOLERANCE);
+    let pick = |values: &[f64]| chosen.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+    let phase = |time: f64| ((time - first) / (last - first) * 1e4).round() as i32;
+    Some(Contact {
+        phase: pick(time).into_iter().map(phase).collect(),
+        displacement: packed(&pick(displacement)),
+        force: packed(&pick(force)),
+    })
 }
 
 fn packed(values: &[f64]) -> Packed {

@@ -8,7 +8,8 @@ use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
 
 impl HtmlReport<'_> {
     pub(super) fn overview(&self) -> String {
-        let lines: String = self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line))).collect();
+        let lines: String =
+            self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line))).collect();
         let Some(branch) = self.branches.first() else { return lines };
         let cards: String = self.cards(branch).into_iter().map(|(value, name)| card(&value, &name)).collect();
         format!("{}{lines}<ul class=\"cards\">\n{cards}</ul>\n", outcome(self.branches))
@@ -23,11 +24,12 @@ impl HtmlReport<'_> {
         let n_points: usize = self.branches.iter().map(|branch| branch.points.len()).sum();
         let n_branches = self.branches.len();
         let of = if n_branches == 1 { "points".into() } else { format!("points on {n_branches} branches") };
-        let energy = last.kinetic_energy / first.kinetic_energy;
+        let energies = || points().map(|point| point.kinetic_energy).filter(|energy| energy.is_finite());
+        let (least, most) = (energies().fold(f64::INFINITY, f64::min), energies().fold(0.0, f64::max));
         let mut cards = vec![
             (format!("{} Hz", hertz(first.omega)), start.into()),
             (format!("{} Hz", hertz(last.omega)), format!("at the last point, {sign}{} %", significant(change, 3))),
-            (format!("× {}", significant(energy, 3)), "kinetic energy, last over first point".into()),
+            (format!("{} … {} J", significant(least, 3), significant(most, 3)), "averaged kinetic energy".into()),
             (force(branch), "largest contact force".into()),
             (n_points.to_string(), of),
         ];
@@ -55,6 +57,10 @@ fn outcome(branches: &[&ModalBranch]) -> String {
     let early = branches.iter().filter(|branch| !branch.end.complete).count();
     let end = branches.first().map_or("", |branch| branch.end.message.as_str());
     let (class, word) = if early == 0 { ("done", "✓ Complete") } else { ("early", "⚠ Ended early") };
-    let of = if branches.len() > 1 && early > 0 { format!(" ({early} of {} branches)", branches.len()) } else { String::new() };
+    let of = if branches.len() > 1 && early > 0 {
+        format!(" ({early} of {} branches)", branches.len())
+    } else {
+        String::new()
+    };
     format!("<p class=\"outcome {class}\">{word}{of}: {}.</p>\n", escape(end))
 }

@@ -27,7 +27,7 @@ impl HtmlReport<'_> {
         let section = |id, title, html| Section { id, title, html };
         let all = vec![
             section("overview", "", self.overview()),
-            section("branches", "Frequency", self.branch_figures()),
+            section("branches", "The nonlinear mode", self.branch_figures()),
             section("moving", "Motion", self.motion_figure()),
             section("histories", "Time histories", self.history_figures()?),
             section("tables", "Tables", self.all_tables()),
@@ -37,8 +37,8 @@ impl HtmlReport<'_> {
     }
 
     fn branch_figures(&self) -> String {
-        let energy = self.branch_figure(Abscissa::Energy, "energy", "over averaged kinetic energy");
-        let amplitude = self.branch_figure(Abscissa::ModalAmplitude, "amplitude", "over modal amplitude");
+        let energy = self.branch_figure(Abscissa::Energy, "energy", "Frequency over averaged kinetic energy");
+        let amplitude = self.branch_figure(Abscissa::ModalAmplitude, "amplitude", "Frequency over modal amplitude");
         if energy.is_empty() && amplitude.is_empty() {
             return String::new();
         }

@@ -29,7 +29,8 @@ impl DataTable {
         if rows.is_empty() {
             return String::new();
         }
-        let is_number = |column: usize| rows.iter().any(|row| row.get(column).is_some_and(|c| c.contains("\"number\"")));
+        let is_number =
+            |column: usize| rows.iter().any(|row| row.get(column).is_some_and(|c| c.contains("\"number\"")));
         let class = |column: usize| if is_number(column) { " class=\"number\"" } else { "" };
         let names = self.head.iter().enumerate();
         let head: String =

@@ -9,9 +9,9 @@ function facts(branch, index) {
     ["frequency", hertz(branch.frequency[index])],
     ["averaged kinetic energy", significant(branch.energy[index], 5) + " J"],
     ["modal amplitude", significant(branch.amplitude[index], 5) + " m √kg"],
-    ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " % of the period"],
+    ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " %"],
     ["largest contact force", withUnit(branch.force[index], "N", prefixed)],
-    ["largest displacement to the stop", withUnit(branch.peak[index], "m", fine)],
+    ["largest displacement", withUnit(branch.peak[index], "m", fine)],
     ["total energy", significant(branch.totalEnergy[index], 5) + " J"],
     ["contacts a period", String(branch.contactIntervals[index])],
     ["residual", significant(branch.residual[index], 2)],
@@ -27,7 +27,7 @@ function withUnit(value, name, choice) {
   return significant(value * unit.perSi, 5) + " " + unit.symbol;
 }
 
-const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement to the stop"]);
+const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement"]);
 
 function describePoint(curve, index) {
   const branch = DATA.branches[curve.key];

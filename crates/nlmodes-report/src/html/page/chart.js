@@ -94,7 +94,7 @@ class Chart {
       const label = { x, y: bottom + 18, "text-anchor": "middle", class: "tick x", "data-value": tick.value };
       if (tick.label && lowest) svg(this.svg, "text", label, tick.label);
     }
-    for (const tick of ticks(panel.kind, this.view.y[p], Math.max(2, Math.round(f.height / 50)))) {
+    for (const tick of ticks(panel.kind, this.view.y[p], Math.max(3, Math.round(f.height / 45)))) {
       const y = this.py(p, tick.place);
       svg(this.svg, "line", { x1: f.left, x2: f.left + f.width, y1: y, y2: y, class: tick.label ? "grid" : "grid fine" });
       const label = { x: f.left - 7, y: y + 4, "text-anchor": "end", class: "tick y", "data-value": tick.value, "data-panel": p };
@@ -109,7 +109,10 @@ class Chart {
       svg(inside, "line", { x1: f.left, x2: f.left + f.width, y1: y, y2: y, class: level.class });
     }
     for (const curve of panel.curves) if (!this.hidden.has(curve.key)) this.drawCurve(inside, p, curve);
-    for (const mark of panel.symbols || []) if (!this.hidden.has(mark.key)) this.drawSymbol(inside, p, mark);
+    const marks = (panel.symbols || []).filter(mark => !this.hidden.has(mark.key));
+    const named = marks.filter(mark => this.drawSymbol(inside, p, mark) && mark.name);
+    const taken = [];
+    named.forEach(mark => this.drawName(inside, p, mark, taken));
   }
 
   drawCurve(parent, p, curve) {
@@ -131,12 +134,28 @@ class Chart {
 
   drawSymbol(parent, p, mark) {
     const [x, y] = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
-    if (!Number.isFinite(x + y) || Math.abs(x) > 1e4 || Math.abs(y) > 1e4) return;
+    const f = this.frames[p];
+    if (!(x > f.left - 20 && x < f.left + f.width + 20 && y > f.top - 20 && y < f.top + f.height + 20)) return false;
     symbol(parent, mark.shape, x, y, mark.fill, mark.title);
-    if (!mark.name) return;
-    const left = x > this.frames[p].left + this.frames[p].width - 60;
-    const place = { x: left ? x - 7 : x + 7, y: y - 7, class: "name", "text-anchor": left ? "end" : "start" };
-    svg(parent, "text", place, mark.name);
+    return true;
+  }
+
+  /// The name of a symbol where it covers no other name: beside it, or further away with a line to it.
+  drawName(parent, p, mark, taken) {
+    const [x, y] = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
+    const f = this.frames[p], width = 7.6 * mark.name.length + 4, height = 15;
+    const free = box => box.x > f.left && box.x + width < f.left + f.width && box.y > f.top && box.y + height < f.top + f.height
+      && !taken.some(other => box.x < other.x + other.width && other.x < box.x + width && Math.abs(box.y - other.y) < height);
+    const rows = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, 6];
+    const places = rows.flatMap(row => [7, -7 - width].map(dx => ({ x: x + dx, y: y - 18 - 16 * row + (row < 0 ? 6 : 0), width, row })));
+    const box = places.find(free);
+    if (!box) return;
+    taken.push(box);
+    if (box.row > 0 || box.row < -1) {
+      const end = { x2: box.x > x ? box.x : box.x + width, y2: box.y + height / 2 + 2 };
+      svg(parent, "line", { x1: x, y1: y, ...end, class: "leader" });
+    }
+    svg(parent, "text", { x: box.x + 2, y: box.y + 12, class: "name" }, mark.name);
   }
 
   drawOverlay() {

@@ -1,7 +1,7 @@
 // The structure as it moves over one period.
 
 const TRAIL = 16;
-const SIZE = { width: 760, height: 330, left: 74, right: 26, top: 16, bottom: 46, bar: 64 };
+const SIZE = { width: 760, height: 350, left: 74, right: 26, top: 16, bottom: 46, bar: 64 };
 
 const unpacked = ([scale, whole]) => whole.map(value => (value === null ? null : value * scale));
 
@@ -49,7 +49,7 @@ class Motion {
     const coefficients = rows => rows && rows.map(row => row.map(value => value * scale));
     this.motion = motion;
     this.frame = { re: coefficients(real), im: coefficients(imaginary) };
-    this.frame.contacts = packed.contacts.map(c => c && { u: unpacked(c.displacement), f: unpacked(c.force) });
+    this.frame.contacts = packed.contacts.map(c => c && { t: c.phase.map(t => t / 1e4), u: unpacked(c.displacement), f: unpacked(c.force) });
     this.prepare();
     this.draw();
     return motion.points[k];
@@ -70,7 +70,7 @@ class Motion {
     // Contacts as the contact problem gives them, which no few harmonics do.
     stops.forEach((stop, k) => {
       const exact = this.frame.contacts[k];
-      if (exact) values[stop.station] = periodic(exact.u, phase);
+      if (exact) values[stop.station] = between(exact.t, exact.u, phase);
     });
     return values;
   }
@@ -82,7 +82,7 @@ class Motion {
     const dense = Array.from({ length: 96 }, (_, k) => this.shape(k / 96)).flat();
     const [low, high] = span(all.concat(dense, [0]), 0.12);
     this.unit = fine(word === "rotation" ? "rad" : "m", largest([low, high]));
-    const top = s.top + (isAxial ? s.bar + 22 : 0), bottom = s.height - s.bottom;
+    const top = s.top + (isAxial ? s.bar + 34 : 0), bottom = s.height - s.bottom;
     const [x0, x1] = [Math.min(...x), Math.max(...x)];
     this.px = value => s.left + (s.width - s.left - s.right) * (value - x0) / (x1 - x0 || 1);
     this.py = value => bottom - (bottom - top) * (value - low) / (high - low);
@@ -138,22 +138,23 @@ class Motion {
 
   /// The body itself, displaced along its axis, in pieces that are shaded by their strain.
   prepareBar(dense, x0, x1) {
-    const { x, stops } = this.motion, s = SIZE, [top, bottom] = [s.top + 8, s.top + s.bar - 8];
+    const { x, stops } = this.motion, s = SIZE, [top, bottom] = [s.top + 22, s.top + s.bar + 4];
     const room = (x1 - x0) * 0.16 / Math.max(largest(dense.concat(stops.map(stop => stop.at))), 1e-300);
-    const scale = Math.max(1, Math.min(...x.slice(1).map((at, d) => at - x[d]))) && room;
     const low = x0 - 0.02 * (x1 - x0), high = x1 + 0.2 * (x1 - x0);
     this.bx = value => s.left + (s.width - s.left - s.right) * (value - low) / (high - low);
-    this.barScale = scale;
+    this.barScale = room;
     this.pieces = x.slice(1).map(() => svg(this.svg, "polygon", { class: "piece" }));
     this.barEnds = [top, bottom];
     for (const stop of stops) {
-      const at = this.bx(x[stop.station] + scale * stop.at), away = stop.side > 0 ? 1 : -1;
+      const at = this.bx(x[stop.station] + room * stop.at), away = stop.side > 0 ? 1 : -1;
       svg(this.svg, "line", { x1: at, x2: at, y1: top - 8, y2: bottom + 8, class: "stop" });
       for (let y = top - 6; y <= bottom + 4; y += 8) svg(this.svg, "line", { x1: at, y1: y, x2: at + away * 8, y2: y + 6, class: "hatch" });
     }
     for (const d of this.motion.held) {
       svg(this.svg, "rect", { x: this.bx(x[d]) - (d === 0 ? 6 : 0), y: top - 8, width: 6, height: bottom - top + 16, class: "clamp" });
     }
+    const key = { x: s.width - s.right, y: s.top + 6, "text-anchor": "end", class: "tick" };
+    svg(this.svg, "text", key, "blue: compressed, orange: stretched, motion enlarged or reduced to fit");
     const strains = Array.from({ length: 24 }, (_, k) => this.strains(this.shape(k / 24))).flat();
     this.mostStrain = largest(strains) || 1;
   }
@@ -169,7 +170,7 @@ class Motion {
     this.now.setAttribute("points", this.line(shape));
     if (isAxial) this.drawBar(shape);
     stops.forEach((stop, k) => {
-      const contact = this.frame.contacts[k], force = contact ? periodic(contact.f, this.phase) : 0;
+      const contact = this.frame.contacts[k], force = contact ? between(contact.t, contact.f, this.phase) : 0;
       const closed = contact ? force > 1e-6 * this.mostForce && this.mostForce > 0 : false;
       const [at, y] = [this.px(x[stop.station]), this.py(shape[stop.station])];
       fill(this.dots[k], null, { cx: at.toFixed(2), cy: y.toFixed(2), class: closed ? "contact closed" : "contact" });
@@ -211,10 +212,16 @@ class Motion {
   }
 }
 
-/// Value of a series over one period, its end included, at a phase from 0 to 1.
-function periodic(values, phase) {
-  const place = (phase - Math.floor(phase)) * (values.length - 1), before = Math.min(values.length - 2, Math.floor(place));
-  return values[before] + (values[before + 1] - values[before]) * (place - before);
+/// Value of a series over one period, given at ascending phases from 0 to 1.
+function between(phases, values, phase) {
+  const at = phase - Math.floor(phase);
+  let [low, high] = [0, phases.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (phases[middle] <= at) low = middle; else high = middle;
+  }
+  const width = phases[high] - phases[low];
+  return values[low] + (width > 0 ? (values[high] - values[low]) * (at - phases[low]) / width : 0);
 }
 
 /// Blue in compression, grey at rest, orange in tension.

@@ -30,10 +30,10 @@ function begin() {
     motion.onPhase = null;
     const contact = motion.frame && motion.frame.contacts[0];
     if (!contact || shown === null) return;
-    const period = 1 / branch.frequency[shown], n = contact.u.length - 1;
-    const time = contact.u.map((_, k) => period * k / n);
+    const period = 1 / branch.frequency[shown];
+    const time = contact.t.map(phase => period * phase);
     const history = { time, displacement: contact.u, force: contact.f, stop: branch.motion.stops[0].at, instants: [] };
-    const spec = historySpec(`Contact node at point ${shown}`, history, 120);
+    const spec = historySpec(`Contact node at point ${shown}`, history, 130);
     const chart = new Chart(box, spec);
     motion.onPhase = phase => chart.moveCursor(phase * period * spec.clock.perSi);
     motion.onPhase(motion.phase);
@@ -95,7 +95,7 @@ function showDetails(box, branch, index, shown) {
 /// Bars of the kinetic energy in each harmonic, on a logarithmic scale of eight decades.
 function showShares(box, shares) {
   const figure = html(box, "figure", { class: "shares" });
-  html(figure, "figcaption", {}, "kinetic energy by harmonic");
+  html(figure, "figcaption", {}, "kinetic energy by harmonic (bars: logarithmic, eight decades)");
   shares.forEach((share, n) => {
     if (n === 0) return;
     const row = html(figure, "div");
