@@ -80,13 +80,13 @@ impl Branch {
 fn write(file: &SceneFile, branches: &[ComputedBranch], rows: Vec<Branch>) -> Result<(), Box<dyn Error>> {
     let scene = &file.scene;
     let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
-    page::write(&scene.output_directory, scene, &branches.iter().collect::<Vec<_>>())?;
     for (abscissa, name) in
         [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
     {
         let figure = BranchFigure::new(abscissa, &all).title(&scene.title).render()?;
         figure.write(scene.output_directory.join(name))?;
     }
+    page::write(&scene.output_directory, scene, &branches.iter().collect::<Vec<_>>())?;
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scene, branches: rows };
     Ok(write_summary(scene.output_directory.join("summary.json"), &summary)?)
 }

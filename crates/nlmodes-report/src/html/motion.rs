@@ -21,6 +21,9 @@ const FULL_SCALE: f64 = 9999.0;
 /// A factor and the whole numbers that it turns into SI units.
 type Packed = (f64, Vec<Option<i32>>);
 
+/// Factor, real parts, imaginary parts unless all are zero: stations × harmonics.
+type PackedMotion = (f64, Vec<Vec<i32>>, Option<Vec<Vec<i32>>>);
+
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct MotionData {
@@ -45,8 +48,7 @@ struct StopData {
 
 #[derive(Serialize)]
 struct Frame {
-    /// Factor, real parts, imaginary parts unless all are zero: stations × harmonics.
-    motion: (f64, Vec<Vec<i32>>, Option<Vec<Vec<i32>>>),
+    motion: PackedMotion,
     contacts: Vec<Option<Contact>>,
 }
 
@@ -126,7 +128,7 @@ fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_sto
     let most = (BUDGET / report.branches.len().max(1) / bytes.max(1)).clamp(POINTS.0, POINTS.1);
     let stride = n.div_ceil(most).max(1);
     let named = |point: usize| report.marks.iter().any(|(branch, marked, _)| (*branch, *marked) == (index, point));
-    let is_shown = |i: &usize| i % stride == 0 || i + 1 == n || !points[*i].events.is_empty() || named(*i);
+    let is_shown = |i: &usize| i.is_multiple_of(stride) || i + 1 == n || !points[*i].events.is_empty() || named(*i);
     (0..n).filter(is_shown).filter(|i| is_finite(&points[*i], report.branches[index].coordinates.len())).collect()
 }
 
@@ -136,7 +138,7 @@ fn is_finite(point: &ModalPoint, n_coordinates: usize) -> bool {
     complete && (0..n_coordinates).all(|d| coefficients.of(d).iter().all(|q| q.is_finite()))
 }
 
-fn packed_motion(point: &ModalPoint, stations: &[Station]) -> (f64, Vec<Vec<i32>>, Option<Vec<Vec<i32>>>) {
+fn packed_motion(point: &ModalPoint, stations: &[Station]) -> PackedMotion {
     let row = |station: &Station| station.1.map_or(&[] as &[Complex64], |d| point.coefficients.of(d));
     let parts = || stations.iter().flat_map(row).flat_map(|q| [q.re, q.im]);
     let scale = scale(parts());
