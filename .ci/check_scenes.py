@@ -1,4 +1,4 @@
-"""Checks the results of the two scenes against numbers that do not come from this program."""
+"""Checks the results of the scenes against numbers that do not come from this program."""
 
 import csv
 import json
@@ -58,7 +58,17 @@ def beam(folder):
         sys.exit(f"beam ended by {summary['end']}")
 
 
+def beam_hbm(folder):
+    """Section 5: the same beam by conventional harmonic balance, against an independent program."""
+    rows, summary = read(folder)
+    near("beam, HBM, linear mode, Hz", value(rows[0], "frequency_hz"), 40.10, 0.005)
+    near("beam, HBM, last frequency, Hz", value(rows[-1], "frequency_hz"), 51.39347204, 1e-6)
+    if summary["end"]["reason"] != "max-energy":
+        sys.exit(f"beam, HBM ended by {summary['end']}")
+
+
 if __name__ == "__main__":
     rod(pathlib.Path(sys.argv[1]) / "rod")
     beam(pathlib.Path(sys.argv[1]) / "beam")
+    beam_hbm(pathlib.Path(sys.argv[1]) / "beam_hbm")
     print("scenes as expected")

@@ -7,36 +7,73 @@ use nlmodes::model::{
 
 use crate::config::scene::{self, MassRule, MethodKind, Scene};
 
+/// A structure of one of the two theories.
+#[derive(Debug, Clone)]
+pub enum Elements {
+    Rod(Rod),
+    Beam(Beam),
+}
+
+impl Elements {
+    /// Of a checked structure.
+    ///
+    /// # Errors
+    /// What the element library has against it; a checked scene gives no reason for that.
+    pub fn new(structure: &scene::Structure) -> Result<Self, FemError> {
+        let mesh = if structure.grading == 1.0 {
+            Mesh::uniform(structure.length, structure.elements)?
+        } else {
+            Mesh::graded(structure.length, structure.elements, structure.grading)?
+        };
+        let material = Material::new(structure.youngs_modulus, structure.density)?;
+        let mass_matrix = match structure.mass_matrix {
+            scene::MassMatrix::Consistent => MassMatrix::Consistent,
+            scene::MassMatrix::Lumped => MassMatrix::Lumped,
+        };
+        let [start, end] = [structure.start, structure.end].map(support);
+        Ok(match structure.section {
+            scene::Section::Rod { area } => Self::Rod(Rod { material, area, mesh, mass_matrix, start, end }),
+            scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Self::Beam(Beam {
+                material: material.with_poissons_ratio(poissons_ratio)?,
+                section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
+                mesh,
+                mass_matrix,
+                start,
+                end,
+            }),
+        })
+    }
+
+    /// The assembled model.
+    ///
+    /// # Errors
+    /// [`FemError`].
+    pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
+        match self {
+            Self::Rod(rod) => rod.assemble(stops),
+            Self::Beam(beam) => beam.assemble(stops),
+        }
+    }
+
+    /// Displacement along a rod or across a beam at a position (m), as indices and weights of the degrees of freedom.
+    ///
+    /// # Errors
+    /// [`FemError::OutsideMesh`].
+    pub fn displacement_at(&self, model: &StructuralModel, position: f64) -> Result<Vec<(usize, f64)>, FemError> {
+        match self {
+            Self::Rod(rod) => rod.displacement_at(model.dofs(), position),
+            Self::Beam(beam) => beam.deflection_at(model.dofs(), position),
+        }
+    }
+}
+
 /// The structure of the scene with its stops, contact mass kept.
 ///
 /// # Errors
 /// What the element library has against it; a checked scene gives no reason for that.
 pub fn structural_model(scene: &Scene) -> Result<StructuralModel, FemError> {
     let stops: Vec<Stop> = scene.contacts.iter().map(stop).collect();
-    let structure = &scene.structure;
-    let mesh = if structure.grading == 1.0 {
-        Mesh::uniform(structure.length, structure.elements)?
-    } else {
-        Mesh::graded(structure.length, structure.elements, structure.grading)?
-    };
-    let material = Material::new(structure.youngs_modulus, structure.density)?;
-    let mass_matrix = match structure.mass_matrix {
-        scene::MassMatrix::Consistent => MassMatrix::Consistent,
-        scene::MassMatrix::Lumped => MassMatrix::Lumped,
-    };
-    let [start, end] = [structure.start, structure.end].map(support);
-    match structure.section {
-        scene::Section::Rod { area } => Rod { material, area, mesh, mass_matrix, start, end }.assemble(&stops),
-        scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Beam {
-            material: material.with_poissons_ratio(poissons_ratio)?,
-            section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
-            mesh,
-            mass_matrix,
-            start,
-            end,
-        }
-        .assemble(&stops),
-    }
+    Elements::new(&scene.structure)?.assemble(&stops)
 }
 
 /// The rule by which the scene takes the mass away from its contacts; `None` where it stays.

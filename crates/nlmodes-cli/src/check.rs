@@ -3,6 +3,7 @@
 use crate::config::number;
 use crate::config::scene::{
     AtBranchPoint, Contact, Continuation, InternalResonance, Method, MethodKind, Scene, Section, Start, Structure,
+    Updating,
 };
 
 /// What the scene would compute.
@@ -14,6 +15,7 @@ pub fn summary(scene: &Scene) -> String {
     for (i, contact) in scene.contacts.iter().enumerate() {
         lines.push(row(&format!("contact {i}"), &stop(contact)));
     }
+    lines.extend(scene.updating.as_ref().map(|updating| row("updating", &fitted(updating))));
     lines.push(row("method", &method(&scene.method)));
     lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
     lines.push(row("results", &scene.output_directory.display().to_string()));
@@ -64,6 +66,13 @@ fn stop(contact: &Contact) -> String {
         contact.side.name(),
         number(contact.gap)
     )
+}
+
+fn fitted(updating: &Updating) -> String {
+    let names: Vec<&str> = updating.parameters.iter().map(|p| p.name()).collect();
+    let modes = updating.modes.iter().zip(&updating.frequencies_hz);
+    let modes: Vec<String> = modes.map(|(mode, hz)| format!("mode {mode} at {} Hz", number(*hz))).collect();
+    format!("{} from {}", names.join(", "), modes.join(", "))
 }
 
 fn method(method: &Method) -> String {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::{self, SceneFile, wants_colours};
-use crate::{Status, check, compare, lcp, modes, run as study};
+use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
+use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -70,6 +70,9 @@ Example:
 
 Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
     Lcp(lcp::Arguments),
+    /// Measured records
+    #[command(subcommand)]
+    Experiment(Experiment),
     /// Read and check a scene, and say what would be computed; computes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
@@ -79,6 +82,26 @@ Exit status 1 where a sample has no solution, 2 where the archive holds no conta
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
     #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
     Schema,
+}
+
+#[derive(Debug, Subcommand)]
+enum Experiment {
+    /// Turn measured records into points of a nonlinear mode: a table, figures, and what a careful experimenter wants to be told
+    #[command(after_help = "\
+Example:
+  nlmodes-cli experiment extract configs/measured_record.toml --out results/measured
+
+Exit status 1 where a record gives no point, with the reason in the table; 2 where a file cannot be read, and nothing is written.")]
+    Extract {
+        #[command(flatten)]
+        scene: SceneArguments,
+        /// Directory of the result files, instead of the one that the scene names
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Warnings and errors only
+        #[arg(long, short)]
+        quiet: bool,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -93,36 +116,113 @@ struct SceneArguments {
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::parse().command {
-        Command::Run { scene, out, quiet } => with_scene(&scene, |mut file| {
-            if let Some(out) = out {
-                file.scene.output_directory = out;
-            }
-            if file.scene.contacts.is_empty() { no_contact(&file) } else { study::run(&file, quiet) }
-        }),
+        Command::Run { scene, out, quiet } => {
+            with(config::load_each_method(&scene.path, &scene.overrides), |files| run_each(files, out, quiet))
+        }
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
-            if file.scene.contacts.is_empty() { no_contact(&file) } else { compare::run(&file, &compare) }
+            if file.scene.contacts.is_empty() {
+                return no_contact(&file);
+            }
+            with_parameters(file, false, |file| compare::run(file, &compare))
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
-        Command::Modes { scene } => with_scene(&scene, |file| modes::modes(&file)),
-        Command::Check { scene } => with_scene(&scene, |file| print(&check::summary(&file.scene))),
-        Command::Schema => print(&format!("{:#}", config::schema())),
+        Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
+        Command::Experiment(Experiment::Extract { scene, out, quiet }) => extract(&scene, out, quiet),
+        Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {
+            AnyScene::Structure(files) => {
+                each(files, |file| with_warnings(file, |file| print(&check::summary(&file.scene))))
+            }
+            AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
+        }),
+        Command::Schema => print(&format!("{:#}", config::whole_schema())),
     }
 }
 
-/// Reads the scene, says what is wrong or looks wrong with it, and goes on if nothing stands in the way.
-fn with_scene(arguments: &SceneArguments, then: impl FnOnce(SceneFile) -> Status) -> Status {
-    match config::load(&arguments.path, &arguments.overrides) {
-        Ok(file) => {
-            if !file.warnings.is_empty() {
-                say!("{}\n", file.warnings_text());
-            }
-            then(file)
+/// Reads the scene of a structure, says what is wrong or looks wrong with it, and goes on if nothing stands in the way.
+///
+/// A scene with several methods is gone through for each of them.
+fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
+    let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
+    with(loaded, |files| each(files, |file| with_warnings(file, &mut then)))
+}
+
+/// One scene after the other, up to the first that cannot be done.
+fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status {
+    files.into_iter().map(then).find(|status| *status != Status::Done).unwrap_or(Status::Done)
+}
+
+/// Runs a scene with one method, or several that differ in it.
+fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Status {
+    let mut said = String::new();
+    for file in &mut files {
+        let warnings = file.warnings_text();
+        if !warnings.is_empty() && warnings != said {
+            say!("{warnings}\n");
+            said = warnings;
         }
+        if let Some(out) = &out {
+            file.scene.output_directory.clone_from(out);
+        }
+        if file.scene.contacts.is_empty() {
+            return no_contact(file);
+        }
+    }
+    let mut updated = Vec::new();
+    for file in files {
+        let status = with_parameters(file, quiet, |file| {
+            updated.push(file.clone());
+            Status::Done
+        });
+        if status != Status::Done {
+            return status;
+        }
+    }
+    study::run(&updated, quiet)
+}
+
+/// The same for a scene of measured records.
+fn extract(arguments: &SceneArguments, out: Option<PathBuf>, quiet: bool) -> Status {
+    with(config::load_records(&arguments.path, &arguments.overrides), |file| {
+        with_warnings(file, |mut file| {
+            if let Some(out) = out {
+                file.scene.output_directory = out;
+            }
+            experiment::extract(&file, quiet)
+        })
+    })
+}
+
+/// Says what is wrong with the scene, or goes on.
+fn with<T>(loaded: Result<T, Box<Refused>>, then: impl FnOnce(T) -> Status) -> Status {
+    match loaded {
+        Ok(scene) => then(scene),
         Err(refused) => {
             say!("{}", refused.text(wants_colours()));
             Status::Wrong
         }
     }
+}
+
+/// Updates the parameters that the scene asks for, says so, and goes on.
+fn with_parameters(file: SceneFile, quiet: bool, then: impl FnOnce(&SceneFile) -> Status) -> Status {
+    match updating::updated(file) {
+        Ok(file) => {
+            let said = file.scene.updating.as_ref().and_then(updating::said).filter(|_| !quiet);
+            match said.map_or(Status::Done, |text| print(&format!("{text}\n"))) {
+                Status::Done => then(&file),
+                status => status,
+            }
+        }
+        Err(status) => status,
+    }
+}
+
+/// Says what looks wrong with the scene, and goes on.
+fn with_warnings<S>(file: SceneFile<S>, then: impl FnOnce(SceneFile<S>) -> Status) -> Status {
+    if !file.warnings.is_empty() {
+        say!("{}\n", file.warnings_text());
+    }
+    then(file)
 }
 
 fn no_contact(file: &SceneFile) -> Status {

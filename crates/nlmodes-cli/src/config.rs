@@ -11,6 +11,7 @@ mod conform;
 mod document;
 mod file;
 mod findings;
+mod methods;
 mod mistakes;
 mod nearest;
 mod planned;
@@ -30,8 +31,8 @@ pub use findings::Findings;
 pub use problem::{Mark, Problem, Severity};
 pub use render::wants_colours;
 pub use rule::number;
-pub use scene::Scene;
-pub use schema::schema;
+pub use scene::{RecordScene, Scene};
+pub use schema::{schema, whole_schema};
 pub use sources::{Source, Sources};
 
 use std::path::Path;
@@ -42,9 +43,9 @@ use toml::de::{DeTable, Deserializer};
 
 /// A scene with the texts it was read from, so that what turns out to be wrong later is shown at its place too.
 #[derive(Debug, Clone)]
-pub struct SceneFile {
+pub struct SceneFile<S = Scene> {
     /// The checked scene.
-    pub scene: Scene,
+    pub scene: S,
     /// Where its keys stand.
     pub document: Document,
     /// What looks wrong, but does not stand in the way.
@@ -58,7 +59,7 @@ pub struct Refused {
     problems: Vec<Problem>,
 }
 
-impl SceneFile {
+impl<S> SceneFile<S> {
     /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`), as text; `label` is said beside the value.
     pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> String {
         let problem = help.iter().fold(Problem::error(title), |problem, help| problem.help(*help));
@@ -89,14 +90,56 @@ impl Refused {
     }
 }
 
-/// Reads and checks a scene file, with the overrides `key=value` of the command line.
+/// A scene of either kind.
+#[derive(Debug, Clone)]
+pub enum AnyScene {
+    /// A structure to compute with, a scene for each method.
+    Structure(Vec<SceneFile>),
+    /// Records of a test.
+    Records(Box<SceneFile<RecordScene>>),
+}
+
+/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
+/// is a scene for each; an override of `method` holds for all of them.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong with the first one that is refused.
+pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    let (name, text) = text(path)?;
+    each_method(&name, &text, overrides)
+}
+
+fn each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    methods::split(text).iter().map(|text| parse(name, text, overrides)).collect()
+}
+
+/// Reads and checks a scene file of measured records, in the same way.
 ///
 /// # Errors
 /// [`Refused`] with all that is wrong.
-pub fn load(path: &Path, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
+pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    let (name, text) = text(path)?;
+    parse_records(&name, &text, overrides)
+}
+
+/// Reads and checks a scene file of either kind.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    let (name, text) = text(path)?;
+    let (_, root) = Document::parse(&name, &text, overrides, &mut Vec::new());
+    if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
+        return Ok(AnyScene::Records(Box::new(parse_records(&name, &text, overrides)?)));
+    }
+    Ok(AnyScene::Structure(each_method(&name, &text, overrides)?))
+}
+
+/// Name and text of a scene file.
+fn text(path: &Path) -> Result<(String, String), Box<Refused>> {
     let name = path.display().to_string();
     match file::read(path) {
-        Ok(text) => parse(&name, &text, overrides),
+        Ok(text) => Ok((name, text)),
         Err(error) => Err(refuse_file(&name, &error)),
     }
 }
@@ -114,18 +157,45 @@ pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, 
     let mut problems = Vec::new();
     let (document, root) = Document::parse(name, text, overrides, &mut problems);
     let mut findings = Findings::new(&document, problems);
-    let scene = root.and_then(|root| read(root, &stem(name), &mut findings));
+    let raw: Option<raw::RawScene> = root.and_then(|root| {
+        let other = planned::problem(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
+        read(root, other, &schema(), &mut findings)
+    });
+    let scene = raw.and_then(|raw| check::scene(&raw, &stem(name), &mut findings));
     finish(scene, findings)
 }
 
-fn read(mut root: Spanned<DeTable<'_>>, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
-    if let Some(problem) = planned::problem(root.get_ref()) {
+/// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    let mut problems = Vec::new();
+    let (document, root) = Document::parse(name, text, overrides, &mut problems);
+    let mut findings = Findings::new(&document, problems);
+    let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
+        let other = planned::problem(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
+        read(root, other, &schema::record_schema(), &mut findings)
+    });
+    let base = Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf();
+    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(name), base, &mut findings));
+    finish(scene, findings)
+}
+
+/// The raw tables, unless the scene is one of another kind.
+fn read<'de, T: Deserialize<'de>>(
+    mut root: Spanned<DeTable<'de>>,
+    other: Option<Problem>,
+    schema: &serde_json::Value,
+    findings: &mut Findings<'_>,
+) -> Option<T> {
+    if let Some(problem) = other {
         findings.push(problem);
         return None;
     }
-    conform::conform(root.get_mut(), &schema(), findings);
-    match raw::RawScene::deserialize(Deserializer::from(root)) {
-        Ok(raw) => check::scene(&raw, stem, findings),
+    conform::conform(root.get_mut(), schema, findings);
+    match T::deserialize(Deserializer::from(root)) {
+        Ok(raw) => Some(raw),
         Err(error) => {
             findings.push(Problem::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
             None
@@ -133,7 +203,7 @@ fn read(mut root: Spanned<DeTable<'_>>, stem: &str, findings: &mut Findings<'_>)
     }
 }
 
-fn finish(scene: Option<Scene>, findings: Findings<'_>) -> Result<SceneFile, Box<Refused>> {
+fn finish<S>(scene: Option<S>, findings: Findings<'_>) -> Result<SceneFile<S>, Box<Refused>> {
     let document = findings.document().clone();
     match scene {
         Some(scene) if !findings.refuse() => Ok(SceneFile { scene, document, warnings: findings.into_sorted() }),

@@ -15,9 +15,11 @@ mod check;
 pub mod command;
 mod compare;
 pub mod config;
+mod experiment;
 mod lcp;
 mod modes;
 mod run;
 mod status;
+mod updating;
 
 pub use status::Status;

@@ -1,9 +1,9 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
-mod harmonics;
 mod page;
 mod progress;
+mod several;
 mod sink;
 mod summary;
 
@@ -27,18 +27,20 @@ use sink::{Sink, branch_directory};
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
 ///
-/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several numbers of harmonics have a
-/// folder each, and common figures beside these.
-pub fn run(file: &SceneFile, quiet: bool) -> Status {
-    let outcome = match file.scene.method.harmonics_list.as_slice() {
-        [_] => one_branch(file, quiet).map(|(_, status)| status),
-        several => harmonics::study(file, several, quiet),
+/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several methods or numbers of
+/// harmonics have a folder each, and common figures beside these.
+///
+/// `files` are scenes that differ in their method only.
+pub fn run(files: &[SceneFile], quiet: bool) -> Status {
+    let outcome = match several::parts(files).as_slice() {
+        [only] => one_branch(&only.file, quiet).map(|(_, status)| status),
+        parts => several::study(files, parts, quiet),
     };
     outcome.unwrap_or_else(|status| status)
 }
 
 /// One branch with all its files, and how it ended.
-fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status), Status> {
+fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), Status> {
     let scene = &file.scene;
     let began = Instant::now();
     let (model, massless) = models(file)?;
@@ -50,9 +52,9 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedBranch, Status),
         return Err(Status::Wrong);
     }
     sink.progress.finish();
-    let mut tree = tree.map_err(|error| refuse_study(file, &error))?;
+    let tree = tree.map_err(|error| refuse_study(file, &error))?;
     let status = finish(file, &model, &tree, began, quiet);
-    Ok((tree.branches.swap_remove(0), status))
+    Ok((tree, status))
 }
 
 /// The structure of the scene, and the model of it that the method works on.
@@ -132,7 +134,7 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
-        .and_then(|()| page::write(directory, &file.scene, &tree.branches.iter().collect::<Vec<_>>()));
+        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>()));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;

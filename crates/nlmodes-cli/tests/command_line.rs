@@ -18,7 +18,7 @@ fn workspace() -> PathBuf {
 
 #[test]
 fn scenes_that_come_along_are_sound() -> Outcome {
-    let scenes = ["rod", "rod_two_stops", "beam", "beam_two_stops", "beam_ten_stops"];
+    let scenes = ["measured_record", "rod", "rod_two_stops", "beam", "beam_two_stops", "beam_ten_stops"];
     for scene in scenes.map(|name| format!("configs/{name}.toml")) {
         let scene = scene.as_str();
         let output = call(&["check", scene])?;
@@ -82,7 +82,12 @@ fn messages_have_no_colours_where_nobody_sees_them() -> Outcome {
 fn schema_is_json_and_knows_each_key() -> Outcome {
     let schema: serde_json::Value = serde_json::from_slice(&call(&["schema"])?.stdout)?;
     let keys = [
-        ("", "title structure contact method continuation output"),
+        ("", "title structure contact method continuation output recording channel linear_modes extraction stop"),
+        ("/properties/recording", "files sample_rate_hz time_column"),
+        ("/properties/channel/items", "name quantity unit role position_m sign sensitivity delay_s range"),
+        ("/properties/linear_modes", "frequencies_hz damping_ratios positions_m shapes"),
+        ("/properties/extraction", "mode periods harmonics pbmif_harmonics frequency_hz"),
+        ("/properties/stop", "position_m gap_m side"),
         ("/properties/structure", "kind length_m elements grading mass_matrix start end material section"),
         ("/properties/structure/properties/material", "youngs_modulus_pa density_kg_m3 poissons_ratio"),
         ("/properties/structure/properties/section", "area_m2 second_moment_m4 width_m height_m shear_factor"),

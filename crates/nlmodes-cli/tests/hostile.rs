@@ -4,6 +4,7 @@ use nlmodes_cli::config;
 use proptest::prelude::*;
 
 const ROD: &str = include_str!("../../../configs/rod.toml");
+const RECORDS: &str = include_str!("../../../configs/measured_record.toml");
 const PIECES: [&str; 28] = [
     "[",
     "]",
@@ -50,6 +51,13 @@ fn reads(text: &str, overrides: &[String]) {
     }
 }
 
+fn reads_records(text: &str, overrides: &[String]) {
+    match config::parse_records("scene.toml", text, overrides) {
+        Ok(file) => drop(file.warnings_text()),
+        Err(refused) => assert!(refused.text(true).contains("error")),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -59,6 +67,18 @@ proptest! {
     ) {
         let text = mutations.iter().fold(ROD.to_owned(), |text, (from, length, piece)| mutate(&text, *from, *length, piece));
         reads(&text, &[]);
+    }
+
+    #[test]
+    fn mutated_scenes_of_records_are_read_or_refused(
+        mutations in prop::collection::vec((any::<usize>(), 0_usize..40, prop::sample::select(&PIECES[..])), 1..6),
+        x in any::<f64>(), key in 0_usize..8,
+    ) {
+        let text = mutations.iter().fold(RECORDS.to_owned(), |text, (from, length, piece)| mutate(&text, *from, *length, piece));
+        reads_records(&text, &[]);
+        let keys = ["recording.sample_rate_hz", "channel.0.sensitivity", "channel.1.delay_s", "channel.2.position_m",
+            "linear_modes.shapes.1.2", "linear_modes.frequencies_hz.0", "stop.gap_m", "extraction.pbmif_harmonics"];
+        reads_records(RECORDS, &[format!("{}={x:e}", keys[key])]);
     }
 
     #[test]

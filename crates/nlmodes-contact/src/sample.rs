@@ -10,6 +10,12 @@ use crate::{
 /// Largest violation that is accepted as a solution: half of what is promised, for those who sum in another order.
 pub(crate) const ACCEPTED: f64 = 0.5e-10;
 
+/// Scaled force from which on its rounding is looked at.
+const SUSPICIOUS: f64 = 1e8;
+
+/// Violation that rounding may hide at which forces count as no solution, whatever is computed.
+const LOST: f64 = 1e-3;
+
 /// `b`, `λ` and `g` of one problem, `b` of a size between one and two.
 #[derive(Debug)]
 pub(crate) struct Sample {
@@ -94,7 +100,8 @@ impl Sample {
 
     /// The violation of forces whose gaps are up to date.
     pub(crate) fn violation(&self) -> f64 {
-        self.matrix.violation(self.size, &self.lambda, &self.gap)
+        let found = self.matrix.violation(self.size, &self.lambda, &self.gap);
+        if found <= ACCEPTED && self.is_lost() { self.rounding() } else { found }
     }
 
     /// What rounding the forces and summing up `A λ + b` may contribute to the violation.
@@ -106,6 +113,13 @@ impl Sample {
         };
         let mut sums: Vec<f64> = (0..c).map(row).collect();
         0.5 * f64::EPSILON * (c + 2) as f64 * self.matrix.rescale(1.0, &mut sums) / self.size
+    }
+
+    /// Whether `b` is lost in rounding `A λ`, so that the gaps say nothing: forces of a dependent set of contacts that grew without
+    /// bound.
+    fn is_lost(&self) -> bool {
+        let largest = self.lambda.iter().fold(0.0_f64, |m, l| m.max(*l));
+        largest > SUSPICIOUS && self.rounding() > LOST
     }
 
     pub(crate) fn refresh_gaps(&mut self) {

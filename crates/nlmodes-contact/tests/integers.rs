@@ -134,6 +134,30 @@ fn forces_too_large_to_be_verified_are_declined_for_that_reason() {
     assert!(declined >= 8, "{declined}");
 }
 
+/// Dependent contacts whose forces grew until `b` was lost in `A λ`, so that the gaps came out as zero: there is no solution.
+#[test]
+fn gaps_that_are_lost_in_rounding_prove_nothing() {
+    let rows: [&[f64]; 5] = [
+        &[6.0, 2.0, 0.0, 0.0, -5.0],
+        &[2.0, 3.0, 0.0, -1.0, -5.0],
+        &[0.0, 0.0, 0.0, 0.0, 0.0],
+        &[0.0, -1.0, 0.0, 3.0, 1.0],
+        &[-5.0, -5.0, 0.0, 1.0, 9.0],
+    ];
+    let (a, b) = (Mat::from_fn(5, 5, |i, j| rows[i][j]), [-1.0, 0.0, 0.0, 0.0, 0.0]);
+    // A (2, 9, 0, 1, 6) = 0, and these forces do work on the gaps: no forces open them.
+    let ray = [2.0, 9.0, 0.0, 1.0, 6.0];
+    assert!((0..5).all(|i| (0..5).map(|j| rows[i][j] * ray[j]).sum::<f64>() == 0.0));
+    let matrix = LcpMatrix::new(&a).unwrap();
+    let huge: Vec<f64> = ray.iter().map(|r| r * 2f64.powi(60)).collect();
+    assert!(matrix.violation(&b, &huge) > 1e-10);
+    for guess in [false, true] {
+        let (mut closed, mut lambda) = ([guess; 5], [0.0; 5]);
+        let outcome = ActiveSet::default().workspace(&matrix).unwrap().solve(&b, &mut closed, &mut lambda);
+        assert!(matches!(outcome, Err(LcpError::Infeasible { .. })), "{outcome:?}");
+    }
+}
+
 /// `NLMODES_PROBLEMS`: how many; `NLMODES_SEED`: where to begin.
 #[test]
 #[ignore = "takes minutes"]

@@ -67,7 +67,7 @@ fn is_solved_or_named(
             Ok(None)
         }
         Err(LcpError::Rounding { violation, rounding, lambda, .. }) => {
-            prop_assert!(violation > 0.5e-10 && violation <= rounding && lambda.iter().all(|l| *l >= 0.0));
+            prop_assert!(rounding > 0.5e-10 && violation <= rounding && lambda.iter().all(|l| *l >= 0.0));
             Ok(None)
         }
         Err(other) => Err(TestCaseError::fail(format!("{}: {other}", solver.name()))),

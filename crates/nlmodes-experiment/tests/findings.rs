@@ -4,7 +4,7 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use nlmodes_experiment::extraction::{ExtractionError, ExtractionSettings, Finding, extract};
+use nlmodes_experiment::extraction::{ExtractionError, ExtractionSettings, Finding, Stop, extract};
 use nlmodes_experiment::records::{Record, Role};
 use support::{Motion, Normal, modes};
 
@@ -19,7 +19,7 @@ fn settings() -> ExtractionSettings {
 }
 
 fn sound() -> Record {
-    Motion::example(omega(), 12).record(RATE, 10_013, 1e-4, 3)
+    Motion::example(omega(), 12).record(RATE, 6_013, 1e-4, 3)
 }
 
 fn found(record: &Record, settings: &ExtractionSettings) -> Vec<Finding> {
@@ -127,6 +127,14 @@ fn missing_channels_are_named_and_the_rest_is_extracted() {
     let extraction = extract(&without_force, &settings()).unwrap();
     assert_eq!(extraction.finding_names(), "channel-missing");
     assert!(extraction.excitation.is_none() && extraction.modal.unwrap().damping.is_none());
+    let mut without_drive = sound();
+    without_drive.channels[0].position = None;
+    without_drive.channels.iter_mut().filter(|c| c.role == Role::DrivePoint).for_each(|c| c.role = Role::Response);
+    let stop = Some(Stop { position: 0.63, gap: 1e-3, positive: true });
+    let extraction = extract(&without_drive, &ExtractionSettings { stop, ..settings() }).unwrap();
+    let missing: Vec<String> = extraction.findings.iter().map(ToString::to_string).collect();
+    assert!(missing[0].contains("drive-point") && missing[1].contains("contact"), "{missing:?}");
+    assert!(extraction.modal.is_some() && extraction.excitation.is_none());
     let empty = Record::new("empty", RATE);
     assert!(matches!(extract(&empty, &settings()), Err(ExtractionError::Refused { .. })));
 }
@@ -171,7 +179,7 @@ fn a_sample_of_skew_is_found_by_the_linear_modes() {
     motion.eta[2].fill(0.0.into());
     let motion = motion.in_phase_resonance(6.7);
     for name in ["a_1", "a_2", "x_tip"] {
-        let mut record = motion.record(RATE, 10_013, 1e-4, 3);
+        let mut record = motion.record(RATE, 6_013, 1e-4, 3);
         let settings = ExtractionSettings { linear_modes: Some(two.clone()), ..settings() };
         assert_eq!(found(&record, &settings), []);
         late(&mut record, name);
@@ -206,7 +214,7 @@ fn a_lag_off_phase_resonance_is_said() {
     let mut motion = Motion::example(omega(), 12);
     motion.force[1] *= num_complex::Complex64::cis(-0.1);
     let Finding::NotLocked { lag_deg, target_deg } =
-        only(&motion.record(RATE, 10_013, 1e-4, 3), &settings(), "not-locked")
+        only(&motion.record(RATE, 6_013, 1e-4, 3), &settings(), "not-locked")
     else {
         unreachable!()
     };

@@ -1,6 +1,8 @@
 //! The loop on made signals and on the averaged equation of a resonance.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use proptest::prelude::*;
 
 use nlmodes_experiment::phase_loop::{
     Gains, LoopSettings, LoopState, LowPass, Order, PhaseDetector, PhaseLockedLoop, PhaseLoopError, Resonance,
@@ -194,4 +196,30 @@ fn settings_that_cannot_work_are_refused() {
     assert!(matches!(refused(LoopSettings { gains, ..settings() }), PhaseLoopError::UnstableGains { .. }));
     let displacement_lag = f64::NAN;
     assert!(matches!(refused(LoopSettings { displacement_lag, ..settings() }), PhaseLoopError::NotFinite { .. }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+    #[test]
+    fn no_signal_drives_the_loop_out_of_its_range(
+        glitches in prop::collection::vec(
+            (0usize..4000, prop::sample::select(vec![1e308, -1e308, 1e12, f64::NAN, f64::INFINITY, 0.0])), 0..30
+        ),
+        demodulate: bool
+    ) {
+        let order = Order::Second;
+        let detector = if demodulate { PhaseDetector::Demodulation { order } } else { PhaseDetector::default() };
+        let pll = PhaseLockedLoop::new(LoopSettings { detector, ..settings() }).unwrap();
+        let mut state = pll.start();
+        for k in 0..4000 {
+            let theta = state.drive_phase();
+            let response = glitches.iter().find(|(at, _)| *at == k).map_or(theta.sin(), |(_, value)| *value);
+            state = pll.step(&state, theta.cos(), response);
+            let [low, high] = pll.settings().range;
+            prop_assert!((low..=high).contains(&state.omega()) && (0.0..=TAU).contains(&state.drive_phase()));
+        }
+        // A glitch decays with the cut-off, 25/s: 1e12 of it in some two seconds, and then the loop has to come back.
+        run(&pll, &mut state, 8 * 20_000, |theta| (theta.cos(), theta.sin()));
+        prop_assert!(glitches.iter().any(|(_, value)| value.abs() == 1e308) || state.is_locked());
+    }
 }

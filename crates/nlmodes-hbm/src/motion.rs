@@ -197,9 +197,22 @@ impl MixedShooting<'_> {
         if touches {
             return contact.gap + contact.law.compliance() * self.peak_force_of(0);
         }
-        // g = g₀ − side·q: the largest motion toward the stop is g₀ − min y while the contact is open.
-        let toward = Trigonometric { z: self.sweep.y[0].iter().map(|z| -z).collect() };
-        contact.gap + largest(&toward, 0.0, self.sweep.end())
+        // g = g₀ − side·q: the largest motion toward the stop is g₀ − min g; other contacts may be closed meanwhile.
+        let toward = self.sweep.intervals.iter().map(|interval| {
+            let set = self.sweep.sets.get(interval.set);
+            let opposite: Vec<f64> = set.guard[..self.sweep.y.len()].iter().map(|g| -g).collect();
+            largest(&self.combination(&opposite), interval.from, interval.to)
+        });
+        contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// `Σ_j weight_j y_j(τ)`.
+    fn combination(&self, weights: &[f64]) -> Trigonometric {
+        let mut sum = Trigonometric { z: vec![Complex64::default(); self.series().n_harmonics + 1] };
+        for (y, weight) in self.sweep.y.iter().zip(weights) {
+            sum.z.iter_mut().zip(y).for_each(|(s, y)| *s += y * *weight);
+        }
+        sum
     }
 
     fn peak_force(&self) -> f64 {
@@ -213,10 +226,7 @@ impl MixedShooting<'_> {
         for interval in &self.sweep.intervals {
             let set = self.sweep.sets.get(interval.set);
             if set.closed[i] {
-                let mut force = Trigonometric { z: vec![Complex64::default(); self.sweep.y[0].len()] };
-                for (j, y) in self.sweep.y.iter().enumerate() {
-                    force.z.iter_mut().zip(y).for_each(|(f, y)| *f += y * set.s[i * c + j]);
-                }
+                let force = self.combination(&set.s[i * c..(i + 1) * c]);
                 peak = peak.max(largest(&force, interval.from, interval.to));
             }
         }

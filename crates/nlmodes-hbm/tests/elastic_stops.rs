@@ -226,3 +226,18 @@ fn harmonic_balance_refuses_a_rigid_stop() {
     assert_eq!(error, ModelError::RigidStop { contact: 1 });
     assert!(HbmError::from(error).to_string().contains("linear model"));
 }
+
+#[test]
+fn the_peak_of_a_contact_that_stays_open_is_that_of_its_node_while_its_neighbour_is_pressed() {
+    // Two massless nodes next to each other: the tip meets its stop, the one before it only comes near its own.
+    let model = rod(8, 1.0, 1.0, 1.0, &[(7, Side::Positive, 5.0), (8, Side::Positive, 1.0)]);
+    let structure = condense(&model);
+    let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
+    let branch = follow(&mut problem, &start, 3.0);
+    let last = branch.points.last().unwrap();
+    let modal = problem.modal_point(&last.x, last.residual).unwrap();
+    let history = problem.time_history(&last.x, 0, 4000, "").unwrap();
+    let sampled = history.displacement.iter().fold(f64::NEG_INFINITY, |m, q| m.max(*q));
+    assert!((modal.peak - sampled).abs() < 1e-6, "{} and {sampled}", modal.peak);
+    assert!(problem.time_history(&last.x, 1, 100, "").unwrap().force.iter().any(|f| *f > 1e-2));
+}

@@ -5,6 +5,7 @@
 //! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
+//! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
 //!
 //! Everything is `f64` and non-generic. The generics of faer are compiled in the crate that calls them; keeping
@@ -28,6 +29,7 @@
 
 mod cholesky;
 mod dense;
+mod eigenvalues;
 mod error;
 mod modes;
 mod sparse;
@@ -35,6 +37,7 @@ mod symmetric;
 
 pub use cholesky::SparseCholesky;
 pub use dense::DenseLu;
+pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use faer::Mat;
 pub use modes::{Modes, lowest_modes};

@@ -16,6 +16,7 @@
 //! | `K_NN`, `K_LN` | stiffness at the contact nodes | N/m | n_N × n_N, n_L × n_N | [`MasslessContactModel::k_nn`] … |
 //! | `W̄` | force directions | – | n_N × c | [`MasslessContactModel::w`] |
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
+//! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`held_modes`] |
 //!
 //! ```

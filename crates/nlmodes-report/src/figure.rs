@@ -4,14 +4,20 @@ mod branch;
 mod convergence;
 mod events;
 mod history;
+mod measured;
 mod motion;
+mod participation;
+mod stiffness;
 mod stroboscope;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
 pub(crate) use events::EventSymbols;
 pub use history::HistoryFigure;
+pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
+pub use participation::ParticipationFigure;
+pub use stiffness::StiffnessFigure;
 pub(crate) use stroboscope::stroboscope;
 
 use crate::ReportError;

@@ -24,7 +24,7 @@ use std::path::Path;
 /// A stop as the page draws it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StopLine {
-    /// Index of the coordinate that it limits.
+    /// Index of the coordinate that it limits, among those of the first branch.
     pub coordinate: usize,
     /// Its signed position along that coordinate, m.
     pub position: f64,

@@ -12,6 +12,8 @@
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
 //! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
+//! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
+//! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
@@ -80,6 +82,9 @@ mod table;
 mod unit;
 
 pub use error::ReportError;
-pub use figure::{Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MotionFigure};
+pub use figure::{
+    Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
+    ParticipationFigure, StiffnessFigure,
+};
 pub use html::{DataTable, HtmlReport, StopLine};
-pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_summary};
+pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};

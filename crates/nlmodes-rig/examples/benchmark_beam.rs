@@ -61,7 +61,7 @@ fn main() -> Result<(), RigError> {
     let began = std::time::Instant::now();
     test.run(|outcome| {
         let f = analysis::figures(&test.rig, &outcome.record, outcome.steady.omega, 100);
-        let contact = outcome.record.channel("f_contact").map_or(&[][..], |channel| &channel.samples);
+        let contact = analysis::samples(&outcome.record, "f_contact");
         println!(
             "{:.3} {:5.1} {:.5} {:.4} {:.4} {:.4e} {:.4e} {:.4} {:.2e} {:.4} {:7.1} {}",
             outcome.level,

@@ -22,7 +22,8 @@
 //! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
 //!
 //! A [`Session`] is a rig with its loop closed; a [`VirtualTest`] goes through a [`Schedule`] of levels, holds each until lag, drift and
-//! periodicity are within tolerance, and gives its [`Record`] with what is still wrong as [`Finding`]s. The loop of
+//! periodicity are within tolerance, and gives its [`Record`](nlmodes_experiment::records::Record), as a measured one, with what is still wrong as
+//! [`Finding`]s. The loop of
 //! [`nlmodes_experiment::phase_loop`] sees two noisy channels and nothing of the model. The same seed gives the same records.
 //!
 //! ```
@@ -49,7 +50,7 @@
 //! let levels = test.run(|_| {})?;
 //! assert!(levels[0].findings.is_empty());
 //! assert!((levels[0].steady.omega / omega - 1.0).abs() < 1e-6);
-//! assert_eq!(levels[0].record.channel("response").map(|channel| channel.samples.len()), Some(20_000));
+//! assert_eq!((levels[0].record.channels[1].name.as_str(), levels[0].record.n_samples()), ("response", 20_000));
 //! # Ok::<(), nlmodes_rig::RigError>(())
 //! ```
 //!
@@ -66,7 +67,6 @@ mod hold;
 mod matrix;
 mod period;
 mod propagator;
-mod record;
 mod reduction;
 mod rig;
 mod sensor;
@@ -82,11 +82,10 @@ pub use exciter::{Exciter, Shaker};
 pub use finding::Finding;
 pub use hold::{Hold, Settling, SteadyState};
 pub use nlmodes_model::{ContactLaw, Side};
-pub use record::{Record, RecordChannel};
 pub use reduction::ModalReduction;
 pub use rig::{RigSetup, VirtualRig};
-pub use sensor::{Motion, Place, Quantity, Sensor};
-pub use session::Session;
+pub use sensor::{Motion, Place, Sensor};
+pub use session::{DRIVE_PHASE, Session};
 pub use stop::Stop;
 pub use structure::{DrivePoint, ModalStructure};
 pub use virtual_test::{LevelOutcome, Schedule, VirtualTest};

@@ -1,3 +1,4 @@
+use nlmodes_experiment::records;
 use rand::SeedableRng;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand_distr::{Distribution, StandardNormal};
@@ -7,7 +8,7 @@ use crate::functional::Functional;
 use crate::propagator::Propagator;
 use crate::state_space::StateSpace;
 use crate::structure::check_shape;
-use crate::{Drive, DrivePoint, Exciter, ModalStructure, Motion, Place, Quantity, RigError, Sensor, Stop};
+use crate::{Drive, DrivePoint, Exciter, ModalStructure, Motion, Place, RigError, Sensor, Stop};
 
 /// What a rig consists of.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,23 +164,19 @@ impl VirtualRig {
         0.5 * (strain.sum::<f64>() + kinetic.sum::<f64>() + stop)
     }
 
-    /// Quantity and position (m, where it has one) of a channel.
+    /// Description of a channel, in SI units.
     ///
     /// # Errors
     /// [`RigError::NoChannel`].
-    pub fn channel(&self, channel: usize) -> Result<(Quantity, Option<f64>), RigError> {
+    pub fn channel(&self, channel: usize) -> Result<records::Channel, RigError> {
         let missing = RigError::NoChannel { channel, channels: self.channels.len() };
         let sensor = self.setup.sensors.get(channel).ok_or(missing)?;
-        let stop = self.setup.stop.as_ref().map(|stop| stop.position);
-        Ok(match &sensor.place {
-            Place::Excitation => (Quantity::Force, Some(self.setup.drive_point.position)),
-            Place::Drive if matches!(self.setup.exciter, Exciter::IdealForce) => (Quantity::Force, None),
-            Place::Drive => (Quantity::Voltage, None),
-            Place::DrivePoint(motion) => (motion.quantity(), Some(self.setup.drive_point.position)),
-            Place::StopPoint(motion) => (motion.quantity(), stop),
-            Place::Stop => (Quantity::Force, stop),
-            Place::Point { motion, position, .. } => (motion.quantity(), Some(*position)),
-        })
+        let position = match &sensor.place {
+            Place::Excitation | Place::DrivePoint(_) => Some(self.setup.drive_point.position),
+            Place::Stop | Place::StopPoint(_) => self.setup.stop.as_ref().map(|stop| stop.position),
+            Place::Point { position, .. } => Some(*position),
+        };
+        Ok(records::Channel::new(sensor.name.clone(), sensor.place.quantity(), sensor.place.role(), position))
     }
 }
 
@@ -228,7 +225,6 @@ fn output(setup: &RigSetup, space: &StateSpace, sensor: &Sensor, closed: bool) -
     };
     Ok(match &sensor.place {
         Place::Excitation => space.excitation_force(),
-        Place::Drive => space.drive(),
         Place::Stop => {
             stop()?;
             space.contact_force(closed)

@@ -1,33 +1,4 @@
-/// Kind of a measured quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Quantity {
-    /// Force, N.
-    Force,
-    /// Displacement, m.
-    Displacement,
-    /// Velocity, m/s.
-    Velocity,
-    /// Acceleration, m/s².
-    Acceleration,
-    /// Voltage, V.
-    Voltage,
-    /// Phase of the drive, rad.
-    Phase,
-}
-
-impl Quantity {
-    /// SI unit, as it stands in records.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Force => "N",
-            Self::Displacement => "m",
-            Self::Velocity => "m/s",
-            Self::Acceleration => "m/s^2",
-            Self::Voltage => "V",
-            Self::Phase => "rad",
-        }
-    }
-}
+use nlmodes_experiment::records::{Quantity, Role};
 
 /// What a motion sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,8 +27,6 @@ impl Motion {
 pub enum Place {
     /// The force between exciter and structure.
     Excitation,
-    /// The drive: the voltage of a shaker, or the ideal force.
-    Drive,
     /// The motion of the drive point.
     DrivePoint(Motion),
     /// The motion of the point of the structure that meets the stop.
@@ -73,6 +42,26 @@ pub enum Place {
         /// Mode shapes there, 1/√kg.
         shape: Vec<f64>,
     },
+}
+
+impl Place {
+    /// Quantity of the channel.
+    pub fn quantity(&self) -> Quantity {
+        match self {
+            Self::Excitation | Self::Stop => Quantity::Force,
+            Self::DrivePoint(motion) | Self::StopPoint(motion) | Self::Point { motion, .. } => motion.quantity(),
+        }
+    }
+
+    /// Role of the channel.
+    pub fn role(&self) -> Role {
+        match self {
+            Self::Excitation => Role::Excitation,
+            Self::DrivePoint(_) => Role::DrivePoint,
+            Self::Stop => Role::Contact,
+            Self::StopPoint(_) | Self::Point { .. } => Role::Response,
+        }
+    }
 }
 
 /// A sensor, and a channel of the records.

@@ -1,11 +1,15 @@
 use std::collections::VecDeque;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
+use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
 
 use crate::error::{finite, not_negative, positive};
 use crate::hold::Settling;
 use crate::period::{Period, PeriodAnalyzer};
-use crate::{Drive, Finding, Hold, Quantity, Record, RecordChannel, RigError, RigSetup, SteadyState, VirtualRig};
+use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState, VirtualRig};
+
+/// Name of the channel of the drive's phase.
+pub const DRIVE_PHASE: &str = "drive_phase";
 
 /// A rig with its loop closed: ramp, wait, settle, record, hold the frequency.
 ///
@@ -135,7 +139,8 @@ impl Session {
         Ok(window.steady_state(self.pll.target_lag()))
     }
 
-    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least).
+    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least). The last
+    /// channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
     ///
     /// # Errors
     /// As [`Session::ramp`].
@@ -149,7 +154,7 @@ impl Session {
         while taken < samples || window.periods.is_empty() {
             self.sample(self.amplitude, |readings, state| {
                 let mut values = [0.0; 2];
-                for (index, channel) in record.channels[..sensors].iter_mut().enumerate() {
+                for (index, samples_of) in record.samples[..sensors].iter_mut().enumerate() {
                     let value = readings(index)?;
                     if index == force {
                         values[0] = value;
@@ -158,11 +163,11 @@ impl Session {
                         values[1] = value;
                     }
                     if taken < samples {
-                        channel.samples.push(value);
+                        samples_of.push(value);
                     }
                 }
                 if taken < samples {
-                    record.channels[sensors].samples.push(state.drive_phase());
+                    record.samples[sensors].push(state.drive_phase());
                 }
                 window.push(state, values[0], values[1]);
                 Ok(())
@@ -178,23 +183,12 @@ impl Session {
     }
 
     fn empty_record(&self, samples: usize) -> Result<Record, RigError> {
-        let mut channels = Vec::new();
-        for (index, sensor) in self.rig.setup().sensors.iter().enumerate() {
-            let (quantity, position) = self.rig.channel(index)?;
-            channels.push(RecordChannel {
-                name: sensor.name.clone(),
-                quantity,
-                position,
-                samples: Vec::with_capacity(samples),
-            });
+        let mut record = Record::new("", 1.0 / self.rig.setup().interval);
+        for index in 0..self.rig.setup().sensors.len() {
+            record = record.with(self.rig.channel(index)?, Vec::with_capacity(samples));
         }
-        channels.push(RecordChannel {
-            name: "drive_phase".to_owned(),
-            quantity: Quantity::Phase,
-            position: None,
-            samples: Vec::with_capacity(samples),
-        });
-        Ok(Record { interval: self.rig.setup().interval, start: self.rig.time(), channels })
+        let phase = Channel::new(DRIVE_PHASE, Quantity::Phase, Role::ExcitationPhase, None);
+        Ok(record.with(phase, Vec::with_capacity(samples)))
     }
 
     fn samples(&self, duration: f64) -> Result<usize, RigError> {
@@ -234,12 +228,12 @@ fn check_channels(rig: &VirtualRig, pll: &PhaseLockedLoop, force: usize, respons
         ResponseQuantity::Velocity => Quantity::Velocity,
         ResponseQuantity::Acceleration => Quantity::Acceleration,
     };
-    let (found, _) = rig.channel(response)?;
+    let found = rig.channel(response)?.quantity;
     if found == expected {
         return Ok(());
     }
     let sensor = rig.setup().sensors[response].name.clone();
-    Err(RigError::ResponseQuantity { sensor, expected: expected.unit(), found: found.unit() })
+    Err(RigError::ResponseQuantity { sensor, expected: expected.si_unit(), found: found.si_unit() })
 }
 
 /// Whole periods, and the mean frequency meanwhile.

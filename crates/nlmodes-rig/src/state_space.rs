@@ -166,11 +166,6 @@ impl StateSpace {
         }
         force
     }
-
-    /// The drive itself: V or N.
-    pub(crate) fn drive(&self) -> Functional {
-        Functional { input: [1.0, 0.0, 0.0], ..Functional::zero(self.size()) }
-    }
 }
 
 /// Spring of the stinger in series with the residual flexibility of the point that it pushes at, N/m.

@@ -1,9 +1,10 @@
 use nlmodes_experiment::phase_loop::LoopSettings;
+use nlmodes_experiment::records::Record;
 
 use crate::error::not_negative;
 use crate::hold::Settling;
 use crate::session::Session;
-use crate::{Finding, Hold, Record, RigError, RigSetup, SteadyState};
+use crate::{Finding, Hold, RigError, RigSetup, SteadyState};
 
 /// Levels of a test and how they are gone through.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +46,9 @@ pub struct LevelOutcome {
     pub steady: SteadyState,
     /// What is not as it should be: after the hold, or within the record. Empty for a good level.
     pub findings: Vec<Finding>,
-    /// Samples of all channels.
+    /// Time of the first sample since the test began, s.
+    pub start: f64,
+    /// Samples of all channels, named by the number of the level in the schedule: `level-1`, `level-2` …
     pub record: Record,
 }
 
@@ -83,11 +86,13 @@ impl VirtualTest {
                 session.hold_frequency(false);
             }
             let settling = session.settle(&self.schedule.hold)?;
-            let (record, steady) = session.record(self.schedule.record)?;
+            let start = session.rig().time();
+            let (mut record, steady) = session.record(self.schedule.record)?;
+            record.name = format!("level-{}", index + 1);
             let in_record = self.schedule.hold.judge_record(&steady, session.control().target_lag());
             let mut findings = settling.findings.clone();
             findings.extend(in_record.into_iter().filter(|f| settling.findings.iter().all(|g| g.name() != f.name())));
-            let outcome = LevelOutcome { level, settling, steady, findings, record };
+            let outcome = LevelOutcome { level, settling, steady, findings, start, record };
             observe(&outcome);
             outcomes.push(outcome);
         }

@@ -8,10 +8,11 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
-use nlmodes::modal::{HarmonicBasis, ModalPoint, TimeHistory};
-use nlmodes::model::{Conserve, Drop, MasslessContactModel, Side, StructuralModel};
+use nlmodes::modal::{HarmonicBasis, HarmonicCoefficients, ModalPoint, Participation, TimeHistory};
+use nlmodes::model::{Conserve, Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
 use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure};
 use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
+use num_complex::Complex64;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -108,6 +109,21 @@ fn displacement_difference(one: &TimeHistory, other: &TimeHistory) -> f64 {
     pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / size
 }
 
+/// Participation of the first two linear modes in a point, eq. (30), of harmonics 1 to `last`; the motion is even in time and needs no shift.
+fn participation(branch: &ComputedBranch, point: &ModalPoint, last: usize) -> Outcome<Vec<f64>> {
+    let model = branch.structure.model();
+    let modes = linear_modes(model.mass(), model.stiffness(), 2)?;
+    let inertia = model.mass().as_ref() * &modes.shapes;
+    let mut modal = HarmonicCoefficients::zeros(2, point.coefficients.n_harmonics());
+    for k in 0..2 {
+        for (n, value) in modal.of_mut(k).iter_mut().enumerate() {
+            let projected = (0..inertia.nrows()).map(|d| point.coefficients.of(d)[n] * inertia[(d, k)]);
+            *value = projected.sum::<Complex64>() / point.modal_amplitude;
+        }
+    }
+    Ok(Participation::new(&modal, 1..=last).factors)
+}
+
 fn row(name: &str, branch: &ComputedBranch, reference: &TimeHistory) -> Outcome<String> {
     let (point, history) = (last(branch)?, history(branch, name)?);
     let impulse = history.force[..SAMPLES].iter().sum::<f64>() / SAMPLES as f64 * TAU / point.omega;
@@ -147,6 +163,8 @@ fn main() -> Outcome<()> {
         for (name, model) in &models {
             let found = up_to_amplitude(model, name, amplitude)?;
             println!("{}", row(name, &found, &reference)?);
+            let [all, first] = [5, 1].map(|last_harmonic| participation(&found, last(&found)?, last_harmonic));
+            println!("    participation, harmonics 1-5: {:.4?}, fundamental: {:.5?}", all?, first?);
             if amplitude == AMPLITUDES[3] && histories.len() < 3 {
                 histories.push(history(&found, name)?);
             }
@@ -156,6 +174,7 @@ fn main() -> Outcome<()> {
     for found in &branches {
         let start = &found.branch.points[0];
         println!("{}: touches at {:.5e} m √kg, {:.4} Hz", found.branch.label, start.modal_amplitude, start.omega / TAU);
+        println!("    participation there: {:?}", participation(found, start, 5)?);
     }
     let curves: Vec<_> = branches.iter().map(|found| &found.branch).collect();
     let figure = BranchFigure::new(Abscissa::ModalAmplitude, &curves).title("Cantilever with a one-sided stop");

@@ -18,7 +18,9 @@
 //! | [`hbm`] | mixed shooting-harmonic balance |
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
 //! | [`modal`] | harmonic motions and modal quantities |
+//! | [`experiment`] | measured records to modal points |
 //! | [`report`] | tables and figures |
+//! | [`rig`] | a virtual rig: structure, stop, shaker, sensors, schedule |
 //!
 //! # The rod of Section 3
 //!
@@ -49,12 +51,16 @@
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 pub mod study;
+pub mod updating;
+pub mod virtual_test;
 
 pub use nlmodes_contact as contact;
 pub use nlmodes_continuation as continuation;
+pub use nlmodes_experiment as experiment;
 pub use nlmodes_fem as fem;
 pub use nlmodes_hbm as hbm;
 pub use nlmodes_linalg as linalg;
 pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
+pub use nlmodes_rig as rig;

@@ -5,6 +5,7 @@ mod compute;
 mod error;
 mod events;
 mod homotopy;
+mod participation;
 mod points;
 mod prepare;
 mod resonances;

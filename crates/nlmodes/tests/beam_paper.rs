@@ -71,3 +71,21 @@ fn two_touches_close_together_are_not_missed() {
     let found = end_hz(&study(6, 6.0));
     assert!((found - 41.795_528).abs() < 1e-5, "{found}");
 }
+
+#[test]
+fn the_first_mode_takes_part_as_one_and_the_second_two_orders_below() {
+    let computed = study(5, 6.0);
+    let participation = computed.participation(2).unwrap();
+    assert_eq!(participation.len(), computed.branch.points.len());
+    assert_eq!(participation[0].harmonics, 1..=5);
+    // At grazing the motion is the linear mode: normalised by mass, it takes part alone.
+    assert!((participation[0].factors[0] - 1.0).abs() < 1e-10 && participation[0].factors[1].abs() < 1e-10);
+    for (point, p) in computed.branch.points.iter().zip(&participation) {
+        // In the range of the paper's test, to 41 Hz, two orders of magnitude lie between the modes; one at 50 Hz.
+        let bounds = if point.omega < 41.0 * TAU { (0.025, 0.01) } else { (0.15, 0.15) };
+        assert!((p.factors[0] - 1.0).abs() < bounds.0 && p.factors[1].abs() < bounds.1, "{p:?}");
+        assert!(p.quadrature.iter().all(|q| q.abs() < 1e-12), "{p:?}");
+    }
+    let at_half = &participation[participation.len() / 2];
+    assert!(at_half.factors[1].abs() > 1e-4, "{at_half:?}");
+}

@@ -3,15 +3,15 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::experiment::extraction::ExtractionSettings;
+use nlmodes::experiment::phase_loop::{LoopSettings, Resonance};
 use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+use nlmodes::rig::{Exciter, Hold, ModalReduction, Schedule, Session, Shaker, VirtualTest};
 use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-use nlmodes_rig::{
-    DrivePoint, Exciter, Hold, ModalReduction, ModalStructure, Motion, Place, RigSetup, Sensor, Session, Stop,
-};
+use nlmodes::virtual_test::{self, Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use num_complex::Complex64;
 
 const LENGTH: f64 = 0.62975520;
@@ -21,8 +21,8 @@ const DAMPING_RATIOS: [f64; 6] = [0.0019, 0.0076, 0.0005, 0.0017, 0.0010, 0.0014
 const STIFFNESS: f64 = 2.3e6;
 const GAP: f64 = 1.03e-3;
 
-/// Shapes of the finite-element beam at a tenth of its length and at the tip.
-fn shapes() -> [Vec<f64>; 2] {
+/// The finite-element beam of the paper with its bench: stop at the tip, exciter at a tenth of the length.
+fn bench(exciter: Exciter) -> (Bench, ModalReduction) {
     let beam = Beam {
         material: Material::new(187.60e9, 7730.0).unwrap(),
         section: Section::rectangle(0.012, 0.020).unwrap(),
@@ -33,7 +33,25 @@ fn shapes() -> [Vec<f64>; 2] {
     };
     let model = beam.assemble(&[]).unwrap();
     let reduction = ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), DofKind::Deflection, 6).unwrap();
-    [0.1 * LENGTH, LENGTH].map(|x| reduction.shape(&beam.deflection_at(model.dofs(), x).unwrap()))
+    let point = |position: f64| BenchPoint { position, weights: beam.deflection_at(model.dofs(), position).unwrap() };
+    let law = ContactLaw::Elastic { stiffness: STIFFNESS };
+    let bench = Bench {
+        omega: FREQUENCIES_HZ.map(|hz| TAU * hz).to_vec(),
+        damping_ratios: DAMPING_RATIOS.to_vec(),
+        drive: point(0.1 * LENGTH),
+        stop: Some(BenchStop { at: point(LENGTH), side: Side::Positive, gap: GAP, law }),
+        accelerometers: [0.20, 0.31, 0.39, 0.48, 0.55, 0.59].map(point).to_vec(),
+        exciter,
+        interval: 5e-5,
+        noise: BenchNoise { force: 0.02, displacement: 5e-8, velocity: 2e-5, acceleration: 0.05, contact_force: 0.1 },
+        seed: 1,
+    };
+    (bench, reduction)
+}
+
+fn loop_settings() -> LoopSettings {
+    let resonance = Resonance { omega: TAU * FREQUENCIES_HZ[0], damping_ratio: DAMPING_RATIOS[0] };
+    LoopSettings::new(resonance, TAU * 40.0, 5e-5)
 }
 
 /// The modes as degrees of freedom, and the massless tip of the stop's spring: `K = [Λ + k φ φᵀ, −k φ; −k φᵀ, k]`.
@@ -73,34 +91,6 @@ fn distance(branch: &ModalBranch, amplitude: f64, hz: f64) -> f64 {
     branch.points.windows(2).filter_map(crossing).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
 }
 
-fn session([drive, tip]: &[Vec<f64>; 2], exciter: Exciter) -> Session {
-    let setup = RigSetup {
-        structure: ModalStructure {
-            omega: FREQUENCIES_HZ.map(|hz| TAU * hz).to_vec(),
-            damping_ratios: DAMPING_RATIOS.to_vec(),
-        },
-        drive_point: DrivePoint { position: 0.1 * LENGTH, shape: drive.clone(), residual: 0.0 },
-        exciter,
-        stop: Some(Stop {
-            position: LENGTH,
-            shape: tip.clone(),
-            side: Side::Positive,
-            gap: GAP,
-            law: ContactLaw::Elastic { stiffness: STIFFNESS },
-            residual: 0.0,
-        }),
-        sensors: vec![
-            Sensor::new("force", Place::Excitation, 0.0),
-            Sensor::new("displacement", Place::DrivePoint(Motion::Displacement), 0.0),
-        ],
-        interval: 5e-5,
-        substeps: None,
-        seed: 0,
-    };
-    let resonance = Resonance { omega: TAU * FREQUENCIES_HZ[0], damping_ratio: DAMPING_RATIOS[0] };
-    Session::new(setup, LoopSettings::new(resonance, TAU * 40.0, 5e-5), 0, 1).unwrap()
-}
-
 /// `√Σ |q_k,1|²` of eqs. (21), (22) over forty periods, from the modal coordinates themselves: only the loop is on trial here.
 fn modal_amplitude(session: &mut Session) -> f64 {
     let samples = (40.0 * TAU / session.state().omega() / 5e-5).round() as usize;
@@ -117,10 +107,11 @@ fn modal_amplitude(session: &mut Session) -> f64 {
 
 #[test]
 fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
-    let shapes = shapes();
-    let branch = backbone(&shapes[1]);
+    let (bench, reduction) = bench(Exciter::IdealForce);
+    let setup = Bench { noise: BenchNoise::default(), ..bench }.setup(&reduction);
+    let branch = backbone(&setup.stop.as_ref().unwrap().shape);
     assert!(branch.end.complete, "{:?}", branch.end);
-    let mut session = session(&shapes, Exciter::IdealForce);
+    let mut session = Session::new(setup, loop_settings(), FORCE, DRIVE_DISPLACEMENT).unwrap();
     session.hold_frequency(true);
     session.ramp(4.2, 1.0).unwrap();
     session.run(1.0).unwrap();
@@ -137,4 +128,35 @@ fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
         reached = hz;
     }
     assert!(reached > 41.8, "{reached}");
+}
+
+#[test]
+fn a_bench_is_tested_and_its_levels_are_extracted() {
+    let (bench, reduction) = bench(Exciter::Shaker(Shaker::default()));
+    let settings = ExtractionSettings {
+        linear_modes: Some(bench.linear_modes(&reduction).unwrap()),
+        stop: bench.extraction_stop(),
+        pbmif_harmonics: Some(50),
+        ..ExtractionSettings::default()
+    };
+    let test = VirtualTest {
+        rig: bench.setup(&reduction),
+        settings: loop_settings(),
+        force: FORCE,
+        response: DRIVE_DISPLACEMENT,
+        schedule: Schedule::new(vec![0.75, 2.0]),
+    };
+    let levels = virtual_test::run(&test, &settings, |_| {}).unwrap();
+    let points: Vec<_> = levels
+        .iter()
+        .map(|level| {
+            assert_eq!(level.finding_names(), "");
+            level.extraction.as_ref().unwrap().modal_point().unwrap()
+        })
+        .collect();
+    // The drive point has the residual flexibility of the elements, a few percent less than the exact one inside an element.
+    assert!((points[0].omega / TAU - 40.1007).abs() < 1e-3, "{}", points[0].omega / TAU);
+    let branch = backbone(&test.rig.stop.as_ref().unwrap().shape);
+    let off = distance(&branch, points[1].modal_amplitude, points[1].omega / TAU);
+    assert!(off.abs() < 0.1 && points[1].peak_contact_force > 30.0, "{off}");
 }

@@ -5,14 +5,17 @@ mod continuation;
 mod method;
 mod nodes;
 mod plausible;
+mod records;
 mod structure;
+mod updating;
 
 pub use nodes::free_dofs;
+pub use records::scene as record_scene;
 
 use std::path::PathBuf;
 
 use crate::config::Findings;
-use crate::config::raw::RawScene;
+use crate::config::raw::{RawOutput, RawScene};
 use crate::config::scene::Scene;
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
@@ -25,19 +28,24 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
     }
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
+    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, findings));
     let scene = Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         contacts,
+        updating: match updating {
+            Some(updating) => Some(updating?),
+            None => None,
+        },
         method: method?,
         continuation: continuation?,
-        output_directory: output_directory(raw, stem),
+        output_directory: output_directory(raw.output.as_ref(), stem),
     };
     plausible::warn(&scene, findings);
     Some(scene)
 }
 
-fn output_directory(raw: &RawScene, stem: &str) -> PathBuf {
-    let written = raw.output.as_ref().and_then(|output| output.directory.as_ref());
+fn output_directory(raw: Option<&RawOutput>, stem: &str) -> PathBuf {
+    let written = raw.and_then(|output| output.directory.as_ref());
     written.map_or_else(|| PathBuf::from("results").join(stem), PathBuf::from)
 }

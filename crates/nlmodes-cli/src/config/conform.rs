@@ -71,7 +71,7 @@ impl<'w> Walk<'w, '_, '_> {
                 None
             }
             (Kind::Array | Kind::Integers, DeValue::Array(items)) => return self.array(items, rule, path),
-            (Kind::Number | Kind::Integer | Kind::Integers, DeValue::Integer(n)) => {
+            (Kind::Number | Kind::Integer | Kind::Integers | Kind::IntegerOrText, DeValue::Integer(n)) => {
                 let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
                 let x = exact.map_or(f64::MAX, |n| n as f64);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
@@ -80,7 +80,7 @@ impl<'w> Walk<'w, '_, '_> {
                 let x = x.as_str().parse().unwrap_or(f64::NAN);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
             }
-            (Kind::Text, DeValue::String(text)) => mistakes::in_text(path, text, rule),
+            (Kind::Text | Kind::IntegerOrText, DeValue::String(text)) => mistakes::in_text(path, text, rule),
             (_, other) => Some(mistakes::wrong_kind(path, other, rule)),
         };
         let conforms = problem.is_none();

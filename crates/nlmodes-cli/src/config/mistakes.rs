@@ -74,10 +74,12 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
     match rule.kind() {
         Kind::Table => "a table",
         Kind::Array if is_tables(rule) => "a list of tables",
+        Kind::Array if rule.items().is_some_and(|items| items.kind() == Kind::Text) => "a list of texts",
         Kind::Array => "a list of numbers",
         Kind::Number => "a number",
         Kind::Integer => "a whole number",
         Kind::Integers => "a whole number or a list of them",
+        Kind::IntegerOrText => "a whole number or a text",
         Kind::Text => "a text",
     }
 }
@@ -85,7 +87,9 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
 fn kind_found(value: &DeValue<'_>, wanted: Kind) -> &'static str {
     match value {
         DeValue::String(_) => "a text",
-        DeValue::Float(_) if matches!(wanted, Kind::Integer | Kind::Integers) => "a number with decimals",
+        DeValue::Float(_) if matches!(wanted, Kind::Integer | Kind::Integers | Kind::IntegerOrText) => {
+            "a number with decimals"
+        }
         DeValue::Integer(_) | DeValue::Float(_) => "a number",
         DeValue::Boolean(_) => "true or false",
         DeValue::Datetime(_) => "a date or time",

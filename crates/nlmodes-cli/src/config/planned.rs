@@ -1,23 +1,43 @@
-//! Tables that belong to scenes of another command.
+//! Scenes of other commands.
 
 use toml::de::DeTable;
 
 use crate::config::Problem;
 
 const RECORDS: [&str; 5] = ["recording", "channel", "linear_modes", "extraction", "stop"];
+const COMPUTED: [&str; 4] = ["contact", "method", "continuation", "structure"];
+
+/// Whether the scene describes measured records.
+pub fn is_of_records(root: &DeTable<'_>) -> bool {
+    first(root, &RECORDS).is_some() && first(root, &["virtual_test"]).is_none()
+}
 
 /// The problem of a scene that belongs to a command that this version does not have.
 pub fn problem(root: &DeTable<'_>) -> Option<Problem> {
-    let first = |names: &[&str]| {
-        let entries = root.iter().filter(|(key, _)| names.contains(&key.get_ref().as_ref()));
-        let entry = entries.min_by_key(|(key, _)| key.span().start);
-        entry.map(|(key, value)| (key.get_ref().to_string(), value.span()))
-    };
-    if let Some((key, range)) = first(&["virtual_test"]) {
-        let problem = Problem::error("this is a scene of a virtual test, which this version does not have yet");
-        return Some(problem.at(range, format!("`{key}` belongs to such a test")));
-    }
-    let (key, range) = first(&RECORDS)?;
-    let problem = Problem::error("this is a scene for `experiment extract`, which this version does not have yet");
+    let (key, range) = first(root, &["virtual_test"])?;
+    let problem = Problem::error("this is a scene of a virtual test, which this version does not have yet");
+    Some(problem.at(range, format!("`{key}` belongs to such a test")))
+}
+
+/// The problem of a scene of measured records where one of a structure is wanted.
+pub fn of_records(root: &DeTable<'_>) -> Option<Problem> {
+    let (key, range) = first(root, &RECORDS).filter(|_| is_of_records(root))?;
+    let problem = Problem::error("this scene describes measured records, not a structure to compute with");
+    let problem = problem.help("`nlmodes-cli experiment extract` turns records into modal points");
     Some(problem.at(range, format!("`{key}` describes measured records")))
+}
+
+/// The problem of a scene of a structure where one of measured records is wanted.
+pub fn not_of_records(root: &DeTable<'_>) -> Option<Problem> {
+    let (key, range) = first(root, &COMPUTED).filter(|_| !is_of_records(root))?;
+    let problem = Problem::error("this scene describes a structure to compute with, not measured records");
+    let problem = problem.help("`nlmodes-cli run` computes it; records stand below a heading [recording]");
+    Some(problem.at(range, format!("`{key}` describes what is computed")))
+}
+
+/// The first of these keys in the text, and where it stands.
+fn first(root: &DeTable<'_>, names: &[&str]) -> Option<(String, std::ops::Range<usize>)> {
+    let entries = root.iter().filter(|(key, _)| names.contains(&key.get_ref().as_ref()));
+    let entry = entries.min_by_key(|(key, _)| key.span().start);
+    entry.map(|(key, value)| (key.get_ref().to_string(), value.span()))
 }

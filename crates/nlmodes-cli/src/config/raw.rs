@@ -7,11 +7,15 @@
 
 mod continuation;
 mod method;
+mod records;
 mod structure;
+mod updating;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
+pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use updating::RawUpdating;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -30,7 +34,9 @@ pub struct RawScene {
     pub structure: Option<RawStructure>,
     /// One-sided stops, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawContact>>,
-    /// How the periodic motion is computed
+    /// Parameters that are fitted to given linear frequencies first
+    pub updating: Option<RawUpdating>,
+    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     #[schemars(required)]
     pub method: Option<RawMethod>,
     /// How far the branch is followed

@@ -15,13 +15,16 @@ pub enum Kind {
     Integer,
     /// A whole number or a list of them.
     Integers,
+    /// A whole number or a word.
+    IntegerOrText,
     Text,
 }
 
 impl<'a> Rule<'a> {
     pub fn kind(self) -> Kind {
-        if self.0.get("type").is_some_and(Value::is_array) {
-            return Kind::Integers;
+        if let Some(types) = self.0.get("type").and_then(Value::as_array) {
+            let has_text = types.iter().any(|name| name == "string");
+            return if has_text { Kind::IntegerOrText } else { Kind::Integers };
         }
         match self.0.get("type").and_then(Value::as_str) {
             Some("object") => Kind::Table,
@@ -59,8 +62,14 @@ impl<'a> Rule<'a> {
     /// Permitted values of a text, or nothing where any will do.
     pub fn choices(self) -> Vec<&'a str> {
         let listed = |key| self.0.get(key).and_then(Value::as_array).into_iter().flatten();
+        // A single word stands as the pattern of a text that may be a number too.
+        let word = self
+            .0
+            .get("pattern")
+            .and_then(Value::as_str)
+            .and_then(|pattern| pattern.strip_prefix('^')?.strip_suffix('$'));
         let constants = listed("oneOf").filter_map(|branch| branch.get("const"));
-        constants.chain(listed("enum")).filter_map(Value::as_str).collect()
+        constants.chain(listed("enum")).filter_map(Value::as_str).chain(word).collect()
     }
 
     /// First line of the description.
@@ -106,6 +115,7 @@ impl<'a> Rule<'a> {
             Kind::Number => format!("a number{}{unit}", self.limits()),
             Kind::Integer => format!("a whole number{}{unit}", self.limits()),
             Kind::Integers => format!("a whole number{}{unit}, or a list of them", self.limits()),
+            Kind::IntegerOrText => format!("a whole number{}{unit}, or {}", self.limits(), either(&self.choices())),
             Kind::Text => self.expected_text(),
         }
     }
@@ -118,11 +128,18 @@ impl<'a> Rule<'a> {
     }
 
     fn expected_array(self) -> String {
-        match (self.limit("minItems"), self.items()) {
-            (Some(n), Some(items)) => {
-                format!("{n} numbers in square brackets, each{}{}", items.limits(), self.unit(", in "))
+        let Some(items) = self.items().filter(|items| items.kind() != Kind::Table) else {
+            return "a list of tables".into();
+        };
+        let (unit, fixed) = (self.unit(", in "), self.limit("minItems").filter(|n| self.limit("maxItems") == Some(*n)));
+        match (items.kind(), fixed) {
+            (Kind::Text, _) => "texts in quotes, in square brackets".into(),
+            (Kind::Array, _) => format!("a list of lists of numbers{unit}"),
+            (_, Some(n)) => format!("{n} numbers in square brackets,{}{unit}", each(items)),
+            (_, None) if self.limit("minItems").is_some() => {
+                format!("a list in square brackets, each {}{unit}", items.expected())
             }
-            _ => "a list of tables".into(),
+            (_, None) => format!("numbers in square brackets{}{unit}", each(items)),
         }
     }
 
@@ -140,6 +157,12 @@ impl<'a> Rule<'a> {
             (None, None, None) => String::new(),
         }
     }
+}
+
+/// ` each greater than 0`, or nothing where numbers have no limits.
+fn each(items: Rule<'_>) -> String {
+    let limits = items.limits();
+    if limits.is_empty() { limits } else { format!(" each{limits}") }
 }
 
 /// `"a"`, `"b"` or `"c"`.

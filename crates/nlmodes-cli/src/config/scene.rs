@@ -1,11 +1,14 @@
 //! A scene that was checked: plain values in SI units, every default filled in.
 
 mod choices;
+mod records;
 
 pub use choices::{
-    AtBranchPoint, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule, MethodKind,
-    Side, StructureKind, Support, Switching, Symmetry,
+    AtBranchPoint, ChannelRole, ContactSolver, Direction, FrequencyDirection, InternalResonance, MassMatrix, MassRule,
+    MeasuredQuantity, MethodKind, Side, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
+
+pub use records::RecordScene;
 
 use std::path::PathBuf;
 
@@ -22,6 +25,9 @@ pub struct Scene {
     pub structure: Structure,
     /// One-sided stops, in the order of the file.
     pub contacts: Vec<Contact>,
+    /// Parameters that are fitted to given linear frequencies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub updating: Option<Updating>,
     /// How the periodic motion is computed.
     pub method: Method,
     /// How far the branch is followed.
@@ -106,6 +112,33 @@ pub struct Contact {
     /// Contact stiffness, N/m; a rigid stop has none. Always there for [`MethodKind::Hbm`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
+}
+
+/// Parameters that are fitted to given linear frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Updating {
+    /// The parameters.
+    pub parameters: Vec<UpdatedParameter>,
+    /// The given frequencies, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Number of the mode of each, 1 for the lowest.
+    pub modes: Vec<usize>,
+    /// What was found; nothing before the computation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub done: Option<UpdatingDone>,
+}
+
+/// What an updating changed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UpdatingDone {
+    /// Values of the parameters before.
+    pub from: Vec<f64>,
+    /// Values of the parameters after.
+    pub to: Vec<f64>,
+    /// Frequencies before, Hz.
+    pub from_hz: Vec<f64>,
+    /// Frequencies after, Hz.
+    pub to_hz: Vec<f64>,
 }
 
 /// How the periodic motion is computed.

@@ -1,14 +1,40 @@
 //! JSON schema of a scene: what `nlmodes-cli schema` prints, and what scenes are checked against.
 
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
-use crate::config::raw::RawScene;
+use crate::config::raw::{RawRecordScene, RawScene};
 
-/// JSON schema of a scene (draft 2020-12), without references. Units stand under the extra key `unit`.
+/// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
+    schema_of::<RawScene>()
+}
+
+/// JSON schema of a scene of measured records, in the same way.
+pub fn record_schema() -> Value {
+    schema_of::<RawRecordScene>()
+}
+
+/// JSON schema of all scenes: the keys of both kinds, and which of them each kind demands.
+pub fn whole_schema() -> Value {
+    let (mut schema, records) = (schema(), record_schema());
+    let kinds = [&schema, &records].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
+    if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), records["properties"].as_object()) {
+        for (key, rule) in more {
+            all.entry(key).or_insert_with(|| rule.clone());
+        }
+    }
+    if let Some(root) = schema.as_object_mut() {
+        root.remove("required");
+        root.insert("oneOf".into(), json!(kinds));
+    }
+    schema
+}
+
+fn schema_of<T: JsonSchema>() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
-    let mut schema = settings.into_generator().into_root_schema_for::<RawScene>().to_value();
+    let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
     without_null(&mut schema);
     schema
 }
@@ -54,7 +80,7 @@ mod tests {
 
     #[test]
     fn nothing_is_null_and_no_choice_is_left_open() {
-        let text = schema().to_string();
+        let text = whole_schema().to_string();
         assert!(!text.contains("null"), "{text}");
         assert!(!text.contains("anyOf"), "{text}");
         assert!(!text.contains("$ref"), "{text}");

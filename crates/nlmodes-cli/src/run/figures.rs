@@ -3,11 +3,16 @@
 use std::error::Error;
 use std::path::Path;
 
-use nlmodes::modal::ModalBranch;
-use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure};
+use nlmodes::modal::{ModalBranch, Participation};
+use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure, ParticipationFigure, write_participation};
 use nlmodes::study::{ComputedBranch, figure_points, reference_points};
 
+use super::sink::branch_directory;
 use crate::config::scene::Scene;
+
+/// Linear modes whose participation is written, and shown.
+const LINEAR_MODES: usize = 6;
+const SHOWN_MODES: usize = 2;
 
 /// Instants of a period in a time history.
 pub const HISTORY_SAMPLES: usize = 1000;
@@ -29,6 +34,11 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
         amplitude = amplitude.mark(0, *point, format!("P{}", k + 1));
     }
     amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
+    for (number, computed) in all.iter().enumerate() {
+        let table = branch_directory(directory, number).join("participation.csv");
+        write_participation(table, &computed.branch, &computed.participation(LINEAR_MODES)?)?;
+    }
+    participation(directory, scene, &all.iter().collect::<Vec<_>>())?;
     let clamped = held_ends(scene, computed);
     for (k, point) in motions.iter().enumerate() {
         let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
@@ -44,6 +54,16 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
     Ok(())
 }
 
+/// The figure of the participation of the lowest linear modes.
+pub fn participation(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    let found = all.iter().map(|computed| computed.participation(LINEAR_MODES)).collect::<Result<Vec<_>, _>>()?;
+    let pairs = all.iter().zip(&found).map(|(computed, p)| (&computed.branch, p.as_slice()));
+    let pairs: Vec<(&ModalBranch, &[Participation])> = pairs.collect();
+    let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.factors.len()).min(SHOWN_MODES);
+    let figure = ParticipationFigure::new(&pairs, modes).title(&scene.title).render()?;
+    Ok(figure.write(directory.join("participation.svg"))?)
+}
+
 /// Ends of the structure at which the direction of the first contact is held.
 pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     let coordinates = &computed.branch.coordinates;
@@ -56,7 +76,8 @@ pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
 /// Removes the figures and the page of an earlier run, which would not belong to the points of this one.
 pub fn remove(directory: &Path) {
     let numbered = (1..=4).map(|k| format!("motion_{k}.svg")).chain((1..=2).map(|k| format!("history_P{k}.svg")));
-    let common = ["frequency_energy.svg", "frequency_amplitude.svg", "report.html"].map(str::to_owned);
+    let common =
+        ["frequency_energy.svg", "frequency_amplitude.svg", "participation.svg", "participation.csv", "report.html"];
     // What cannot be removed cannot be overwritten either, which is said when it is.
-    numbered.chain(common).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
+    numbered.chain(common.map(str::to_owned)).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }

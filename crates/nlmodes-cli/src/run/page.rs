@@ -17,9 +17,9 @@ use crate::modes::{LinearFrequencies, linear_frequencies};
 /// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
 const MOTION_SAMPLES: usize = 2000;
 
-/// Writes the page about these branches; its points with a name are those of the figures of the first branch.
-pub fn write(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
-    let Some(first) = all.first() else { return Ok(()) };
+/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch.
+pub fn write(directory: &Path, scenes: &[&Scene], all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
     let contact_motion =
         |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
@@ -35,6 +35,9 @@ pub fn write(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result
         .table(linear_table(&linear_frequencies(scene, &structural_model(scene)?)?))
         .document("Scene as read, in SI units", scene)?
         .document("Method as used", &method)?;
+    for (k, scene) in scenes.iter().enumerate().skip(1) {
+        report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
+    }
     for (k, point) in figure_points(&first.branch).into_iter().enumerate() {
         report = report.mark(0, point, (k + 1).to_string());
     }

@@ -77,7 +77,9 @@ impl<'a> Sink<'a> {
         let folders = (1..).map(|number| branch_directory(self.directory, number)).take_while(|folder| folder.is_dir());
         for folder in folders {
             // What cannot be removed cannot be overwritten either, which is said when it is.
-            ["branch.csv", "harmonics.npz"].iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+            ["branch.csv", "harmonics.npz", "participation.csv"]
+                .iter()
+                .for_each(|name| drop(fs::remove_file(folder.join(name))));
             drop(fs::remove_dir(folder));
         }
     }

@@ -29,11 +29,9 @@ impl Blocks {
     /// rest is small, so that its leakage within a block is of second order.
     pub fn new(fit: &HarmonicFit, signals: &[&[f64]], periods: usize, sample_rate: f64) -> Self {
         let all = fit.coefficients(signals);
-        let rest: Vec<Vec<f64>> = all
-            .iter()
-            .zip(signals)
-            .map(|(q, signal)| signal.iter().zip(fit.synthesize(q).0).map(|(x, model)| x - model).collect())
-            .collect();
+        let models = fit.signals(&all);
+        let rest = |(signal, model): (&&[f64], &Vec<f64>)| signal.iter().zip(model).map(|(x, m)| x - m).collect();
+        let rest: Vec<Vec<f64>> = signals.iter().zip(&models).map(rest).collect();
         let n = signals.first().map_or(0, |signal| signal.len());
         let per_block = periods.div_ceil(MAX_BLOCKS);
         let n_blocks = periods / per_block;

@@ -29,7 +29,7 @@ impl Evidence<'_> {
         let force = self.shifted(channel);
         let history = stop.and_then(|stop| self.history(&force, stop, findings));
         let intervals = history.as_ref().and_then(|history| contact_intervals(history).ok()).unwrap_or_default();
-        let closed: f64 = intervals.iter().map(|interval| interval.leaving - interval.touching).sum();
+        let closed = intervals.iter().fold(0.0, |sum, interval| sum + interval.leaving - interval.touching);
         Some(ContactFigures {
             peak_force: self.peak(&force),
             closed_fraction: closed / (self.window.n_samples as f64 / self.record.sample_rate),

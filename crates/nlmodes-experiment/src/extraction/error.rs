@@ -47,3 +47,16 @@ pub enum ExtractionError {
     #[error(transparent)]
     Modal(#[from] ModalError),
 }
+
+impl ExtractionError {
+    /// Short names of what was found, the one that stands in the way first, separated by spaces.
+    pub fn names(&self) -> String {
+        match self {
+            Self::Refused { finding, others } => Finding::names(std::iter::once(finding).chain(others)),
+            Self::NoFrequency { .. } => "no-frequency".into(),
+            Self::Harmonics { .. } => "harmonics-not-told-apart".into(),
+            Self::Setting { .. } => "setting".into(),
+            Self::Modal(_) => "no-modal-quantities".into(),
+        }
+    }
+}

@@ -13,8 +13,9 @@ use crate::extraction::{
 };
 use crate::records::Record;
 
-/// Most harmonics that are fitted, unless more are asked for.
-const MAX_HARMONICS: usize = 500;
+/// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the time grows with their
+/// third power.
+const MAX_HARMONICS: usize = 1000;
 /// Lag at phase resonance, degrees.
 const RESONANCE_DEG: f64 = 90.0;
 /// Standard errors by which the two frequencies must differ to be told.
@@ -35,6 +36,7 @@ pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordE
     quality::missing(record, &mut findings);
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
+    quality::roles(&layout, settings.stop.is_some(), &mut findings);
     let window = window::choose(record, &layout, settings, &mut findings)?;
     let analysis = Analysis { record, settings, layout, window };
     analysis.run(findings)
@@ -132,7 +134,7 @@ impl Analysis<'_> {
             wanted.min(limit)
         };
         let harmonics = within(self.settings.harmonics);
-        let power = self.settings.pbmif_harmonics.map_or(limit, &mut within);
+        let power = self.settings.pbmif_harmonics.map_or(limit.min(MAX_HARMONICS), &mut within);
         (harmonics, power, limit.min(MAX_HARMONICS).max(harmonics).max(power))
     }
 

@@ -124,6 +124,17 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// Names of findings, each once, separated by spaces.
+    pub fn names<'a>(findings: impl IntoIterator<Item = &'a Self>) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for finding in findings {
+            if !names.contains(&finding.name()) {
+                names.push(finding.name());
+            }
+        }
+        names.join(" ")
+    }
+
     /// Short name.
     pub fn name(&self) -> &'static str {
         match self {
@@ -174,13 +185,16 @@ impl fmt::Display for Finding {
             }
             Self::NotANumber { channel, samples, first } => write!(
                 f,
-                "channel \"{channel}\": {samples} samples are no finite number, the first is sample {first}; it is left out"
+                "channel \"{channel}\": {samples} of its samples are no finite numbers, the first is sample {first}; it is left out"
             ),
             Self::Skew { channel, delay, uncertainty, samples, degrees, against } => write!(
                 f,
-                "channel \"{channel}\" is {:.1} µs ± {:.1} µs late against {against}: {samples:.2} samples, {degrees:.2}° of the fundamental",
-                1e6 * delay,
-                1e6 * uncertainty
+                "channel \"{channel}\" is {:.1} µs ± {:.1} µs {} against {against}: {:.2} samples, {:.2}° of the fundamental",
+                1e6 * delay.abs(),
+                1e6 * uncertainty,
+                if *delay < 0.0 { "early" } else { "late" },
+                samples.abs(),
+                degrees.abs()
             ),
             Self::FewerSensorsThanModes { sensors, modes } => write!(
                 f,

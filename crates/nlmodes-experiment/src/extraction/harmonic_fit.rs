@@ -90,6 +90,19 @@ impl HarmonicFit {
         }
     }
 
+    /// The periodic signals of several sets of coefficients.
+    pub(crate) fn signals(&self, coefficients: &[Vec<Complex64>]) -> Vec<Vec<f64>> {
+        let mut powers = vec![Complex64::default(); self.n_harmonics + 1];
+        let mut signals = vec![Vec::with_capacity(self.n_samples); coefficients.len()];
+        for j in 0..self.n_samples {
+            self.powers(j, &mut powers);
+            for (signal, q) in signals.iter_mut().zip(coefficients) {
+                signal.push(q.iter().zip(&powers).map(|(q, p)| q.re * p.re - q.im * p.im).sum());
+            }
+        }
+        signals
+    }
+
     /// The periodic signal of coefficients, and its derivative with respect to `ln ω`: `Re Σ i n ψ_j q_n e^{inψ_j}`.
     pub(crate) fn synthesize(&self, coefficients: &[Complex64]) -> (Vec<f64>, Vec<f64>) {
         let mut powers = vec![Complex64::default(); self.n_harmonics + 1];

@@ -2,7 +2,8 @@
 
 use crate::extraction::Finding;
 use crate::extraction::guess::strongest_frequency;
-use crate::records::{Record, Role};
+use crate::extraction::layout::Layout;
+use crate::records::Record;
 
 /// Which channels hold nothing but finite numbers; the others are reported.
 pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
@@ -19,15 +20,31 @@ pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
     usable
 }
 
-/// Reports channels that were described and are not there, and roles that nobody fills.
+/// Reports channels that were described and are not there.
 pub fn missing(record: &Record, findings: &mut Vec<Finding>) {
     for channel in &record.missing {
         let consequence = "the file has no such column";
         findings.push(Finding::ChannelMissing { channel: channel.clone(), consequence });
     }
-    if record.with_role(Role::Excitation).next().is_none() {
-        let consequence = "without a force there is no damping, lag or mode indicator";
-        findings.push(Finding::ChannelMissing { channel: "excitation".into(), consequence });
+}
+
+/// Reports roles that no usable channel has.
+pub fn roles(layout: &Layout, has_stop: bool, findings: &mut Vec<Finding>) {
+    let absent = [
+        ("excitation", layout.force.is_none(), "without a force there is no damping, lag or mode indicator"),
+        (
+            "drive-point",
+            layout.force.is_some() && layout.drive.is_none(),
+            "without the response where the force acts there is no damping, lag or mode indicator",
+        ),
+        (
+            "contact",
+            has_stop && layout.contact.is_none(),
+            "without the force at the stop there is no restitution and no contact stiffness",
+        ),
+    ];
+    for (role, _, consequence) in absent.into_iter().filter(|(_, is_absent, _)| *is_absent) {
+        findings.push(Finding::ChannelMissing { channel: role.into(), consequence });
     }
 }
 

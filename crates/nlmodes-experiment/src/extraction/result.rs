@@ -84,9 +84,9 @@ pub struct ContactFigures {
 }
 
 impl RecordExtraction {
-    /// Names of the findings, separated by spaces.
+    /// Names of the findings, each once, separated by spaces.
     pub fn finding_names(&self) -> String {
-        self.findings.iter().map(Finding::name).collect::<Vec<_>>().join(" ")
+        Finding::names(&self.findings)
     }
 
     /// As a point of a branch, for tables and figures beside computed ones; `None` without modal quantities.

@@ -9,7 +9,7 @@ pub struct ExtractionSettings {
     pub periods: Option<usize>,
     /// Harmonics of the mode shape and of the participation.
     pub harmonics: usize,
-    /// Harmonics of the power-based mode indicator; `None`: all below half the sampling rate.
+    /// Harmonics of the power-based mode indicator; `None`: all below half the sampling rate, 1000 at most.
     pub pbmif_harmonics: Option<usize>,
     /// A first guess of the frequency, rad/s; `None`: from the record.
     pub omega: Option<f64>,

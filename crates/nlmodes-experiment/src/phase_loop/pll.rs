@@ -1,5 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
+use num_complex::Complex64;
+
 use super::detector::PreparedDetector;
 use super::{Gains, LoopSettings, LoopState, LowPass, PhaseLoopError};
 
@@ -75,6 +77,10 @@ impl PhaseLockedLoop {
         let finite = force.is_finite() && response.is_finite();
         if finite {
             next.detector = self.detector.step(&state.detector, state.theta, force, response);
+            // Samples near the end of the range of numbers overflow: the detector begins anew.
+            if !next.detector.fundamentals().iter().all(|z| z.is_finite()) {
+                next.detector = self.detector.start();
+            }
         }
         self.measure(&mut next, finite);
         if let (Some(error), false) = (next.error, next.held) {
@@ -87,11 +93,10 @@ impl PhaseLockedLoop {
     /// Lag, its error, and the lock.
     fn measure(&self, state: &mut LoopState, finite: bool) {
         let [force, response] = state.detector.fundamentals();
-        let product = force * response.conj();
+        let above = |z: Complex64, least: f64| z.is_finite() && z.norm() > 0.0 && z.norm() >= least;
         let [least_force, least_response] = self.settings.smallest;
-        let measurable =
-            finite && product.norm_sqr() > 0.0 && force.norm() >= least_force && response.norm() >= least_response;
-        state.error = measurable.then(|| wrap(self.target - product.arg()));
+        let measurable = finite && above(force, least_force) && above(response, least_response);
+        state.error = measurable.then(|| wrap(self.target - (force.arg() - response.arg())));
         state.lag = self.target - state.error.unwrap_or(0.0);
         state.within = self.settings.lock.count(state.within, state.error, self.settings.step);
         state.locked = state.within > 0.0 && state.within >= self.settings.lock.duration;

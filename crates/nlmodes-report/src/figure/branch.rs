@@ -17,6 +17,9 @@ pub enum Abscissa {
     ModalAmplitude,
 }
 
+/// Width and height of the name of a tongue, over those of the figure.
+const NAME_SIZE: (f64, f64) = (0.12, 0.035);
+
 /// Frequency of nonlinear modes over energy or amplitude: several branches in one figure.
 ///
 /// Each event has its own symbol. Where a branch starts at grazing, the linear mode below is drawn as a dashed line.
@@ -58,9 +61,9 @@ impl<'a> BranchFigure<'a> {
         let mut symbols = self.event_symbols(&mut events);
         symbols.extend(self.mark_symbols()?);
         let (x, y) = self.scales()?;
+        symbols.extend(self.tongue_symbols(x, y));
         let lines = self.linear_modes(x.ends().0);
         let legend = self.legend(!lines.is_empty(), &events);
-        symbols.extend(self.tongue_symbols());
         let curves = lines.into_iter().chain(self.curves()).chain(self.skipped()).collect();
         let y = Axis { label: "frequency in Hz".into(), scale: y };
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
@@ -129,8 +132,9 @@ impl<'a> BranchFigure<'a> {
         })
     }
 
-    /// The name of each tongue beside its tip, or beside its first foot where it was left out.
-    fn tongue_symbols(&self) -> Vec<Symbol> {
+    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, and none where it
+    /// would cover another one.
+    fn tongue_symbols(&self, x: Scale, y: Scale) -> Vec<Symbol> {
         let of_branch = |branch: &&ModalBranch| {
             let symbol = |tongue: Tongue| {
                 let point = &branch.points[if tongue.skipped { tongue.start } else { tongue.tip }];
@@ -140,7 +144,20 @@ impl<'a> BranchFigure<'a> {
             let shown = tongues(&branch.points).into_iter().filter(|t| self.is_visible(&branch.points[t.tip]));
             shown.map(symbol).collect::<Vec<_>>()
         };
-        self.branches.iter().flat_map(of_branch).collect()
+        let mut found: Vec<Symbol> = self.branches.iter().flat_map(of_branch).collect();
+        found.sort_by(|a, b| b.at.0.total_cmp(&a.at.0));
+        let mut named: Vec<(f64, f64)> = Vec::new();
+        for symbol in &mut found {
+            let at = x.place(symbol.at.0).zip(y.place(symbol.at.1));
+            let free = |(u, v): &(f64, f64)| {
+                named.iter().all(|(a, b)| (u - a).abs() > NAME_SIZE.0 || (v - b).abs() > NAME_SIZE.1)
+            };
+            match at.filter(free) {
+                Some(at) => named.push(at),
+                None => symbol.name = None,
+            }
+        }
+        found
     }
 
     fn event_symbols(&self, events: &mut EventSymbols) -> Vec<Symbol> {

@@ -127,10 +127,19 @@ impl BranchData {
     }
 }
 
-/// The stops of the report, or the first one of the branch.
+/// The stops of the report at the coordinates of this branch, or the first one of the branch.
 pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLine> {
     if !report.stops.is_empty() {
-        return report.stops.clone();
+        // Another method may have its coordinates in another order.
+        let main = report.branches.first().map_or(&[] as &[_], |first| first.coordinates.as_slice());
+        let place = |stop: &StopLine| {
+            let wanted = main.get(stop.coordinate)?;
+            let is_same = branch.coordinates.get(stop.coordinate) == Some(wanted);
+            if is_same { Some(stop.coordinate) } else { branch.coordinates.iter().position(|c| c == wanted) }
+        };
+        // One that the branch lacks keeps its place in the order.
+        let moved = |stop: &StopLine| StopLine { coordinate: place(stop).unwrap_or(usize::MAX), ..*stop };
+        return report.stops.iter().map(moved).collect();
     }
     let first = branch.contact_coordinate.zip(branch.stop);
     let line = |(coordinate, position): (usize, f64)| StopLine { coordinate, position, positive: position >= 0.0 };

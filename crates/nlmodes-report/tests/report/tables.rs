@@ -8,7 +8,7 @@ use std::process::Command;
 use tempfile::tempdir;
 
 const HEADER: &str = "point,frequency_hz,energy_j,total_energy_j,modal_amplitude,fundamental_m,peak_m,contact_fraction,\
-                      contact_intervals,peak_contact_force_n,residual,event";
+                      contact_intervals,peak_contact_force_n,residual,event,resonance";
 
 #[test]
 fn branch_reads_back_bit_for_bit() {
@@ -153,4 +153,20 @@ fn error_names_the_file_that_cannot_be_written() {
         assert!(matches!(&error, ReportError::Io { path: named, .. } if *named == path), "{error:?}");
         assert!(error.to_string().contains("branch.csv"), "{error}");
     }
+}
+
+#[test]
+fn withdrawn_rows_are_off_the_disk_and_others_take_their_place() {
+    let folder = tempdir().unwrap();
+    let (whole, shortened) = (folder.path().join("whole.csv"), folder.path().join("shortened.csv"));
+    let branch = samples::looped(6);
+    write_branch(&whole, &branch).unwrap();
+    let mut writer = BranchWriter::create(&shortened).unwrap();
+    branch.points[..5].iter().for_each(|point| writer.append(point).unwrap());
+    writer.truncate(7).unwrap();
+    assert_eq!(writer.n_points(), 5);
+    writer.truncate(2).unwrap();
+    assert_eq!(fs::read_to_string(&shortened).unwrap().lines().count(), 3);
+    branch.points[2..].iter().for_each(|point| writer.append(point).unwrap());
+    assert_eq!(fs::read_to_string(&shortened).unwrap(), fs::read_to_string(&whole).unwrap());
 }

@@ -1,8 +1,9 @@
 //! Figures of a record, formed here independently of any extraction: Fourier coefficients over the drive phase, modal coordinates by
 //! least squares, power.
 
+use nlmodes_experiment::records::{Quantity, Record};
 use nlmodes_linalg::{DenseLu, Mat};
-use nlmodes_rig::{Place, Quantity, Record, RigSetup};
+use nlmodes_rig::{DRIVE_PHASE, Place, RigSetup};
 use num_complex::Complex64;
 
 /// Figures of one level.
@@ -19,11 +20,15 @@ pub struct Figures {
     pub lag: f64,
 }
 
+/// Samples of the channel of this name.
+pub fn samples<'a>(record: &'a Record, name: &str) -> &'a [f64] {
+    &record.samples[record.channels.iter().position(|channel| channel.name == name).unwrap()]
+}
+
 /// Coefficients of the harmonics 1 to `harmonics` in the frame of the drive. A squared Hann window over n periods has side lobes
 /// below n⁻⁵ of a neighbouring harmonic.
 pub fn amplitudes(record: &Record, channel: &str, harmonics: usize) -> Vec<Complex64> {
-    let phase = &record.channel("drive_phase").unwrap().samples;
-    let samples = &record.channel(channel).unwrap().samples;
+    let (phase, samples) = (samples(record, DRIVE_PHASE), samples(record, channel));
     let (mut sums, mut weights) = (vec![Complex64::ZERO; harmonics], 0.0);
     for (k, (y, θ)) in samples.iter().zip(phase).enumerate() {
         let share = (k as f64 + 0.5) / samples.len() as f64;
@@ -62,8 +67,7 @@ fn modal_coordinates(setup: &RigSetup, record: &Record, omega: f64) -> Vec<Compl
     let (mut normal, mut right) = (Mat::zeros(modes, modes), vec![Complex64::ZERO; modes]);
     for sensor in &setup.sensors {
         let Some(shape) = shape_of(setup, &sensor.place) else { continue };
-        let channel = record.channel(&sensor.name).unwrap();
-        let scale = match channel.quantity {
+        let scale = match sensor.place.quantity() {
             Quantity::Displacement => 1.0,
             Quantity::Acceleration => -1.0 / omega.powi(2),
             _ => continue,

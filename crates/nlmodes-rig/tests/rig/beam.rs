@@ -14,6 +14,7 @@ pub const LENGTH: f64 = 0.62975520;
 pub const FREQUENCIES_HZ: [f64; 6] = [40.10, 268.62, 758.26, 1371.82, 2427.72, 3508.31];
 pub const DAMPING_RATIOS: [f64; 6] = [0.0019, 0.0076, 0.0005, 0.0017, 0.0010, 0.0014];
 pub const GAP: f64 = 1.03e-3;
+pub const ACCELEROMETERS: [f64; 6] = [0.199565, 0.306437, 0.390059, 0.482652, 0.546737, 0.591091];
 pub const INTERVAL: f64 = 5e-5;
 
 const YOUNGS_MODULUS: f64 = 187.60e9;
@@ -79,8 +80,7 @@ pub fn setup(exciter: Exciter) -> RigSetup {
         Sensor::new("v_tip", Place::StopPoint(Motion::Velocity), 0.0),
         Sensor::new("f_contact", Place::Stop, 0.0),
     ];
-    let positions = [0.199565, 0.306437, 0.390059, 0.482652, 0.546737, 0.591091];
-    sensors.extend(positions.into_iter().enumerate().map(|(i, x)| point(i + 1, x)));
+    sensors.extend(ACCELEROMETERS.into_iter().enumerate().map(|(i, x)| point(i + 1, x)));
     RigSetup {
         structure: ModalStructure {
             omega: FREQUENCIES_HZ.map(|f| std::f64::consts::TAU * f).to_vec(),

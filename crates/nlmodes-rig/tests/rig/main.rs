@@ -2,6 +2,9 @@
 
 mod analysis;
 mod beam;
+mod extracted;
+mod forced_response;
+mod hostile;
 mod integration;
 mod phase_resonance;
 mod schedule;

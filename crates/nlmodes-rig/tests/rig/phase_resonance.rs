@@ -6,7 +6,7 @@ use nlmodes_experiment::phase_loop::{Gains, LoopSettings, PhaseLoopError, Resona
 use nlmodes_rig::{Exciter, Hold, RigError, RigSetup, Schedule, Session, Shaker, VirtualTest};
 use num_complex::Complex64;
 
-use crate::analysis::{Figures, amplitudes, figures};
+use crate::analysis::{Figures, amplitudes, figures, samples};
 use crate::beam::{self, DRIVE_DISPLACEMENT, FORCE, INTERVAL};
 
 const RESONANCE: Resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };
@@ -84,7 +84,7 @@ fn contact_begins_at_the_force_of_the_linear_response() {
         session.ramp(factor * touching, 0.5).unwrap();
         session.run(12.0).unwrap();
         let (record, steady) = session.record(0.5).unwrap();
-        let largest = record.channel("f_contact").unwrap().samples.iter().fold(0.0f64, |a, b| a.max(*b));
+        let largest = samples(&record, "f_contact").iter().fold(0.0f64, |a, b| a.max(*b));
         let tip = amplitudes(&record, "x_tip", 1)[0].norm();
         assert_eq!(largest > 0.0, contact, "{factor}: {tip}");
         assert_eq!(steady.omega / TAU > 40.11, contact, "{}", steady.omega / TAU);

@@ -111,7 +111,7 @@ impl ComputedBranch {
     /// The periodic problem, to evaluate points of the branch again.
     ///
     /// # Errors
-    /// [`StudyError`], as [`compute_branch`].
+    /// [`StudyError`], as [`super::compute_branch`].
     pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
         problem(&self.structure, &self.settings, &self.grazing)
     }

@@ -24,6 +24,32 @@ macro_rules! choices {
 }
 
 choices! {
+    /// What a channel measures.
+    MeasuredQuantity {
+        /// Force
+        Force = "force",
+        /// Displacement
+        Displacement = "displacement",
+        /// Velocity
+        Velocity = "velocity",
+        /// Acceleration
+        Acceleration = "acceleration",
+        /// Phase of the excitation
+        Phase = "phase",
+    }
+    /// What a channel is there for.
+    ChannelRole {
+        /// The force that excites the structure
+        Excitation = "excitation",
+        /// The response where the force acts
+        DrivePoint = "drive-point",
+        /// The response elsewhere
+        Response = "response",
+        /// The force at the stop
+        Contact = "contact",
+        /// The phase of the oscillator that drives the excitation
+        ExcitationPhase = "excitation-phase",
+    }
     /// What the structure is.
     StructureKind {
         /// Axial motion only
@@ -87,6 +113,15 @@ choices! {
         Conserve = "conserve",
         /// It stays where it is, for hbm
         None = "none",
+    }
+    /// Parameter of a structure that is fitted to linear frequencies.
+    UpdatedParameter {
+        /// Young's modulus
+        YoungsModulus = "youngs_modulus_pa",
+        /// Mass per volume
+        Density = "density_kg_m3",
+        /// Length; stops keep their nodes
+        Length = "length_m",
     }
     /// Solver of the contact problem at an instant.
     ContactSolver {

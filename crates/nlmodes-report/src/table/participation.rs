@@ -1,0 +1,38 @@
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use crate::ReportError;
+use crate::output::replace_file;
+use nlmodes_modal::{ModalBranch, Participation};
+
+/// Writes the participation of linear modes as CSV, a row a point: `point`, `frequency_hz`, `modal_amplitude`, `harmonics` (those in the
+/// sum, `1-5`), then `participation_1`, `participation_2`, … and, in quadrature, `quadrature_1`, …
+///
+/// # Errors
+/// [`ReportError::SeriesLength`] if there are not as many as points, [`ReportError::Io`] if the file cannot be written.
+pub fn write_participation(
+    path: impl AsRef<Path>,
+    branch: &ModalBranch,
+    participation: &[Participation],
+) -> Result<(), ReportError> {
+    let (found, expected) = (participation.len(), branch.points.len());
+    if found != expected {
+        let label = branch.label.clone();
+        return Err(ReportError::SeriesLength { label, series: "participation", found, expected });
+    }
+    let modes = participation.first().map_or(0, |p| p.factors.len());
+    replace_file(path.as_ref(), |file| {
+        let mut table = csv::Writer::from_writer(file);
+        let columns = |name: &'static str| (1..=modes).map(move |k| format!("{name}_{k}"));
+        let first = ["point", "frequency_hz", "modal_amplitude", "harmonics"].map(str::to_owned);
+        table.write_record(first.into_iter().chain(columns("participation")).chain(columns("quadrature")))?;
+        for (index, (point, p)) in branch.points.iter().zip(participation).enumerate() {
+            let harmonics = format!("{}-{}", p.harmonics.start(), p.harmonics.end());
+            let numbers = [point.omega / TAU, point.modal_amplitude].map(|value| format!("{value:?}"));
+            let [frequency, amplitude] = numbers;
+            let values = p.factors.iter().chain(&p.quadrature).map(|value| format!("{value:?}"));
+            table.write_record([index.to_string(), frequency, amplitude, harmonics].into_iter().chain(values))?;
+        }
+        table.flush()
+    })
+}

@@ -1,0 +1,294 @@
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+use nlmodes_contact::{ContactBody, LcpWorkspace, solver_by_name};
+use nlmodes_linalg::{DenseLu, Mat, multiply};
+use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_model::{Contact, MasslessContactModel};
+
+use crate::phase::{Coordinates, Phase, column, dot, transposed_product};
+use crate::trajectory::{Segment, Trajectory};
+use crate::{ModalState, TimestepError};
+
+/// Most degrees of freedom that are accepted: all modes are kept, in dense matrices.
+pub const MAX_DOFS: usize = 2000;
+
+/// Most stretches between contact instants in one trajectory: each keeps its modal coordinates.
+const MAX_SEGMENTS: usize = 100_000;
+
+/// Switchings without progress in time, a contact, after which the contact problem just ahead decides, and after which all is given up.
+const PATIENCE: [usize; 2] = [2, 8];
+
+/// A structure with massless contact nodes as an ordinary system, propagated exactly from contact instant to contact instant.
+///
+/// ```text
+/// M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ(q_L) ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
+/// ```
+///
+/// The right-hand side is Lipschitz and linear while the set of closed contacts stays the same: then all is cosines and sines in the
+/// modes of that set, which are computed when it first occurs and kept. Instants are roots of gaps and forces, of which none is missed.
+/// No quantity jumps, nothing is dissipated.
+pub struct ContactDynamics {
+    model: MasslessContactModel,
+    body: ContactBody,
+    open: Arc<Phase>,
+    phases: HashMap<Vec<bool>, Arc<Phase>>,
+    workspace: Box<dyn LcpWorkspace>,
+}
+
+impl fmt::Debug for ContactDynamics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "ContactDynamics({} modes, {} closed sets so far)", self.n_modes(), self.phases.len())
+    }
+}
+
+impl ContactDynamics {
+    /// Takes the structure apart into its modes with all contacts open.
+    ///
+    /// # Errors
+    /// [`TimestepError::TooLarge`]; [`TimestepError::Model`], [`TimestepError::Contact`] or [`TimestepError::Linalg`] if its matrices are
+    /// not usable.
+    pub fn new(model: MasslessContactModel) -> Result<Self, TimestepError> {
+        let found = model.dofs().len();
+        if found > MAX_DOFS {
+            return Err(TimestepError::TooLarge { found, most: MAX_DOFS });
+        }
+        let body = contact_body(&model)?;
+        let workspace = solver_by_name("active-set")?.workspace(body.matrix())?;
+        let closed = vec![false; model.contacts().len()];
+        let open = Arc::new(Phase::new(&model, &body, &closed, None)?);
+        let phases = HashMap::from([(closed, Arc::clone(&open))]);
+        Ok(Self { model, body, open, phases, workspace })
+    }
+
+    /// The structure.
+    pub fn model(&self) -> &MasslessContactModel {
+        &self.model
+    }
+
+    /// Number of modes m: degrees of freedom with mass.
+    pub fn n_modes(&self) -> usize {
+        self.open.lambda.len()
+    }
+
+    /// Angular eigenfrequencies of the structure with all contacts open, rad/s, m.
+    pub fn omega(&self) -> &[f64] {
+        &self.open.omega
+    }
+
+    /// The state with these displacements and velocities of all degrees of freedom; what they say of massless ones does not count.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`].
+    pub fn state(&self, displacement: &[f64], velocity: &[f64]) -> Result<ModalState, TimestepError> {
+        let expected = self.model.dofs().len();
+        for (what, of) in [("displacements", displacement), ("velocities", velocity)] {
+            if of.len() != expected {
+                return Err(TimestepError::Dimension { what, expected, found: of.len() });
+            }
+        }
+        let project = |x: &[f64]| {
+            let mut inertia = vec![0.0; expected];
+            multiply(self.model.mass(), x, &mut inertia);
+            transposed_product(&self.open.shapes, &inertia)
+        };
+        Ok(ModalState { z: project(displacement), v: project(velocity) })
+    }
+
+    /// The state at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7).
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`] if it has other coordinates than the structure.
+    pub fn state_of_harmonics(
+        &self,
+        motion: &HarmonicCoefficients,
+        omega: f64,
+        tau: f64,
+    ) -> Result<ModalState, TimestepError> {
+        let n = motion.n_coordinates();
+        let displacement: Vec<f64> = (0..n).map(|d| motion.value(d, tau)).collect();
+        let velocity: Vec<f64> = (0..n).map(|d| omega * motion.derivative(d, tau, 1)).collect();
+        self.state(&displacement, &velocity)
+    }
+
+    /// Displacements and velocities of all degrees of freedom.
+    ///
+    /// # Errors
+    /// [`TimestepError::Contact`] if the contact problem has no solution there.
+    pub fn displacement_and_velocity(&mut self, state: &ModalState) -> Result<(Vec<f64>, Vec<f64>), TimestepError> {
+        let phase = self.phase_at(state)?;
+        let at = phase.enter(&state.z, &state.v);
+        Ok((phase.displacement(&at), phase.velocity(&at)))
+    }
+
+    /// Kinetic and strain energy, that of elastic stops included, J.
+    ///
+    /// # Errors
+    /// [`TimestepError::Contact`] if the contact problem has no solution there.
+    pub fn energy(&mut self, state: &ModalState) -> Result<f64, TimestepError> {
+        let phase = self.phase_at(state)?;
+        Ok(phase.energy(&phase.enter(&state.z, &state.v)))
+    }
+
+    /// Index of linear mode `mode` (from 1) and the coordinate at which it touches a stop first, standing still.
+    pub(crate) fn grazing_amplitude(&self, mode: usize) -> Result<(usize, f64), TimestepError> {
+        let k = mode.wrapping_sub(1);
+        let highest = self.open.omega.last().copied().unwrap_or(0.0);
+        if self.open.omega.get(k).is_none_or(|ω| *ω <= 1e-7 * highest) {
+            return Err(TimestepError::NoGrazing { mode, why: "there is no such mode with a frequency" });
+        }
+        if self.model.contacts().iter().any(|c| c.gap <= 0.0) {
+            return Err(TimestepError::NoGrazing { mode, why: "a stop touches at rest" });
+        }
+        let shape = |c: &Contact| c.direction() * self.open.shapes[(c.dof, k)];
+        let largest = self.model.contacts().iter().fold(0.0_f64, |m, c| m.max(shape(c).abs()));
+        let moved = self.model.contacts().iter().filter(|c| shape(c).abs() > 1e-9 * largest);
+        let amplitudes = moved.map(|c| -c.gap / shape(c));
+        match amplitudes.min_by(|a, b| a.abs().total_cmp(&b.abs())) {
+            Some(amplitude) if amplitude.is_finite() => Ok((k, amplitude)),
+            _ => Err(TimestepError::NoGrazing { mode, why: "it does not move a contact" }),
+        }
+    }
+
+    /// Accelerations in modal coordinates of the open structure.
+    pub(crate) fn acceleration(&mut self, state: &ModalState) -> Result<Vec<f64>, TimestepError> {
+        let phase = self.phase_at(state)?;
+        Ok(phase.acceleration(&phase.enter(&state.z, &state.v)))
+    }
+
+    /// The motion from `state` over `duration` (s).
+    ///
+    /// # Errors
+    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`], or what the modes of a new set of closed contacts report.
+    pub fn propagate(&mut self, state: &ModalState, duration: f64) -> Result<Trajectory, TimestepError> {
+        if !(duration.is_finite() && duration > 0.0) {
+            return Err(TimestepError::NotPositive { what: "duration (s)", value: duration });
+        }
+        let (expected, found) = (self.n_modes(), state.z.len().min(state.v.len()));
+        if expected != found {
+            return Err(TimestepError::Dimension { what: "modal coordinates", expected, found });
+        }
+        if state.z.iter().chain(&state.v).any(|x| !x.is_finite()) {
+            return Err(TimestepError::NotFinite { what: "state of the motion" });
+        }
+        let mut phase = self.phase_at(state)?;
+        let (mut segments, mut from, mut idle) = (Vec::new(), 0.0, 0);
+        let mut state = state.clone();
+        let patience = PATIENCE.map(|p| p * phase.closed.len() + 2);
+        loop {
+            let start = phase.enter(&state.z, &state.v);
+            let (length, switch) = first_switch(&phase, &start, duration - from);
+            let end = phase.after(&start, length);
+            (state.z, state.v) = phase.leave(&end);
+            let to = if switch.is_some() { from + length } else { duration };
+            idle = if length > 1e-13 * duration { 0 } else { idle + 1 };
+            if idle == 0 || switch.is_none() {
+                segments.push(Segment { from, to, phase: Arc::clone(&phase), start });
+            }
+            from = to;
+            if segments.len() > MAX_SEGMENTS {
+                return Err(TimestepError::TooManyContacts { time: from, most: MAX_SEGMENTS });
+            }
+            let Some(contact) = switch else { return Ok(Trajectory { segments, end: state }) };
+            if idle > patience[1] {
+                return Err(TimestepError::Chatter { time: from, switches: idle });
+            }
+            phase = match idle > patience[0] {
+                true => self.phase_ahead(&phase, &end)?,
+                false => self.switched(&phase, contact)?,
+            };
+        }
+    }
+
+    /// The set of closed contacts with `contact` changed.
+    fn switched(&mut self, phase: &Phase, contact: usize) -> Result<Arc<Phase>, TimestepError> {
+        let mut closed = phase.closed.clone();
+        closed[contact] = !closed[contact];
+        self.phase(&closed)
+    }
+
+    /// The set that the contact problem gives for a state.
+    pub(crate) fn phase_at(&mut self, state: &ModalState) -> Result<Arc<Phase>, TimestepError> {
+        let free = self.free_gaps(&state.z);
+        self.solve(&free)
+    }
+
+    /// The set a moment later, where several contacts are about to change at once: the displacement is smooth up to its second
+    /// derivative.
+    fn phase_ahead(&mut self, phase: &Phase, at: &Coordinates) -> Result<Arc<Phase>, TimestepError> {
+        let moment = 1e-4 / phase.omega.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let (z, v) = phase.leave(at);
+        let acceleration = phase.acceleration(at);
+        let ahead = |k: usize| z[k] + moment * (v[k] + 0.5 * moment * acceleration[k]);
+        let free = self.free_gaps(&(0..z.len()).map(ahead).collect::<Vec<f64>>());
+        self.solve(&free)
+    }
+
+    fn free_gaps(&self, z: &[f64]) -> Vec<f64> {
+        let shape = |dof: usize| (0..z.len()).map(|k| self.open.shapes[(dof, k)] * z[k]).sum::<f64>();
+        self.model.contacts().iter().map(|c| c.gap + c.direction() * shape(c.dof)).collect()
+    }
+
+    fn solve(&mut self, free: &[f64]) -> Result<Arc<Phase>, TimestepError> {
+        let (mut closed, mut lambda) = (vec![false; free.len()], vec![0.0; free.len()]);
+        if free.iter().any(|y| *y < 0.0) {
+            self.workspace.solve(free, &mut closed, &mut lambda)?;
+        }
+        self.phase(&closed)
+    }
+
+    fn phase(&mut self, closed: &[bool]) -> Result<Arc<Phase>, TimestepError> {
+        if let Some(phase) = self.phases.get(closed) {
+            return Ok(Arc::clone(phase));
+        }
+        let phase = Arc::new(Phase::new(&self.model, &self.body, closed, Some(&self.open))?);
+        self.phases.insert(closed.to_vec(), Arc::clone(&phase));
+        Ok(phase)
+    }
+}
+
+/// Length of the stretch in which the closed contacts stay the same, at most `end`, and the contact that changes then.
+fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<usize>) {
+    let (mut length, mut switch) = (end, None);
+    for i in 0..phase.closed.len() {
+        let mut guard = phase.guard(i, start);
+        let value = guard.evaluate(0.0)[0];
+        if value < 0.0 {
+            // Behind an instant the guard is zero but for rounding; what is more than that is a set that does not belong to this state.
+            if value < -1e-9 * guard.size() {
+                return (0.0, Some(i));
+            }
+            guard.constant -= value;
+        }
+        if let Some(t) = guard.first_negative(length)
+            && (t < length || switch.is_none())
+        {
+            (length, switch) = (t, Some(i));
+        }
+    }
+    (length, switch)
+}
+
+/// The contact nodes with the compliance `K_NN⁻¹`, and that of the stops.
+pub(crate) fn contact_body(model: &MasslessContactModel) -> Result<ContactBody, TimestepError> {
+    let lu = DenseLu::factor(model.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
+    let gaps = model.contacts().iter().map(|c| c.gap).collect();
+    let body = ContactBody::new(model.w().clone(), solve_columns(&lu, model.w()), gaps)?;
+    Ok(body.with_stop_compliance(&model.stop_compliance())?)
+}
+
+pub(crate) fn solve_columns(lu: &DenseLu, rhs: &Mat<f64>) -> Mat<f64> {
+    let mut x = rhs.clone();
+    for k in 0..x.ncols() {
+        let mut one = column(&x, k).to_vec();
+        lu.solve_in_place(&mut one);
+        x.col_mut(k).iter_mut().zip(&one).for_each(|(x, v)| *x = *v);
+    }
+    x
+}
+
+/// `½ vᵀv + ½ Σ ω² z²` of a difference of states: the energy norm of the open structure, squared.
+pub(crate) fn energy_norm_squared(omega: &[f64], z: &[f64], v: &[f64]) -> f64 {
+    0.5 * (dot(v, v) + omega.iter().zip(z).map(|(ω, z)| (ω * z).powi(2)).sum::<f64>())
+}

@@ -1,0 +1,113 @@
+use nlmodes_linalg::{Mat, eigenvalues};
+use num_complex::Complex64;
+
+use crate::phase::dot;
+use crate::{ContactDynamics, PeriodicMotion, TimestepError, Trajectory};
+
+/// Distance from the unit circle up to which a multiplier counts as lying on it.
+///
+/// Rounding leaves some 1e-12 of a simple multiplier, and its square root where two of them meet.
+pub const UNIT_CIRCLE: f64 = 1e-6;
+
+/// Floquet multipliers of a periodic motion.
+///
+/// A conservative autonomous system has the multiplier +1 twice: a shift along the motion comes back as it is, and a change of energy moves
+/// on to the neighbour in the family, with another period. This pair is not semisimple, and rounding would split it by the square root
+/// of 1e-16. It is therefore taken out exactly: with `f` the direction of the motion and `e` the gradient of the energy, `e · f = 0`, the
+/// monodromy matrix is block triangular in `f`, the complement of both, and `e`; the multipliers given are those of the block between.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Floquet {
+    /// The 2m − 2 multipliers beside the double +1, by falling magnitude.
+    pub multipliers: Vec<Complex64>,
+    /// `‖(M − I) f‖ / ‖f‖` in the energy norm: how well the motion comes back along itself; rounding for a periodic one.
+    pub trivial_defect: f64,
+}
+
+impl Floquet {
+    /// From the monodromy matrix of one period.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`] reports; [`TimestepError::Linalg`] if the eigenvalues do not converge;
+    /// [`TimestepError::NotPositive`] for a structure at rest.
+    pub fn new(dynamics: &mut ContactDynamics, motion: &PeriodicMotion) -> Result<Self, TimestepError> {
+        let scale: Vec<f64> = dynamics.omega().iter().map(|ω| ω.max(motion.omega)).collect();
+        let monodromy = scaled_monodromy(&motion.trajectory, &scale);
+        let flow = flow(dynamics, motion, &scale)?;
+        let length = dot(&flow, &flow).sqrt();
+        if length == 0.0 {
+            return Err(TimestepError::NotPositive { what: "speed of the motion", value: 0.0 });
+        }
+        let flow: Vec<f64> = flow.iter().map(|f| f / length).collect();
+        let returned: Vec<f64> =
+            (0..flow.len()).map(|i| (0..flow.len()).map(|j| monodromy[(i, j)] * flow[j]).sum()).collect();
+        let defect = returned.iter().zip(&flow).map(|(r, f)| (r - f).powi(2)).sum::<f64>().sqrt();
+        let gradient = conjugate(&flow, &scale);
+        let block = complement_block(&monodromy, &[flow, gradient]);
+        let mut multipliers = eigenvalues(&block).map_err(TimestepError::during("Floquet multipliers"))?;
+        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+        Ok(Self { multipliers, trivial_defect: defect })
+    }
+
+    /// Largest magnitude of a multiplier; 1 where there is none beside the double +1.
+    pub fn largest(&self) -> f64 {
+        self.multipliers.first().map_or(1.0, |μ| μ.norm())
+    }
+
+    /// Whether all multipliers lie on the unit circle but for [`UNIT_CIRCLE`]: no small disturbance grows exponentially.
+    pub fn is_stable(&self) -> bool {
+        self.largest() <= 1.0 + UNIT_CIRCLE
+    }
+}
+
+/// Monodromy matrix, 2m × 2m, of the trajectory for the coordinates `scale_k z_k` and `v_k`.
+fn scaled_monodromy(trajectory: &Trajectory, scale: &[f64]) -> Mat<f64> {
+    let m = scale.len();
+    let z = Mat::from_fn(m, 2 * m, |i, j| if i == j { 1.0 / scale[i] } else { 0.0 });
+    let v = Mat::from_fn(m, 2 * m, |i, j| if i + m == j { 1.0 } else { 0.0 });
+    let (z, v) = trajectory.transition(z, v, |_, _, _| {});
+    Mat::from_fn(2 * m, 2 * m, |i, j| if i < m { scale[i] * z[(i, j)] } else { v[(i - m, j)] })
+}
+
+/// `(scale ż, v̇)` at the beginning.
+fn flow(dynamics: &mut ContactDynamics, motion: &PeriodicMotion, scale: &[f64]) -> Result<Vec<f64>, TimestepError> {
+    let acceleration = dynamics.acceleration(&motion.state)?;
+    let first = motion.state.v.iter().zip(scale).map(|(v, s)| s * v);
+    Ok(first.chain(acceleration).collect())
+}
+
+/// Gradient of the energy, which is the flow turned: `∂E/∂v = v = ż`, `∂E/∂z = −v̇`, each over its scale.
+fn conjugate(flow: &[f64], scale: &[f64]) -> Vec<f64> {
+    let m = scale.len();
+    let gradient = (0..2 * m).map(|i| if i < m { -flow[m + i] / scale[i] } else { flow[i - m] / scale[i - m] });
+    let gradient: Vec<f64> = gradient.collect();
+    let length = dot(&gradient, &gradient).sqrt();
+    gradient.iter().map(|g| g / length).collect()
+}
+
+/// `Qᵀ M Q` with an orthonormal basis Q of the complement of two orthonormal vectors, by two reflections.
+fn complement_block(matrix: &Mat<f64>, vectors: &[Vec<f64>; 2]) -> Mat<f64> {
+    let n = matrix.nrows();
+    let mut turned = matrix.clone();
+    let mut rest = vectors.to_vec();
+    for first in 0..2 {
+        // The reflection that takes the vector to ±e_first leaves the entries before it alone.
+        let mut normal = rest[first].clone();
+        normal[..first].fill(0.0);
+        let length = dot(&normal, &normal).sqrt();
+        normal[first] += length.copysign(normal[first]);
+        let factor = 2.0 / dot(&normal, &normal);
+        for j in 0..n {
+            let overlap = factor * (0..n).map(|i| normal[i] * turned[(i, j)]).sum::<f64>();
+            (0..n).for_each(|i| turned[(i, j)] -= overlap * normal[i]);
+        }
+        for i in 0..n {
+            let overlap = factor * (0..n).map(|j| normal[j] * turned[(i, j)]).sum::<f64>();
+            (0..n).for_each(|j| turned[(i, j)] -= overlap * normal[j]);
+        }
+        for vector in &mut rest {
+            let overlap = factor * dot(&normal, vector);
+            vector.iter_mut().zip(&normal).for_each(|(v, n)| *v -= overlap * n);
+        }
+    }
+    Mat::from_fn(n - 2, n - 2, |i, j| turned[(i + 2, j + 2)])
+}

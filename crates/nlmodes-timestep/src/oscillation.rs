@@ -1,0 +1,201 @@
+/// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k`, with `sin(ω t)/ω = t` where `ω = 0`.
+pub(crate) struct Oscillation<'m> {
+    /// Squared angular frequencies, rad²/s².
+    pub lambda: &'m [f64],
+    /// Angular frequencies, rad/s.
+    pub omega: &'m [f64],
+    pub a: Vec<f64>,
+    pub b: Vec<f64>,
+    pub constant: f64,
+}
+
+/// `cos ωt` and `sin(ωt)/ω`.
+pub(crate) fn cosine_and_sine(omega: f64, t: f64) -> (f64, f64) {
+    if omega == 0.0 {
+        return (1.0, t);
+    }
+    let (sin, cos) = (omega * t).sin_cos();
+    (cos, sin / omega)
+}
+
+/// What is known about the sign of `f` within a cell.
+enum Cell {
+    /// Never negative.
+    Quiet,
+    /// First negative just beyond this instant.
+    Leaves(f64),
+    /// Not yet decided.
+    Unclear,
+}
+
+impl Oscillation<'_> {
+    /// `f`, `f'` and `f''` at `t`.
+    pub fn evaluate(&self, t: f64) -> [f64; 3] {
+        let mut value = [self.constant, 0.0, 0.0];
+        for k in 0..self.lambda.len() {
+            let (cos, sin) = cosine_and_sine(self.omega[k], t);
+            let share = self.a[k] * cos + self.b[k] * sin;
+            value[0] += share;
+            value[1] += self.b[k] * cos - self.a[k] * self.lambda[k] * sin;
+            value[2] -= self.lambda[k] * share;
+        }
+        value
+    }
+
+    /// Bound of `|f'''|` for all times.
+    fn third_derivative(&self) -> f64 {
+        let terms = self.lambda.iter().zip(&self.omega[..]).zip(self.a.iter().zip(&self.b));
+        terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum()
+    }
+
+    /// Sum of the amplitudes' magnitudes: what rounding errors of `f` are measured by.
+    pub fn size(&self) -> f64 {
+        let terms = self.omega.iter().zip(self.a.iter().zip(&self.b));
+        // A drift counts with nothing: its value at the end is not known here.
+        let amplitude = |(ω, (a, b)): (&f64, (&f64, &f64))| a.hypot(if *ω > 0.0 { b / ω } else { 0.0 });
+        self.constant.abs() + terms.map(amplitude).sum::<f64>()
+    }
+
+    /// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
+    ///
+    /// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`, `|f'''| ≤ G`. A cell
+    /// counts as quiet if that polynomial stays above the difference; if `f` is proven monotone or of one curvature in it, its ends or
+    /// its extremum decide; else it is halved. So no pair of roots is missed, however close, and a graze is decided by the value at
+    /// its extremum. What stays above minus a few roundings of the amplitudes is quiet too: a guard may be zero all the time.
+    pub fn first_negative(&self, end: f64) -> Option<f64> {
+        let (bound, noise) = (self.third_derivative(), 4.0 * f64::EPSILON * self.size());
+        if !(bound.is_finite() && noise.is_finite()) {
+            return None;
+        }
+        let resolution = 2.0 * f64::EPSILON * end;
+        let mut cells = vec![(0.0, end)];
+        while let Some((from, to)) = cells.pop() {
+            match self.judge(from, to, bound, noise) {
+                Cell::Quiet => {}
+                Cell::Leaves(t) => return Some(t),
+                Cell::Unclear if to - from <= resolution => {
+                    if self.evaluate(to)[0] < -noise {
+                        return Some(to);
+                    }
+                }
+                Cell::Unclear => {
+                    let middle = 0.5 * (from + to);
+                    cells.extend([(middle, to), (from, middle)]);
+                }
+            }
+        }
+        None
+    }
+
+    fn judge(&self, from: f64, to: f64, bound: f64, noise: f64) -> Cell {
+        let (m, r) = (0.5 * (from + to), 0.5 * (to - from));
+        let [value, slope, curvature] = self.evaluate(m);
+        if lowest(value, slope, curvature, r) + noise >= bound * r * r * r / 6.0 {
+            return Cell::Quiet;
+        }
+        let at_end = || if self.evaluate(to)[0] < 0.0 { Cell::Leaves(self.root(0, from, to)) } else { Cell::Quiet };
+        if slope.abs() > curvature.abs() * r + 0.5 * bound * r * r {
+            return if slope > 0.0 { Cell::Quiet } else { at_end() };
+        }
+        if curvature > bound * r {
+            let lowest = self.lowest_of_convex(from, to);
+            return if self.evaluate(lowest)[0] < 0.0 { Cell::Leaves(self.root(0, from, lowest)) } else { Cell::Quiet };
+        }
+        if -curvature > bound * r {
+            return at_end();
+        }
+        Cell::Unclear
+    }
+
+    fn lowest_of_convex(&self, from: f64, to: f64) -> f64 {
+        match (self.evaluate(from)[1] < 0.0, self.evaluate(to)[1] > 0.0) {
+            (false, _) => from,
+            (true, false) => to,
+            (true, true) => self.root(1, from, to),
+        }
+    }
+
+    /// Where the derivative of the given order changes sign between `from` and `to`: Newton's method kept within a bracket.
+    fn root(&self, order: usize, from: f64, to: f64) -> f64 {
+        let (mut low, mut high, mut t) = (from, to, 0.5 * (from + to));
+        // f falls through zero, f' rises through it.
+        let sign = if order == 0 { 1.0 } else { -1.0 };
+        for _ in 0..200 {
+            let at = self.evaluate(t);
+            let value = sign * at[order];
+            if value >= 0.0 {
+                low = t;
+            } else {
+                high = t;
+            }
+            let newton = t - at[order] / at[order + 1];
+            if (newton - t).abs() <= f64::EPSILON * t.abs() {
+                return newton.clamp(from, to);
+            }
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if next == low || next == high {
+                return next;
+            }
+            t = next;
+        }
+        t
+    }
+}
+
+/// Smallest value of `value + slope s + ½ curvature s²` for `|s| ≤ r`.
+fn lowest(value: f64, slope: f64, curvature: f64, r: f64) -> f64 {
+    let at_ends = value - slope.abs() * r + 0.5 * curvature * r * r;
+    if curvature > 0.0 && slope.abs() < curvature * r { value - 0.5 * slope * slope / curvature } else { at_ends }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn first(lambda: &[f64], a: &[f64], b: &[f64], constant: f64, end: f64) -> Option<f64> {
+        let omega: Vec<f64> = lambda.iter().map(|λ| λ.sqrt()).collect();
+        Oscillation { lambda, omega: &omega, a: a.to_vec(), b: b.to_vec(), constant }.first_negative(end)
+    }
+
+    #[test]
+    fn the_first_root_of_a_cosine_is_found_over_many_periods() {
+        let root = first(&[4.0], &[1.0], &[0.0], 0.5, 1000.0).unwrap();
+        assert!((root - PI / 3.0).abs() < 1e-15);
+        assert_eq!(first(&[4.0], &[1.0], &[0.0], 1.0 + 1e-12, 1000.0), None);
+    }
+
+    #[test]
+    fn two_roots_that_nearly_meet_are_found_and_a_graze_is_not() {
+        // 1 − δ + cos t dips below zero for 2 √(2δ) about π.
+        for δ in [1e-2, 1e-6, 1e-12, 1e-14] {
+            let root = first(&[1.0], &[1.0], &[0.0], 1.0 - δ, 2.0 * PI).unwrap();
+            assert!((PI - root) / (2.0 * δ).sqrt() - 1.0 < 0.1 && root < PI, "{δ:e}: {root}");
+            assert_eq!(first(&[1.0], &[1.0], &[0.0], 1.0 + δ, 2.0 * PI), None, "{δ:e}");
+        }
+    }
+
+    #[test]
+    fn the_root_at_the_start_does_not_count_unless_the_function_falls_there() {
+        // sin t leaves zero upwards, −sin t downwards, 1 − cos t touches.
+        assert!((first(&[1.0], &[0.0], &[1.0], 0.0, 10.0).unwrap() - PI).abs() < 1e-15);
+        assert!(first(&[1.0], &[0.0], &[-1.0], 0.0, 10.0).unwrap() < 1e-15);
+        assert_eq!(first(&[1.0], &[-1.0], &[0.0], 1.0, 6.0), None);
+    }
+
+    #[test]
+    fn what_is_zero_all_the_time_has_no_root() {
+        assert_eq!(first(&[1.0, 30.0], &[0.0; 2], &[0.0; 2], 0.0, 1e3), None);
+        assert_eq!(first(&[1.0], &[1e-17], &[0.0], 1.0 - 1.0, 1e3), Some(PI / 2.0));
+    }
+
+    #[test]
+    fn drift_and_oscillation_together() {
+        // 2 − t + 0.5 cos 40 t
+        let root = first(&[0.0, 1600.0], &[0.0, 0.5], &[-1.0, 0.0], 2.0, 10.0).unwrap();
+        let f = |t: f64| 2.0 - t + 0.5 * (40.0 * t).cos();
+        assert!(f(root).abs() < 1e-13);
+        let earlier = (0..100_000).map(|j| root * (1.0 - 1e-9) * j as f64 / 1e5).map(f);
+        assert!(earlier.fold(f64::INFINITY, f64::min) > 0.0);
+    }
+}

@@ -1,0 +1,197 @@
+use std::f64::consts::{PI, TAU};
+
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_linalg::Mat;
+
+use crate::phase::dot;
+use crate::{ContactDynamics, ModalState, TimestepError, Trajectory};
+
+/// What numbers near one mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShootingScales {
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+    /// Averaged kinetic energy, J.
+    pub energy: f64,
+}
+
+/// Periodic motions that are even in time, by shooting over half a period, as a system for continuation.
+///
+/// ```text
+/// v(T/2; z(0), v(0) = 0) = 0                        m equations
+/// ln(E_av/E_ref) − p = 0 ,   E_av = (1/T) ∫ ½ żᵀż dt
+/// ```
+///
+/// Unknowns are the m coordinates `z(0)` at an instant at which the structure stands still, and the frequency; the structure then
+/// runs through the same motion backwards, so that it stands still again after half a period if and only if the motion is periodic.
+/// The parameter is that of mixed shooting-harmonic balance, the logarithm of the averaged kinetic energy. The motion
+/// is exact, and so is the derivative: the monodromy matrix over half a period.
+///
+/// Unknown vector: `max(ω_k, ω_ref) z_k / √(2 E_ref)`, then `ω/ω_ref`.
+#[derive(Debug)]
+pub struct Shooting {
+    dynamics: ContactDynamics,
+    scales: ShootingScales,
+    /// `z_k` of a unit of unknown k.
+    units: Vec<f64>,
+    pattern: u64,
+}
+
+/// A periodic motion.
+#[derive(Debug, Clone)]
+pub struct PeriodicMotion {
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+    /// The state at the beginning, at rest for a motion found by [`Shooting`].
+    pub state: ModalState,
+    /// Averaged kinetic energy, J.
+    pub kinetic_energy: f64,
+    /// Kinetic and strain energy, J.
+    pub total_energy: f64,
+    /// One period.
+    pub trajectory: Trajectory,
+}
+
+impl Shooting {
+    /// # Errors
+    /// [`TimestepError::NotPositive`] for a scale.
+    pub fn new(dynamics: ContactDynamics, scales: ShootingScales) -> Result<Self, TimestepError> {
+        for (what, value) in [("reference frequency (rad/s)", scales.omega), ("reference energy (J)", scales.energy)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(TimestepError::NotPositive { what, value });
+            }
+        }
+        let speed = (2.0 * scales.energy).sqrt();
+        let units = dynamics.omega().iter().map(|ω| speed / ω.max(scales.omega)).collect();
+        Ok(Self { dynamics, scales, units, pattern: 0 })
+    }
+
+    /// In the scales of linear mode `mode` (from 1) at the amplitude at which it just touches a stop, where the nonlinear mode begins;
+    /// with the unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
+    ///
+    /// # Errors
+    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a gap is not positive.
+    pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
+        let (k, amplitude) = dynamics.grazing_amplitude(mode)?;
+        let omega = dynamics.omega()[k];
+        let shooting = Self::new(dynamics, ShootingScales { omega, energy: 0.25 * (omega * amplitude).powi(2) })?;
+        let mut state = ModalState { z: vec![0.0; shooting.units.len()], v: vec![0.0; shooting.units.len()] };
+        state.z[k] = amplitude;
+        let x = shooting.unknowns(&state, omega);
+        let mut direction = vec![0.0; x.len() + 1];
+        (direction[k], direction[x.len()]) = (x[k], 2.0);
+        Ok((shooting, x, direction))
+    }
+
+    /// The structure.
+    pub fn dynamics(&mut self) -> &mut ContactDynamics {
+        &mut self.dynamics
+    }
+
+    /// Index of the frequency in the unknown vector.
+    pub fn frequency_index(&self) -> usize {
+        self.units.len()
+    }
+
+    /// Angular frequency of the unknown vector `x`, rad/s.
+    pub fn omega(&self, x: &[f64]) -> f64 {
+        x[self.units.len()] * self.scales.omega
+    }
+
+    /// Averaged kinetic energy at the parameter `p`, J.
+    pub fn energy(&self, p: f64) -> f64 {
+        self.scales.energy * p.exp()
+    }
+
+    /// Unknown vector of a motion through `state`, whose velocity is taken as zero.
+    pub fn unknowns(&self, state: &ModalState, omega: f64) -> Vec<f64> {
+        state.z.iter().zip(&self.units).map(|(z, unit)| z / unit).chain([omega / self.scales.omega]).collect()
+    }
+
+    /// The state at rest from which the motion of the unknown vector `x` starts.
+    pub fn state(&self, x: &[f64]) -> ModalState {
+        let z: Vec<f64> = x.iter().zip(&self.units).map(|(x, unit)| x * unit).collect();
+        ModalState { v: vec![0.0; z.len()], z }
+    }
+
+    /// One period of the motion of the unknown vector `x`.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`] reports.
+    pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
+        let (state, omega) = (self.state(x), self.omega(x));
+        PeriodicMotion::new(&mut self.dynamics, state, omega)
+    }
+
+    fn hash(trajectory: &Trajectory) -> u64 {
+        // FNV-1a over the sequence of closed contacts.
+        let bits = trajectory.segments.iter().flat_map(|s| s.phase.closed.iter().map(|c| u64::from(*c)).chain([2]));
+        bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
+    }
+}
+
+impl PeriodicMotion {
+    /// One period from `state` at the frequency `omega` (rad/s), periodic or not.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`] reports.
+    pub fn new(dynamics: &mut ContactDynamics, state: ModalState, omega: f64) -> Result<Self, TimestepError> {
+        let trajectory = dynamics.propagate(&state, TAU / omega)?;
+        Ok(Self {
+            omega,
+            kinetic_energy: trajectory.kinetic_integral() * omega / TAU,
+            total_energy: trajectory.energies().first().copied().unwrap_or(0.0),
+            state,
+            trajectory,
+        })
+    }
+}
+
+impl ParametricSystem for Shooting {
+    type Error = TimestepError;
+
+    fn dim(&self) -> usize {
+        self.units.len() + 1
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), TimestepError> {
+        let (m, omega) = (self.units.len(), self.omega(x));
+        if !(omega.is_finite() && omega > 0.0) {
+            return Err(TimestepError::NotPositive { what: "frequency (rad/s)", value: omega });
+        }
+        let half = self.dynamics.propagate(&self.state(x), PI / omega)?;
+        self.pattern = Self::hash(&half);
+        let speed = (2.0 * self.scales.energy).sqrt();
+        let energy = half.kinetic_integral() * omega / PI;
+        if !(energy.is_finite() && energy > 0.0) {
+            return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
+        }
+        let mut gradient = vec![0.0; m];
+        let z0 = Mat::from_fn(m, m, |i, j| if i == j { self.units[j] } else { 0.0 });
+        let (_, v) = half.transition(z0, Mat::zeros(m, m), |segment, u, w| {
+            for k in 0..m {
+                let [by_u, by_v] = segment.kinetic_gradient(k);
+                (0..m).for_each(|j| gradient[j] += by_u * u[(k, j)] + by_v * w[(k, j)]);
+            }
+        });
+        // T/2 = π/ω
+        let half_by_frequency = -PI / (omega * omega) * self.scales.omega;
+        let acceleration = half.final_acceleration();
+        for i in 0..m {
+            out.residual[i] = half.end.v[i] / speed;
+            (0..m).for_each(|j| out.jacobian[(i, j)] = v[(i, j)] / speed);
+            out.jacobian[(i, m)] = acceleration[i] * half_by_frequency / speed;
+            out.jacobian[(i, m + 1)] = 0.0;
+        }
+        out.residual[m] = (energy / self.scales.energy).ln() - p;
+        (0..m).for_each(|j| out.jacobian[(m, j)] = gradient[j] * omega / (PI * energy));
+        let final_power = 0.5 * dot(&half.end.v, &half.end.v) * omega / PI;
+        out.jacobian[(m, m)] = self.scales.omega / omega + final_power * half_by_frequency / energy;
+        out.jacobian[(m, m + 1)] = -1.0;
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.pattern
+    }
+}

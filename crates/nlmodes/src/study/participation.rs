@@ -1,0 +1,57 @@
+use nlmodes_hbm::HbmError;
+use nlmodes_linalg::multiply;
+use nlmodes_modal::{HarmonicCoefficients, NonlinearModeShape, Participation, PhaseAnchor};
+use nlmodes_model::linear_modes;
+use num_complex::Complex64;
+
+use super::{ComputedBranch, StudyError};
+
+impl ComputedBranch {
+    /// Participation of the lowest `modes` linear modes (contacts open, contact mass as in the computation) at each point, eq. (30), with
+    /// all harmonics but the mean in the sum; the fundamental of the first contact coordinate is the phase anchor.
+    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of a tongue.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the linear modes cannot be computed.
+    pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, StudyError> {
+        let model = self.structure.model();
+        let linear = linear_modes(model.mass(), model.stiffness(), modes).map_err(HbmError::from)?;
+        // Rows of Φᵀ M: modal coordinates of displacements.
+        let inertia: Vec<Vec<f64>> = (0..linear.omega.len())
+            .map(|k| {
+                let shape: Vec<f64> = linear.shapes.col(k).iter().copied().collect();
+                let mut row = vec![0.0; shape.len()];
+                multiply(model.mass(), &shape, &mut row);
+                row
+            })
+            .collect();
+        let anchor = model.contacts()[0].dof;
+        let of = |motion: &HarmonicCoefficients, amplitude: f64| {
+            if amplitude == 0.0 {
+                let none = vec![f64::NAN; linear.omega.len()];
+                return Ok(Participation {
+                    factors: none.clone(),
+                    quadrature: none,
+                    harmonics: 1..=motion.n_harmonics(),
+                });
+            }
+            // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
+            let phase =
+                if motion.of(anchor)[1].norm() > 0.0 { PhaseAnchor::Coordinate(anchor) } else { PhaseAnchor::None };
+            let shape = NonlinearModeShape::new(motion, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
+            Ok(Participation::new(&modal_coordinates(&inertia, &shape.harmonics), 1..=motion.n_harmonics()))
+        };
+        self.branch.points.iter().map(|point| of(&point.coefficients, point.modal_amplitude)).collect()
+    }
+}
+
+/// `Φᵀ M q_n`, modes × (H + 1).
+fn modal_coordinates(inertia: &[Vec<f64>], motion: &HarmonicCoefficients) -> HarmonicCoefficients {
+    let mut modal = HarmonicCoefficients::zeros(inertia.len(), motion.n_harmonics());
+    for (k, row) in inertia.iter().enumerate() {
+        for (n, eta) in modal.of_mut(k).iter_mut().enumerate() {
+            *eta = row.iter().enumerate().map(|(d, m)| motion.of(d)[n] * *m).sum::<Complex64>();
+        }
+    }
+    modal
+}

@@ -1,0 +1,187 @@
+//! Virtual tests of finite-element structures: a bench with exciter, stop and sensors, a schedule under the phase-locked loop, and each
+//! level's record through the extraction that measured records go through.
+
+use nlmodes_experiment::extraction::{self, ExtractionError, ExtractionSettings, RecordExtraction, extract};
+use nlmodes_modal::{LinearModes, ModalError};
+use nlmodes_model::{ContactLaw, Side};
+use nlmodes_rig::{
+    DrivePoint, Exciter, LevelOutcome, ModalReduction, ModalStructure, Motion, Place, RigError, RigSetup, Sensor, Stop,
+    VirtualTest,
+};
+
+/// Channel of the excitation force in [`Bench::setup`].
+pub const FORCE: usize = 0;
+/// Channel of the drive point's displacement.
+pub const DRIVE_DISPLACEMENT: usize = 1;
+
+/// A point of a structure: a displacement as a weighted sum of its degrees of freedom, as of
+/// [`Beam::deflection_at`](nlmodes_fem::Beam::deflection_at).
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchPoint {
+    /// Position along the structure, m.
+    pub position: f64,
+    /// Degrees of freedom and their weights.
+    pub weights: Vec<(usize, f64)>,
+}
+
+/// A stop of a bench.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchStop {
+    /// Where it stands.
+    pub at: BenchPoint,
+    /// On which side.
+    pub side: Side,
+    /// Gap at rest, m.
+    pub gap: f64,
+    /// Rigid, with the residual flexibility of the structure; or elastic, on the modes alone.
+    pub law: ContactLaw,
+}
+
+/// Standard deviations of the sensors' noise.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BenchNoise {
+    /// Excitation force, N.
+    pub force: f64,
+    /// Displacements, m.
+    pub displacement: f64,
+    /// Velocities, m/s.
+    pub velocity: f64,
+    /// Accelerations, m/s².
+    pub acceleration: f64,
+    /// Contact force, N.
+    pub contact_force: f64,
+}
+
+/// A bench as in Fig. 6 of the paper: displacement and velocity at drive point and stop, accelerometers between, both forces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bench {
+    /// Angular eigenfrequencies, rad/s: measured ones, or those of the reduction.
+    pub omega: Vec<f64>,
+    /// Damping ratios.
+    pub damping_ratios: Vec<f64>,
+    /// Where the exciter pushes.
+    pub drive: BenchPoint,
+    /// The stop, if there is one.
+    pub stop: Option<BenchStop>,
+    /// Accelerometers.
+    pub accelerometers: Vec<BenchPoint>,
+    /// Shaker or ideal force.
+    pub exciter: Exciter,
+    /// Sampling interval, s.
+    pub interval: f64,
+    /// Noise of the sensors.
+    pub noise: BenchNoise,
+    /// Its seed.
+    pub seed: u64,
+}
+
+impl Bench {
+    /// The rig: shapes and residual flexibilities of the reduction, frequencies and damping of the bench.
+    pub fn setup(&self, reduction: &ModalReduction) -> RigSetup {
+        let mut sensors = vec![
+            Sensor::new("force_N", Place::Excitation, self.noise.force),
+            Sensor::new("x_drive_m", Place::DrivePoint(Motion::Displacement), self.noise.displacement),
+            Sensor::new("v_drive_mps", Place::DrivePoint(Motion::Velocity), self.noise.velocity),
+        ];
+        sensors.extend(self.accelerometers.iter().enumerate().map(|(i, point)| {
+            let shape = reduction.shape(&point.weights);
+            let place = Place::Point { motion: Motion::Acceleration, position: point.position, shape };
+            Sensor::new(format!("a{}_mps2", i + 1), place, self.noise.acceleration)
+        }));
+        if self.stop.is_some() {
+            sensors.extend([
+                Sensor::new("x_stop_m", Place::StopPoint(Motion::Displacement), self.noise.displacement),
+                Sensor::new("v_stop_mps", Place::StopPoint(Motion::Velocity), self.noise.velocity),
+                Sensor::new("f_contact_N", Place::Stop, self.noise.contact_force),
+            ]);
+        }
+        RigSetup {
+            structure: ModalStructure { omega: self.omega.clone(), damping_ratios: self.damping_ratios.clone() },
+            drive_point: DrivePoint {
+                position: self.drive.position,
+                shape: reduction.shape(&self.drive.weights),
+                residual: reduction.residual(&self.drive.weights),
+            },
+            exciter: self.exciter,
+            stop: self.stop.as_ref().map(|stop| stop.reduced(reduction)),
+            sensors,
+            interval: self.interval,
+            substeps: None,
+            seed: self.seed,
+        }
+    }
+
+    /// The linear modes at all motion sensors, for the extraction.
+    ///
+    /// # Errors
+    /// [`ModalError`], among others if the sensors cannot tell the modes apart.
+    pub fn linear_modes(&self, reduction: &ModalReduction) -> Result<LinearModes, ModalError> {
+        let stop = self.stop.as_ref().map(|stop| &stop.at);
+        let points: Vec<&BenchPoint> = std::iter::once(&self.drive).chain(&self.accelerometers).chain(stop).collect();
+        let positions: Vec<f64> = points.iter().map(|point| point.position).collect();
+        let shapes: Vec<Vec<f64>> = points.iter().map(|point| reduction.shape(&point.weights)).collect();
+        LinearModes::new(&positions, &self.omega, &self.damping_ratios, &shapes)
+    }
+
+    /// The stop as the extraction sees it.
+    pub fn extraction_stop(&self) -> Option<extraction::Stop> {
+        let stop = self.stop.as_ref()?;
+        let positive = stop.side == Side::Positive;
+        Some(extraction::Stop { position: stop.at.position, gap: stop.gap, positive })
+    }
+}
+
+impl BenchStop {
+    fn reduced(&self, reduction: &ModalReduction) -> Stop {
+        let residual = match self.law {
+            ContactLaw::Rigid => reduction.residual(&self.at.weights),
+            ContactLaw::Elastic { .. } => 0.0,
+        };
+        let shape = reduction.shape(&self.at.weights);
+        Stop { position: self.at.position, shape, side: self.side, gap: self.gap, law: self.law, residual }
+    }
+}
+
+/// A level of a test and what its record gives.
+#[derive(Debug)]
+pub struct TestLevel {
+    /// What the rig did.
+    pub outcome: LevelOutcome,
+    /// What a measured record would have told.
+    pub extraction: Result<RecordExtraction, ExtractionError>,
+}
+
+impl TestLevel {
+    /// Names of all findings, of the level and of its extraction, each once, separated by spaces.
+    pub fn finding_names(&self) -> String {
+        let mut names: Vec<&str> = self.outcome.findings.iter().map(|finding| finding.name()).collect();
+        if let Ok(extraction) = &self.extraction {
+            names.extend(extraction.findings.iter().map(|finding| finding.name()));
+        }
+        let mut unique: Vec<&str> = Vec::with_capacity(names.len());
+        for name in names {
+            if !unique.contains(&name) {
+                unique.push(name);
+            }
+        }
+        unique.join(" ")
+    }
+}
+
+/// Runs a test and extracts from each record as soon as it is there. `observe` sees each level.
+///
+/// # Errors
+/// Those of [`VirtualTest::run`].
+pub fn run(
+    test: &VirtualTest,
+    settings: &ExtractionSettings,
+    mut observe: impl FnMut(&TestLevel),
+) -> Result<Vec<TestLevel>, RigError> {
+    let mut levels = Vec::with_capacity(test.schedule.levels.len());
+    test.run(|outcome| {
+        let level = TestLevel { outcome: outcome.clone(), extraction: extract(&outcome.record, settings) };
+        observe(&level);
+        levels.push(level);
+    })?;
+    Ok(levels)
+}
