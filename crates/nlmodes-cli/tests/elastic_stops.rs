@@ -54,7 +54,9 @@ fn harmonic_balance_runs_from_its_own_scene_and_from_the_other_one() -> Outcome 
     }
     let branch = |out: &TempDir| std::fs::read_to_string(out.path().join("branch.csv"));
     assert_eq!(branch(&own)?, branch(&other)?);
-    for name in ["summary.json", "harmonics.npz", "frequency_amplitude.svg", "history_P1.svg", "motion_1.svg"] {
+    for name in
+        ["summary.json", "harmonics.npz", "frequency_amplitude.svg", "history_P1.svg", "motion_1.svg", "report.html"]
+    {
         assert!(own.path().join(name).exists(), "{name}");
     }
     let figure = std::fs::read_to_string(own.path().join("frequency_amplitude.svg"))?;

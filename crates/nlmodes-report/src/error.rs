@@ -21,6 +21,14 @@ pub enum ReportError {
         /// What the serialiser said.
         source: serde_json::Error,
     },
+    /// Something that a page was to show has no form as text.
+    #[error("cannot show `{title}` on a page: {source}")]
+    Unshowable {
+        /// Its title.
+        title: String,
+        /// What the serialiser said.
+        source: serde_json::Error,
+    },
     /// The coefficients of a point do not fit into one array with those of the others.
     #[error(
         "point {point} has coefficients of shape {} x {}, the branch needs {} x {} (coordinates x harmonics + 1)",

@@ -8,14 +8,17 @@ mod measured;
 mod motion;
 mod participation;
 mod stiffness;
+mod stroboscope;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use convergence::ConvergenceFigure;
+pub(crate) use events::EventSymbols;
 pub use history::HistoryFigure;
 pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
 pub use participation::ParticipationFigure;
 pub use stiffness::StiffnessFigure;
+pub(crate) use stroboscope::stroboscope;
 
 use crate::ReportError;
 use crate::output::replace_file;

@@ -14,6 +14,7 @@
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
+//! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
@@ -71,8 +72,10 @@
 mod chart;
 mod error;
 mod figure;
+mod html;
 mod output;
 mod palette;
+mod stations;
 mod surface;
 mod svg;
 mod table;
@@ -83,4 +86,5 @@ pub use figure::{
     Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
     ParticipationFigure, StiffnessFigure,
 };
+pub use html::{DataTable, HtmlReport, StopLine};
 pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};

@@ -145,7 +145,7 @@ fn px(value: f64) -> String {
 }
 
 /// Text for elements and attributes; control characters, which XML does not allow, become spaces.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut safe, character| {
         match character {
             '&' => safe.push_str("&amp;"),

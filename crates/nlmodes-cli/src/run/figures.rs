@@ -15,7 +15,7 @@ const LINEAR_MODES: usize = 6;
 const SHOWN_MODES: usize = 2;
 
 /// Instants of a period in a time history.
-const HISTORY_SAMPLES: usize = 1000;
+pub const HISTORY_SAMPLES: usize = 1000;
 
 /// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
 /// of up to two.
@@ -65,7 +65,7 @@ pub fn participation(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -
 }
 
 /// Ends of the structure at which the direction of the first contact is held.
-fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
+pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     let coordinates = &computed.branch.coordinates;
     let Some(contact) = computed.branch.contact_coordinate.map(|i| &coordinates[i]) else { return Vec::new() };
     let length = scene.structure.length;
@@ -73,10 +73,11 @@ fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
 }
 
-/// Removes the figures of an earlier run, which would not belong to the points of this one.
+/// Removes the figures and the page of an earlier run, which would not belong to the points of this one.
 pub fn remove(directory: &Path) {
     let numbered = (1..=4).map(|k| format!("motion_{k}.svg")).chain((1..=2).map(|k| format!("history_P{k}.svg")));
-    let common = ["frequency_energy.svg", "frequency_amplitude.svg", "participation.svg", "participation.csv"];
+    let common =
+        ["frequency_energy.svg", "frequency_amplitude.svg", "participation.svg", "participation.csv", "report.html"];
     // What cannot be removed cannot be overwritten either, which is said when it is.
     numbered.chain(common.map(str::to_owned)).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }

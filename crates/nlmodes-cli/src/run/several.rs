@@ -12,7 +12,7 @@ use crate::Status;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
 
-use super::{chain, figures, one_branch};
+use super::{chain, figures, one_branch, page};
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -127,7 +127,8 @@ fn write(files: &[SceneFile], computed: &[ComputedBranch], rows: Vec<Branch>) ->
         figure.write(directory.join(name))?;
     }
     figures::participation(directory, scene, &computed.iter().collect::<Vec<_>>())?;
-    let scenes = files.iter().map(|file| &file.scene).collect();
+    let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    page::write(directory, &scenes, &computed.iter().collect::<Vec<_>>())?;
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
     Ok(write_summary(directory.join("summary.json"), &summary)?)
 }

@@ -43,9 +43,10 @@ struct GrazingPoint {
     contact_amplitude_m: f64,
 }
 
+/// The method in words, and what it came to.
 #[derive(Serialize)]
-struct MethodUsed {
-    name: &'static str,
+pub struct MethodUsed {
+    pub name: &'static str,
     equations: &'static str,
     held_modes: usize,
     held_modes_at_contacts: usize,
@@ -187,7 +188,7 @@ pub fn write(
     Ok(write_summary(directory.join("summary.json"), &summary)?)
 }
 
-fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
+pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
     MethodUsed {
         name: match scene.method.kind {
             MethodKind::MsHbm => "mixed shooting-harmonic balance, massless contact nodes",

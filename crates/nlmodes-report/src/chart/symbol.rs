@@ -18,6 +18,20 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
+    /// Name of the shape, for whoever draws it elsewhere.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Circle => "circle",
+            Self::Dot => "dot",
+            Self::Triangle => "triangle",
+            Self::TriangleDown => "triangle-down",
+            Self::Square => "square",
+            Self::Diamond => "diamond",
+            Self::Pentagon => "pentagon",
+            Self::Star => "star",
+        }
+    }
+
     /// Draws the symbol with its middle at `at`.
     pub fn draw(self, svg: &mut Svg, class: &str, at: (f64, f64), fill: &str) {
         match self {

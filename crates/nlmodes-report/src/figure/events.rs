@@ -15,7 +15,7 @@ const FURTHER_FILLS: [&str; 2] = ["#009e73", "#bbbbbb"];
 
 /// Events in the order in which they first occur, each with its symbol.
 #[derive(Debug, Default)]
-pub(super) struct EventSymbols {
+pub(crate) struct EventSymbols {
     names: Vec<(String, Shape, &'static str)>,
     n_further: usize,
 }
@@ -36,6 +36,11 @@ impl EventSymbols {
         let index = self.n_further;
         self.n_further += 1;
         (FURTHER[index % FURTHER.len()], FURTHER_FILLS[index / FURTHER.len() % FURTHER_FILLS.len()])
+    }
+
+    /// Name, shape and colour of each event that occurred.
+    pub fn all(&self) -> impl Iterator<Item = (&str, Shape, &'static str)> {
+        self.names.iter().map(|(name, shape, fill)| (name.as_str(), *shape, *fill))
     }
 
     /// An entry for each event that occurred.

@@ -1,6 +1,7 @@
 use super::Figure;
 use crate::ReportError;
 use crate::chart::scientific;
+use crate::stations::{self, Station};
 use crate::surface::{Line, Surface, SurfaceAxis};
 use crate::unit::Unit;
 use nlmodes_modal::{ModalBranch, ModalPoint};
@@ -21,9 +22,6 @@ pub struct MotionFigure<'a> {
     clamped: Vec<f64>,
 }
 
-/// A position along the structure and the coordinate there, none where it is clamped.
-type Station = (f64, Option<usize>);
-
 impl<'a> MotionFigure<'a> {
     /// A figure of the motion at point `point` of the branch.
     pub fn new(branch: &'a ModalBranch, point: usize) -> Self {
@@ -43,8 +41,9 @@ impl<'a> MotionFigure<'a> {
     /// [`ReportError::TooFewPositions`], [`ReportError::NothingToDraw`] if the motion is not finite.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let point = self.checked_point()?;
-        let kind = self.kind();
-        let stations = thinned(self.stations(kind), self.contact_position());
+        let kind = stations::kind(self.branch);
+        let all = stations::stations(self.branch, kind, &self.clamped);
+        let stations = stations::thinned(all, MAX_POSITIONS, stations::contact_position(self.branch).as_slice());
         if stations.len() < 2 {
             return Err(ReportError::TooFewPositions { kind: kind.into(), found: stations.len() });
         }
@@ -69,26 +68,6 @@ impl<'a> MotionFigure<'a> {
         Err(ReportError::CoefficientShape { point: self.point, found: (found, width), expected: (expected, width) })
     }
 
-    fn kind(&self) -> &str {
-        let index = self.branch.contact_coordinate.unwrap_or(0);
-        self.branch.coordinates.get(index).map_or("", |coordinate| &coordinate.kind)
-    }
-
-    fn contact_position(&self) -> Option<f64> {
-        self.branch.coordinates.get(self.branch.contact_coordinate?).map(|coordinate| coordinate.position)
-    }
-
-    /// All positions in ascending order, each once; a coordinate goes before a clamp.
-    fn stations(&self, kind: &str) -> Vec<Station> {
-        let coordinates = self.branch.coordinates.iter().enumerate().filter(|(_, coordinate)| coordinate.kind == kind);
-        let free = coordinates.map(|(index, coordinate)| (coordinate.position, Some(index)));
-        let clamped = self.clamped.iter().map(|position| (*position, None));
-        let mut stations: Vec<Station> = free.chain(clamped).filter(|(position, _)| position.is_finite()).collect();
-        stations.sort_by(|a, b| a.0.total_cmp(&b.0));
-        stations.dedup_by(|a, b| a.0 == b.0);
-        stations
-    }
-
     fn surface(&self, point: &ModalPoint, kind: &str, stations: &[Station], heights: &[Vec<f64>]) -> Surface {
         let period = TAU / point.omega;
         let positions: Vec<f64> = stations.iter().map(|(position, _)| *position).collect();
@@ -98,7 +77,8 @@ impl<'a> MotionFigure<'a> {
         let x = Unit::fine("m", positions.iter().fold(0.0, |m: f64, value| m.max(value.abs())));
         let t = Unit::fine("s", period);
         let scaled = |values: &[f64], unit: &Unit| values.iter().map(|value| value * unit.per_si).collect::<Vec<_>>();
-        let line = |y: f64| self.contact_position().map(|at| Line { x: at * x.per_si, z: y * z.per_si });
+        let line =
+            |y: f64| stations::contact_position(self.branch).map(|at| Line { x: at * x.per_si, z: y * z.per_si });
         Surface {
             title: self.title(point),
             x: SurfaceAxis { label: format!("position in {}", x.symbol), values: scaled(&positions, &x) },
@@ -106,7 +86,9 @@ impl<'a> MotionFigure<'a> {
             z_label: format!("{name} in {}", z.symbol),
             z: heights.iter().map(|row| scaled(row, &z)).collect(),
             stop: self.branch.stop.filter(|stop| stop.is_finite()).and_then(line),
-            contact: stations.iter().position(|(position, _)| Some(*position) == self.contact_position()),
+            contact: stations
+                .iter()
+                .position(|(position, _)| Some(*position) == stations::contact_position(self.branch)),
         }
     }
 
@@ -121,19 +103,6 @@ fn heights(point: &ModalPoint, stations: &[Station]) -> Vec<Vec<f64>> {
     let phases: Vec<f64> = (0..=N_TIMES).map(|k| TAU * k as f64 / N_TIMES as f64).collect();
     let value = |index: Option<usize>, phase: f64| index.map_or(0.0, |index| point.coefficients.value(index, phase));
     stations.iter().map(|(_, index)| phases.iter().map(|phase| value(*index, *phase)).collect()).collect()
-}
-
-/// At most [`MAX_POSITIONS`] stations, evenly chosen, the ends and the contact among them.
-fn thinned(stations: Vec<Station>, contact: Option<f64>) -> Vec<Station> {
-    let n = stations.len();
-    if n <= MAX_POSITIONS {
-        return stations;
-    }
-    let mut chosen: Vec<usize> = (0..MAX_POSITIONS).map(|k| k * (n - 1) / (MAX_POSITIONS - 1)).collect();
-    chosen.extend(stations.iter().position(|(position, _)| Some(*position) == contact));
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen.into_iter().map(|index| stations[index]).collect()
 }
 
 fn quantity(kind: &str, largest: f64) -> (&'static str, Unit) {

@@ -4,6 +4,7 @@ mod branches;
 mod convergences;
 mod histories;
 mod motions;
+mod pages;
 mod samples;
 mod tables;
 

@@ -1,0 +1,76 @@
+//! `report.html`: the run on one page.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{DataTable, HtmlReport, StopLine};
+use nlmodes::study::{ComputedBranch, figure_points, reference_points};
+
+use super::figures::{HISTORY_SAMPLES, held_ends};
+use super::summary::method_used;
+use crate::assemble::structural_model;
+use crate::config::scene::Scene;
+use crate::modes::{LinearFrequencies, linear_frequencies};
+
+/// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
+const MOTION_SAMPLES: usize = 2000;
+
+/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch.
+pub fn write(directory: &Path, scenes: &[&Scene], all: &[&ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
+    let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
+    let contact_motion =
+        |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
+    let references = reference_points(&first.branch);
+    let history = |point: &usize| first.time_history(*point, 0, HISTORY_SAMPLES, &first.branch.label);
+    let histories = references.iter().map(history).collect::<Result<Vec<_>, _>>()?;
+    let method = method_used(scene, first);
+    let mut report = HtmlReport::new(&scene.title, &branches)
+        .line(format!("{}; {}", first.branch.label, method.name))
+        .clamped_at(&held_ends(scene, first))
+        .stops(&stops(first))
+        .contact_motion(&contact_motion)
+        .table(linear_table(&linear_frequencies(scene, &structural_model(scene)?)?))
+        .document("Scene as read, in SI units", scene)?
+        .document("Method as used", &method)?;
+    for (k, scene) in scenes.iter().enumerate().skip(1) {
+        report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
+    }
+    for (k, point) in figure_points(&first.branch).into_iter().enumerate() {
+        report = report.mark(0, point, (k + 1).to_string());
+    }
+    for (k, (point, history)) in references.iter().zip(&histories).enumerate() {
+        let frequency = first.branch.points[*point].omega / TAU;
+        let name = format!("P{}: point {point}, {frequency:.4} Hz", k + 1);
+        report = report.mark(0, *point, format!("P{}", k + 1)).history(name, history);
+    }
+    Ok(report.write(directory.join("report.html"))?)
+}
+
+/// All stops, in the order of the scene.
+fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
+    let line = |contact: &nlmodes::model::Contact| StopLine {
+        coordinate: contact.dof,
+        position: contact.side.sign() * contact.gap,
+        positive: contact.side.sign() > 0.0,
+    };
+    computed.structure.model().contacts().iter().map(line).collect()
+}
+
+fn linear_table(found: &LinearFrequencies) -> DataTable {
+    let columns = [
+        Some(("contact mass kept", &found.mass_kept)),
+        found.mass_redistributed.as_ref().map(|f| ("contact mass taken away", f)),
+        found.contacts_held.as_ref().map(|f| ("contacts held", f)),
+    ];
+    let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
+    let head: Vec<&str> = ["mode"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
+    let mut table = DataTable::new("Linear frequencies, Hz", &head);
+    for k in 0..found.mass_kept.len() {
+        let cell = |(_, f): &(&str, &Vec<f64>)| f.get(k).map_or_else(|| "–".to_owned(), |f| format!("{f:.5}"));
+        table.rows.push([(k + 1).to_string()].into_iter().chain(columns.iter().map(cell)).collect());
+    }
+    table
+}

@@ -1,0 +1,177 @@
+//! The page: everything about some branches in one file that loads nothing.
+
+mod data;
+mod document;
+mod frame;
+mod history;
+mod knots;
+mod motion;
+mod number;
+mod overview;
+mod sections;
+mod table;
+
+pub use table::DataTable;
+
+use crate::ReportError;
+use crate::output::replace_file;
+use nlmodes_modal::{ModalBranch, TimeHistory};
+use serde::Serialize;
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+
+/// A stop as the page draws it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StopLine {
+    /// Index of the coordinate that it limits, among those of the first branch.
+    pub coordinate: usize,
+    /// Its signed position along that coordinate, m.
+    pub position: f64,
+    /// Whether it stands on the positive side.
+    pub positive: bool,
+}
+
+/// Motion and force of a contact: branch, point, index of the stop; over one period from phase 0, its end included.
+type ContactMotion<'a> = dyn Fn(usize, usize, usize) -> Option<TimeHistory> + 'a;
+
+/// `report.html`: one page about some branches, to be opened, shown and printed without a network.
+///
+/// It shows frequency over energy and over modal amplitude, to zoom and to hover; the motion of the structure at a point
+/// that is chosen there; time histories; tables of events, internal resonances and ends; and whatever is added.
+/// Without JavaScript the same figures stand still. All texts are escaped, and a content security policy allows
+/// this page's own script and style alone.
+///
+/// ```
+/// # use nlmodes_modal::{BranchEnd, ModalBranch};
+/// # let end = BranchEnd { reason: "closed".into(), message: "it closed".into(), complete: true };
+/// # let (points, coordinates) = (Vec::new(), Vec::new());
+/// # let branch = ModalBranch { label: "rod".into(), coordinates, contact_coordinate: None, stop: None, points, end };
+/// use nlmodes_report::HtmlReport;
+///
+/// let folder = tempfile::tempdir()?;
+/// HtmlReport::new("Rod against a stop", &[&branch]).write(folder.path().join("report.html"))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct HtmlReport<'a> {
+    title: String,
+    branches: &'a [&'a ModalBranch],
+    lines: Vec<String>,
+    marks: Vec<(usize, usize, String)>,
+    clamped: Vec<f64>,
+    stops: Vec<StopLine>,
+    contact_motion: Option<&'a ContactMotion<'a>>,
+    histories: Vec<(String, &'a TimeHistory)>,
+    tables: Vec<DataTable>,
+    documents: Vec<(String, Value)>,
+}
+
+impl<'a> HtmlReport<'a> {
+    /// A page about these branches, the first of which is the main one.
+    pub fn new(title: impl Into<String>, branches: &'a [&'a ModalBranch]) -> Self {
+        Self {
+            title: title.into(),
+            branches,
+            lines: Vec::new(),
+            marks: Vec::new(),
+            clamped: Vec::new(),
+            stops: Vec::new(),
+            contact_motion: None,
+            histories: Vec::new(),
+            tables: Vec::new(),
+            documents: Vec::new(),
+        }
+    }
+
+    /// With a line below the title: how it was computed, by what, when.
+    pub fn line(mut self, text: impl Into<String>) -> Self {
+        self.lines.push(text.into());
+        self
+    }
+
+    /// With a name, for instance `P1`, for point `point` of the branch number `branch`. The last point that has a name moves first.
+    pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
+        self.marks.push((branch, point, name.into()));
+        self
+    }
+
+    /// With displacement zero at these positions, m, which have no coordinate because they are clamped.
+    pub fn clamped_at(mut self, positions: &[f64]) -> Self {
+        self.clamped.extend_from_slice(positions);
+        self
+    }
+
+    /// With these stops instead of the first one of each branch.
+    pub fn stops(mut self, stops: &[StopLine]) -> Self {
+        self.stops = stops.to_vec();
+        self
+    }
+
+    /// With the exact motion and the force of each stop's contact; otherwise contacts move by their harmonics.
+    ///
+    /// `motion` takes the branch, the point and the index of the stop, and is asked for the points that move on the page.
+    pub fn contact_motion(mut self, motion: &'a ContactMotion<'a>) -> Self {
+        self.contact_motion = Some(motion);
+        self
+    }
+
+    /// With a time history of its own.
+    pub fn history(mut self, name: impl Into<String>, history: &'a TimeHistory) -> Self {
+        self.histories.push((name.into(), history));
+        self
+    }
+
+    /// With a table more.
+    pub fn table(mut self, table: DataTable) -> Self {
+        self.tables.push(table);
+        self
+    }
+
+    /// With a tree of names and values, for instance a scene.
+    ///
+    /// # Errors
+    /// [`ReportError::Unshowable`] if it has no JSON form.
+    pub fn document(mut self, title: impl Into<String>, content: &impl Serialize) -> Result<Self, ReportError> {
+        let title = title.into();
+        match serde_json::to_value(content) {
+            Ok(value) => self.documents.push((title, value)),
+            Err(source) => return Err(ReportError::Unshowable { title, source }),
+        }
+        Ok(self)
+    }
+
+    /// The page.
+    ///
+    /// Figures that cannot be drawn, because no value is finite, are left out.
+    ///
+    /// # Errors
+    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist, [`ReportError::SeriesLength`] if a series
+    /// of a time history does not fit its time.
+    pub fn render(&self) -> Result<String, ReportError> {
+        self.check_marks()?;
+        let sections = self.sections()?;
+        let data = data::Data::new(self);
+        Ok(frame::page(&self.title, &sections, &data))
+    }
+
+    /// Writes the page; a file of that name is replaced at once, never half.
+    ///
+    /// # Errors
+    /// Those of [`HtmlReport::render`], and [`ReportError::Io`] if the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
+        let page = self.render()?;
+        replace_file(path.as_ref(), |file| file.write_all(page.as_bytes()))
+    }
+
+    fn check_marks(&self) -> Result<(), ReportError> {
+        for (branch, point, _) in &self.marks {
+            let found = self.branches.get(*branch);
+            let n_points = found.map_or(0, |branch| branch.points.len());
+            if *point >= n_points {
+                let label = found.map_or_else(|| format!("number {branch}"), |branch| branch.label.clone());
+                return Err(ReportError::NoSuchPoint { point: *point, branch: label, n_points });
+            }
+        }
+        Ok(())
+    }
+}

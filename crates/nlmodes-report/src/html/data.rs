@@ -1,0 +1,158 @@
+//! What the script of the page knows.
+
+use super::history::HistoryData;
+use super::motion::MotionData;
+use super::number::rounded;
+use super::{HtmlReport, StopLine};
+use crate::figure::EventSymbols;
+use crate::palette;
+use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Data {
+    branches: Vec<BranchData>,
+    /// Branch, point, name.
+    marks: Vec<(usize, usize, String)>,
+    event_symbols: Vec<EventSymbol>,
+    histories: Vec<HistoryData>,
+    colors: Colors,
+}
+
+#[derive(Serialize)]
+struct EventSymbol {
+    name: String,
+    shape: &'static str,
+    fill: &'static str,
+}
+
+#[derive(Serialize)]
+struct Colors {
+    touching: &'static str,
+    leaving: &'static str,
+}
+
+/// Columns over the points; a value that is not finite is null.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct BranchData {
+    label: String,
+    color: &'static str,
+    /// Hz.
+    frequency: Vec<f64>,
+    energy: Vec<f64>,
+    total_energy: Vec<f64>,
+    amplitude: Vec<f64>,
+    peak: Vec<f64>,
+    contact_fraction: Vec<f64>,
+    contact_intervals: Vec<usize>,
+    force: Vec<f64>,
+    residual: Vec<f64>,
+    /// Share of each harmonic in the averaged kinetic energy.
+    shares: Vec<Vec<f64>>,
+    events: BTreeMap<usize, Vec<String>>,
+    resonance: BTreeMap<usize, String>,
+    /// Points that do not come from the one before.
+    resumed: Vec<usize>,
+    /// Point at the end of the branch at which the linear mode ends.
+    grazing: Option<usize>,
+    /// Point and name of each tongue.
+    tongues: Vec<(usize, String)>,
+    motion: Option<MotionData>,
+}
+
+impl Data {
+    pub fn new(report: &HtmlReport<'_>) -> Self {
+        let mut symbols = EventSymbols::default();
+        for event in report.branches.iter().flat_map(|branch| &branch.points).flat_map(|point| &point.events) {
+            symbols.of(event);
+        }
+        let symbol = |(name, shape, fill): (&str, crate::chart::Shape, _)| EventSymbol {
+            name: name.into(),
+            shape: shape.name(),
+            fill,
+        };
+        Self {
+            branches: (0..report.branches.len()).map(|index| BranchData::new(report, index)).collect(),
+            marks: report.marks.clone(),
+            event_symbols: symbols.all().map(symbol).collect(),
+            histories: report.histories.iter().map(|(name, history)| HistoryData::new(name, history)).collect(),
+            colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING },
+        }
+    }
+
+    /// As JSON that may stand within a `script` element: no `<`, `>` or `&`.
+    pub fn json(&self) -> String {
+        // Maps with integer keys, vectors and numbers always have a JSON form.
+        let text = serde_json::to_string(self).unwrap_or_else(|_| "null".into());
+        text.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
+    }
+}
+
+impl BranchData {
+    fn new(report: &HtmlReport<'_>, index: usize) -> Self {
+        let branch = report.branches[index];
+        let points = &branch.points;
+        let column = |digits: usize, value: &dyn Fn(&ModalPoint) -> f64| {
+            points.iter().map(|point| rounded(value(point), digits)).collect::<Vec<f64>>()
+        };
+        let with_events = points.iter().enumerate().filter(|(_, point)| !point.events.is_empty());
+        let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
+        let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(ModalPoint::RESUMED));
+        let tongues = tongues(points).into_iter();
+        Self {
+            label: branch.label.clone(),
+            color: palette::curve(index),
+            // Tips of tongues are narrow: ten digits.
+            frequency: column(10, &|point| point.omega / TAU),
+            energy: column(10, &|point| point.kinetic_energy),
+            amplitude: column(10, &|point| point.modal_amplitude),
+            total_energy: column(6, &|point| point.total_energy),
+            peak: column(6, &|point| point.peak),
+            contact_fraction: column(6, &|point| point.contact_fraction),
+            contact_intervals: points.iter().map(|point| point.contact_intervals).collect(),
+            force: column(6, &|point| point.peak_contact_force),
+            residual: column(3, &|point| point.residual),
+            shares: points.iter().map(shares).collect(),
+            events: with_events.map(|(i, point)| (i, point.events.clone())).collect(),
+            resonance: resonant.collect(),
+            resumed: resumed.map(|(i, _)| i).collect(),
+            grazing: grazing(branch),
+            tongues: tongues.map(|t| (if t.skipped { t.start } else { t.tip }, t.resonance.to_string())).collect(),
+            motion: MotionData::new(report, index, &stops(report, branch)),
+        }
+    }
+}
+
+/// The stops of the report at the coordinates of this branch, or the first one of the branch.
+pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLine> {
+    if !report.stops.is_empty() {
+        // Another method may have its coordinates in another order.
+        let main = report.branches.first().map_or(&[] as &[_], |first| first.coordinates.as_slice());
+        let place = |stop: &StopLine| {
+            let wanted = main.get(stop.coordinate)?;
+            let is_same = branch.coordinates.get(stop.coordinate) == Some(wanted);
+            if is_same { Some(stop.coordinate) } else { branch.coordinates.iter().position(|c| c == wanted) }
+        };
+        // One that the branch lacks keeps its place in the order.
+        let moved = |stop: &StopLine| StopLine { coordinate: place(stop).unwrap_or(usize::MAX), ..*stop };
+        return report.stops.iter().map(moved).collect();
+    }
+    let first = branch.contact_coordinate.zip(branch.stop);
+    let line = |(coordinate, position): (usize, f64)| StopLine { coordinate, position, positive: position >= 0.0 };
+    first.map(line).into_iter().collect()
+}
+
+fn shares(point: &ModalPoint) -> Vec<f64> {
+    let whole: f64 = point.harmonic_energy.iter().sum();
+    point.harmonic_energy.iter().map(|energy| rounded(energy / whole, 4)).collect()
+}
+
+/// The grazing point with which a branch begins or ends.
+fn grazing(branch: &ModalBranch) -> Option<usize> {
+    let last = branch.points.len().checked_sub(1)?;
+    [0, last].into_iter().find(|index| branch.points[*index].has_event("grazing"))
+}

@@ -1,0 +1,59 @@
+//! Time histories for the script, and thinned ones.
+
+use super::knots::knots;
+use super::number::rounded;
+use nlmodes_modal::TimeHistory;
+use serde::Serialize;
+
+/// By how much of its largest value a curve may miss a sample: a tenth of a pixel.
+const TOLERANCE: f64 = 5e-4;
+
+#[derive(Serialize)]
+pub(super) struct HistoryData {
+    name: String,
+    time: Vec<f64>,
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    force: Vec<f64>,
+    stop: f64,
+    /// Time, and whether touching begins.
+    instants: Vec<(f64, bool)>,
+}
+
+impl HistoryData {
+    pub fn new(name: &str, history: &TimeHistory) -> Self {
+        let thin = thinned(history);
+        let short = |values: Vec<f64>| values.into_iter().map(|value| rounded(value, 6)).collect();
+        Self {
+            name: name.into(),
+            time: short(thin.time),
+            displacement: short(thin.displacement),
+            velocity: short(thin.velocity),
+            acceleration: short(thin.acceleration),
+            force: short(thin.force),
+            stop: thin.stop,
+            instants: thin.instants.iter().map(|instant| (rounded(instant.time, 8), instant.touching)).collect(),
+        }
+    }
+}
+
+/// The history with as few samples as its curves need; as it is, if a series does not fit the time.
+pub(super) fn thinned(history: &TimeHistory) -> TimeHistory {
+    let all = [&history.displacement, &history.velocity, &history.acceleration, &history.force];
+    if all.iter().any(|values| values.len() != history.time.len()) {
+        return history.clone();
+    }
+    let chosen = knots(&history.time, &all.map(Vec::as_slice), TOLERANCE);
+    let pick = |values: &[f64]| chosen.iter().map(|k| values[*k]).collect();
+    TimeHistory {
+        label: history.label.clone(),
+        time: pick(&history.time),
+        displacement: pick(&history.displacement),
+        velocity: pick(&history.velocity),
+        acceleration: pick(&history.acceleration),
+        force: pick(&history.force),
+        stop: history.stop,
+        instants: history.instants.clone(),
+    }
+}

@@ -1,0 +1,112 @@
+// The page as a whole: what is chosen, and who is told.
+
+const DATA = JSON.parse(document.getElementById("data").textContent);
+
+function begin() {
+  const byId = id => document.getElementById(id);
+  document.documentElement.classList.add("live");
+  const boxes = [byId("energy"), byId("amplitude")].filter(Boolean);
+  let chosen = null;
+  const charts = boxes.length ? branchFigures(boxes, byId("legend"), (key, index) => choose(key, index)) : [];
+  const motion = byId("motion") && new Motion(byId("motion"), byId("controls"));
+
+  function choose(key, index) {
+    const branch = DATA.branches[key];
+    if (!branch || !(index in branch.frequency)) return;
+    chosen = { key, index };
+    charts.forEach(chart => chart.choose(key, index));
+    const shown = motion ? motion.show(branch, index) : null;
+    showDetails(byId("details"), branch, index, shown);
+    if (byId("point")) { byId("point").max = branch.frequency.length - 1; byId("point").value = index; }
+    if (byId("branch")) byId("branch").value = key;
+    showContact(branch, shown);
+  }
+
+  /// Displacement and force of the first contact over the period that moves above.
+  function showContact(branch, shown) {
+    const box = byId("contact");
+    if (!box) return;
+    box.replaceChildren();
+    motion.onPhase = null;
+    const contact = motion.frame && motion.frame.contacts[0];
+    if (!contact || shown === null) return;
+    const period = 1 / branch.frequency[shown];
+    const time = contact.t.map(phase => period * phase);
+    const history = { time, displacement: contact.u, force: contact.f, stop: branch.motion.stops[0].at, instants: [] };
+    const spec = historySpec(`Contact node at point ${shown}`, history, 130);
+    const chart = new Chart(box, spec);
+    motion.onPhase = phase => chart.moveCursor(phase * period * spec.clock.perSi);
+    motion.onPhase(motion.phase);
+  }
+
+  walk(byId("walk"), () => chosen, choose);
+  for (const box of document.querySelectorAll("[data-history]")) {
+    const history = DATA.histories[Number(box.dataset.history)];
+    new Chart(box, historySpec(history.name, history, 130));
+  }
+  for (const button of document.querySelectorAll("button[data-point]")) {
+    button.addEventListener("click", () => {
+      choose(Number(button.dataset.branch), Number(button.dataset.point));
+      byId("branches").scrollIntoView({ block: "start" });
+    });
+  }
+  const first = DATA.marks[DATA.marks.length - 1] || [0, 0];
+  if (DATA.branches.length && DATA.branches[first[0]].frequency.length) choose(first[0], first[1]);
+}
+
+/// Controls that choose the branch and the point.
+function walk(box, chosen, choose) {
+  if (!box) return;
+  if (DATA.branches.length > 1) {
+    const label = html(box, "label", {}, "branch ");
+    const select = html(label, "select", { id: "branch" });
+    DATA.branches.forEach((branch, key) => html(select, "option", { value: key }, branch.label));
+    select.addEventListener("change", () => {
+      const key = Number(select.value);
+      choose(key, Math.min(chosen().index, DATA.branches[key].frequency.length - 1));
+    });
+  }
+  const step = by => chosen() && choose(chosen().key, chosen().index + by);
+  const arrow = (text, name, by) =>
+    html(box, "button", { type: "button", "aria-label": name, title: name }, text).addEventListener("click", () => step(by));
+  arrow("◀", "Previous point", -1);
+  const label = html(box, "label", { class: "grow" }, "point along the branch ");
+  const slider = html(label, "input", { type: "range", min: 0, value: 0, step: 1, id: "point" });
+  slider.addEventListener("input", () => chosen() && choose(chosen().key, Number(slider.value)));
+  arrow("▶", "Next point", 1);
+}
+
+function showDetails(box, branch, index, shown) {
+  if (!box) return;
+  box.replaceChildren();
+  html(box, "h3", {}, `Point ${index}`);
+  if (DATA.branches.length > 1) html(box, "p", { class: "quiet" }, branch.label);
+  if (shown !== null && shown !== index) html(box, "p", { class: "quiet" }, `The page shows the motion of point ${shown}, the nearest that it holds.`);
+  const table = html(html(box, "table"), "tbody");
+  for (const [name, value] of facts(branch, index)) {
+    const row = html(table, "tr");
+    html(row, "th", { scope: "row" }, name);
+    html(row, "td", {}, value);
+  }
+  const shares = branch.shares[index];
+  if (shares && shares.length > 1) showShares(box, shares);
+}
+
+/// Bars of the kinetic energy in each harmonic, on a logarithmic scale of eight decades.
+function showShares(box, shares) {
+  const figure = html(box, "figure", { class: "shares" });
+  html(figure, "figcaption", {}, "kinetic energy by harmonic (bars: logarithmic, eight decades)");
+  shares.forEach((share, n) => {
+    if (n === 0) return;
+    const row = html(figure, "div");
+    html(row, "span", {}, String(n));
+    const length = share > 0 ? Math.max(0, 1 + Math.log10(share) / 8) : 0;
+    const picture = svg(row, "svg", { viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" });
+    svg(picture, "rect", { width: (100 * length).toFixed(2), height: 8, fill: branchColor(0) });
+    html(row, "span", {}, share > 0 ? significant(100 * share, 3) + " %" : "0");
+  });
+}
+
+const branchColor = index => DATA.branches[index].color;
+
+begin();

@@ -1,0 +1,23 @@
+// Symbols of events: the shapes of the figures beside this page.
+
+const CORNERS = {
+  triangle: [3, 5.8, 0], "triangle-down": [3, 5.8, 0.5], square: [4, 5.8, 0.5], diamond: [4, 6, 0], pentagon: [5, 5.4, 0],
+};
+
+function symbol(parent, shape, x, y, color, name) {
+  const attributes = { class: "symbol", fill: color };
+  let node;
+  if (shape === "star" || CORNERS[shape]) {
+    const [n, radius, turn] = CORNERS[shape] || [10, 6.6, 0];
+    const corner = k => {
+      const angle = 2 * Math.PI * (k + turn) / n - Math.PI / 2;
+      const r = shape === "star" && k % 2 ? 2.8 : radius;
+      return (x + r * Math.cos(angle)).toFixed(2) + "," + (y + r * Math.sin(angle)).toFixed(2);
+    };
+    node = svg(parent, "polygon", { ...attributes, points: Array.from({ length: n }, (_, k) => corner(k)).join(" ") });
+  } else {
+    node = svg(parent, "circle", { ...attributes, cx: x.toFixed(2), cy: y.toFixed(2), r: shape === "dot" ? 3.2 : 4.6 });
+  }
+  if (name) svg(node, "title", {}, name);
+  return node;
+}

@@ -1,0 +1,195 @@
+//! The sections of the page, each with the still figures that stand there without the script.
+
+use super::history::thinned;
+use super::motion::{shown, word};
+use super::number::{hertz, significant};
+use super::table::{DataTable, cell, point_cell};
+use super::{HtmlReport, data, document};
+use crate::ReportError;
+use crate::figure::{Abscissa, BranchFigure, Figure, HistoryFigure, stroboscope};
+use crate::stations;
+use crate::svg::escape;
+use nlmodes_modal::{ModalPoint, tongues};
+
+const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve for its values; \
+    click to see that motion. With the keyboard: arrows, Enter, + − 0.";
+
+/// A section: its name in the page's address, its title, its content.
+pub(super) struct Section {
+    pub id: &'static str,
+    pub title: &'static str,
+    pub html: String,
+}
+
+impl HtmlReport<'_> {
+    /// All sections that have something to show; the head of the page is the first, without a title.
+    pub(super) fn sections(&self) -> Result<Vec<Section>, ReportError> {
+        let section = |id, title, html| Section { id, title, html };
+        let all = vec![
+            section("overview", "", self.overview()),
+            section("branches", "The nonlinear mode", self.branch_figures()),
+            section("moving", "Motion", self.motion_figure()),
+            section("histories", "Time histories", self.history_figures()?),
+            section("tables", "Tables", self.all_tables()),
+            section("scene", "Scene and method", self.all_documents()),
+        ];
+        Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
+    }
+
+    fn branch_figures(&self) -> String {
+        let energy = self.branch_figure(Abscissa::Energy, "energy", "Frequency over averaged kinetic energy");
+        let amplitude = self.branch_figure(Abscissa::ModalAmplitude, "amplitude", "Frequency over modal amplitude");
+        if energy.is_empty() && amplitude.is_empty() {
+            return String::new();
+        }
+        format!(
+            "<p class=\"hint needs-script control\">{HINT}</p>\n<div id=\"legend\"></div>\n<div class=\"pair\">{energy}{amplitude}</div>\n"
+        )
+    }
+
+    fn branch_figure(&self, abscissa: Abscissa, id: &str, title: &str) -> String {
+        let mut figure = BranchFigure::new(abscissa, self.branches);
+        for (branch, point, name) in &self.marks {
+            figure = figure.mark(*branch, *point, name);
+        }
+        figure.render().map_or_else(|_| String::new(), |figure| boxed(title, &figure, &format!("id=\"{id}\"")))
+    }
+
+    fn motion_figure(&self) -> String {
+        let Some((branch, point)) = self.first_moving() else { return String::new() };
+        let (stations, stops) = shown(self, self.branches[branch], &data::stops(self, self.branches[branch]));
+        let lines: Vec<(f64, f64)> = stops.iter().map(|(_, stop, at)| (stations[*at].0, stop.position)).collect();
+        let name = word(stations::kind(self.branches[branch]));
+        let point = &self.branches[branch].points[point];
+        let still = stroboscope(point, name, &stations, &lines).filter(|_| stations.len() > 1);
+        let Some(still) = still else { return String::new() };
+        let contact = if self.contact_motion.is_some() && !stops.is_empty() {
+            "<h3 class=\"needs-script\">Contact node over the period</h3><div id=\"contact\" class=\"plot plain\"></div>"
+        } else {
+            ""
+        };
+        format!(
+            "<div id=\"walk\" class=\"controls\"></div>\n<div class=\"stage\"><div class=\"box\"><div id=\"controls\" class=\"controls\"></div>\
+             <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>\
+             <div id=\"details\" class=\"box needs-script\"></div></div>\n",
+            still.as_svg()
+        )
+    }
+
+    /// The point whose motion is shown at first: the last that has a name, or the first of all.
+    fn first_moving(&self) -> Option<(usize, usize)> {
+        let named = self.marks.last().map(|(branch, point, _)| (*branch, *point));
+        let (branch, point) = named.unwrap_or((0, 0));
+        let found = self.branches.get(branch)?;
+        let complete = found.points.get(point)?.coefficients.n_coordinates() == found.coordinates.len();
+        complete.then_some((branch, point))
+    }
+
+    fn history_figures(&self) -> Result<String, ReportError> {
+        let mut boxes = String::new();
+        for (index, (name, history)) in self.histories.iter().enumerate() {
+            let thin = thinned(history);
+            match HistoryFigure::new(&[&thin]).with_acceleration().render() {
+                Ok(figure) => boxes += &boxed(name, &figure, &format!("data-history=\"{index}\"")),
+                Err(ReportError::NothingToDraw { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(if boxes.is_empty() { boxes } else { format!("<div class=\"pair\">{boxes}</div>\n") })
+    }
+
+    fn all_tables(&self) -> String {
+        let own = [self.key_points(), self.events(), self.resonances(), self.ends()].concat();
+        let further: String = self.tables.iter().map(DataTable::html).collect();
+        if own.is_empty() && further.is_empty() {
+            return String::new();
+        }
+        format!("<div class=\"tables\">\n{own}{further}</div>\n")
+    }
+
+    /// The branch's name where there are several.
+    fn branch_cells(&self, branch: usize) -> Vec<String> {
+        let label = &self.branches[branch].label;
+        if self.branches.len() > 1 { vec![cell(label, &escape(label))] } else { Vec::new() }
+    }
+
+    fn own_table(&self, title: &str, head: &[&str], rows: Vec<Vec<String>>) -> String {
+        let branch = (self.branches.len() > 1).then_some("branch");
+        let head: Vec<&str> = branch.into_iter().chain(head.iter().copied()).collect();
+        DataTable::new(title, &head).html_with(rows)
+    }
+
+    fn key_points(&self) -> String {
+        let row = |(branch, point, name): &(usize, usize, String)| {
+            let found = &self.branches[*branch].points[*point];
+            let cells = [cell("", &escape(name)), point_cell(*branch, *point)].into_iter().chain(quantities(found));
+            let more = [significant(100.0 * found.contact_fraction, 4), significant(found.peak_contact_force, 5)];
+            let cells = cells.chain(more.map(|text| cell(&text, &text)));
+            self.branch_cells(*branch).into_iter().chain(cells).collect()
+        };
+        let head =
+            ["name", "point", "frequency, Hz", "energy, J", "amplitude, m√kg", "contact, % of period", "force, N"];
+        self.own_table("Key points", &head, self.marks.iter().map(row).collect())
+    }
+
+    fn events(&self) -> String {
+        let mut rows = Vec::new();
+        for (branch, found) in self.branches.iter().enumerate() {
+            for (point, at) in found.points.iter().enumerate().filter(|(_, point)| !point.events.is_empty()) {
+                let name = escape(&at.events.join(", ").replace('-', " "));
+                let cells = [point_cell(branch, point), cell("", &name)].into_iter().chain(quantities(at));
+                rows.push(self.branch_cells(branch).into_iter().chain(cells).collect());
+            }
+        }
+        self.own_table("Events", &["point", "event", "frequency, Hz", "energy, J", "amplitude, m√kg"], rows)
+    }
+
+    fn resonances(&self) -> String {
+        let mut rows = Vec::new();
+        for (branch, found) in self.branches.iter().enumerate() {
+            for tongue in tongues(&found.points) {
+                let name = tongue.resonance.to_string();
+                let tip = if tongue.skipped { cell("", "left out") } else { point_cell(branch, tongue.tip) };
+                let end = tongue.end.map_or_else(|| cell("–", "–"), |end| point_cell(branch, end));
+                let energies = tongue.energy.map(|energy| significant(energy, 4)).join(" … ");
+                let cells = [cell("", &name), point_cell(branch, tongue.start), tip, end, cell(&energies, &energies)];
+                rows.push(self.branch_cells(branch).into_iter().chain(cells).collect());
+            }
+        }
+        self.own_table("Internal resonances", &["harmonic : mode", "from point", "tip", "to point", "energy, J"], rows)
+    }
+
+    fn ends(&self) -> String {
+        let row = |branch: &&nlmodes_modal::ModalBranch| {
+            let (end, n) = (&branch.end, branch.points.len().to_string());
+            let complete = if end.complete { "yes" } else { "no, ended early" };
+            let label = cell(" ", &escape(&branch.label));
+            vec![label, cell(&n, &n), cell(" ", &escape(&end.message)), cell(" ", complete)]
+        };
+        let rows: Vec<Vec<String>> = self.branches.iter().map(row).collect();
+        DataTable::new("Branches and why they end", &["branch", "points", "end", "complete"]).html_with(rows)
+    }
+
+    fn all_documents(&self) -> String {
+        let one = |(title, value): &(String, serde_json::Value)| {
+            let (title, tree) = (escape(title), document::tree(value));
+            format!("<details class=\"box\" open=\"\"><summary>{title}</summary>{tree}</details>\n")
+        };
+        let all: String = self.documents.iter().map(one).collect();
+        if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }
+    }
+}
+
+/// Frequency, energy and amplitude of a point.
+fn quantities(point: &ModalPoint) -> [String; 3] {
+    let texts = [hertz(point.omega), significant(point.kinetic_energy, 5), significant(point.modal_amplitude, 5)];
+    texts.map(|text| cell(&text, &text))
+}
+
+/// A figure that stands still, and the place for the one that does not.
+fn boxed(title: &str, figure: &Figure, attribute: &str) -> String {
+    let (title, svg) = (escape(title), figure.as_svg());
+    format!(
+        "<figure class=\"box\"><h3>{title}</h3><div class=\"still\">{svg}</div><div class=\"plot\" {attribute}></div></figure>\n"
+    )
+}

@@ -1,0 +1,57 @@
+//! Tables of the page.
+
+use crate::svg::escape;
+
+/// A table with a title, as text.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DataTable {
+    /// Title; a table without rows is left out.
+    pub title: String,
+    /// Names of the columns, with their units.
+    pub head: Vec<String>,
+    /// Cells, row by row; those that begin like a number stand to the right.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl DataTable {
+    /// An empty table.
+    pub fn new(title: impl Into<String>, head: &[&str]) -> Self {
+        Self { title: title.into(), head: head.iter().map(|name| String::from(*name)).collect(), rows: Vec::new() }
+    }
+
+    pub(super) fn html(&self) -> String {
+        let rows = self.rows.iter().map(|row| row.iter().map(|text| cell(text, &escape(text))).collect());
+        self.html_with(rows.collect())
+    }
+
+    /// With rows of cells that are HTML already.
+    pub(super) fn html_with(&self, rows: Vec<Vec<String>>) -> String {
+        if rows.is_empty() {
+            return String::new();
+        }
+        let is_number =
+            |column: usize| rows.iter().any(|row| row.get(column).is_some_and(|c| c.contains("\"number\"")));
+        let class = |column: usize| if is_number(column) { " class=\"number\"" } else { "" };
+        let names = self.head.iter().enumerate();
+        let head: String =
+            names.map(|(k, name)| format!("<th scope=\"col\"{}>{}</th>", class(k), escape(name))).collect();
+        let body: String = rows.iter().map(|cells| format!("<tr>{}</tr>\n", cells.concat())).collect();
+        let title = escape(&self.title);
+        format!(
+            "<section><h3>{title}</h3><div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
+        )
+    }
+}
+
+/// A cell; `text` decides on which side its content stands.
+pub(super) fn cell(text: &str, html: &str) -> String {
+    let number = text.trim_start_matches('−').starts_with(|c: char| c.is_ascii_digit()) || text == "–";
+    let class = if number { " class=\"number\"" } else { "" };
+    format!("<td{class}>{html}</td>")
+}
+
+/// A cell with the number of a point, which chooses it.
+pub(super) fn point_cell(branch: usize, point: usize) -> String {
+    let button = format!("<button type=\"button\" data-branch=\"{branch}\" data-point=\"{point}\">{point}</button>");
+    cell("0", &button)
+}

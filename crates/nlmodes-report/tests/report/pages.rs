@@ -1,0 +1,117 @@
+use crate::samples;
+use nlmodes_modal::ModalBranch;
+use nlmodes_report::{DataTable, HtmlReport, ReportError};
+use roxmltree::Document;
+
+const HOSTILE: &str = "</script><script>alert(1)</script><b>\u{0}&\"'";
+
+/// The text of the page without the contents of style and script, which are no XML, and without its document type.
+fn markup(page: &str) -> String {
+    let mut text = page.replace("<!DOCTYPE html>", "");
+    for (open, close) in [("<style>", "</style>"), ("<script>", "</script>")] {
+        let start = text.find(open).unwrap() + open.len();
+        let end = start + text[start..].find(close).unwrap();
+        text.replace_range(start..end, "");
+    }
+    text
+}
+
+fn data(page: &str) -> serde_json::Value {
+    let text = markup(page);
+    let document = Document::parse(&text).unwrap();
+    let script = document.descendants().find(|node| node.attribute("id") == Some("data")).unwrap();
+    serde_json::from_str(script.text().unwrap()).unwrap()
+}
+
+fn hostile() -> ModalBranch {
+    let mut branch = samples::rod(12, 3);
+    branch.label = HOSTILE.into();
+    branch.end.message = HOSTILE.into();
+    branch.points[3].events.push(HOSTILE.into());
+    branch
+}
+
+#[test]
+fn page_is_well_formed_and_every_text_is_escaped() {
+    let (branch, history) = (hostile(), samples::history(HOSTILE, 2.3e6));
+    let all = [&branch];
+    let mut table = DataTable::new(HOSTILE, &[HOSTILE]);
+    table.rows.push(vec![HOSTILE.into()]);
+    let report =
+        HtmlReport::new(HOSTILE, &all).line(HOSTILE).mark(0, 5, HOSTILE).history(HOSTILE, &history).table(table);
+    let page = report.document(HOSTILE, &serde_json::json!({ HOSTILE: HOSTILE })).unwrap().render().unwrap();
+    assert_eq!((page.matches("<script").count(), page.matches("alert(1)</script").count()), (2, 0));
+    let text = markup(&page);
+    let document = Document::parse(&text).unwrap();
+    let heading = document.descendants().find(|node| node.tag_name().name() == "h1").unwrap();
+    assert_eq!(heading.text(), Some(HOSTILE.replace('\u{0}', " ").as_str()));
+    assert_eq!(data(&page)["branches"][0]["label"], HOSTILE);
+}
+
+#[test]
+fn page_names_no_address_but_that_of_the_format() {
+    let branch = samples::rod(12, 3);
+    let page = HtmlReport::new("rod", &[&branch]).render().unwrap();
+    let foreign = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!foreign.contains("http:") && !foreign.contains("https:") && !foreign.contains("//www"));
+    assert!(!foreign.contains(" src=") && !foreign.contains("@import") && !foreign.contains(" style="));
+    assert_eq!(page.matches("<svg").count(), 3);
+}
+
+#[test]
+fn values_that_are_not_finite_become_null_and_the_rest_stays() {
+    let mut branch = samples::rod(12, 3);
+    branch.points[4].omega = f64::NAN;
+    branch.points[5].kinetic_energy = f64::INFINITY;
+    branch.points[6].coefficients.of_mut(2)[1].re = f64::NAN;
+    let page = HtmlReport::new("rod", &[&branch]).clamped_at(&[0.0]).render().unwrap();
+    let data = data(&page);
+    let branch_data = &data["branches"][0];
+    assert!(branch_data["frequency"][4].is_null() && branch_data["energy"][5].is_null());
+    let moving: Vec<u64> =
+        branch_data["motion"]["points"].as_array().unwrap().iter().filter_map(|p| p.as_u64()).collect();
+    assert_eq!(moving, [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11]);
+    let text = markup(&page);
+    let document = Document::parse(&text).unwrap();
+    for attribute in document.descendants().flat_map(|node| node.attributes()) {
+        assert!(!attribute.value().contains("NaN") && !attribute.value().contains("inf"), "{}", attribute.value());
+    }
+}
+
+#[test]
+fn motion_on_the_page_is_that_of_the_branch_to_a_ten_thousandth() {
+    let branch = samples::rod(12, 5);
+    let data = data(&HtmlReport::new("rod", &[&branch]).clamped_at(&[0.0]).render().unwrap());
+    let frame = &data["branches"][0]["motion"]["frames"][7]["motion"];
+    let scale = frame[0].as_f64().unwrap();
+    let most = branch.points[7].coefficients.of(78).iter().fold(0.0, |m: f64, q| m.max(q.norm()));
+    // Station 0 is the clamp; of two kinds of coordinates the page shows the axial ones.
+    assert_eq!(frame[1][0].as_array().unwrap().len(), 0);
+    for station in 1..=40 {
+        for (n, q) in branch.points[7].coefficients.of(2 * (station - 1)).iter().enumerate() {
+            let found = frame[1][station][n].as_f64().unwrap_or(0.0) * scale;
+            assert!((found - q.re).abs() <= 1e-4 * most, "{station} {n}");
+        }
+    }
+}
+
+#[test]
+fn long_branch_keeps_points_with_events_and_a_sensible_size() {
+    let mut branch = samples::rod(3000, 8);
+    branch.points[1234].events.push("fold".into());
+    let page = HtmlReport::new("rod", &[&branch]).mark(0, 1777, "P1").render().unwrap();
+    let data = data(&page);
+    let moving = data["branches"][0]["motion"]["points"].as_array().unwrap();
+    assert!(moving.len() < 400 && [0, 1234, 1777, 2999].iter().all(|k| moving.contains(&(*k).into())));
+    assert_eq!(data["branches"][0]["frequency"].as_array().unwrap().len(), 3000);
+    assert!(page.len() < 4_000_000, "{}", page.len());
+}
+
+#[test]
+fn empty_branch_makes_a_page_and_a_missing_point_an_error() {
+    let branch = samples::rod(0, 1);
+    let page = HtmlReport::new("nothing", &[&branch]).render().unwrap();
+    assert!(Document::parse(&markup(&page)).is_ok() && !page.contains("<svg"));
+    let missing = HtmlReport::new("nothing", &[&branch]).mark(0, 0, "P1").render();
+    assert!(matches!(missing, Err(ReportError::NoSuchPoint { point: 0, n_points: 0, .. })));
+}
