@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 const ROD: &str = include_str!("../../../configs/rod.toml");
 const RECORDS: &str = include_str!("../../../configs/measured_record.toml");
+const TEST: &str = include_str!("../../../configs/virtual_test.toml");
 const PIECES: [&str; 28] = [
     "[",
     "]",
@@ -58,6 +59,13 @@ fn reads_records(text: &str, overrides: &[String]) {
     }
 }
 
+fn reads_tests(text: &str, overrides: &[String]) {
+    match config::parse_test("scene.toml", text, overrides) {
+        Ok(file) => drop(file.warnings_text()),
+        Err(refused) => assert!(refused.text(true).contains("error")),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -79,6 +87,18 @@ proptest! {
         let keys = ["recording.sample_rate_hz", "channel.0.sensitivity", "channel.1.delay_s", "channel.2.position_m",
             "linear_modes.shapes.1.2", "linear_modes.frequencies_hz.0", "stop.gap_m", "extraction.pbmif_harmonics"];
         reads_records(RECORDS, &[format!("{}={x:e}", keys[key])]);
+    }
+
+    #[test]
+    fn mutated_scenes_of_virtual_tests_are_read_or_refused(
+        mutations in prop::collection::vec((any::<usize>(), 0_usize..40, prop::sample::select(&PIECES[..])), 1..6),
+        x in any::<f64>(), key in 0_usize..8,
+    ) {
+        let text = mutations.iter().fold(TEST.to_owned(), |text, (from, length, piece)| mutate(&text, *from, *length, piece));
+        reads_tests(&text, &[]);
+        let keys = ["drive_m", "damping_ratios.0", "frequencies_hz.5", "sample_rate_hz", "stop.gap_m", "stop.stiffness_n_m",
+            "schedule.record_s", "schedule.levels_v.3"];
+        reads_tests(TEST, &[format!("virtual_test.{}={x:e}", keys[key])]);
     }
 
     #[test]

@@ -71,7 +71,14 @@ fn a_test_below_and_above_contact_gives_points_on_the_backbone() -> Outcome {
     });
     let nearest = crossings.map(|hz| (hz - number(above, "frequency_hz")).abs()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 0.1, "{nearest} Hz");
-    let files = ["frequency_amplitude.svg", "damping_amplitude.svg", "history_1.svg", "history_2.svg", "summary.json"];
+    let files = [
+        "frequency_amplitude.svg",
+        "frequency_contact.svg",
+        "damping_amplitude.svg",
+        "history_1.svg",
+        "history_2.svg",
+        "summary.json",
+    ];
     for file in files {
         assert!(out.path().join(file).exists(), "{file}");
     }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_intervals};
-use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MeasuredFigure, StiffnessFigure};
+use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, contact_intervals};
+use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::Outcome;
 
@@ -14,6 +14,8 @@ use super::Outcome;
 const HISTORIES: usize = 20;
 /// Most records whose points are numbered.
 const NAMED: usize = 12;
+/// Amplitudes from this share of that at grazing count as near contact.
+const NEAR_CONTACT: f64 = 0.995;
 /// Periods of a time history.
 const PERIODS: f64 = 2.0;
 
@@ -46,12 +48,35 @@ fn frequency(
     found: &[&RecordExtraction],
     computed: Option<&ModalBranch>,
 ) -> Result<(), Box<dyn Error>> {
-    let points: Vec<_> = found.iter().filter_map(|found| found.modal_point()).collect();
+    let points: Vec<ModalPoint> = found.iter().filter_map(|found| found.modal_point()).collect();
     let Some(first) = found.iter().find(|found| found.modal.is_some()) else { return Ok(()) };
+    let positions = &first.positions;
+    // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
+    let grazing = computed.and_then(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let in_contact: Vec<ModalPoint> =
+        points.iter().filter(|point| grazing.is_some_and(|least| point.modal_amplitude >= least)).cloned().collect();
+    frequency_figure(title, positions, points, computed)?.write(directory.join("frequency_amplitude.svg"))?;
+    if !in_contact.is_empty() {
+        // Without its event the axis does not go down to the linear mode at amplitude zero.
+        let mut close = computed.cloned();
+        let grazing = close.as_mut().and_then(|branch| branch.points.first_mut());
+        grazing.into_iter().for_each(|point| point.events.retain(|event| event != "grazing"));
+        let figure = frequency_figure(title, positions, in_contact, close.as_ref())?;
+        figure.write(directory.join("frequency_contact.svg"))?;
+    }
+    Ok(())
+}
+
+fn frequency_figure(
+    title: &str,
+    positions: &[f64],
+    points: Vec<ModalPoint>,
+    computed: Option<&ModalBranch>,
+) -> Result<Figure, Box<dyn Error>> {
     let coordinate = |position: &f64| Coordinate { position: *position, kind: "sensor".into() };
     let branch = ModalBranch {
         label: "measured".into(),
-        coordinates: first.positions.iter().map(coordinate).collect(),
+        coordinates: positions.iter().map(coordinate).collect(),
         contact_coordinate: None,
         stop: None,
         points,
@@ -64,7 +89,7 @@ fn frequency(
         let name = if branch.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
         figure = figure.mark(0, k, name);
     }
-    Ok(figure.render()?.write(directory.join("frequency_amplitude.svg"))?)
+    Ok(figure.render()?)
 }
 
 fn damping(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
@@ -135,7 +160,8 @@ fn excerpt(history: &TimeHistory, duration: f64) -> TimeHistory {
 /// Removes the figures of an earlier extraction, which would not belong to the records of this one.
 pub fn remove(directory: &Path) {
     let histories = (1..=HISTORIES).flat_map(|k| [format!("history_{k}.svg"), format!("contact_{k}.svg")]);
-    let common = ["frequency_amplitude.svg", "damping_amplitude.svg", "restitution.svg"].map(str::to_owned);
+    let common = ["frequency_amplitude.svg", "frequency_contact.svg", "damping_amplitude.svg", "restitution.svg"]
+        .map(str::to_owned);
     // What cannot be removed cannot be overwritten either, which is said when it is.
     histories.chain(common).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }
