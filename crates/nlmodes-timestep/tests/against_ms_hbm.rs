@@ -48,6 +48,8 @@ fn point_at(structure: &CondensedStructure, harmonics: usize, switching: Switchi
 fn exact(dynamics: ContactDynamics, point: &ModalPoint) -> PeriodicMotion {
     let scales = ShootingScales { omega: point.omega, energy: point.kinetic_energy };
     let start = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0).unwrap();
+    let energy = dynamics.averaged_kinetic_energy(&point.coefficients, point.omega).unwrap();
+    assert!((energy / point.kinetic_energy - 1.0).abs() < 1e-12);
     let mut shooting = Shooting::new(dynamics, scales).unwrap();
     let guess = shooting.unknowns(&start, point.omega);
     let (x, residual) = settle(&mut shooting, guess, 0.0);
