@@ -66,7 +66,7 @@ fn let_go(model: &MasslessContactModel, tip: f64) -> (ContactDynamics, ModalStat
         let share = 0.1 * tip * modes.omega[0] / modes.omega[k] / modes.shapes[(last, 0)];
         (0..n).for_each(|i| q[i] += share * modes.shapes[(i, k)] / (k + 1) as f64);
     }
-    let mut dynamics = ContactDynamics::new(model.clone()).unwrap();
+    let dynamics = ContactDynamics::new(model.clone()).unwrap();
     let state = dynamics.state(&q, &vec![0.0; n]).unwrap();
     (dynamics, state, if is_beam { 2.2 } else { 60.0 } / modes.omega[0])
 }
@@ -107,8 +107,8 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
         let (mut dynamics, state, time) = let_go(&model, tip);
         let trajectory = dynamics.propagate(&state, time).unwrap();
         let n = model.dofs().len();
-        let (largest_force, mut tested) =
-            ((0..400).map(|j| trajectory.at(time * f64::from(j) / 400.0).forces).flatten().fold(0.0, f64::max), 0);
+        let all = (0..400).flat_map(|j| trajectory.at(time * f64::from(j) / 400.0).forces);
+        let (largest_force, mut tested) = (all.fold(0.0, f64::max), 0);
         for j in 1..400 {
             let t = time * f64::from(j) / 400.0;
             let at = trajectory.at(t);
