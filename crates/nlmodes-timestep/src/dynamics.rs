@@ -6,6 +6,7 @@ use nlmodes_contact::{ContactBody, LcpWorkspace, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, multiply};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::{Contact, MasslessContactModel};
+use num_complex::Complex64;
 
 use crate::phase::{Coordinates, Phase, column, dot, transposed_product};
 use crate::trajectory::{Segment, Trajectory};
@@ -110,6 +111,22 @@ impl ContactDynamics {
         let displacement: Vec<f64> = (0..n).map(|d| motion.value(d, tau)).collect();
         let velocity: Vec<f64> = (0..n).map(|d| omega * motion.derivative(d, tau, 1)).collect();
         self.state(&displacement, &velocity)
+    }
+
+    /// Averaged kinetic energy `¼ Σ_n (nω)² q_nᴴ M q_n` of a periodic motion given by its Fourier coefficients, J.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`] if it has other coordinates than the structure.
+    pub fn averaged_kinetic_energy(&self, motion: &HarmonicCoefficients, omega: f64) -> Result<f64, TimestepError> {
+        let mut energy = 0.0;
+        for n in 1..=motion.n_harmonics() {
+            let part = |of: fn(&Complex64) -> f64| {
+                (0..motion.n_coordinates()).map(|d| of(&motion.of(d)[n])).collect::<Vec<f64>>()
+            };
+            let ModalState { z, v } = self.state(&part(|q| q.re), &part(|q| q.im))?;
+            energy += 0.25 * (n as f64 * omega).powi(2) * (dot(&z, &z) + dot(&v, &v));
+        }
+        Ok(energy)
     }
 
     /// Displacements and velocities of all degrees of freedom.

@@ -44,7 +44,7 @@ impl Oscillation<'_> {
 
     /// Bound of `|f'''|` for all times.
     fn third_derivative(&self) -> f64 {
-        let terms = self.lambda.iter().zip(&self.omega[..]).zip(self.a.iter().zip(&self.b));
+        let terms = self.lambda.iter().zip(self.omega).zip(self.a.iter().zip(&self.b));
         terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum()
     }
 

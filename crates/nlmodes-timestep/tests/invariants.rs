@@ -107,8 +107,8 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
         let (mut dynamics, state, time) = let_go(&model, tip);
         let trajectory = dynamics.propagate(&state, time).unwrap();
         let n = model.dofs().len();
-        let (largest_force, mut tested) =
-            ((0..400).map(|j| trajectory.at(time * f64::from(j) / 400.0).forces).flatten().fold(0.0, f64::max), 0);
+        let all = (0..400).flat_map(|j| trajectory.at(time * f64::from(j) / 400.0).forces);
+        let (largest_force, mut tested) = (all.fold(0.0, f64::max), 0);
         for j in 1..400 {
             let t = time * f64::from(j) / 400.0;
             let at = trajectory.at(t);

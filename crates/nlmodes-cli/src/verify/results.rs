@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nlmodes::modal::HarmonicCoefficients;
 use nlmodes::model::MasslessContactModel;
+use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
 use super::error::VerifyError;
@@ -58,6 +59,10 @@ impl Point {
             });
         }
         let scene = summary.scene;
+        let found = scene.structure.free_dofs();
+        if found > MAX_DOFS {
+            return Err(TimestepError::TooLarge { found, most: MAX_DOFS }.into());
+        }
         let model = model(&scene)?;
         let (omega, coefficients) = read_point(&path, number, &model)?;
         if coefficients.n_harmonics() != scene.method.harmonics {
@@ -117,8 +122,8 @@ fn read_point(
         return foreign("degrees of freedom", coordinates.to_string(), n.to_string());
     }
     let length = model.dofs().iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
-    let apart = |(found, dof): (&f64, &nlmodes::model::Dof)| !((found - dof.position).abs() <= 1e-9 * length);
-    if positions.values.len() != n || positions.values.iter().zip(model.dofs()).any(apart) {
+    let near = |(found, dof): (&f64, &nlmodes::model::Dof)| (found - dof.position).abs() <= 1e-9 * length;
+    if positions.values.len() != n || !positions.values.iter().zip(model.dofs()).all(near) {
         return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
     }
     if number >= points {
@@ -129,5 +134,10 @@ fn read_point(
         let from = (number * n + d) * width;
         coefficients.of_mut(d).copy_from_slice(&values[from..from + width]);
     }
-    Ok((omega.values[number], coefficients))
+    let omega = omega.values[number];
+    let finite = |d: usize| coefficients.of(d).iter().all(|q| q.is_finite());
+    if !(omega.is_finite() && omega > 0.0 && (0..n).all(finite)) {
+        return foreign("numbers of the point", "not finite".into(), "a motion".into());
+    }
+    Ok((omega, coefficients))
 }

@@ -21,7 +21,7 @@ pub fn of(point: &Point, found: &Found) -> String {
         point.coefficients.n_harmonics(),
         found.modes
     );
-    let mut line = |what: &str, value: String| _ = writeln!(text, "{what:<44}{value}");
+    let mut line = |what: &str, value: String| _ = writeln!(text, "{}", format!("{what:<44}{value}").trim_end());
     line("one period of the full structure", format!("{:.9e} s", v.period));
     line("energy at its beginning", format!("{:.9e} J", v.energy));
     line("what is missing after it", String::new());
