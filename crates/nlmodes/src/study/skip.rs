@@ -41,7 +41,7 @@ pub(super) fn follow(
     let mut stretch = 0;
     loop {
         let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
-        let (mut segment, stop) = tracer.trace(&seed, None, first, |point| {
+        let (segment, stop) = tracer.trace(&seed, None, first, |point| {
             resonance = point.resonance;
             if resonance.is_some() {
                 return ControlFlow::Break(());
@@ -55,9 +55,11 @@ pub(super) fn follow(
             let end = branch_end(&stop, tracer, all.points.len());
             return Ok((all, end));
         };
-        segment.truncate(segment.points.len() - 1);
         all.append(segment);
-        let Some(foot) = foot(&all.points[stretch..], resonance, upward).map(|i| stretch + i) else {
+        let on_tongue = all.points.len() - 1;
+        let Some(foot) = foot(&all.points[stretch..on_tongue], resonance, upward).map(|i| stretch + i) else {
+            // The one point that there is to show.
+            let _ = observe(BranchProgress::Found { branch: 0, point: &all.points[on_tongue] });
             return Ok((all, lost(resonance, "it begins on the tongue")));
         };
         all.truncate(foot + 1);
