@@ -1,4 +1,4 @@
-//! The structures that benches (`benches/`) and studies (`src/bin/`) are about.
+//! The structures that benches (`benches/`) and studies (`examples/`) are about.
 
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::model::{Drop, MasslessContactModel, Side};

@@ -1,6 +1,6 @@
 //! Branches of the paper's structures with many numbers of harmonics, as tables of points, events, time and residual.
 //!
-//! `cargo run --release -p nlmodes-benchmarks --bin survey [rod|meshes|beam]`; without an argument all three.
+//! `cargo run --release -p nlmodes-benchmarks --example survey [rod|meshes|beam]`; without an argument all three.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! The backbone of discrete rods beside the exact one of the continuous rod, with the tongues that interrupt it.
 //!
-//! `cargo run --release -p nlmodes-benchmarks --bin continuous_rod [SVG]` writes `docs/images/continuous_rod.svg`.
+//! `cargo run --release -p nlmodes-benchmarks --example continuous_rod [SVG]` writes `docs/images/continuous_rod.svg`.
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
