@@ -118,7 +118,7 @@ fn a_run_with_several_numbers_of_harmonics_names_its_folders() -> Outcome {
     let out = results(&["method.harmonics=[1, 2]"])?;
     let (status, _, error) = verify(out.path(), "0")?;
     assert!(
-        status == Some(2) && error.contains("give one of") && error.contains("h1") && error.contains("h2"),
+        status == Some(2) && error.contains("give the folder of one") && error.contains("h1") && error.contains("h2"),
         "{error}"
     );
     assert_eq!(verify(&out.path().join("h2"), "0")?.0, Some(0));

@@ -51,6 +51,7 @@ mod floquet;
 mod global_problem;
 mod oscillation;
 mod phase;
+mod restrained;
 mod shooting;
 mod trajectory;
 mod verification;

@@ -253,3 +253,44 @@ fn multipliers_of_a_linear_motion_are_those_of_its_other_modes() {
         }
     }
 }
+
+#[test]
+fn stops_that_touch_or_press_at_rest_and_stops_on_both_sides_are_no_obstacle() {
+    let stop = |at, side, gap| Stop::rigid(at, Direction::Axial, side, gap);
+    let (up, down) = (Side::Positive, Side::Negative);
+    let cases: Vec<(&str, Vec<Stop>)> = vec![
+        ("touching", vec![stop(1.0, up, 0.0)]),
+        ("touching on both sides, one soft", vec![stop(1.0, up, 0.0), stop(1.0, down, 0.0).on_spring(5.0)]),
+        ("a narrow slot", vec![stop(1.0, up, 1e-6), stop(1.0, down, 1e-6)]),
+        ("pressed twice", vec![stop(1.0, up, -0.3), stop(0.5, up, -0.1)]),
+        ("neighbours that touch at once", vec![stop(0.5, up, 0.2), stop(0.75, up, 0.3), stop(1.0, up, 0.4)]),
+    ];
+    for (name, stops) in cases {
+        let model = massless(&rod_with(8, &stops));
+        let mut dynamics = ContactDynamics::new(model.clone()).unwrap();
+        let m = dynamics.n_modes();
+        let mut seed = 12345_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        for start in 0..20 {
+            // From rest in equilibrium without stops, and from anywhere.
+            let size = if start == 0 { 0.0 } else { 1.0 };
+            let mut coordinates = |scale: f64| (0..m).map(|k| size * scale * random() / (k + 1) as f64).collect();
+            let state = ModalState { z: coordinates(1.0), v: coordinates(3.0) };
+            let trajectory = dynamics.propagate(&state, 20.0).unwrap();
+            let energies = trajectory.energies();
+            let largest = energies.iter().fold(f64::MIN_POSITIVE, |m, e| m.max(*e));
+            let drift = energies.iter().fold(0.0_f64, |m, e| m.max((e - energies[0]).abs()));
+            assert!(drift < 1e-11 * largest, "{name}, {start}: {drift:e} of {largest:e}");
+            for j in 0..50 {
+                let at = trajectory.at(0.4 * f64::from(j));
+                for (i, c) in model.contacts().iter().enumerate() {
+                    let gap = c.gap - c.side.sign() * at.displacement[c.dof] + at.forces[i] * c.law.compliance();
+                    assert!(gap > -1e-10 && at.forces[i] > -1e-9, "{name}, {start}: {gap:e}, {:e}", at.forces[i]);
+                }
+            }
+        }
+    }
+}

@@ -13,7 +13,7 @@ pub enum VerifyError {
     NoDirectory,
     #[error("there is no {name} here; expected a directory that `nlmodes-cli run` has written to its end")]
     Missing { name: &'static str },
-    #[error("this run has a branch for each number of harmonics; give one of {}", listed(folders))]
+    #[error("this run has several branches; give the folder of one, as {}", listed(folders))]
     SeveralBranches { folders: Vec<PathBuf> },
     #[error("{} cannot be read", path.display())]
     Read {

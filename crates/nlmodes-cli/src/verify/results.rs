@@ -30,8 +30,9 @@ pub struct Point {
 /// What is read of a summary.
 #[derive(Deserialize)]
 struct Summary {
-    scene: Scene,
-    /// Of a run with several numbers of harmonics.
+    /// Missing where there are several branches, which have a summary each.
+    scene: Option<Scene>,
+    /// Of a run with several methods or numbers of harmonics.
     #[serde(default)]
     branches: Vec<Branch>,
 }
@@ -49,16 +50,17 @@ impl Point {
         }
         let summary = read_summary(directory)?;
         let path = directory.join(HARMONICS);
-        if !path.is_file() {
-            return Err(match summary.branches.is_empty() {
-                true => VerifyError::Missing { name: HARMONICS },
-                false => {
-                    let folders = summary.branches.into_iter().map(|branch| branch.directory).collect();
-                    VerifyError::SeveralBranches { folders }
-                }
-            });
+        if !path.is_file() && !summary.branches.is_empty() {
+            let folders = summary.branches.into_iter().map(|branch| branch.directory).collect();
+            return Err(VerifyError::SeveralBranches { folders });
         }
-        let scene = summary.scene;
+        let Some(scene) = summary.scene else {
+            let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
+            return Err(VerifyError::NotASummary { path, source });
+        };
+        if !path.is_file() {
+            return Err(VerifyError::Missing { name: HARMONICS });
+        }
         let found = scene.structure.free_dofs();
         if found > MAX_DOFS {
             return Err(TimestepError::TooLarge { found, most: MAX_DOFS }.into());
