@@ -6,8 +6,8 @@ use crate::svg::Stroke;
 use crate::unit::Unit;
 use nlmodes_modal::{ContactStiffness, TimeHistory};
 
-/// Most samples that are drawn.
-const MAX_SAMPLES: usize = 2000;
+/// Most samples that are drawn: more would cover the line.
+const MAX_SAMPLES: usize = 120;
 /// Samples on the open side of the stop, over the deepest penetration.
 const OPEN_SIDE: f64 = 0.5;
 
@@ -75,7 +75,8 @@ impl<'a> StiffnessFigure<'a> {
         let pairs = self.history.displacement.iter().copied().zip(self.history.force.iter().copied());
         let finite = pairs.filter(|(x, f)| x.is_finite() && f.is_finite());
         let deepest = finite.clone().map(|(x, _)| beyond(x)).fold(0.0, f64::max);
-        finite.filter(|(x, _)| beyond(*x) >= -OPEN_SIDE * deepest).take(MAX_SAMPLES).collect()
+        let near: Vec<(f64, f64)> = finite.filter(|(x, _)| beyond(*x) >= -OPEN_SIDE * deepest).collect();
+        near.iter().copied().step_by(near.len().div_ceil(MAX_SAMPLES).max(1)).collect()
     }
 
     /// The line from the stop to the deepest sample.
