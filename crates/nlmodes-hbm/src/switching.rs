@@ -2,7 +2,7 @@ use num_complex::Complex64;
 
 use crate::closed_set::{ClosedSet, SetTable};
 use crate::sweep::ContactInterval;
-use crate::trigonometric::Trigonometric;
+use crate::trigonometric::{Trigonometric, bound};
 use crate::{CondensedStructure, HbmError};
 
 /// Samples of `y` and of `dy/dτ`, and the sample that is meant.
@@ -30,7 +30,7 @@ pub(crate) struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
-        let curvature = y.iter().map(|z| Trigonometric { z: z.clone() }.bound(2)).collect();
+        let curvature = y.iter().map(|z| bound(z, 2)).collect();
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature }
     }
 
@@ -50,14 +50,22 @@ impl<'a> Tracer<'a> {
         }
         let set = sets.get(from);
         let c = self.y.len();
-        (0..c).all(|i| {
-            let row = &set.guard[i * c..(i + 1) * c];
-            let sum = |t: &[Vec<f64>], j: usize| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
-            let low = sum(left.0, left.2).min(sum(right.0, right.2));
-            let bound: f64 = row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum();
-            low > 0.0
-                && (low > width * width / 8.0 * bound
-                    || (sum(left.1, left.2) + sum(right.1, right.2)).abs() > width * bound)
+        if let ([guard], [curvature], [y], [slope]) =
+            (set.guard.as_slice(), self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice())
+        {
+            let low = (guard * y[left.2]).min(guard * y[right.2]);
+            let bound = width * guard.abs() * curvature;
+            let slopes = guard * (slope[left.2] + slope[right.2]);
+            return low > 0.0 && (low > 0.125 * width * bound || slopes.abs() > bound);
+        }
+        let sum = |row: &[f64], (t, j): (&[Vec<f64>], usize)| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
+        set.guard.chunks_exact(c).all(|row| {
+            let low = sum(row, (left.0, left.2)).min(sum(row, (right.0, right.2)));
+            if low <= 0.0 {
+                return false;
+            }
+            let bound = width * row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum::<f64>();
+            low > 0.125 * width * bound || (sum(row, (left.1, left.2)) + sum(row, (right.1, right.2))).abs() > bound
         })
     }
 
@@ -157,7 +165,7 @@ fn search(f: &Trigonometric, bounds: [f64; 2], from: f64, to: f64) -> Option<f64
 /// [`falls_below_zero`] where `f` is convex or concave.
 fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
     let (left, right) = (f.evaluate(from), f.evaluate(to));
-    let size: f64 = f.z.iter().map(|z| z.norm()).sum();
+    let size = f.bound(0);
     let noise = 64.0 * f64::EPSILON * size;
     if left[0] < -noise {
         // The caller's set does not fit at its own beginning: leave it to bisection.

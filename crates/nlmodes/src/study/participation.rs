@@ -1,6 +1,6 @@
-use nlmodes_hbm::HbmError;
+use nlmodes_hbm::{HbmError, Projection};
 use nlmodes_linalg::multiply;
-use nlmodes_modal::{HarmonicCoefficients, NonlinearModeShape, Participation, PhaseAnchor};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, NonlinearModeShape, Participation, PhaseAnchor};
 use nlmodes_model::linear_modes;
 use num_complex::Complex64;
 
@@ -25,23 +25,32 @@ impl ComputedBranch {
                 row
             })
             .collect();
-        let anchor = model.contacts()[0].dof;
-        let of = |motion: &HarmonicCoefficients, amplitude: f64| {
+        let anchor = self.branch.contact_coordinate.unwrap_or(0);
+        let of = |point: &ModalPoint, modal: &HarmonicCoefficients| {
+            let amplitude = point.modal_amplitude;
             if amplitude == 0.0 {
                 let none = vec![f64::NAN; linear.omega.len()];
                 return Ok(Participation {
                     factors: none.clone(),
                     quadrature: none,
-                    harmonics: 1..=motion.n_harmonics(),
+                    harmonics: 1..=modal.n_harmonics(),
                 });
             }
             // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
+            let fundamental = point.coefficients.of(anchor)[1];
             let phase =
-                if motion.of(anchor)[1].norm() > 0.0 { PhaseAnchor::Coordinate(anchor) } else { PhaseAnchor::None };
-            let shape = NonlinearModeShape::new(motion, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
-            Ok(Participation::new(&modal_coordinates(&inertia, &shape.harmonics), 1..=motion.n_harmonics()))
+                if fundamental.norm() > 0.0 { PhaseAnchor::Phase(fundamental.arg()) } else { PhaseAnchor::None };
+            let shape = NonlinearModeShape::new(modal, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
+            Ok(Participation::new(&shape.harmonics, 1..=modal.n_harmonics()))
         };
-        self.branch.points.iter().map(|point| of(&point.coefficients, point.modal_amplitude)).collect()
+        if self.structure.recorded_dofs().len() == model.dofs().len() {
+            let all = &self.branch.points;
+            return all.iter().map(|point| of(point, &modal_coordinates(&inertia, &point.coefficients))).collect();
+        }
+        // The points hold some degrees of freedom only: the sum over all of them is done in the reduced coordinates.
+        let (mut problem, onto) = (self.problem()?, Projection::new(&self.structure, &linear));
+        let all = self.branch.points.iter().zip(&self.unknowns);
+        all.map(|(point, x)| of(point, &problem.modal_coordinates(x, &onto)?)).collect()
     }
 }
 

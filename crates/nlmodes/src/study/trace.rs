@@ -143,7 +143,7 @@ impl Found {
         let mut modal = viewer.modal_point(&point.x, point.residual).ok()?;
         let named = self.start_event.take_if(|_| is_first);
         modal.events = named.into_iter().chain(point.events.iter().map(|e| event_name(*e).to_owned())).collect();
-        modal.resonance = resonances.of(&modal);
+        modal.resonance = resonances.of(&modal, viewer, &point.x);
         self.points.push(modal);
         self.unknowns.push(point.x.clone());
         Some(())
