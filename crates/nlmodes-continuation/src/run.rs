@@ -1,10 +1,10 @@
 use std::ops::ControlFlow;
 
-use crate::circle::SingularPlane;
 use crate::corner::{self, Passage};
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
+use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, reach, step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
 
@@ -118,7 +118,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         search.pattern_changes().into_iter().find_map(|mut change| {
             self.corrector.evaluate(self.system, &change.point.z).ok()?;
-            if SingularPlane::of(self.corrector.jacobian())?.ratio > corner::REGULAR {
+            if SingularDirections::of(self.corrector.jacobian())?.ratio > NEARLY_FREE {
                 return None;
             }
             change.kinds = vec![EventKind::BranchPoint];
@@ -138,8 +138,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
         corner::approach(self.system, &mut self.corrector, &self.settings.step, &mut self.foot);
         let (points, foot) = (&self.branch.points, &self.foot);
-        let way_back = |radius| way_back(points, foot, radius);
-        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, foot, way_back)?;
+        let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
+        let way_back = |radius| corner::way_back(latest(), foot, radius);
+        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, 0, foot, way_back)?;
         Some(self.go_through(passage))
     }
 
@@ -327,17 +328,6 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         }
         Some(last)
     }
-}
-
-/// The point of the branch about `radius` behind its foot.
-fn way_back(points: &[BranchPoint], foot: &Foot, radius: f64) -> Vec<f64> {
-    let inside = points.iter().rev().take_while(|q| distance(&q.z(), &foot.z) < 0.9 * radius).last();
-    let (z, tangent) = inside.map_or((foot.z.clone(), &foot.tangent), |q| (q.z(), &q.tangent));
-    // z − s t lies on the sphere: s² − 2 s t·d + d·d − r² = 0 with d = z − foot.
-    let d = along(&z, -1.0, &foot.z);
-    let on = dot(tangent, &d);
-    let s = on + (on * on - dot(&d, &d) + radius * radius).max(0.0).sqrt();
-    along(&z, -s, tangent)
 }
 
 /// Unit vector between two, at this share of the way.
