@@ -51,9 +51,13 @@ impl Arms {
         let back = own.correct(system, back, &surface).ok()?;
         let sphere = Sphere { center, radius, tolerance, resolution, nesting };
         let mut search = Search { system, own, surface, sphere, arms: vec![back], spent: 0 };
-        search.along(&free.left);
-        if search.arms.len() % 2 == 1 {
-            search.along(&mixed(&free.left));
+        if nesting > 0 {
+            search.along(&free.left[..free.left.len().min(2)]);
+        } else {
+            search.along(&free.left);
+            if search.arms.len() % 2 == 1 {
+                search.along(&mixed(&free.left));
+            }
         }
         corrector.evaluations += search.own.evaluations + search.spent;
         let mut arms = search.arms.into_iter();
@@ -91,17 +95,24 @@ struct Search<'a, S> {
 }
 
 impl<S: ParametricSystem> Search<'_, S> {
-    /// Follows curves from all arms, each of these equations given up in turn; arms that a curve has passed do not start another.
+    /// Follows curves from all arms, with each of these equations given up in turn, until one more of them brings no arm that was not
+    /// known before. Arms that a curve has passed do not start another.
     fn along(&mut self, left: &[Vec<f64>]) {
-        let mut covered = vec![Vec::new(); left.len()];
-        for _ in 0..MOST_CURVES {
-            let open = (0..self.arms.len()).flat_map(|a| (0..left.len()).map(move |k| (a, k)));
-            let Some((a, k)) = open.into_iter().find(|(a, k)| !covered[*k].contains(a)) else { break };
-            covered[k].push(a);
-            let track = self.sphere.arms_along(self.system, &self.arms[a].z, &left[k]);
-            self.spent += track.evaluations;
-            for guess in track.arms {
-                covered[k].extend(self.take(&guess));
+        for left in left {
+            let before = self.arms.len();
+            let mut covered = Vec::new();
+            for _ in 0..MOST_CURVES {
+                let Some(a) = (0..self.arms.len()).find(|a| !covered.contains(a)) else { break };
+                covered.push(a);
+                let track = self.sphere.arms_along(self.system, &self.arms[a].z, left);
+                self.spent += track.evaluations;
+                for guess in track.arms {
+                    covered.extend(self.take(&guess));
+                }
+            }
+            let nothing_new = before > 1 && self.arms.len() == before;
+            if nothing_new || (self.sphere.nesting > 0 && self.arms.len() > 1) {
+                break;
             }
         }
     }

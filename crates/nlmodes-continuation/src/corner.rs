@@ -37,7 +37,7 @@ pub(crate) fn pass<S: ParametricSystem>(
         return Some(Passage::Corner(next));
     }
     let mut crossing = None;
-    for radius in radii(settings) {
+    for radius in radii(settings).take(if nesting > 0 { 1 } else { usize::MAX }) {
         let Some(arms) = Arms::around(system, corrector, &foot.z, radius, nesting, &way_back(radius)) else { continue };
         // Of two arms, one is the way back and the other the way on, whatever happens in between; det [J; tᵀ] confirms it.
         if let [next] = arms.onward.as_slice()

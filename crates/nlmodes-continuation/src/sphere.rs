@@ -1,7 +1,8 @@
 //! Arms on a small sphere, found along curves on which all equations but one hold.
 
-use crate::corner::{Passage, approach, pass};
+use crate::corner::{Passage, pass, way_back};
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
+use crate::events::Search;
 use crate::step::{Foot, step};
 use crate::{Linearization, ParametricSystem, StepSettings};
 
@@ -21,7 +22,7 @@ const CLOSEST: f64 = 2e-3;
 const MOST: (usize, f64) = (400, 40.0);
 
 /// Depth of spheres around corners of curves on spheres.
-const NESTED: usize = 2;
+const NESTED: usize = 1;
 
 /// A small sphere, and how well points near its center are known.
 #[derive(Debug, Clone)]
@@ -156,12 +157,12 @@ impl<S: ParametricSystem> Walk<'_, S> {
                     continue;
                 }
                 Err(_) => {
-                    let Some(end) = self.around_corner(&mut foot, &passed) else { return false };
+                    let Some(end) = self.around_corner(&foot, &passed) else { return false };
                     end
                 }
             };
             if length > 0.0 {
-                arms.extend(between(&foot, &end));
+                arms.extend(self.arm_between(&foot, &end));
             }
             let taken = distance(&foot.z, &end.z);
             length += taken;
@@ -179,14 +180,27 @@ impl<S: ParametricSystem> Walk<'_, S> {
         false
     }
 
-    fn around_corner(&mut self, foot: &mut Foot, passed: &[Foot]) -> Option<Correction> {
+    /// The point between two at which μ vanishes, if it changes its sign.
+    fn arm_between(&mut self, foot: &Foot, end: &Correction) -> Option<Vec<f64>> {
+        let last = foot.z.len() - 1;
+        let (from, to) = (foot.z[last], end.z[last]);
+        if from * to > 0.0 || from == 0.0 {
+            return None;
+        }
+        let h = dot(&end.z, &foot.tangent) - dot(&foot.z, &foot.tangent);
+        let mut search = Search { system: &mut *self.system, corrector: &mut *self.corrector, foot, end, h };
+        let located = if h > 0.0 { search.root(0.0, |c| from.signum() * c.z[last]) } else { None };
+        let share = from / (from - to);
+        Some(located.map_or_else(|| along_chord(&foot.z, &end.z, share), |(_, c)| c.z))
+    }
+
+    /// The first point beyond a corner of the curve.
+    fn around_corner(&mut self, foot: &Foot, passed: &[Foot]) -> Option<Correction> {
         if self.nesting >= NESTED {
             return None;
         }
-        approach(self.system, self.corrector, &self.settings, foot);
         let points = || passed.iter().rev().map(|q| (q.z.clone(), q.tangent.as_slice()));
-        let at = foot.clone();
-        let back = |radius| crate::corner::way_back(points(), &at, radius);
+        let back = |radius| way_back(points(), foot, radius);
         match pass(self.system, self.corrector, &self.settings, self.nesting + 1, foot, back)? {
             Passage::Corner(end) => Some(end),
             Passage::Crossing(choice) => choice.arms.get(choice.own).cloned(),
@@ -194,19 +208,13 @@ impl<S: ParametricSystem> Walk<'_, S> {
     }
 }
 
+fn along_chord(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    from.iter().zip(to).map(|(f, t)| f + share * (t - f)).collect()
+}
+
 fn turn(foot: &mut Foot, sense: f64) {
     foot.tangent.iter_mut().for_each(|t| *t *= sense);
     foot.orientation *= sense;
-}
-
-/// The point between two where μ vanishes, if it changes its sign.
-fn between(foot: &Foot, end: &Correction) -> Option<Vec<f64>> {
-    let last = foot.z.len() - 1;
-    let (a, b) = (foot.z[last], end.z[last]);
-    (a * b <= 0.0 && a != 0.0).then(|| {
-        let share = if a == b { 0.0 } else { a / (a - b) };
-        foot.z.iter().zip(&end.z).map(|(f, e)| f + share * (e - f)).collect()
-    })
 }
 
 /// Whether μ, which has the same sign at both ends, may vanish twice in between: its two tangents meet on the other side of zero.
