@@ -19,6 +19,8 @@ pub(crate) struct Run<'a, S, F> {
     corrector: Corrector,
     branch: Branch,
     foot: Foot,
+    /// Regularity of the foot before, and its distance; `None` behind a corner.
+    before: Option<(f64, f64)>,
     folds: FoldWatch,
     /// What other branches have passed, and the number of this one among them.
     known: Option<(&'a mut Registry, usize)>,
@@ -44,7 +46,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             evaluations: 0,
             refused_steps: 0,
         };
-        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), folds, known: None }
+        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), before: None, folds, known: None }
     }
 
     /// As branch `number` of several, which does not go where another has been.
@@ -102,7 +104,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let end = step(self.system, &mut self.corrector, &self.settings.step, &self.foot, h)?;
         if end.orientation * self.foot.orientation > 0.0 {
             let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(&end, h) };
-            return Ok((end, touched));
+            let passed = if touched.is_none() { self.passed_in_step(&end, h)? } else { touched };
+            return Ok((end, passed));
         }
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end: &end, h };
         let crossing = search.crossing().ok_or("the crossing that the step passes could not be located")?;
@@ -110,6 +113,17 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             Some(choice) => Ok((end, Some((crossing, choice)))),
             None => Err("the step ends on another arm of the curve".to_owned()),
         }
+    }
+
+    /// A crossing within a step that leaves the sign of `det [J; tᵀ]` as it was, for it has an even number of free directions beyond
+    /// the tangent. Where other curves only come close, the step is refused: it may have jumped across.
+    fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, String> {
+        let Some(before) = self.before.filter(|_| h > 10.0 * self.settings.step.min) else { return Ok(None) };
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let Some(dip) = search.dip(before) else { return Ok(None) };
+        let dip = dip?;
+        let choice = self.arms_at(&dip, end, h).ok_or("other curves are closer to the step than it is long")?;
+        Ok(Some((dip, choice)))
     }
 
     /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
@@ -163,7 +177,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     fn leave_for(&mut self, next: &Correction, length: f64) -> ControlFlow<StopReason, f64> {
         self.folds.update(&next.tangent);
-        self.go_to(next, Vec::new()).map_continue(|()| length)
+        self.go_to(next, Vec::new())?;
+        self.before = None;
+        ControlFlow::Continue(length)
     }
 
     /// The arm on which the branch is to leave a crossing; `None` if that has been passed before.
@@ -195,8 +211,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             events.push(EventKind::PatternChange { from: foot.pattern, to: next.pattern });
         }
         let residual = self.corrector.evaluate(self.system, &foot.z).unwrap_or(f64::INFINITY);
-        let Foot { z, tangent, orientation, pattern } = foot.clone();
-        point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern }, events)
+        let Foot { z, tangent, orientation, pattern, regularity } = foot.clone();
+        point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern, regularity }, events)
     }
 
     /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
@@ -247,7 +263,10 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// Keeps a point from which the branch goes on.
     fn go_to(&mut self, c: &Correction, events: Vec<EventKind>) -> ControlFlow<StopReason> {
-        self.foot = Foot::from(c);
+        let foot = Foot::from(c);
+        let distance = distance(&foot.z, &self.foot.z);
+        self.before = (distance > 0.0).then_some((self.foot.regularity, distance));
+        self.foot = foot;
         let n = c.z.len() - 1;
         self.system.accepted(&c.z[..n], c.z[n]);
         self.keep(point(c, events))

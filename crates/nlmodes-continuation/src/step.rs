@@ -78,11 +78,13 @@ pub(crate) struct Foot {
     pub tangent: Vec<f64>,
     pub orientation: f64,
     pub pattern: u64,
+    pub regularity: f64,
 }
 
 impl From<&Correction> for Foot {
     fn from(c: &Correction) -> Self {
-        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation: c.orientation, pattern: c.pattern }
+        let Correction { orientation, pattern, regularity, .. } = *c;
+        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation, pattern, regularity }
     }
 }
 
