@@ -22,6 +22,7 @@ use crate::Status;
 use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
+use crate::modes::modal_model;
 use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
 use sink::{Sink, branch_directory};
 
@@ -44,6 +45,9 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
     let scene = &file.scene;
     let began = Instant::now();
     let (model, massless) = models(file)?;
+    if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+        _ = print(&text);
+    }
     let mut sink = Sink::new(&scene.output_directory, quiet);
     let tree = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
@@ -59,7 +63,7 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
-    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
+    let model = structural_model(&file.scene).map_err(|error| refuse(file, error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))

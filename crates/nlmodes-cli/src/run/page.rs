@@ -12,7 +12,7 @@ use super::figures::{HISTORY_SAMPLES, held_ends};
 use super::summary::method_used;
 use crate::assemble::structural_model;
 use crate::config::scene::Scene;
-use crate::modes::{LinearFrequencies, linear_frequencies};
+use crate::modes::{LinearFrequencies, linear_frequencies, modal_model};
 
 /// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
 const MOTION_SAMPLES: usize = 2000;
@@ -35,6 +35,9 @@ pub fn write(directory: &Path, scenes: &[&Scene], all: &[&ComputedBranch]) -> Re
         .table(linear_table(&linear_frequencies(scene, &structural_model(scene)?)?))
         .document("Scene as read, in SI units", scene)?
         .document("Method as used", &method)?;
+    if let Some(text) = modal_model(&scene.structure) {
+        report = report.line(text);
+    }
     for (k, scene) in scenes.iter().enumerate().skip(1) {
         report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
     }
@@ -64,6 +67,7 @@ fn linear_table(found: &LinearFrequencies) -> DataTable {
         Some(("contact mass kept", &found.mass_kept)),
         found.mass_redistributed.as_ref().map(|f| ("contact mass taken away", f)),
         found.contacts_held.as_ref().map(|f| ("contacts held", f)),
+        found.of_the_elements.as_ref().map(|f| ("of the elements, none imposed", f)),
     ];
     let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
     let head: Vec<&str> = ["mode"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();

@@ -33,10 +33,11 @@ pub struct RawTestScene {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawVirtualTest {
-    /// Damping ratios of the lowest modes, one a mode; so many modes are taken
-    #[schemars(required, inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
+    /// Damping ratios of the lowest modes, one a mode; so many modes are taken. Default: `structure.modes.damping_ratios`
+    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
-    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: the structure's own
+    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: those of the structure, with
+    /// `structure.modes` imposed
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
     pub frequencies_hz: Option<Vec<f64>>,
     /// Where the exciter pushes, and the loop measures

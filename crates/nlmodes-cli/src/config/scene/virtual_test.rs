@@ -46,6 +46,14 @@ pub struct TestScene {
     pub output_directory: PathBuf,
 }
 
+impl TestScene {
+    /// Frequencies that are imposed on the lowest modes, Hz: those of the test, or of `[structure.modes]`.
+    pub fn given_frequencies(&self) -> Option<&[f64]> {
+        let imposed = self.structure.modes.as_ref().map(|modes| &modes.frequencies_hz);
+        self.frequencies_hz.as_ref().or(imposed).map(Vec::as_slice)
+    }
+}
+
 /// The stop of a virtual test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TestStop {
