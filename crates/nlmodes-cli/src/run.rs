@@ -1,6 +1,7 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
+mod histories;
 mod page;
 mod progress;
 mod several;
@@ -138,7 +139,7 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
-        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>()));
+        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>(), &[]));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;

@@ -133,7 +133,7 @@ pub enum ModelError {
         below: f64,
     },
     /// More frequencies are imposed than there are modes.
-    #[error("{wanted} frequencies are imposed, but the structure has {found} modes with motion of the kind '{kind}'", kind = .kind.name())]
+    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} modes with motion of the kind '{kind}'", kind = .kind.name())]
     TooManyImposed {
         /// Frequencies.
         wanted: usize,

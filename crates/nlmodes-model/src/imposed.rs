@@ -66,7 +66,16 @@ impl StructuralModel {
         check_ascending(omega)?;
         let redistributed = rule.map(|rule| rule.redistribute(self)).transpose()?;
         let mass = redistributed.as_ref().unwrap_or(self.mass());
-        let (modes, numbers) = self.lowest_of_kind(mass, kind, omega)?;
+        let (modes, numbers, next) = self.lowest_of_kind(mass, kind, omega.len())?;
+        let highest = modes.omega.last().copied().unwrap_or(0.0);
+        if let Some(&k) = numbers.iter().find(|&&k| modes.omega[k] <= RIGID * highest) {
+            return Err(ModelError::ImposedOnRigidBody { mode: k + 1 });
+        }
+        if let (Some(next), Some(&last)) = (next.map(|k| modes.omega[k]), omega.last())
+            && last >= next
+        {
+            return Err(ModelError::ImposedAboveNext { imposed: last, next });
+        }
         let own: Vec<f64> = numbers.iter().map(|&k| modes.omega[k]).collect();
         let inertia: Vec<Vec<f64>> = numbers.iter().map(|&k| self.inertia(mass, &modes.shapes, k)).collect();
         let change: Vec<f64> = omega.iter().zip(&own).map(|(new, old)| (new - old) * (new + old)).collect();
@@ -75,14 +84,30 @@ impl StructuralModel {
         Ok(ImposedFrequencies { model, own, numbers })
     }
 
-    /// Modes, and the numbers of those that get the frequencies `omega`.
+    /// Numbers, from 0, of the lowest `count` linear modes in which degrees of freedom of this kind move; `rule` takes the mass away from
+    /// the contacts first.
+    ///
+    /// # Errors
+    /// [`ModelError::TooManyImposed`]; what `rule` and the eigenproblem report.
+    pub fn modes_of_kind(
+        &self,
+        rule: Option<&dyn MassRedistribution>,
+        kind: DofKind,
+        count: usize,
+    ) -> Result<Vec<usize>, ModelError> {
+        let redistributed = rule.map(|rule| rule.redistribute(self)).transpose()?;
+        let (_, numbers, _) = self.lowest_of_kind(redistributed.as_ref().unwrap_or(self.mass()), kind, count)?;
+        Ok(numbers)
+    }
+
+    /// Modes, the numbers of the lowest of this kind, and that of the next one of it.
     fn lowest_of_kind(
         &self,
         mass: &SparseMatrix,
         kind: DofKind,
-        omega: &[f64],
-    ) -> Result<(LinearModes, Vec<usize>), ModelError> {
-        let (count, size) = (omega.len(), self.dofs().len());
+        count: usize,
+    ) -> Result<(LinearModes, Vec<usize>, Option<usize>), ModelError> {
+        let size = self.dofs().len();
         // Modes of other kinds lie between: twice the number is nearly always enough.
         let mut wanted = (2 * count + 4).min(size);
         loop {
@@ -98,16 +123,7 @@ impl StructuralModel {
             if numbers.len() < count {
                 return Err(ModelError::TooManyImposed { wanted: count, found: numbers.len(), kind });
             }
-            let highest = modes.omega.last().copied().unwrap_or(0.0);
-            if let Some(&k) = numbers.iter().find(|&&k| modes.omega[k] <= RIGID * highest) {
-                return Err(ModelError::ImposedOnRigidBody { mode: k + 1 });
-            }
-            if let (Some(next), Some(&last)) = (next.map(|k| modes.omega[k]), omega.last())
-                && last >= next
-            {
-                return Err(ModelError::ImposedAboveNext { imposed: last, next });
-            }
-            return Ok((modes, numbers));
+            return Ok((modes, numbers, next));
         }
     }
 

@@ -146,7 +146,8 @@ fn a_bench_is_tested_and_its_levels_are_extracted() {
         response: DRIVE_DISPLACEMENT,
         schedule: Schedule::new(vec![0.75, 2.0]),
     };
-    let levels = virtual_test::run(&test, &settings, |_| {}).unwrap();
+    let virtual_test::TestRun { levels, failure } = virtual_test::run(&test, &settings, |_| {});
+    assert!(failure.is_none(), "{failure:?}");
     let points: Vec<_> = levels
         .iter()
         .map(|level| {

@@ -26,9 +26,12 @@ pub fn summary(scene: &TestScene) -> String {
         0 => "no accelerometers".into(),
         n => format!("{n} accelerometers"),
     };
-    let backbone = scene.backbone.map_or_else(
+    let backbone = scene.backbone.as_ref().map_or_else(
         || "not computed".into(),
-        |b| format!("computed with {} harmonics, up to {} Hz", b.harmonics, number(b.end_hz)),
+        |b| {
+            let methods: Vec<&str> = b.methods.iter().map(|method| method.name()).collect();
+            format!("computed with {} harmonics by {}, up to {} Hz", b.harmonics, methods.join(", "), number(b.end_hz))
+        },
     );
     let records = scene.records.as_ref().map_or_else(
         || "not kept".into(),
@@ -129,18 +132,22 @@ pub fn json(
     scene: &TestScene,
     rig: &Rig,
     levels: Vec<Value>,
-    backbone: Option<&ModalBranch>,
+    backbones: &[&ModalBranch],
+    wrong: &[String],
     wall_time: Duration,
 ) -> Value {
     let bench = &rig.bench;
-    let backbone = backbone.map(|branch| {
-        json!({
-            "label": branch.label,
-            "points": branch.points.len(),
-            "end": branch.end.message,
-            "complete": branch.end.complete,
+    let backbones: Vec<Value> = backbones
+        .iter()
+        .map(|branch| {
+            json!({
+                "label": branch.label,
+                "points": branch.points.len(),
+                "end": branch.end.message,
+                "complete": branch.end.complete,
+            })
         })
-    });
+        .collect();
     json!({
         "program": "nlmodes-cli",
         "version": env!("CARGO_PKG_VERSION"),
@@ -165,7 +172,10 @@ pub fn json(
         "seed": scene.seed,
         "loop": scene.control,
         "levels": levels,
-        "backbone": backbone,
+        "backbone": backbones.first(),
+        "backbones": backbones,
+        "complete": wrong.is_empty(),
+        "incomplete_because": wrong,
         "wall_time_s": wall_time.as_secs_f64(),
     })
 }

@@ -5,11 +5,11 @@ use nlmodes::rig::{Exciter, Hold, Schedule, Shaker};
 use nlmodes::virtual_test::BenchNoise;
 
 use crate::config::raw::{
-    RawExciter, RawExtraction, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+    RawBackbone, RawExciter, RawExtraction, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
 };
 use crate::config::rule::number;
 use crate::config::scene::{
-    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop, TestScene, TestStop,
+    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, MethodKind, RecordFormat, Side, TestLoop, TestScene, TestStop,
 };
 use crate::config::{Findings, Problem};
 
@@ -51,6 +51,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
     };
     let backbone = match &test.backbone {
         Some(raw) => Some(Backbone {
+            methods: methods(raw, findings)?,
             harmonics: raw.harmonics.unwrap_or(BACKBONE_HARMONICS) as usize,
             end_hz: raw.end_frequency_hz?,
         }),
@@ -93,6 +94,18 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
             findings.put(&path, problem, label);
         }
     }
+}
+
+/// Each method once.
+fn methods(raw: &RawBackbone, findings: &mut Findings<'_>) -> Option<Vec<MethodKind>> {
+    let methods = raw.methods.clone().unwrap_or_else(|| vec![MethodKind::Hbm]);
+    if let Some(k) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
+        let path = "virtual_test.backbone.methods";
+        let problem = Problem::error(format!("`{path}` names \"{}\" twice", methods[k].name()));
+        findings.put(path, problem, "expected each once");
+        return None;
+    }
+    Some(methods)
 }
 
 /// Those of the test, or of the structure's imposed modes.

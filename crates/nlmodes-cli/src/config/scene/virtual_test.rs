@@ -5,7 +5,7 @@ use nlmodes::rig::{Exciter, Schedule};
 use nlmodes::virtual_test::BenchNoise;
 use serde::Serialize;
 
-use super::{LoopDetector, RecordFormat, Side, Structure};
+use super::{LoopDetector, MethodKind, RecordFormat, Side, Structure};
 
 /// A test of a structure on a virtual rig: plain values in SI units, every default filled in.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,9 +90,11 @@ pub struct KeptRecords {
     pub levels: Option<Vec<usize>>,
 }
 
-/// The backbone that is computed beside the test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// The backbones that are computed beside the test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Backbone {
+    /// One for each of these methods.
+    pub methods: Vec<MethodKind>,
     /// Number of harmonics.
     pub harmonics: usize,
     /// Frequency at which it ends, Hz.
