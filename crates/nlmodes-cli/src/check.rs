@@ -2,8 +2,8 @@
 
 use crate::config::number;
 use crate::config::scene::{
-    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, Method, MethodKind, Scene, Section, Start, Structure,
-    Updating,
+    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, Method, MethodKind, Scene, Section, Start,
+    Structure, Updating,
 };
 
 /// What the scene would compute.
@@ -49,7 +49,11 @@ fn imposed(modes: &ImposedModes) -> String {
     let damping = modes.damping_ratios.as_deref().map_or_else(String::new, |ratios| {
         format!("; damping ratios {}, which only a virtual test uses", list(ratios))
     });
-    format!("a modal model: {} Hz imposed on the lowest {}{damping}", list(&modes.frequencies_hz), modes.frequencies_hz.len())
+    format!(
+        "a modal model: {} Hz imposed on the lowest {}{damping}",
+        list(&modes.frequencies_hz),
+        modes.frequencies_hz.len()
+    )
 }
 
 fn mesh(structure: &Structure) -> String {

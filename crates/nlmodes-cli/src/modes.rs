@@ -79,12 +79,11 @@ pub fn modal_model(structure: &Structure) -> Option<String> {
         StructureKind::Rod => "axial",
         StructureKind::Beam => "bending",
     };
-    let plural = if list.len() == 1 { "mode has its frequency" } else { "modes have their frequencies" };
-    Some(format!(
-        "modal model: the lowest {} {kind} {plural} imposed, {} Hz, on the shapes of the elements",
-        list.len(),
-        list.join(", ")
-    ))
+    let which = match list.len() {
+        1 => format!("the lowest {kind} mode has its frequency"),
+        n => format!("the lowest {n} {kind} modes have their frequencies"),
+    };
+    Some(format!("modal model: {which} imposed, {} Hz, on the shapes of the elements", list.join(", ")))
 }
 
 fn table(scene: &Scene, found: &LinearFrequencies) -> String {

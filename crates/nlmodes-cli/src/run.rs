@@ -23,8 +23,8 @@ use crate::Status;
 use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::modes::modal_model;
 use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
+use crate::modes::modal_model;
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.

@@ -160,7 +160,9 @@ pub enum ModelError {
         mode: usize,
     },
     /// Too many degrees of freedom for imposed frequencies.
-    #[error("imposed frequencies couple all degrees of freedom that their modes move: {dofs} of them, {limit} at most; take fewer elements")]
+    #[error(
+        "imposed frequencies couple all degrees of freedom that their modes move: {dofs} of them, {limit} at most; take fewer elements"
+    )]
     ImposedSize {
         /// Degrees of freedom that the modes move.
         dofs: usize,

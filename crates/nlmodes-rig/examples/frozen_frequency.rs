@@ -146,10 +146,8 @@ fn resonance(force: f64, lag: f64, mut x: Vec<f64>, mut omega: f64) -> Outcome<(
 /// State at phase 0 and frequency of the loop at this force, after so many seconds.
 fn locked(force: f64, seconds: f64) -> Outcome<(Vec<f64>, f64)> {
     let resonance = Resonance { omega: scale(), damping_ratio: beam::DAMPING_RATIOS[0] };
-    let settings = LoopSettings {
-        cut_off: 0.1 * resonance.omega,
-        ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL)
-    };
+    let settings =
+        LoopSettings { cut_off: 0.1 * resonance.omega, ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL) };
     let mut session = Session::new(setup(), settings, beam::FORCE, beam::DRIVE_DISPLACEMENT)?;
     session.hold_frequency(true);
     session.ramp(4.0, 1.0)?;
@@ -187,7 +185,10 @@ fn main() -> Outcome<()> {
         let (mut x, mut omega) = locked(force, 30.0)?;
         println!("force {force} N: the loop is at {:.5} Hz", omega / TAU);
         let mut at_resonance = None;
-        for degrees in [90.0_f64, 85.0, 80.0, 90.0, 91.0, 92.0, 95.0, 100.0] {
+        for degrees in [90.0_f64, 91.0, 92.0, 95.0, 100.0, 85.0, 80.0] {
+            if let (true, Some(found)) = (degrees < 90.0, &at_resonance) {
+                (x, omega) = Clone::clone(found);
+            }
             let (state, frequency, map, response) = match resonance(force, degrees.to_radians(), x.clone(), omega) {
                 Ok(found) => found,
                 Err(error) => {
@@ -198,8 +199,14 @@ fn main() -> Outcome<()> {
             (x, omega) = (state, frequency);
             let mut multipliers = eigenvalues(&map)?;
             multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-            let shown: Vec<String> = multipliers[..4].iter().map(|μ| format!("{:.5} ({:.4}{:+.4}i)", μ.norm(), μ.re, μ.im)).collect();
-            println!("  lag {degrees}: {:.5} Hz, {:.4} µm, |μ| = {}", omega / TAU, 1e6 * response.norm(), shown.join(", "));
+            let shown: Vec<String> =
+                multipliers[..4].iter().map(|μ| format!("{:.5} ({:.4}{:+.4}i)", μ.norm(), μ.re, μ.im)).collect();
+            println!(
+                "  lag {degrees}: {:.5} Hz, {:.4} µm, |μ| = {}",
+                omega / TAU,
+                1e6 * response.norm(),
+                shown.join(", ")
+            );
             if degrees == 90.0 {
                 at_resonance = Some((x.clone(), omega));
             }
@@ -217,7 +224,12 @@ fn main() -> Outcome<()> {
             let found = frozen(force, omega + TAU * shift, &x, factor, 1200)?;
             let last = &found[1100..];
             let (low, high) = last.iter().fold((f64::MAX, 0.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
-            println!("  frozen, {name}: {:.3} µm becomes {:.3} to {:.3} µm in 30 s", 1e6 * found[0], 1e6 * low, 1e6 * high);
+            println!(
+                "  frozen, {name}: {:.3} µm becomes {:.3} to {:.3} µm in 30 s",
+                1e6 * found[0],
+                1e6 * low,
+                1e6 * high
+            );
         }
     }
     Ok(())

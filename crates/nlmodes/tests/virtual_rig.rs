@@ -9,7 +9,7 @@ use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::rig::{Exciter, Hold, ModalReduction, Schedule, Session, Shaker, VirtualTest};
+use nlmodes::rig::{Exciter, Hold, ModalReduction, RigError, Schedule, Session, Shaker, VirtualTest};
 use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::virtual_test::{self, Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use num_complex::Complex64;
@@ -128,6 +128,22 @@ fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
         reached = hz;
     }
     assert!(reached > 41.8, "{reached}");
+}
+
+#[test]
+fn levels_before_one_that_fails_are_kept() {
+    let (bench, reduction) = bench(Exciter::IdealForce);
+    let hold = Hold { longest: 0.2, ..Hold::default() };
+    let test = VirtualTest {
+        rig: bench.setup(&reduction),
+        settings: loop_settings(),
+        force: FORCE,
+        response: DRIVE_DISPLACEMENT,
+        schedule: Schedule { hold, record: 0.2, ..Schedule::new(vec![1.0, f64::NAN, 2.0]) },
+    };
+    let run = virtual_test::run(&test, &ExtractionSettings::default(), |_| {});
+    assert_eq!((run.levels.len(), run.levels[0].outcome.level), (1, 1.0));
+    assert!(matches!(run.failure, Some(RigError::NotFinite { .. })), "{:?}", run.failure);
 }
 
 #[test]

@@ -17,7 +17,9 @@ pub use method::RawMethod;
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
-pub use virtual_test::{RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest};
+pub use virtual_test::{
+    RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+};
 
 use schemars::JsonSchema;
 use serde::Deserialize;

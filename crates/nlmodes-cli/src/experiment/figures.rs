@@ -52,7 +52,8 @@ fn frequency(
     let Some(first) = found.iter().find(|found| found.modal.is_some()) else { return Ok(()) };
     let positions = &first.positions;
     // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
-    let starts = computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let starts =
+        computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
     let grazing = starts.reduce(f64::min);
     let in_contact: Vec<ModalPoint> =
         points.iter().filter(|point| grazing.is_some_and(|least| point.modal_amplitude >= least)).cloned().collect();

@@ -32,7 +32,8 @@ pub fn write(
         |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
     let own = if shared.is_empty() { own_references(first)? } else { Vec::new() };
     let references: &[Reference] = if shared.is_empty() { &own } else { shared };
-    let participation = all.iter().map(|computed| computed.participation(SHOWN_MODES)).collect::<Result<Vec<_>, _>>()?;
+    let participation =
+        all.iter().map(|computed| computed.participation(SHOWN_MODES)).collect::<Result<Vec<_>, _>>()?;
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let method = method_used(scene, first);
     let mut report = HtmlReport::new(&scene.title, &branches)

@@ -44,7 +44,8 @@ pub fn compute(
         ..BranchSettings::default()
     };
     let mut branch = compute_branch(model, &settings, |_| ControlFlow::Continue(()))?.branch;
-    branch.label = format!("computed: {name}, {} harmonics", wanted.harmonics);
+    let plural = if wanted.harmonics == 1 { "" } else { "s" };
+    branch.label = format!("computed: {name}, {} harmonic{plural}", wanted.harmonics);
     Ok(branch)
 }
 

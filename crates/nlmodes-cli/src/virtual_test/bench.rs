@@ -49,8 +49,7 @@ impl Rig {
     pub fn new(scene: &TestScene) -> Result<Self, RigRefused> {
         let elements = Elements::new(&scene.structure).map_err(at("structure"))?;
         let model = elements.assemble(&[]).map_err(at("structure"))?;
-        let imposed =
-            imposed(&scene.structure, &model, None).map_err(at("structure.modes.frequencies_hz"))?;
+        let imposed = imposed(&scene.structure, &model, None).map_err(at("structure.modes.frequencies_hz"))?;
         let own = imposed.as_ref().map_or_else(Vec::new, |imposed| imposed.own.clone());
         let model = imposed.map_or(model, |imposed| imposed.model);
         let kind = moving_kind(scene.structure.kind());

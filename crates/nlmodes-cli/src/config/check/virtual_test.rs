@@ -9,7 +9,8 @@ use crate::config::raw::{
 };
 use crate::config::rule::number;
 use crate::config::scene::{
-    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, MethodKind, RecordFormat, Side, TestLoop, TestScene, TestStop,
+    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, MethodKind, RecordFormat, Side, TestLoop, TestScene,
+    TestStop,
 };
 use crate::config::{Findings, Problem};
 
@@ -129,7 +130,8 @@ fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, findings: &mut Find
     let path = "virtual_test.frequencies_hz";
     if raw.structure.as_ref().is_some_and(|structure| structure.modes.is_some()) {
         let problem = Problem::error("the frequencies of the modes are given twice");
-        let problem = problem.help("those below [structure.modes] hold for the test and for what is computed beside it");
+        let problem =
+            problem.help("those below [structure.modes] hold for the test and for what is computed beside it");
         findings.put(path, problem, "found beside [structure.modes]");
         return None;
     }
