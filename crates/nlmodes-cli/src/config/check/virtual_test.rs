@@ -115,7 +115,8 @@ fn damping_ratios(raw: &RawTestScene, findings: &mut Findings<'_>) -> Option<Vec
     let own = raw.virtual_test.as_ref().and_then(|test| test.damping_ratios.clone());
     let imposed = raw.structure.as_ref().and_then(|structure| structure.modes.as_ref());
     let found = own.or_else(|| imposed.and_then(|modes| modes.damping_ratios.clone()));
-    if found.is_none() && !findings.has(PATH) && !findings.has("structure.modes.damping_ratios") {
+    let is_written = findings.has(PATH) || findings.has("structure.modes.damping_ratios");
+    if found.is_none() && !is_written && !findings.has_misspelt("damping_ratios") {
         let problem = Problem::error(format!("`{PATH}` is missing"));
         let problem = problem.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
         findings.put(PATH, problem, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");
