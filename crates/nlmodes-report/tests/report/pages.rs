@@ -142,7 +142,8 @@ fn participation_has_a_panel_a_mode_and_a_curve_a_branch() {
 fn histories_over_each_other_share_a_figure() {
     let branch = samples::rod(12, 3);
     let (hard, soft) = (samples::history("hard", 2.3e6), samples::history("soft", 2.3e5));
-    let report = HtmlReport::new("rod", &[&branch]).histories("P1", &[&hard, &soft]).histories("none", &[]);
+    let all = [&branch];
+    let report = HtmlReport::new("rod", &all).histories("P1", &[&hard, &soft]).histories("none", &[]);
     let page = report.history("P2", &soft).render().unwrap();
     let histories = data(&page)["histories"].clone();
     assert_eq!(histories.as_array().unwrap().len(), 2);
