@@ -1,6 +1,7 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
+mod histories;
 mod page;
 mod progress;
 mod several;
@@ -23,6 +24,7 @@ use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
+use crate::modes::modal_model;
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
@@ -44,6 +46,9 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
     let scene = &file.scene;
     let began = Instant::now();
     let (model, massless) = models(file)?;
+    if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+        _ = print(&text);
+    }
     let mut sink = Sink::new(&scene.output_directory, quiet);
     let tree = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
@@ -59,7 +64,7 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
-    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
+    let model = structural_model(&file.scene).map_err(|error| refuse(file, error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))
@@ -134,7 +139,7 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
-        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>()));
+        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>(), &[]));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;

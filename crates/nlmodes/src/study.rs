@@ -2,6 +2,7 @@
 
 mod branch;
 mod compute;
+mod equal;
 mod error;
 mod events;
 mod homotopy;
@@ -16,6 +17,7 @@ mod trace;
 
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree};
+pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;
 pub use points::{figure_points, reference_points};

@@ -3,6 +3,7 @@
 mod contact;
 mod continuation;
 mod method;
+mod modes;
 mod nodes;
 mod plausible;
 mod records;

@@ -15,9 +15,11 @@ mod virtual_test;
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use method::RawMethod;
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
-pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
-pub use virtual_test::{RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest};
+pub use virtual_test::{
+    RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+};
 
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -60,6 +60,19 @@ pub struct Structure {
     pub density: f64,
     /// Cross section, and with it the theory.
     pub section: Section,
+    /// Frequencies that are imposed on the lowest modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<ImposedModes>,
+}
+
+/// Frequencies of the lowest modes, as measured ones, in place of those of the elements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImposedModes {
+    /// The frequencies, Hz, ascending.
+    pub frequencies_hz: Vec<f64>,
+    /// Damping ratios of these modes, where they are known; nonlinear modes are conservative and do not use them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_ratios: Option<Vec<f64>>,
 }
 
 impl Structure {

@@ -13,13 +13,16 @@ use serde::Serialize;
 
 use super::sink::branch_directory;
 use crate::config::scene::{MethodKind, Scene};
-use crate::modes::{LinearFrequencies, linear_frequencies};
+use crate::modes::{LinearFrequencies, linear_frequencies, modal_model};
 
 #[derive(Serialize)]
 struct Summary<'a> {
     program: &'static str,
     version: &'static str,
     scene: &'a Scene,
+    /// What the structure is, where frequencies are imposed on its modes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    model: Option<String>,
     linear_frequencies_hz: LinearFrequencies,
     grazing: GrazingPoint,
     method: MethodUsed,
@@ -166,6 +169,7 @@ pub fn write(
         program: "nlmodes-cli",
         version: env!("CARGO_PKG_VERSION"),
         scene,
+        model: modal_model(&scene.structure),
         linear_frequencies_hz: linear_frequencies(scene, model)?,
         grazing: GrazingPoint {
             frequency_hz: computed.grazing.omega / TAU,

@@ -61,6 +61,8 @@ struct BranchData {
     grazing: Option<usize>,
     /// Point and name of each tongue.
     tongues: Vec<(usize, String)>,
+    /// Participation of each linear mode; none where it is not known.
+    participation: Vec<Vec<f64>>,
     motion: Option<MotionData>,
 }
 
@@ -79,7 +81,7 @@ impl Data {
             branches: (0..report.branches.len()).map(|index| BranchData::new(report, index)).collect(),
             marks: report.marks.clone(),
             event_symbols: symbols.all().map(symbol).collect(),
-            histories: report.histories.iter().map(|(name, history)| HistoryData::new(name, history)).collect(),
+            histories: report.histories.iter().filter_map(|(name, all)| HistoryData::of_all(name, all)).collect(),
             colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING },
         }
     }
@@ -122,6 +124,7 @@ impl BranchData {
             resumed: resumed.map(|(i, _)| i).collect(),
             grazing: grazing(branch),
             tongues: tongues.map(|t| (if t.skipped { t.start } else { t.tip }, t.resonance.to_string())).collect(),
+            participation: participation(report, index),
             motion: MotionData::new(report, index, &stops(report, branch)),
         }
     }
@@ -144,6 +147,11 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
     let first = branch.contact_coordinate.zip(branch.stop);
     let line = |(coordinate, position): (usize, f64)| StopLine { coordinate, position, positive: position >= 0.0 };
     first.map(line).into_iter().collect()
+}
+
+fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Vec<f64>> {
+    let of = |mode: usize| report.participation[index].iter().map(|p| rounded(p.factors[mode], 8)).collect();
+    (0..report.participating_modes()).map(of).collect()
 }
 
 fn shares(point: &ModalPoint) -> Vec<f64> {

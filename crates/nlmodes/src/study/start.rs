@@ -215,7 +215,7 @@ fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool)
 }
 
 /// Corrects a guess across `direction`.
-fn one_point(
+pub(super) fn one_point(
     settings: &BranchSettings,
     start: &Grazing,
     problem: &mut MixedShooting,

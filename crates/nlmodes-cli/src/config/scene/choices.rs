@@ -13,6 +13,10 @@ macro_rules! choices {
         }
 
         impl $name {
+            /// All of them.
+            #[allow(dead_code, reason = "few enums are gone through")]
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
             /// As it is written in a scene.
             pub fn name(self) -> &'static str {
                 match self {

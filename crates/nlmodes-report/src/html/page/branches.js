@@ -108,14 +108,15 @@ function legend(box, charts) {
   }
 }
 
-/// Both figures; what is hovered or chosen in one is so in the other.
-function branchFigures(boxes, legendBox, onChoose) {
+/// Both figures, and that of the participation if there is one; what is hovered or chosen in one is so in the others.
+function branchFigures(boxes, participationBox, legendBox, onChoose) {
   const charts = [];
   const onHover = found => charts.forEach(chart => {
     if (!chart.tip.hidden && found) return;
     chart.hover(found && { key: found.key, index: found.index }, false);
   });
   boxes.forEach((box, k) => charts.push(new Chart(box, branchSpec(k ? AMPLITUDE : ENERGY, onHover, onChoose))));
+  if (participationBox) charts.push(new Chart(participationBox, participationSpec(onHover, onChoose)));
   legend(legendBox, charts);
   return charts;
 }
