@@ -154,9 +154,9 @@ pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> 
 pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessContactModel, ModelError> {
     let rule = redistribution(scene);
     match (scene.method.kind, rule) {
-        (MethodKind::MsHbm, Some(rule)) => MasslessContactModel::new(model, rule),
-        // A checked scene has no ms-hbm without a rule.
-        (MethodKind::MsHbm | MethodKind::Hbm, rule) => MasslessContactModel::with_spring_tips(model, rule),
+        (MethodKind::MsHbm | MethodKind::Shooting, Some(rule)) => MasslessContactModel::new(model, rule),
+        // A checked scene has no ms-hbm without a rule, and no shooting without one on rigid stops.
+        (_, rule) => MasslessContactModel::with_spring_tips(model, rule),
     }
 }
 

@@ -92,6 +92,7 @@ fn method(method: &Method) -> String {
     let kind = match method.kind {
         MethodKind::MsHbm => "mixed shooting-harmonic balance",
         MethodKind::Hbm => "harmonic balance",
+        MethodKind::Shooting => "exact shooting",
     };
     let list: Vec<String> = method.harmonics_list.iter().map(usize::to_string).collect();
     let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", list.join(", ")) };

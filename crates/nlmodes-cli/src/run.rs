@@ -6,6 +6,7 @@ mod page;
 mod progress;
 mod several;
 mod sink;
+mod starts;
 mod summary;
 
 use std::error::Error;
@@ -16,16 +17,22 @@ use nlmodes::hbm::HbmError;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
-    BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule, StudyError, compute_tree,
+    BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
+    StabilityRule, StudyError, compute_tree,
 };
+use nlmodes::timestep::TimestepError;
 
 use crate::Status;
 use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
+use crate::config::scene::{
+    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
+    Symmetry,
+};
 use crate::modes::modal_model;
 use sink::{Sink, branch_directory};
+pub use starts::STARTS;
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
 ///
@@ -102,6 +109,15 @@ pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
 pub fn branch_settings(scene: &Scene) -> BranchSettings {
     let method = &scene.method;
     BranchSettings {
+        method: match method.kind {
+            MethodKind::MsHbm | MethodKind::Hbm => BranchMethod::HarmonicBalance,
+            MethodKind::Shooting => BranchMethod::Shooting,
+        },
+        stability: match scene.stability {
+            StabilityChoice::Auto => StabilityRule::Auto,
+            StabilityChoice::Always => StabilityRule::Always,
+            StabilityChoice::Never => StabilityRule::Never,
+        },
         mode: method.mode,
         harmonics: method.harmonics,
         symmetry: match method.symmetry {
@@ -137,6 +153,7 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
         write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
     };
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
+        .and_then(|()| starts::write(directory, &tree.branches))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
         .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>(), &[]));
@@ -186,6 +203,14 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             say!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
             return Status::Wrong;
         }
+        StudyError::Timestep(TimestepError::TooManyModes { most, .. }) => {
+            let (key, help) =
+                ("method.held_modes", "the modes left out answer statically; or take fewer `structure.elements`");
+            let label = format!("expected `held_modes` in this table: a whole number from 1 to {most}");
+            say!("{}", file.error_at(key, &chain(error), &label, &[help]));
+            return Status::Wrong;
+        }
+        StudyError::NotEven => "method.symmetry",
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",

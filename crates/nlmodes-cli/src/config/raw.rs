@@ -24,7 +24,7 @@ pub use virtual_test::{
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::config::scene::{Direction, Side};
+use crate::config::scene::{Direction, Side, StabilityChoice};
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -78,4 +78,7 @@ pub struct RawOutput {
     /// Directory of the result files, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,
+    /// For which points Floquet multipliers are computed
+    #[schemars(extend("default" = "auto"))]
+    pub stability: Option<StabilityChoice>,
 }

@@ -5,9 +5,9 @@ mod records;
 mod virtual_test;
 
 pub use choices::{
-    AtBranchPoint, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection, InternalResonance,
-    LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat, Side, StructureKind,
-    Support, Switching, Symmetry, UpdatedParameter,
+    AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
+    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat,
+    Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use records::RecordScene;
@@ -37,6 +37,14 @@ pub struct Scene {
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// For which points Floquet multipliers are computed.
+    #[serde(default = "auto")]
+    pub stability: StabilityChoice,
+}
+
+/// What a scene that was written before there was a choice means.
+fn auto() -> StabilityChoice {
+    StabilityChoice::Auto
 }
 
 /// Geometry, mesh, supports, material and section.
@@ -177,7 +185,7 @@ pub struct Method {
     pub mass_redistribution: MassRule,
     /// Solver of the contact problem.
     pub contact_solver: ContactSolver,
-    /// Stiffness of the stops that have none of their own, N/m; [`MethodKind::Hbm`] only.
+    /// Stiffness of the stops that have none of their own, N/m; not for [`MethodKind::MsHbm`].
     pub contact_stiffness: Option<f64>,
     /// Time symmetry that the motion is assumed to have.
     pub symmetry: Symmetry,

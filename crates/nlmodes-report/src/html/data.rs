@@ -55,6 +55,9 @@ struct BranchData {
     shares: Vec<Vec<f64>>,
     events: BTreeMap<usize, Vec<String>>,
     resonance: BTreeMap<usize, String>,
+    /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point where it is known.
+    unstable: Vec<usize>,
+    multiplier: BTreeMap<usize, f64>,
     /// Points that do not come from the one before.
     resumed: Vec<usize>,
     /// Point at the end of the branch at which the linear mode ends.
@@ -105,6 +108,7 @@ impl BranchData {
         let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
         let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(ModalPoint::RESUMED));
         let tongues = tongues(points).into_iter();
+        let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
         Self {
             label: branch.label.clone(),
             color: palette::curve(index),
@@ -121,6 +125,8 @@ impl BranchData {
             shares: points.iter().map(shares).collect(),
             events: with_events.map(|(i, point)| (i, point.events.clone())).collect(),
             resonance: resonant.collect(),
+            unstable: judged().filter(|(_, s)| !s.stable).map(|(i, _)| i).collect(),
+            multiplier: judged().map(|(i, s)| (i, rounded(s.magnitude(), 7))).collect(),
             resumed: resumed.map(|(i, _)| i).collect(),
             grazing: grazing(branch),
             tongues: tongues.map(|t| (if t.skipped { t.start } else { t.tip }, t.resonance.to_string())).collect(),
