@@ -110,7 +110,7 @@ fn long_branch_keeps_points_with_events_and_a_sensible_size() {
 /// Participation of two modes, one of which has its sign changed at each point.
 fn participation(branch: &ModalBranch) -> Vec<Participation> {
     let of = |k: usize| Participation {
-        factors: vec![1.0 - 1e-3 * k as f64, if k % 2 == 0 { 1e-3 } else { -1e-3 } * k as f64],
+        factors: vec![1.0 - 1e-3 * k as f64, if k.is_multiple_of(2) { 1e-3 } else { -1e-3 } * k as f64],
         quadrature: vec![0.0; 2],
         harmonics: 1..=3,
     };
