@@ -59,6 +59,12 @@ impl<'a> Rule<'a> {
         self.0.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
     }
 
+    /// Keys of which a table must have one.
+    pub fn one_of(self) -> Vec<&'a str> {
+        let ways = self.0.get("anyOf").and_then(Value::as_array).into_iter().flatten();
+        ways.flat_map(|way| Rule(way).required()).collect()
+    }
+
     /// Permitted values of a text, or nothing where any will do.
     pub fn choices(self) -> Vec<&'a str> {
         let listed = |key| self.0.get(key).and_then(Value::as_array).into_iter().flatten();

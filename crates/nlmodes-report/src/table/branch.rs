@@ -7,7 +7,7 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; 13] = [
+pub const BRANCH_COLUMNS: [&str; 15] = [
     "point",
     "frequency_hz",
     "energy_j",
@@ -21,6 +21,8 @@ pub const BRANCH_COLUMNS: [&str; 13] = [
     "residual",
     "event",
     "resonance",
+    "harmonics",
+    "error_estimate",
 ];
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
@@ -121,6 +123,8 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         number(point.residual),
         point.events.join(" "),
         point.resonance.map_or_else(String::new, |resonance| resonance.to_string()),
+        point.coefficients.n_harmonics().to_string(),
+        point.error_estimate.map_or_else(String::new, number),
     ]
 }
 

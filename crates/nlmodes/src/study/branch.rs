@@ -8,7 +8,7 @@ use nlmodes_model::ContactCoordinates;
 
 use super::prepare::problem;
 use super::trace::Tracer;
-use super::{BranchSettings, StudyError};
+use super::{AccuracyReached, BranchSettings, StudyError};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -31,6 +31,8 @@ pub struct ComputedBranch {
     pub contact_iterations: usize,
     /// Steps that were tried and refused.
     pub refused_steps: usize,
+    /// What became of the accuracy that was asked for, if one was.
+    pub accuracy: Option<AccuracyReached>,
     pub(super) settings: BranchSettings,
 }
 
@@ -78,7 +80,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = self.problem()?;
+        let mut problem = self.problem(point)?;
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
@@ -100,6 +102,12 @@ impl ComputedBranch {
         self.evaluations += other.evaluations;
         self.contact_iterations += other.contact_iterations;
         self.refused_steps += other.refused_steps;
+        let changes = self.accuracy.map_or(0, |own| own.changes) + other.accuracy.map_or(0, |other| other.changes);
+        self.accuracy = self.accuracy.map(|own| {
+            let held = own.largest_held_modes_estimate.max(other.accuracy.map_or(0.0, |o| o.largest_held_modes_estimate));
+            AccuracyReached { largest_held_modes_estimate: held, changes, ..own }
+        });
+        self.review_accuracy();
         self
     }
 
@@ -108,12 +116,30 @@ impl ComputedBranch {
         tongues(&self.branch.points)
     }
 
-    /// The periodic problem, to evaluate points of the branch again.
+    /// The periodic problem with the harmonics of a point, to evaluate it again.
     ///
     /// # Errors
     /// [`StudyError`], as [`super::compute_branch`].
-    pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
-        problem(&self.structure, &self.settings, &self.grazing)
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, StudyError> {
+        let harmonics = self.branch.points[point].coefficients.n_harmonics();
+        problem(&self.structure, &BranchSettings { harmonics, ..self.settings.clone() }, &self.grazing)
+    }
+
+    /// Counts the points of the branch, and names it by their harmonics, where an accuracy was asked for.
+    pub(super) fn review_accuracy(&mut self) {
+        let (Some(reached), Some(wanted)) = (&mut self.accuracy, self.settings.accuracy) else { return };
+        let points = &self.branch.points;
+        let estimates = || points.iter().filter_map(|p| p.error_estimate);
+        reached.largest_estimate = estimates().fold(0.0, f64::max);
+        reached.points_beyond = estimates().filter(|e| *e > wanted.error).count();
+        let harmonics = || points.iter().map(|p| p.coefficients.n_harmonics());
+        reached.harmonics = [harmonics().min().unwrap_or(0), harmonics().max().unwrap_or(0)];
+        if self.origin.is_none() {
+            self.branch.label = label(&self.settings, self.structure.model().contact_coordinates(), reached.harmonics);
+        }
     }
 }
 
@@ -133,11 +159,15 @@ pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoin
 }
 
 /// Name of a branch in legends.
-pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) -> String {
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, harmonics: [usize; 2]) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
     }
-    let plural = if settings.harmonics == 1 { "" } else { "s" };
+    let harmonics = match harmonics {
+        [1, 1] => "1 harmonic".to_owned(),
+        [few, many] if few == many => format!("{few} harmonics"),
+        [few, many] => format!("{few} to {many} harmonics"),
+    };
     let sampled = match settings.switching {
         Switching::Exact => String::new(),
         Switching::Sampled { samples } => format!(", {samples} samples"),
@@ -146,13 +176,13 @@ pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) 
         ContactCoordinates::Nodes => "MS-HBM",
         ContactCoordinates::SpringTips => "HBM",
     };
-    format!("{method}, {} harmonic{plural}{sampled}", settings.harmonics)
+    format!("{method}, {harmonics}{sampled}")
 }
 
 /// Why a branch of so many points ended, in words.
 pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) -> BranchEnd {
     let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
-    let (start, settings) = (tracer.grazing, tracer.settings);
+    let (start, settings) = (tracer.grazing, &tracer.settings);
     let (reason, message, complete) = match stop {
         StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
             ("max-energy", format!("the energy reached {:.6} times that at grazing", value.exp()), true)

@@ -1,6 +1,8 @@
 use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{Switching, Symmetry};
 
+use super::Accuracy;
+
 /// Where a branch begins, and which way it goes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum BranchStart {
@@ -52,8 +54,11 @@ pub struct BranchSettings {
     pub label: String,
     /// Number of the linear mode, from 1. Default 1.
     pub mode: usize,
-    /// Highest harmonic `N_h`. Default 5.
+    /// Highest harmonic `N_h`; the least of them where an accuracy is given. Default 5.
     pub harmonics: usize,
+    /// Accuracy by which harmonics are chosen along the branch, and held modes; not together with [`BranchPointRule::All`], whose
+    /// branches have the harmonics that the accuracy takes at first. Default none: `harmonics` holds.
+    pub accuracy: Option<Accuracy>,
     /// Which motions are admitted. Default even in time.
     pub symmetry: Symmetry,
     /// How the instants of contact are treated. Default exact.
@@ -86,6 +91,7 @@ impl Default for BranchSettings {
             label: String::new(),
             mode: 1,
             harmonics: 5,
+            accuracy: None,
             symmetry: Symmetry::Even,
             switching: Switching::Exact,
             contact_solver: "active-set".to_owned(),

@@ -24,6 +24,8 @@ pub(super) struct Seed {
     pub x: Vec<f64>,
     pub p: f64,
     pub direction: Vec<f64>,
+    /// Number of harmonics of `x`.
+    pub harmonics: usize,
 }
 
 /// Where on the backbone a branch begins.
@@ -75,11 +77,15 @@ pub(super) fn seed(
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
             let (series, p) = (problem.series(), 0.0);
-            return Ok(Seed { x: start.unknowns(series, dim), p, direction: start.direction(series, dim) });
+            let (x, direction) = (start.unknowns(series, dim), start.direction(series, dim));
+            return Ok(Seed { x, p, direction, harmonics: series.n_harmonics });
         }
     };
     match on_backbone(structure, settings, start, target) {
-        Ok((x, p, _)) => Ok(Seed { x, p, direction: along(problem, start, target, upward) }),
+        Ok((x, p, series)) => {
+            let direction = along(problem, start, target, upward);
+            Ok(Seed { x, p, direction, harmonics: series.n_harmonics })
+        }
         Err(_) => refined(structure, settings, start, target, upward),
     }
 }
@@ -118,7 +124,7 @@ fn refined_from(
     for harmonics in ladder(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let mut problem = self::problem(structure, &step, start)?;
-        let guess = embed(&x, series, problem.series(), start.mean.len(), problem.dim());
+        let guess = problem.resized(&x, series);
         let direction = along(&problem, start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate(&problem, start);
@@ -129,7 +135,7 @@ fn refined_from(
         (x, p) = corrected;
     }
     let problem = self::problem(structure, settings, start)?;
-    Ok(Seed { x, p, direction: along(&problem, start, target, upward) })
+    Ok(Seed { x, p, direction: along(&problem, start, target, upward), harmonics: settings.harmonics })
 }
 
 /// The point at the target to which the branch leads from grazing.
@@ -190,23 +196,6 @@ fn ladder(first: usize, last: usize) -> Vec<usize> {
     steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
 }
 
-/// The same motion with more harmonics, the new ones zero.
-fn embed(x: &[f64], from: RealSeries, to: RealSeries, n_contact_dofs: usize, dim: usize) -> Vec<f64> {
-    let (old, new) = (from.width(), to.width());
-    let mut larger = vec![0.0; dim];
-    for d in 0..n_contact_dofs {
-        for n in 0..=from.n_harmonics {
-            larger[d * new + n] = x[d * old + n];
-            if let (true, Some(sine), Some(target)) = (n > 0, from.sine(n), to.sine(n)) {
-                larger[d * new + target] = x[d * old + sine];
-            }
-        }
-    }
-    let (tail, larger_tail) = (n_contact_dofs * old, n_contact_dofs * new);
-    larger[larger_tail..].copy_from_slice(&x[tail..]);
-    larger
-}
-
 /// Unit vector along the coordinate that the target fixes.
 fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
     let mut direction = vec![0.0; problem.dim() + 1];
@@ -215,7 +204,7 @@ fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool)
 }
 
 /// Corrects a guess across `direction`.
-fn one_point(
+pub(super) fn one_point(
     settings: &BranchSettings,
     start: &Grazing,
     problem: &mut MixedShooting,
