@@ -85,11 +85,13 @@ pub(super) struct Control {
     pause: usize,
     /// Whether the number was lowered last.
     lowered: bool,
+    /// Points for which the number stays, since no solution with another one was found.
+    stays: usize,
 }
 
 impl Control {
     pub fn new(accuracy: Accuracy, fewest: usize, more_modes: bool) -> Self {
-        Self { accuracy, fewest, more_modes, harmonics: fewest, easy: (0, 0), pause: 0, lowered: false }
+        Self { accuracy, fewest, more_modes, harmonics: fewest, easy: (0, 0), pause: 0, lowered: false, stays: 0 }
     }
 
     /// The branch goes on with another number of harmonics.
@@ -102,6 +104,11 @@ impl Control {
         self.easy = (0, 0);
     }
 
+    /// No solution with another number of harmonics was found here.
+    pub fn stay(&mut self) {
+        (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);
+    }
+
     pub fn decide(&mut self, error: &TruncationError) -> Decision {
         let harmonics = self.harmonics;
         if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
@@ -111,7 +118,8 @@ impl Control {
         let needed = self.needed(own);
         // Not a number where both are infinite.
         if !(own <= OF_HARMONICS * self.accuracy.error) {
-            if harmonics >= self.accuracy.max_harmonics {
+            self.stays = self.stays.saturating_sub(1);
+            if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
                 return Decision::Limit;
             }
             let most = (GROWTH * harmonics as f64).ceil() as usize;

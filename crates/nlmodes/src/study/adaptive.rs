@@ -25,13 +25,20 @@ pub(super) const LIMIT: &str = "accuracy-limit";
 /// Smallest cosine between the tangents with the old and the new number of harmonics.
 const SAME_WAY: f64 = 0.9;
 
+/// Harmonics beyond those wanted, and distances ahead along the tangent, with which a start is tried.
+const FURTHER: [usize; 2] = [0, 1];
+const AHEAD: [f64; 3] = [0.0, 1e-3, 1e-2];
+
+/// Largest change of the unknowns with the number of harmonics; a solution further away is another one.
+const NEAR: f64 = 0.1;
+
 /// Share of the energy in the tangent above which the energy is kept when the number of harmonics changes.
 const ENERGY_CHANGES: f64 = 0.05;
 
 /// Points that wait to be shown until one without events behind them counts, and where the branch goes on if none does.
 struct Stretch {
-    /// The last point without events that counts.
-    base: Option<BranchPoint>,
+    /// The last point without events that counts, and the layout of its unknowns.
+    base: Option<(BranchPoint, RealSeries)>,
     base_is_shown: bool,
     waiting: Vec<(BranchPoint, Option<TruncationError>, Vec<String>)>,
     /// Events of the first point of the next run.
@@ -73,15 +80,27 @@ impl Tracer<'_> {
         loop {
             let (stop, change) = self.run(control, &from, bound, &mut stretch, &mut found, each)?;
             let Some(harmonics) = change else { return Ok((found, stop)) };
-            let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
-            if stretch.base_is_shown {
-                (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
-                found.changes += 1;
+            let Some((base, series)) = stretch.base.clone() else { return Ok((found, stop)) };
+            match self.carried_over(&base, series, harmonics)? {
+                Some(seed) => {
+                    if stretch.base_is_shown {
+                        (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+                        found.changes += 1;
+                    }
+                    control.changed(seed.harmonics);
+                    from = seed;
+                }
+                None => {
+                    if stretch.base_is_shown {
+                        (stretch.first, stretch.known) = (Vec::new(), true);
+                    }
+                    let harmonics = series.n_harmonics;
+                    self.set_harmonics(harmonics)?;
+                    control.changed(harmonics);
+                    control.stay();
+                    from = Seed { x: base.x, p: base.p, direction: base.tangent, harmonics };
+                }
             }
-            let old = self.problem.series();
-            self.set_harmonics(harmonics)?;
-            control.changed(harmonics);
-            from = self.carried_over(&base, old);
         }
     }
 
@@ -102,7 +121,7 @@ impl Tracer<'_> {
         let (mut change, mut is_first) = (None, true);
         let (viewer, resonances, estimator) = (&mut self.viewer, &mut self.resonances, self.estimator.as_mut());
         let Some(estimator) = estimator else { return Ok((StopReason::Stopped, None)) };
-        let too_few_modes = &mut self.too_few_modes;
+        let (too_few_modes, series) = (&mut self.too_few_modes, self.problem.series());
         let branch = method.run(&mut self.problem, &from.x, from.p, &from.direction, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
             let error = (!singular).then(|| estimator.estimate(&point.x, point.p, &point.tangent));
@@ -125,7 +144,7 @@ impl Tracer<'_> {
                 }
                 Decision::More(harmonics) => {
                     if stretch.base.is_none() {
-                        stretch.base = Some(point.clone());
+                        stretch.base = Some((point.clone(), series));
                     }
                     change = Some(harmonics);
                     return ControlFlow::Break(());
@@ -139,7 +158,7 @@ impl Tracer<'_> {
             }
             let begins = stretch.waiting.is_empty() && found.is_at_start();
             stretch.waiting.push((point.clone(), Some(error), names));
-            stretch.base = Some(point.clone());
+            stretch.base = Some((point.clone(), series));
             if begins {
                 // It is shown when it is sure that the branch goes on with this number of harmonics.
                 stretch.base_is_shown = stretch.known;
@@ -161,21 +180,36 @@ impl Tracer<'_> {
         Ok((branch.stop, change))
     }
 
-    /// The beginning at `base`, a point of the problem with series `old`, with the present number of harmonics.
-    fn carried_over(&mut self, base: &BranchPoint, old: RealSeries) -> Seed {
-        let x = self.problem.resized(&base.x, old);
-        let direction = self.problem.resized(&base.tangent, old);
-        let harmonics = self.problem.series().n_harmonics;
-        let last = direction.len() - 1;
-        if direction[last].abs() > ENERGY_CHANGES {
+    /// The beginning at `base` with so many harmonics or a few more, or, where a contact is about to open or close there, a little
+    /// ahead of it; `None` where Newton's method finds none.
+    fn carried_over(
+        &mut self,
+        base: &BranchPoint,
+        series: RealSeries,
+        harmonics: usize,
+    ) -> Result<Option<Seed>, StudyError> {
+        let most = self.settings.accuracy.map_or(usize::MAX, |accuracy| accuracy.max_harmonics);
+        let tries = AHEAD.into_iter().flat_map(|ahead| FURTHER.map(|more| ((harmonics + more).min(most), ahead)));
+        for (harmonics, ahead) in tries {
+            self.set_harmonics(harmonics)?;
+            let z: Vec<f64> = base.z().iter().zip(&base.tangent).map(|(z, t)| z + ahead * t).collect();
+            let (z, direction) = (self.problem.resized(&z, series), self.problem.resized(&base.tangent, series));
             let mut energy = vec![0.0; direction.len()];
-            energy[last] = 1.0;
-            let z: Vec<f64> = x.iter().copied().chain([base.p]).collect();
-            if let Some((x, p)) = one_point(&self.settings, self.grazing, &mut self.problem, &z, &energy) {
-                return Seed { x, p, direction, harmonics };
+            let last = direction.len() - 1;
+            energy[last] = direction[last].signum();
+            let keeps_energy = direction[last].abs() > ENERGY_CHANGES;
+            for across in [Some(&energy).filter(|_| keeps_energy), Some(&direction)].into_iter().flatten() {
+                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across);
+                let near = |x: &[f64], p: f64| {
+                    let moved = x.iter().chain([&p]).zip(&z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+                    moved.sqrt() < NEAR
+                };
+                if let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) {
+                    return Ok(Some(Seed { x, p, direction: direction.clone(), harmonics }));
+                }
             }
         }
-        Seed { x, p: base.p, direction, harmonics }
+        Ok(None)
     }
 }
 

@@ -21,12 +21,12 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each. Beside `accuracy` the smallest number;
-    /// default there: 2
+    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each
+    #[serde(default)]
     #[schemars(schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
     /// Largest relative error of the frequency, at the same energy, that may come from harmonics and held modes left out: chooses their
-    /// numbers, that of the harmonics anew along the branch; default: none, `harmonics` holds
+    /// numbers, that of the harmonics anew along the branch, `harmonics` or 2 of them at least; default: none, `harmonics` holds
     #[schemars(range(min = 1e-10, max = 0.01))]
     pub accuracy: Option<f64>,
     /// Most harmonics that `accuracy` may choose
