@@ -46,7 +46,7 @@ impl<'w> Walk<'w, '_, '_> {
     fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
         let absent = rule.required().filter(|key| !table.contains_key(*key));
         self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
-        let alternatives = rule.one_of();
+        let alternatives = rule.one_required();
         if !alternatives.iter().any(|key| table.contains_key(*key)) {
             self.missing_one.push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
         }

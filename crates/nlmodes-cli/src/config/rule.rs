@@ -60,9 +60,8 @@ impl<'a> Rule<'a> {
     }
 
     /// Keys of which a table must have one.
-    pub fn one_of(self) -> Vec<&'a str> {
-        let ways = self.0.get("anyOf").and_then(Value::as_array).into_iter().flatten();
-        ways.flat_map(|way| Rule(way).required()).collect()
+    pub fn one_required(self) -> Vec<&'a str> {
+        self.0.get("oneRequired").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
     }
 
     /// Permitted values of a text, or nothing where any will do.

@@ -120,7 +120,8 @@ impl Control {
         if !(own <= OF_HARMONICS * self.accuracy.error) {
             self.stays = self.stays.saturating_sub(1);
             if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
-                return Decision::Limit;
+                let within = error.frequency <= self.accuracy.error;
+                return if within { Decision::Keep } else { Decision::Limit };
             }
             let most = (GROWTH * harmonics as f64).ceil() as usize;
             return Decision::More(needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics));

@@ -3,14 +3,13 @@
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, StopReason};
-use nlmodes_hbm::{MixedShooting, RealSeries, TruncationError};
+use nlmodes_hbm::{RealSeries, TruncationError};
 use nlmodes_modal::ModalPoint;
 
 use super::accuracy::{Control, Decision};
 use super::prepare::continuation;
-use super::resonances::Resonances;
 use super::start::{Seed, one_point};
-use super::trace::{First, Found, Tracer};
+use super::trace::{First, Found, Tracer, Viewer};
 use super::StudyError;
 
 /// Event of the first point with another number of harmonics; it lies where the one before it lies.
@@ -40,6 +39,8 @@ struct Stretch {
     /// The last point without events that counts, and the layout of its unknowns.
     base: Option<(BranchPoint, RealSeries)>,
     base_is_shown: bool,
+    /// Whether its error is as small as was asked for: then the branch with more harmonics is near.
+    base_is_accurate: bool,
     waiting: Vec<(BranchPoint, Option<TruncationError>, Vec<String>)>,
     /// Events of the first point of the next run.
     first: Vec<String>,
@@ -69,6 +70,7 @@ impl Tracer<'_> {
         let mut stretch = Stretch {
             base: None,
             base_is_shown: matches!(first, First::Known),
+            base_is_accurate: true,
             waiting: Vec::new(),
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
@@ -114,21 +116,23 @@ impl Tracer<'_> {
         found: &mut Found,
         each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
     ) -> Result<(StopReason, Option<usize>), StudyError> {
-        let mut method = continuation(&self.settings, self.grazing, &self.problem, self.problem.dim());
+        let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
         stretch.waiting.clear();
         found.begin();
         let (mut change, mut is_first) = (None, true);
-        let (viewer, resonances, estimator) = (&mut self.viewer, &mut self.resonances, self.estimator.as_mut());
-        let Some(estimator) = estimator else { return Ok((StopReason::Stopped, None)) };
-        let (too_few_modes, series) = (&mut self.too_few_modes, self.problem.series());
+        let (Some(estimator), Some(problem)) = (self.estimator.as_mut(), self.problem.harmonics()) else {
+            return Ok((StopReason::Stopped, None));
+        };
+        let (viewer, too_few_modes, series) = (&mut self.viewer, &mut self.too_few_modes, problem.series());
         let branch = method.run(&mut self.problem, &from.x, from.p, &from.direction, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
             let error = (!singular).then(|| estimator.estimate(&point.x, point.p, &point.tangent));
             let mut names = Vec::new();
             if std::mem::take(&mut is_first) {
                 names.clone_from(&stretch.first);
-                if names.iter().any(|n| n == HARMONICS) && !same_way(&point.tangent, &from.direction) {
+                let proven = stretch.base_is_accurate && same_way(&point.tangent, &from.direction);
+                if names.iter().any(|n| n == HARMONICS) && !proven {
                     names.push(UNPROVEN.to_owned());
                 }
             }
@@ -159,6 +163,7 @@ impl Tracer<'_> {
             let begins = stretch.waiting.is_empty() && found.is_at_start();
             stretch.waiting.push((point.clone(), Some(error), names));
             stretch.base = Some((point.clone(), series));
+            stretch.base_is_accurate = !matches!(decision, Decision::Limit);
             if begins {
                 // It is shown when it is sure that the branch goes on with this number of harmonics.
                 stretch.base_is_shown = stretch.known;
@@ -166,7 +171,7 @@ impl Tracer<'_> {
                 return ControlFlow::Continue(());
             }
             stretch.base_is_shown = true;
-            show(stretch, found, viewer, resonances, each)?;
+            show(stretch, found, viewer, each)?;
             if let Decision::Fewer(harmonics) = decision {
                 change = Some(harmonics);
                 return ControlFlow::Break(());
@@ -175,7 +180,7 @@ impl Tracer<'_> {
         })?;
         found.count(&branch);
         if change.is_none() && !self.too_few_modes {
-            let _ = show(stretch, found, viewer, resonances, each);
+            let _ = show(stretch, found, viewer, each);
         }
         Ok((branch.stop, change))
     }
@@ -193,7 +198,8 @@ impl Tracer<'_> {
         for (harmonics, ahead) in tries {
             self.set_harmonics(harmonics)?;
             let z: Vec<f64> = base.z().iter().zip(&base.tangent).map(|(z, t)| z + ahead * t).collect();
-            let (z, direction) = (self.problem.resized(&z, series), self.problem.resized(&base.tangent, series));
+            let Some(problem) = self.problem.harmonics() else { return Ok(None) };
+            let (z, direction) = (problem.resized(&z, series), problem.resized(&base.tangent, series));
             let mut energy = vec![0.0; direction.len()];
             let last = direction.len() - 1;
             energy[last] = direction[last].signum();
@@ -217,17 +223,14 @@ impl Tracer<'_> {
 fn show(
     stretch: &mut Stretch,
     found: &mut Found,
-    viewer: &mut MixedShooting,
-    resonances: &mut Resonances,
+    viewer: &mut Viewer,
     each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     for (point, error, names) in stretch.waiting.drain(..) {
         if std::mem::take(&mut stretch.known) {
             continue;
         }
-        if let Some(modal) = found.keep_named(viewer, resonances, &point, names, error) {
-            each(modal)?;
-        }
+        found.keep_named(viewer, &point, names, error).iter().try_for_each(&mut *each)?;
     }
     ControlFlow::Continue(())
 }

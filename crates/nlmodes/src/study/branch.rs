@@ -5,10 +5,11 @@ use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
+use nlmodes_timestep::ModeShooting;
 
-use super::prepare::problem;
+use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
-use super::{AccuracyReached, BranchSettings, StudyError};
+use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -80,7 +81,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = self.problem(point)?;
+        let mut problem = periodic(&self.structure, &self.settings_at(point), &self.grazing)?;
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
@@ -102,11 +103,10 @@ impl ComputedBranch {
         self.evaluations += other.evaluations;
         self.contact_iterations += other.contact_iterations;
         self.refused_steps += other.refused_steps;
-        let changes = self.accuracy.map_or(0, |own| own.changes) + other.accuracy.map_or(0, |other| other.changes);
-        self.accuracy = self.accuracy.map(|own| {
-            let held = own.largest_held_modes_estimate.max(other.accuracy.map_or(0.0, |o| o.largest_held_modes_estimate));
-            AccuracyReached { largest_held_modes_estimate: held, changes, ..own }
-        });
+        if let (Some(own), Some(other)) = (&mut self.accuracy, other.accuracy) {
+            own.changes += other.changes;
+            own.largest_held_modes_estimate = own.largest_held_modes_estimate.max(other.largest_held_modes_estimate);
+        }
         self.review_accuracy();
         self
     }
@@ -116,16 +116,13 @@ impl ComputedBranch {
         tongues(&self.branch.points)
     }
 
-    /// The periodic problem with the harmonics of a point, to evaluate it again.
-    ///
-    /// # Errors
-    /// [`StudyError`], as [`super::compute_branch`].
-    ///
-    /// # Panics
-    /// If there is no such point.
-    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, StudyError> {
-        let harmonics = self.branch.points[point].coefficients.n_harmonics();
-        problem(&self.structure, &BranchSettings { harmonics, ..self.settings.clone() }, &self.grazing)
+    /// The settings with the harmonics of a point, which an accuracy has chosen.
+    fn settings_at(&self, point: usize) -> BranchSettings {
+        let mut settings = self.settings.clone();
+        if settings.accuracy.is_some() {
+            settings.harmonics = self.branch.points[point].coefficients.n_harmonics();
+        }
+        settings
     }
 
     /// Counts the points of the branch, and names it by their harmonics, where an accuracy was asked for.
@@ -137,9 +134,43 @@ impl ComputedBranch {
         reached.points_beyond = estimates().filter(|e| *e > wanted.error).count();
         let harmonics = || points.iter().map(|p| p.coefficients.n_harmonics());
         reached.harmonics = [harmonics().min().unwrap_or(0), harmonics().max().unwrap_or(0)];
-        if self.origin.is_none() {
-            self.branch.label = label(&self.settings, self.structure.model().contact_coordinates(), reached.harmonics);
+        if self.origin.is_none() && self.settings.label.is_empty() {
+            let [few, most] = reached.harmonics;
+            let plain = plural(self.settings.harmonics);
+            let range = if few == most { plural(few) } else { format!("{few} to {most} harmonics") };
+            self.branch.label = self.branch.label.replacen(&plain, &range, 1);
         }
+    }
+
+    /// The periodic problem in harmonics with those of a point, to evaluate it again.
+    ///
+    /// # Errors
+    /// [`StudyError::NotHarmonic`] for a branch by shooting; else as [`super::compute_branch`].
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
+            BranchMethod::Shooting => Err(StudyError::NotHarmonic),
+        }
+    }
+
+    /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
+    ///
+    /// # Errors
+    /// [`StudyError`], as [`super::compute_branch`].
+    pub fn exact(&self) -> Result<Option<ModeShooting>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => Ok(None),
+            BranchMethod::Shooting => exact(self.structure.model(), &self.settings, &self.grazing).map(Some),
+        }
+    }
+
+    /// Points that are stable, unstable, and of unknown stability.
+    pub fn stability_counts(&self) -> [usize; 3] {
+        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.map(|s| s.stable) == wanted).count();
+        [count(Some(true)), count(Some(false)), count(None)]
     }
 }
 
@@ -158,16 +189,14 @@ pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoin
     }
 }
 
-/// Name of a branch in legends.
-pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, harmonics: [usize; 2]) -> String {
+/// Name of a branch in legends; `modes` are those of its structure that move a contact.
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, modes: usize) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
     }
-    let harmonics = match harmonics {
-        [1, 1] => "1 harmonic".to_owned(),
-        [few, many] if few == many => format!("{few} harmonics"),
-        [few, many] => format!("{few} to {many} harmonics"),
-    };
+    if settings.method == BranchMethod::Shooting {
+        return format!("shooting, {modes} mode{}", if modes == 1 { "" } else { "s" });
+    }
     let sampled = match settings.switching {
         Switching::Exact => String::new(),
         Switching::Sampled { samples } => format!(", {samples} samples"),
@@ -176,7 +205,12 @@ pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, 
         ContactCoordinates::Nodes => "MS-HBM",
         ContactCoordinates::SpringTips => "HBM",
     };
-    format!("{method}, {harmonics}{sampled}")
+    format!("{method}, {}{sampled}", plural(settings.harmonics))
+}
+
+/// `1 harmonic`, `2 harmonics`, …
+fn plural(harmonics: usize) -> String {
+    format!("{harmonics} harmonic{}", if harmonics == 1 { "" } else { "s" })
 }
 
 /// Why a branch of so many points ended, in words.

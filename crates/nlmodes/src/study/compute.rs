@@ -2,17 +2,17 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nlmodes_continuation::TreeBranch;
-use nlmodes_hbm::{Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
 use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::prepare::{check_window, condense};
+use super::prepare::{check_window, condense, exact, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Tracer};
-use super::{AccuracyReached, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
+use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ pub fn compute_branch(
 }
 
 /// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact nodes are massless,
-/// by conventional HBM where it was made with spring tips.
+/// by conventional HBM where it was made with spring tips, or either exactly by shooting.
 ///
 /// # Errors
 /// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -52,14 +52,14 @@ pub fn compute_tree(
 ) -> Result<ComputedTree, StudyError> {
     let (mut settings, fewest, mut at_least) = (settings.clone(), settings.harmonics, 0);
     if let Some(accuracy) = settings.accuracy {
-        settings.harmonics = first_harmonics(accuracy, settings.harmonics);
+        settings.harmonics = first_harmonics(accuracy, fewest);
     }
     loop {
         match with_modes(&model, &settings, fewest, at_least, &mut observe)? {
             WithModes::Done(tree) => return Ok(tree),
             WithModes::TooFew(modes) => at_least = 2 * modes,
         }
-        // Where that is not to be, the next point will find out.
+        // Where nothing more is wanted, the next point will tell.
         let _ = observe(BranchProgress::Withdrawn { branch: 0, kept: 0 });
     }
 }
@@ -78,8 +78,11 @@ fn with_modes(
     at_least: usize,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<WithModes, StudyError> {
+    if settings.method == BranchMethod::Shooting {
+        shooting_modes(model, settings)?;
+    }
     let structure = Arc::new(condense(model.clone(), settings, at_least)?);
-    let start = grazing(&structure, settings.mode)?;
+    let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings, fewest)?;
     let seed = seed(&structure, settings, &start, &tracer.problem)?;
@@ -98,13 +101,13 @@ fn with_modes(
     let branches = traced.into_iter().enumerate().map(|(number, traced)| {
         let Traced { found, end, origin } = traced;
         let name = if number == 0 {
-            label(settings, structure.model().contact_coordinates(), [settings.harmonics; 2])
+            label(settings, structure.model().contact_coordinates(), structure.modes().len())
         } else {
             format!("branch {number}")
         };
         let unknowns: Vec<Vec<f64>> = found.unknowns;
         // δ is the last unknown, whatever the number of harmonics.
-        let free = settings.symmetry == Symmetry::None;
+        let free = settings.symmetry == Symmetry::None && settings.method == BranchMethod::HarmonicBalance;
         let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
         let accuracy = settings.accuracy.map(|_| AccuracyReached {
             largest_held_modes_estimate: found.largest_held_modes_error,
@@ -129,6 +132,19 @@ fn with_modes(
     });
     let branches = branches.collect();
     Ok(WithModes::Done(ComputedTree { branches, not_followed }))
+}
+
+/// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.
+fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
+    let start = grazing(structure, settings.mode)?;
+    match settings.method {
+        BranchMethod::HarmonicBalance => Ok(start),
+        BranchMethod::Shooting => {
+            let problem = exact(structure.model(), settings, &start)?;
+            let own = problem.grazing();
+            Ok(Grazing { omega: own.omega, energy: own.energy, ..start })
+        }
+    }
 }
 
 /// A branch before it is given its name and its structure.
