@@ -2,6 +2,7 @@
 
 use nlmodes_modal::{ModalPoint, TimeHistory};
 
+use super::prepare::periodic;
 use super::start::one_point;
 use super::{ComputedBranch, StudyError};
 
@@ -40,7 +41,7 @@ impl ComputedBranch {
 
     /// Regula falsi (Illinois) in the share of the way from point `k` to the next, corrected across it.
     fn between(&self, k: usize, amplitude: f64, ends: [f64; 2]) -> Result<Option<PointBetween>, StudyError> {
-        let mut problem = self.problem()?;
+        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
         let [from, to] = [k, k + 1].map(|k| {
             let p = (self.branch.points[k].kinetic_energy / self.grazing.energy).ln();
             self.unknowns[k].iter().copied().chain([p]).collect::<Vec<f64>>()
@@ -81,6 +82,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        Ok(self.problem()?.time_history(&solution.unknowns, contact, samples, label)?)
+        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
+        Ok(problem.time_history(&solution.unknowns, contact, samples, label)?)
     }
 }

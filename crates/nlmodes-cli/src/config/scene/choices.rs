@@ -102,6 +102,13 @@ choices! {
         /// Exact shooting, with massless contact nodes, or with contact nodes that keep their mass on elastic stops
         Shooting = "shooting",
     }
+    /// Method for the backbone beside a virtual test.
+    BackboneMethod {
+        /// Mixed shooting-harmonic balance before a rigid stop
+        MsHbm = "ms-hbm",
+        /// Harmonic balance of the rig's modes and stop
+        Hbm = "hbm",
+    }
     /// For which points Floquet multipliers are computed.
     StabilityChoice {
         /// For all points of shooting, and for those in harmonics of structures of up to 16 modes
