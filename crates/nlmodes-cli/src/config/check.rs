@@ -4,6 +4,7 @@ mod contact;
 mod continuation;
 mod method;
 mod nodes;
+mod frequencies;
 mod plausible;
 mod records;
 mod structure;
@@ -42,6 +43,7 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref(), stem),
+        warnings: Vec::new(),
     };
     plausible::warn(&scene, findings);
     Some(scene)

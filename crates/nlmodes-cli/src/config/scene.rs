@@ -37,6 +37,9 @@ pub struct Scene {
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// What looks wrong with the scene, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Geometry, mesh, supports, material and section.

@@ -164,6 +164,7 @@ pub fn json(
         "sample_rate_hz": scene.sample_rate,
         "seed": scene.seed,
         "loop": scene.control,
+        "warnings": scene.warnings,
         "levels": levels,
         "backbone": backbone,
         "wall_time_s": wall_time.as_secs_f64(),
