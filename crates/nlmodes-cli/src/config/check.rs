@@ -5,6 +5,7 @@ mod continuation;
 mod method;
 mod modes;
 mod nodes;
+mod frequencies;
 mod plausible;
 mod records;
 mod shooting;
@@ -45,6 +46,7 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref(), stem),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
+        warnings: Vec::new(),
     };
     plausible::warn(&scene, findings);
     Some(scene)

@@ -1,6 +1,6 @@
 //! The problems of one scene, as they are found.
 
-use crate::config::{Document, Problem, Severity};
+use crate::config::{Document, Problem, Severity, problem};
 
 /// The problems of one scene, as they are found.
 #[derive(Debug)]
@@ -51,10 +51,8 @@ impl<'a> Findings<'a> {
         self.problems.iter().any(|problem| problem.severity == Severity::Error)
     }
 
-    /// All of them in the order of the text, errors before warnings.
-    pub fn into_sorted(mut self) -> Vec<Problem> {
-        let start = |problem: &Problem| problem.place.as_ref().map_or(0, |mark| mark.range.start);
-        self.problems.sort_by_key(|problem| (problem.severity, start(problem)));
-        self.problems
+    /// Each of them once, in the order of the text, errors before warnings.
+    pub fn into_sorted(self) -> Vec<Problem> {
+        problem::each_once(self.problems)
     }
 }
