@@ -2,10 +2,10 @@
 
 mod contact;
 mod continuation;
+mod frequencies;
 mod method;
 mod modes;
 mod nodes;
-mod frequencies;
 mod plausible;
 mod records;
 mod shooting;

@@ -6,11 +6,11 @@ use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, Stop
 use nlmodes_hbm::{RealSeries, TruncationError};
 use nlmodes_modal::ModalPoint;
 
+use super::StudyError;
 use super::accuracy::{Control, Decision};
 use super::prepare::continuation;
 use super::start::{Seed, one_point};
 use super::trace::{First, Found, Tracer, Viewer};
-use super::StudyError;
 
 /// Event of the first point with another number of harmonics; it lies where the one before it lies.
 pub(super) const HARMONICS: &str = "harmonics";

@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn roots_solve_their_equations() {
-        let equation = |supports, x: f64| match supports {
+        let equation = |supports: [Support; 2], x: f64| match supports {
             [Support::Clamped, Support::Free] => x.cos() * x.cosh() + 1.0,
             [Support::Clamped, Support::Clamped] | [Support::Free, Support::Free] => x.cos() * x.cosh() - 1.0,
             [Support::Clamped, Support::Pinned] => x.tan() - x.tanh(),
