@@ -18,6 +18,8 @@ pub mod config;
 mod experiment;
 mod lcp;
 mod modes;
+#[doc(hidden)]
+pub mod readers;
 mod run;
 mod status;
 mod updating;
