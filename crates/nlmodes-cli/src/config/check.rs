@@ -2,9 +2,9 @@
 
 mod contact;
 mod continuation;
+mod frequencies;
 mod method;
 mod nodes;
-mod frequencies;
 mod plausible;
 mod records;
 mod structure;

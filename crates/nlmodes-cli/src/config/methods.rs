@@ -7,7 +7,7 @@ use crate::config::Problem;
 
 const KEY: &str = "method";
 
-/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take for ever.
+/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take forever.
 pub const MAX_METHODS: usize = 100;
 
 /// Number of methods in the text of a scene: that of headings `[[method]]`, or 1.
@@ -26,7 +26,8 @@ pub fn keep(root: &mut DeTable<'_>, number: usize) -> Result<(), Problem> {
         Problem::error(format!("the scene has {} methods", tables.len()))
             .at(table.span(), format!("expected at most {MAX_METHODS} headings [[method]]"))
     });
-    let kept = tables.get_mut(number).map(|table| std::mem::replace(table, Spanned::new(0..0, DeValue::Boolean(false))));
+    let kept =
+        tables.get_mut(number).map(|table| std::mem::replace(table, Spanned::new(0..0, DeValue::Boolean(false))));
     if let (Some(kept), Some(method)) = (kept, root.get_mut(KEY)) {
         *method = kept;
     }
@@ -53,8 +54,7 @@ fn tables<'t, 'd>(root: &'t mut DeTable<'d>) -> Option<&'t mut DeArray<'d>> {
 mod tests {
     use super::*;
 
-    const TEXT: &str =
-        "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
+    const TEXT: &str = "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
 
     #[test]
     fn each_method_has_a_scene_with_the_same_places() {

@@ -90,8 +90,9 @@ fn duration(scene: &TestScene, findings: &mut Findings<'_>) {
     // Also what is not finite.
     let sound = samples <= MAX_TEST_SAMPLES;
     if !sound {
-        let problem = Problem::error(format!("the test may take {} samples", number(samples)))
-            .help("lower `longest_hold_s`, `ramp_s`, `record_s`, the number of levels or `virtual_test.sample_rate_hz`");
+        let problem = Problem::error(format!("the test may take {} samples", number(samples))).help(
+            "lower `longest_hold_s`, `ramp_s`, `record_s`, the number of levels or `virtual_test.sample_rate_hz`",
+        );
         let label = format!("expected at most {} samples over all levels", number(MAX_TEST_SAMPLES));
         findings.put("virtual_test.schedule", problem, label);
     }

@@ -17,8 +17,11 @@ pub fn warn(structure: &Structure, findings: &mut Findings<'_>) {
 }
 
 fn exchanged(modulus: f64, density: f64, findings: &mut Findings<'_>) {
-    let problem = Problem::warning("Young's modulus and density look exchanged")
-        .help(format!("write youngs_modulus_pa = {}, density_kg_m3 = {}", number(density), number(modulus)));
+    let problem = Problem::warning("Young's modulus and density look exchanged").help(format!(
+        "write youngs_modulus_pa = {}, density_kg_m3 = {}",
+        number(density),
+        number(modulus)
+    ));
     let problem = match findings.document().place(DENSITY) {
         Some(place) => problem.with(place.value.clone(), format!("{} kg/m³", number(density))),
         None => problem,

@@ -51,11 +51,8 @@ fn sampling(scene: &TestScene, findings: &mut Findings<'_>) {
     let first = scene.frequencies_hz.as_ref().and_then(|given| given.first().copied());
     let Some(first) = first.or_else(|| estimate(&scene.structure, 1)).filter(|hz| *hz > 0.0) else { return };
     if scene.sample_rate < 20.0 * first {
-        let problem = Problem::warning(format!("`{path}` gives few samples a period")).help(meant(
-            scene.sample_rate,
-            "kHz",
-            1e3,
-        ));
+        let problem =
+            Problem::warning(format!("`{path}` gives few samples a period")).help(meant(scene.sample_rate, "kHz", 1e3));
         let samples = number(format!("{:.1e}", scene.sample_rate / first).parse().unwrap_or(0.0));
         findings.put(path, problem, format!("{samples} samples a period of {} Hz", number(first)));
     }
@@ -64,8 +61,12 @@ fn sampling(scene: &TestScene, findings: &mut Findings<'_>) {
 fn lag(degrees: f64, findings: &mut Findings<'_>) {
     let path = "virtual_test.loop.lag_deg";
     if degrees < 10.0 {
-        let problem = Problem::warning(format!("`{path}` is far from phase resonance, which is at 90 degrees"))
-            .help(format!("if {} rad is meant, write {}", number(degrees), number((10.0 * degrees.to_degrees()).round() / 10.0)));
+        let problem =
+            Problem::warning(format!("`{path}` is far from phase resonance, which is at 90 degrees")).help(format!(
+                "if {} rad is meant, write {}",
+                number(degrees),
+                number((10.0 * degrees.to_degrees()).round() / 10.0)
+            ));
         findings.put(path, problem, format!("{} degrees", number(degrees)));
     }
 }

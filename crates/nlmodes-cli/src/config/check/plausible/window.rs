@@ -50,7 +50,9 @@ fn warn_of(path: &str, found: [f64; 2], wanted: [f64; 2], hz: f64, mode: usize, 
             };
             problem.help(format!("if {unit} are meant, write {values}; frequencies are in Hz"))
         }
-        None => problem.help("`nlmodes-cli modes` computes the linear frequencies; are material and lengths in SI units?"),
+        None => {
+            problem.help("`nlmodes-cli modes` computes the linear frequencies; are material and lengths in SI units?")
+        }
     };
     let about = number(format!("{hz:.1e}").parse().unwrap_or(hz));
     findings.put(path, problem, format!("a branch begins at the linear frequency, here some {about} Hz"));
