@@ -13,9 +13,12 @@ use crate::config::{Findings, Problem, mistakes, unknown};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
 pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
-    let mut walk = Walk { root: Rule(schema), findings, missing: Vec::new() };
+    let mut walk = Walk { root: Rule(schema), findings, missing: Vec::new(), missing_one: Vec::new() };
     walk.table(root, Rule(schema), "");
-    let Walk { missing, findings, .. } = walk;
+    let Walk { mut missing, missing_one, findings, .. } = walk;
+    // The first of several is the one that is asked for.
+    let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| findings.is_meant(path)));
+    missing.extend(first.filter_map(|keys| keys.into_iter().next()));
     for (path, rule) in missing {
         if findings.is_meant(&path) {
             continue;
@@ -35,12 +38,19 @@ struct Walk<'w, 'b, 'f> {
     findings: &'b mut Findings<'f>,
     /// Required keys that are not there.
     missing: Vec<(String, Rule<'w>)>,
+    /// Keys of which one is required and none is there.
+    missing_one: Vec<Vec<(String, Rule<'w>)>>,
 }
 
 impl<'w> Walk<'w, '_, '_> {
     fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
         let absent = rule.required().filter(|key| !table.contains_key(*key));
         self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
+        let alternatives = rule.one_required();
+        if !alternatives.iter().any(|key| table.contains_key(*key)) {
+            self.missing_one
+                .push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
+        }
         let written = std::mem::take(table);
         *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();
     }

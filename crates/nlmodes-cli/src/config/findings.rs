@@ -53,6 +53,12 @@ impl<'a> Findings<'a> {
         self.problems.len()
     }
 
+    /// Whether an unknown key was probably meant to be this one (the name without its table).
+    pub fn has_misspelt(&self, name: &str) -> bool {
+        let guess = format!("did you mean `{name}`?");
+        self.problems.iter().filter_map(|problem| problem.place.as_ref()).any(|place| place.label == guess)
+    }
+
     /// The value of a key as the scene writes it.
     pub fn written(&self, path: &str) -> String {
         self.document.written(path)

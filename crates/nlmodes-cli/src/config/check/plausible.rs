@@ -35,6 +35,8 @@ pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
 
 pub fn structure(structure: &Structure, findings: &mut Findings<'_>) {
     rigid_body(structure, findings);
+    let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_deref());
+    damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), findings);
     if is_dimensionless(structure) {
         return;
     }
