@@ -17,6 +17,8 @@ mod compare;
 pub mod config;
 mod experiment;
 mod lcp;
+mod links;
+mod memory;
 mod modes;
 #[doc(hidden)]
 pub mod readers;
