@@ -18,7 +18,7 @@ use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun}
 
 use crate::Status;
 use crate::command::print;
-use crate::config::scene::{KeptRecords, MethodKind, TestScene};
+use crate::config::scene::{BackboneMethod, KeptRecords, TestScene};
 use crate::config::{SceneFile, number};
 use crate::run::chain;
 use bench::Rig;
@@ -70,7 +70,7 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
 }
 
 /// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not complete.
-fn backbones(scene: &TestScene, rig: &Rig, wrong: &mut Vec<String>) -> Vec<(MethodKind, ModalBranch)> {
+fn backbones(scene: &TestScene, rig: &Rig, wrong: &mut Vec<String>) -> Vec<(BackboneMethod, ModalBranch)> {
     let Some(wanted) = &scene.backbone else { return Vec::new() };
     let mut computed = Vec::new();
     for &method in &wanted.methods {

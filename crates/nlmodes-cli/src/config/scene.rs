@@ -5,9 +5,9 @@ mod records;
 mod virtual_test;
 
 pub use choices::{
-    AtBranchPoint, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection, InternalResonance,
-    LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat, Side, StabilityChoice,
-    StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+    AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
+    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat,
+    Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use records::RecordScene;

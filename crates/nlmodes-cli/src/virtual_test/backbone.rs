@@ -11,7 +11,7 @@ use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 
 use super::bench::Rig;
 use crate::assemble::{Elements, moving_kind};
-use crate::config::scene::{self, Backbone, MethodKind, StructureKind, TestScene};
+use crate::config::scene::{self, Backbone, BackboneMethod, StructureKind, TestScene};
 
 /// Points of a backbone at most.
 const MAX_POINTS: usize = 2000;
@@ -27,12 +27,12 @@ pub fn compute(
     scene: &TestScene,
     rig: &Rig,
     wanted: &Backbone,
-    method: MethodKind,
+    method: BackboneMethod,
 ) -> Result<ModalBranch, Box<dyn Error>> {
     let mode = (scene.settings.mode - 1).min(rig.bench.omega.len() - 1);
     let (found, name) = match method {
-        MethodKind::Hbm => (rig.bench.backbone_model(&rig.reduction)?.map(|model| (model, mode + 1)), "HBM"),
-        MethodKind::MsHbm => (rigid(scene, mode)?, "MS-HBM, rigid stop"),
+        BackboneMethod::Hbm => (rig.bench.backbone_model(&rig.reduction)?.map(|model| (model, mode + 1)), "HBM"),
+        BackboneMethod::MsHbm => (rigid(scene, mode)?, "MS-HBM, rigid stop"),
     };
     let (model, number) = found.ok_or("there is no stop")?;
     let settings = BranchSettings {

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::bench::Rig;
 use super::summary;
-use crate::config::scene::{MethodKind, RecordFormat, TestScene};
+use crate::config::scene::{BackboneMethod, RecordFormat, TestScene};
 use crate::experiment::{Outcome, figures, table};
 
 /// Folder of the records.
@@ -21,10 +21,10 @@ pub const RECORDS: &str = "records";
 /// Beginning of the names of its files; the number of the level follows.
 const LEVEL: &str = "level-";
 
-fn backbone_file(method: MethodKind) -> &'static str {
+fn backbone_file(method: BackboneMethod) -> &'static str {
     match method {
-        MethodKind::Hbm => "backbone.csv",
-        MethodKind::MsHbm => "backbone_ms-hbm.csv",
+        BackboneMethod::Hbm => "backbone.csv",
+        BackboneMethod::MsHbm => "backbone_ms-hbm.csv",
     }
 }
 
@@ -68,7 +68,7 @@ pub fn write(
     scene: &TestScene,
     rig: &Rig,
     levels: Vec<TestLevel>,
-    backbones: &[(MethodKind, ModalBranch)],
+    backbones: &[(BackboneMethod, ModalBranch)],
     wrong: &[String],
     wall_time: Duration,
 ) -> Result<(), Box<dyn Error>> {

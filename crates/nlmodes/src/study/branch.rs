@@ -7,6 +7,7 @@ use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory,
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
+use super::periodic::Periodic;
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
 use super::{BranchMethod, BranchSettings, StudyError};
@@ -79,8 +80,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
-        Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
+        Ok(self.periodic()?.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
     /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in reverse order,
@@ -118,6 +118,11 @@ impl ComputedBranch {
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings, &self.grazing),
             BranchMethod::Shooting => Err(StudyError::NotHarmonic),
         }
+    }
+
+    /// The periodic problem of its method.
+    pub(super) fn periodic(&self) -> Result<Periodic<'_>, StudyError> {
+        periodic(&self.structure, &self.settings, &self.grazing)
     }
 
     /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.

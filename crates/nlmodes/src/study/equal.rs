@@ -40,7 +40,7 @@ impl ComputedBranch {
 
     /// Regula falsi (Illinois) in the share of the way from point `k` to the next, corrected across it.
     fn between(&self, k: usize, amplitude: f64, ends: [f64; 2]) -> Result<Option<PointBetween>, StudyError> {
-        let mut problem = self.problem()?;
+        let mut problem = self.periodic()?;
         let [from, to] = [k, k + 1].map(|k| {
             let p = (self.branch.points[k].kinetic_energy / self.grazing.energy).ln();
             self.unknowns[k].iter().copied().chain([p]).collect::<Vec<f64>>()
@@ -55,7 +55,8 @@ impl ComputedBranch {
             let Some((x, _)) = one_point(&self.settings, &self.grazing, &mut problem, &guess, &direction) else {
                 return Ok(None);
             };
-            let point = problem.modal_point(&x, 0.0)?;
+            let mut point = problem.modal_point(&x, 0.0)?;
+            point.coefficients = point.coefficients.truncated(self.settings.harmonics);
             let found = point.modal_amplitude / amplitude - 1.0;
             if found.abs() < TOLERANCE {
                 return Ok(Some(PointBetween { point, unknowns: x }));
@@ -81,6 +82,6 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        Ok(self.problem()?.time_history(&solution.unknowns, contact, samples, label)?)
+        Ok(self.periodic()?.time_history(&solution.unknowns, contact, samples, label)?)
     }
 }

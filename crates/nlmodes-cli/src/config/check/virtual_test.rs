@@ -9,8 +9,8 @@ use crate::config::raw::{
 };
 use crate::config::rule::number;
 use crate::config::scene::{
-    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, MethodKind, RecordFormat, Side, TestLoop, TestScene,
-    TestStop,
+    Backbone, BackboneMethod, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop,
+    TestScene, TestStop,
 };
 use crate::config::{Findings, Problem};
 
@@ -98,8 +98,8 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
 }
 
 /// Each method once.
-fn methods(raw: &RawBackbone, findings: &mut Findings<'_>) -> Option<Vec<MethodKind>> {
-    let methods = raw.methods.clone().unwrap_or_else(|| vec![MethodKind::Hbm]);
+fn methods(raw: &RawBackbone, findings: &mut Findings<'_>) -> Option<Vec<BackboneMethod>> {
+    let methods = raw.methods.clone().unwrap_or_else(|| vec![BackboneMethod::Hbm]);
     if let Some(k) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
         let path = "virtual_test.backbone.methods";
         let problem = Problem::error(format!("`{path}` names \"{}\" twice", methods[k].name()));

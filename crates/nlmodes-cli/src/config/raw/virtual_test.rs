@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::config::raw::method::MAX_HARMONICS;
 use crate::config::raw::{RawExtraction, RawOutput, RawStructure};
-use crate::config::scene::{ExciterKind, LevelOrder, LoopDetector, MethodKind, RecordFormat, Side};
+use crate::config::scene::{BackboneMethod, ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
 
 /// Most modes, sensors or levels.
 const MAX_LIST: u32 = 1000;
@@ -214,7 +214,7 @@ pub struct RawKeptRecords {
 pub struct RawBackbone {
     /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements before a rigid stop
     #[schemars(length(min = 1, max = 2), extend("default" = ["hbm"]))]
-    pub methods: Option<Vec<MethodKind>>,
+    pub methods: Option<Vec<BackboneMethod>>,
     /// Number of harmonics
     #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = 20))]
     pub harmonics: Option<u32>,

@@ -102,6 +102,13 @@ choices! {
         /// Exact shooting, with massless contact nodes, or with contact nodes that keep their mass on elastic stops
         Shooting = "shooting",
     }
+    /// Method for a backbone beside a virtual test.
+    BackboneMethod {
+        /// Mixed shooting-harmonic balance with massless contact nodes and rigid stops
+        MsHbm = "ms-hbm",
+        /// Harmonic balance with elastic stops of `contact_stiffness_n_m`
+        Hbm = "hbm",
+    }
     /// For which points Floquet multipliers are computed.
     StabilityChoice {
         /// For all points of shooting, and for those in harmonics of structures of up to 16 modes

@@ -5,7 +5,7 @@ use nlmodes::rig::{Exciter, Schedule};
 use nlmodes::virtual_test::BenchNoise;
 use serde::Serialize;
 
-use super::{LoopDetector, MethodKind, RecordFormat, Side, Structure};
+use super::{BackboneMethod, LoopDetector, RecordFormat, Side, Structure};
 
 /// A test of a structure on a virtual rig: plain values in SI units, every default filled in.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +94,7 @@ pub struct KeptRecords {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Backbone {
     /// One for each of these methods.
-    pub methods: Vec<MethodKind>,
+    pub methods: Vec<BackboneMethod>,
     /// Number of harmonics.
     pub harmonics: usize,
     /// Frequency at which it ends, Hz.
