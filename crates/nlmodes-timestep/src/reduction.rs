@@ -31,6 +31,7 @@ pub struct ReducedStructure {
     model: MasslessContactModel,
     /// `B`, n_L × m; `None` where all modes are kept: nothing was reduced.
     basis: Option<Mat<f64>>,
+    kept: usize,
     available: usize,
 }
 
@@ -59,7 +60,7 @@ impl ReducedStructure {
         };
         let kept: Vec<usize> = (0..available).filter(moves).collect();
         if kept.len() == n_l {
-            return Ok(Self { model: full.clone(), full, basis: None, available });
+            return Ok(Self { model: full.clone(), full, basis: None, kept: n_l, available });
         }
         let shapes = Mat::from_fn(n_l, kept.len(), |i, k| held.shapes[(i, kept[k])]);
         let (correction, own) = match available < n_l {
@@ -72,7 +73,7 @@ impl ReducedStructure {
             None => shapes[(i, k)],
         });
         let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()))?;
-        Ok(Self { full, model, basis: Some(basis), available })
+        Ok(Self { full, model, basis: Some(basis), kept: kept.len(), available })
     }
 
     /// The structure that was reduced.
@@ -88,6 +89,11 @@ impl ReducedStructure {
     /// Modes kept, with those of the static correction.
     pub fn n_modes(&self) -> usize {
         self.model.linear_dofs().len()
+    }
+
+    /// Held modes kept.
+    pub fn n_kept_modes(&self) -> usize {
+        self.kept
     }
 
     /// Held modes computed, with those that leave the contacts at rest.

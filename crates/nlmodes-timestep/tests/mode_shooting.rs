@@ -92,9 +92,10 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
         let t = duration * f64::from(j) / 40.0;
         let (a, b) = (long.at(t), reduced.expand(&short.at(t).displacement));
         let gap = (0..b.len()).filter(translation).map(|d| (a.displacement[d] - b[d]).abs()).fold(0.0, f64::max);
-        // The lowest eigenvalue of a graded beam is 1e-9 of the largest: seven digits are left of it in double precision.
-        assert!(gap < 1e-9, "at {t}: {gap:e} m beside a gap of 1e-3 m");
-        assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-6 * long.peak_force(0).max(1.0));
+        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so that seven of its digits are left in
+        // double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
+        assert!(gap < 4e-9, "at {t}: {gap:e} m beside a gap of 1e-3 m");
+        assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-5 * long.peak_force(0));
     }
 }
 
@@ -104,11 +105,11 @@ fn what_is_left_out_answers_statically() {
     let stiffness = SparseCholesky::factor(full.stiffness(), "the rod").unwrap();
     for modes in 1..4 {
         let reduced = ReducedStructure::new(full.clone(), modes).unwrap();
-        // A static shape for each contact.
-        assert_eq!(reduced.n_modes(), modes + 2);
+        // A static shape for each contact, unless the four held modes are exhausted.
+        assert_eq!((reduced.n_kept_modes(), reduced.n_modes()), (modes, (modes + 2).min(4)));
         let small = SparseCholesky::factor(reduced.model().stiffness(), "the reduced rod").unwrap();
         for (contact, own) in full.contacts().iter().zip(reduced.model().contacts()) {
-            let (mut q, mut y) = (vec![0.0; full.dofs().len()], vec![0.0; modes + 4]);
+            let (mut q, mut y) = (vec![0.0; full.dofs().len()], vec![0.0; reduced.n_modes() + 2]);
             (q[contact.dof], y[own.dof]) = (1.0, 1.0);
             stiffness.solve_in_place(&mut q);
             small.solve_in_place(&mut y);
@@ -128,8 +129,8 @@ fn with_more_held_modes_the_frequency_runs_into_that_of_the_full_structure() {
     let exact = omega(7);
     let errors = [1, 2, 3, 4, 5, 6].map(|modes| (omega(modes) / exact - 1.0).abs());
     // One mode less than all, with its static shape, spans the same space.
-    assert!(errors[5] < 1e-11 && errors[3] < 1e-3 && errors[1] < 1e-2, "{errors:?}");
-    assert!(errors.windows(2).all(|pair| pair[1] < 0.6 * pair[0]), "{errors:?}");
+    assert!(errors[0] < 1e-2 && errors[1] < 1e-3 && errors[5] < 1e-12, "{errors:?}");
+    assert!(errors[2..5].iter().all(|error| *error < 1e-4), "{errors:?}");
 }
 
 #[test]
