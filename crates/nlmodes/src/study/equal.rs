@@ -68,7 +68,8 @@ impl ComputedBranch {
             let Some((x, _)) = one_point(&settings, &self.grazing, &mut problem, &guess, &direction) else {
                 return Ok(None);
             };
-            let point = problem.modal_point(&x, 0.0)?;
+            let mut point = problem.modal_point(&x, 0.0)?;
+            point.coefficients = point.coefficients.truncated(settings.harmonics);
             let found = point.modal_amplitude / amplitude - 1.0;
             if found.abs() < TOLERANCE {
                 return Ok(Some(PointBetween { point, unknowns: x }));
