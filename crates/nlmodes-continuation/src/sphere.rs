@@ -121,7 +121,12 @@ impl Sphere<'_> {
     }
 
     /// The arm as a point of the curve, with the tangent of that.
-    fn start<S: ParametricSystem>(&self, system: &mut S, corrector: &mut Corrector, from: &[f64]) -> Option<Correction> {
+    fn start<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        corrector: &mut Corrector,
+        from: &[f64],
+    ) -> Option<Correction> {
         let zeta = from.iter().zip(self.center).map(|(z, c)| (z - c) / self.radius);
         let start: Vec<f64> = zeta.chain([0.0]).collect();
         let on_arm = Surface::Plane(Hyperplane::fixing(start.len() - 1, 0.0, start.len()));

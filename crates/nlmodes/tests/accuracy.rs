@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::contact::solver_by_name;
+use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::hbm::{
     CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
@@ -84,7 +84,10 @@ fn the_estimate_is_the_error_of_the_two_element_rod() {
             assert!(error < accuracy, "{accuracy:e}, point {k}: {error:e}");
             assert!(estimate < accuracy, "{accuracy:e}, point {k}: {estimate:e}");
             let ratio = estimate / error;
-            assert!(error < 1e-12 || (0.3..10.0).contains(&ratio), "{accuracy:e}, point {k}: {estimate:e} for {error:e}");
+            assert!(
+                error < 1e-12 || (0.3..10.0).contains(&ratio),
+                "{accuracy:e}, point {k}: {estimate:e} for {error:e}"
+            );
         }
     }
 }

@@ -143,7 +143,8 @@ fn of_six_curves_closer_than_a_step_in_space_the_own_one_is_kept() {
 /// `x² = p²`, `y² = p²`: four lines. The sign of `det [J; tᵀ]` does not tell.
 #[test]
 fn a_point_at_which_the_determinant_keeps_its_sign_is_named_and_passed_straight() {
-    let f = |[x, y, p]: [f64; 3]| [(x * x - p * p, [2.0 * x, 0.0, -2.0 * p]), (y * y - p * p, [0.0, 2.0 * y, -2.0 * p])];
+    let f =
+        |[x, y, p]: [f64; 3]| [(x * x - p * p, [2.0 * x, 0.0, -2.0 * p]), (y * y - p * p, [0.0, 2.0 * y, -2.0 * p])];
     let settings = window(2, -1.0, 1.0);
     let branch = trace(&settings, spatial(f), [0.613, -0.613, -0.613], [-1.0, 1.0, 1.0]);
     assert_eq!(branch.stop, StopReason::Bound { coordinate: 2, value: 1.0 });
@@ -167,7 +168,10 @@ fn of_four_curves_closer_than_a_step_in_space_the_own_one_is_kept() {
         let branch = trace(&settings, spatial(f), [start, start, -0.9], [-1.0, -1.0, 1.0]);
         assert_eq!(branch.stop, StopReason::Bound { coordinate: 2, value: 1.0 }, "gap {gap}");
         assert_sound(&branch, &settings);
-        assert!(branch.points.iter().all(|q| q.x[0] >= gap * (1.0 - 1e-9) && q.x[1] >= gap * (1.0 - 1e-9)), "gap {gap}");
+        assert!(
+            branch.points.iter().all(|q| q.x[0] >= gap * (1.0 - 1e-9) && q.x[1] >= gap * (1.0 - 1e-9)),
+            "gap {gap}"
+        );
         assert!(events(&branch, CROSSING).is_empty());
         assert!(branch.points.len() < 300, "{} points at gap {gap}", branch.points.len());
     }

@@ -7,7 +7,6 @@ use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory,
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
-use super::periodic::Periodic;
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
 use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};
@@ -155,11 +154,6 @@ impl ComputedBranch {
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
             BranchMethod::Shooting => Err(StudyError::NotHarmonic),
         }
-    }
-
-    /// The periodic problem of its method.
-    pub(super) fn periodic(&self) -> Result<Periodic<'_>, StudyError> {
-        periodic(&self.structure, &self.settings, &self.grazing)
     }
 
     /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
