@@ -62,6 +62,12 @@ pub struct Measurement {
 impl Measurement {
     pub const HEAD: &'static str = "method,harmonics,contact_solver,displacement_error,frequency_error,mean_force_error,cpu_s,iterations,residual,start_off";
 
+    /// Where no solution was found.
+    fn nothing(method: Method, harmonics: usize, solver: &'static str, residual: f64) -> Self {
+        let (displacement, frequency, mean_force, time) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+        Self { method, harmonics, solver, displacement, frequency, mean_force, time, iterations: 0, residual, off: 0.0 }
+    }
+
     pub fn row(&self) -> String {
         format!(
             "\"{}\",{},{},{:.3e},{:.3e},{:.3e},{:.4e},{},{:.1e},{:.0e}",
@@ -98,26 +104,24 @@ fn fewer_harmonics(case: &Case) -> Vec<usize> {
 }
 
 /// Newton's method from a start that is off, timed.
-fn timed<S: ParametricSystem>(
-    system: &mut S,
-    z: &[f64],
-    unknowns: usize,
-    fixed: usize,
-) -> Result<(f64, Solution, f64), Failure> {
-    let mut last = (f64::NAN, newton(system, z, fixed)?, 0.0);
+fn timed<S: ParametricSystem>(system: &mut S, z: &[f64], unknowns: usize, fixed: usize) -> (f64, Solution, f64) {
+    let mut last = (f64::NAN, newton(system, z, fixed), 0.0);
+    if last.1.residual >= FOUND {
+        return last;
+    }
     for off in OFF {
         let start: Vec<f64> =
             z.iter().enumerate().map(|(i, z)| if i < unknowns { z * (1.0 + off) } else { *z }).collect();
-        let found = newton(system, &start, fixed)?;
+        let found = newton(system, &start, fixed);
         let same = found.z.iter().zip(z).all(|(a, b)| (a - b).abs() < 1e-5);
         if found.residual < FOUND && same {
             let rounds = if found.z.len() > 100 { 1 } else { 3 };
-            let time = smallest_time(rounds, || newton(system, &start, fixed).map(|s| s.residual).unwrap_or(f64::NAN));
-            return Ok((time, found, off));
+            let time = smallest_time(rounds, || newton(system, &start, fixed).residual);
+            return (time, found, off);
         }
         last.1 = found;
     }
-    Ok(last)
+    last
 }
 
 /// The exact motion once more, from 1 % off.
@@ -127,12 +131,12 @@ pub fn shooting(_case: &Case, reference: &Reference) -> Result<Measurement, Fail
     let mut z = shooting.unknowns(&reference.motion.state, reference.motion.omega);
     z.push(reference.parameter());
     let n = z.len() - 1;
-    let (time, found, off) = timed(&mut shooting, &z, n - 1, n - 1)?;
+    let (time, found, off) = timed(&mut shooting, &z, n - 1, n - 1);
     let motion = shooting.motion(&found.z[..n])?;
     let dof = reference.model.contacts()[0].dof;
     let at =
         |j: usize| motion.trajectory.at(motion.trajectory.duration() * j as f64 / INSTANTS as f64).displacement[dof];
-    let at_energy = newton(&mut shooting, &z, n)?;
+    let at_energy = newton(&mut shooting, &z, n);
     Ok(Measurement {
         method: Method::Shooting,
         harmonics: 0,
@@ -203,7 +207,7 @@ pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measur
                     None => reference.unknowns(&structure, h)?,
                 };
                 let fixed = z.len() - 1;
-                before = Some(newton(&mut problem, &z, fixed)?.z);
+                before = Some(newton(&mut problem, &z, fixed).z);
                 continue;
             }
             let method = Method::HarmonicBalance { stiffness };
@@ -249,16 +253,18 @@ fn measure(
         None => reference.unknowns(structure, harmonics)?,
     };
     let (n, frequency) = (problem.dim(), problem.frequency_index());
-    let at_energy = newton(&mut problem, &z, n)?;
+    let at_energy = newton(&mut problem, &z, n);
     let omega = problem.omega(&at_energy.z[..n]);
-    problem.modal_point(&at_energy.z[..n], 0.0)?;
+    if at_energy.residual >= FOUND || problem.modal_point(&at_energy.z[..n], 0.0).is_err() {
+        return Ok((Measurement::nothing(method, harmonics, solver, at_energy.residual), z));
+    }
     let mean_force: f64 = problem.mean_forces().iter().sum();
     // At the frequency of the reference, from there.
     let mut guess = at_energy.z.clone();
     guess[frequency] = reference.motion.omega / omega * guess[frequency];
-    let there = newton(&mut problem, &guess, frequency)?;
+    let there = newton(&mut problem, &guess, frequency);
     let displacement = displacement_error(&mut problem, &there.z[..n], method, reference)?;
-    let (time, timed, off) = timed(&mut problem, &there.z, frequency, frequency)?;
+    let (time, timed, off) = timed(&mut problem, &there.z, frequency, frequency);
     let measurement = Measurement {
         method,
         harmonics,

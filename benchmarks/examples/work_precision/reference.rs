@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes::contact::solver_by_name;
-use nlmodes::continuation::{Bound, Continuation, ParametricSystem};
 use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
+use nlmodes::study::{BranchSettings, BranchStart, compute_branch};
 use nlmodes::timestep::{ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
 use nlmodes_benchmarks::Failure;
 
 use crate::cases::Case;
-use crate::newton::newton;
+use crate::newton::{FOUND, newton};
 
 /// Instants of a period at which displacements are compared.
 pub const INSTANTS: usize = 1 << 10;
@@ -35,20 +35,42 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Along the branch with few harmonics, then at the same energy with many, then exactly.
+    /// The first frequency of the case at which there is an exact motion beside the truncated ones.
     pub fn new(case: &Case) -> Result<Self, Failure> {
+        let mut last = Failure::from("no frequency to try");
+        for frequency in case.frequencies {
+            match Self::at(case, *frequency) {
+                Ok(reference) => return Ok(reference),
+                Err(error) => {
+                    println!("({} at {frequency}: {error})", case.slug);
+                    last = error;
+                }
+            }
+        }
+        Err(last)
+    }
+
+    /// On the backbone with few harmonics, then at the same frequency with many, then exactly.
+    fn at(case: &Case, frequency: f64) -> Result<Self, Failure> {
         let model = MasslessContactModel::new(&case.model, &Drop)?;
         let structure = CondensedStructure::new(model.clone(), usize::MAX)?;
         let start = grazing(&structure, 1)?;
-        let (mut z, mut width) = (follow(case, &structure)?, case.leading_harmonics);
-        for harmonics in [10, 20, 40, 80, case.seed_harmonics].into_iter().filter(|h| *h > case.leading_harmonics) {
+        let hz = if frequency > 0.0 { frequency } else { -frequency * start.omega / TAU };
+        let (mut z, mut width) = (backbone(case, &model, hz)?, case.leading_harmonics);
+        for harmonics in [7, 10, 14, 20, 28, 40, 56, 80, case.seed_harmonics] {
+            if harmonics <= width || harmonics > case.seed_harmonics {
+                continue;
+            }
             let mut problem = problem(&structure, harmonics, Switching::Exact, "active-set")?;
             let guess = widened(&z, width, harmonics, structure.n_contact_dofs());
-            let found = newton(&mut problem, &guess, guess.len() - 1)?;
-            (z, width) = (found.z, harmonics);
-            if found.residual > 1e-9 {
-                return Err(format!("{}: {harmonics} harmonics: residual {:.1e}", case.slug, found.residual).into());
+            let fixed = problem.frequency_index();
+            let found = newton(&mut problem, &guess, fixed);
+            let moved = found.z[found.z.len() - 1] - guess[guess.len() - 1];
+            if found.residual > FOUND || moved.abs() > 0.2 {
+                let residual = found.residual;
+                return Err(format!("{harmonics} harmonics: residual {residual:.1e}, ln E moved by {moved:.1e}").into());
             }
+            (z, width) = (found.z, harmonics);
         }
         let point = problem(&structure, width, Switching::Exact, "active-set")?.modal_point(&z[..z.len() - 1], 0.0)?;
         let dynamics = ContactDynamics::new(model.clone())?;
@@ -56,9 +78,13 @@ impl Reference {
         let scales = ShootingScales { omega: start.omega, energy: start.energy };
         let mut shooting = Shooting::new(dynamics, scales)?;
         let mut guess = shooting.unknowns(&state, point.omega);
-        guess.push(case.energy_ratio.ln());
+        guess.push(z[z.len() - 1]);
         let n = guess.len() - 1;
-        let found = newton(&mut shooting, &guess, n)?;
+        let found = newton(&mut shooting, &guess, n - 1);
+        let moved = found.z[n] - guess[n];
+        if found.residual > 1e-11 || moved.abs() > 0.02 {
+            return Err(format!("shooting: residual {:.1e}, ln E moved by {moved:.1e}", found.residual).into());
+        }
         let motion = shooting.motion(&found.z[..n])?;
         let stability = Floquet::new(shooting.dynamics(), &motion).ok().map(|f| f.largest());
         let period = TAU / motion.omega;
@@ -147,20 +173,18 @@ pub fn problem<'s>(
     Ok(MixedShooting::new(structure, settings, scales, solver_by_name(solver)?.as_ref())?)
 }
 
-/// Unknowns and parameter at the energy of the case, on the branch from grazing.
-fn follow(case: &Case, structure: &CondensedStructure) -> Result<Vec<f64>, Failure> {
-    let start = grazing(structure, 1)?;
-    let mut problem = problem(structure, case.leading_harmonics, Switching::Exact, "active-set")?;
-    let n = problem.dim();
-    let (x, direction) = (start.unknowns(problem.series(), n), start.direction(problem.series(), n));
-    let bounds = vec![Bound { coordinate: n, min: -8.0, max: case.energy_ratio.ln() }];
-    let method = Continuation { bounds, max_points: 5000, ..Continuation::default() };
-    let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
-    let last = branch.points.last().ok_or("a branch without points")?;
-    if (last.p - case.energy_ratio.ln()).abs() > 1e-9 {
-        return Err(format!("{}: the branch ended at {:.4} grazing energies", case.slug, last.p.exp()).into());
-    }
-    Ok(last.z())
+/// Unknowns and parameter on the backbone at the frequency `hz`.
+fn backbone(case: &Case, model: &MasslessContactModel, hz: f64) -> Result<Vec<f64>, Failure> {
+    let settings = BranchSettings {
+        harmonics: case.leading_harmonics,
+        start: BranchStart::Frequency { hz, upward: true },
+        max_points: 1,
+        ..BranchSettings::default()
+    };
+    let found = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()))?;
+    let (x, point) = (found.unknowns.first(), found.branch.points.first());
+    let (x, point) = x.zip(point).ok_or("no point on the backbone")?;
+    Ok(x.iter().copied().chain([(point.kinetic_energy / found.grazing.energy).ln()]).collect())
 }
 
 /// Unknowns and parameter with more harmonics, the new ones zero.

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use nlmodes_linalg::Mat;
 
-use crate::condensed::{HeldMode, REPEATED};
+use crate::condensed::{HeldMode, REPEATED, ResidualMass};
 
 /// Held modes laid out for the sums over all of them that each harmonic needs.
 ///
@@ -20,9 +20,10 @@ pub(crate) struct HeldSums {
     pairs: Vec<(usize, usize, Vec<f64>)>,
     /// `K_NN⁻¹`, row-major.
     pub k_nn_inverse: Vec<f64>,
-    /// `T_0` and the share `K_NN⁻¹ R` of the modes not computed, row-major.
+    /// `T_0`, the share `K_NN⁻¹ R` of the modes not computed, and the next one, row-major.
     pub t0: Vec<f64>,
     pub residual_transfer: Vec<f64>,
+    pub next_transfer: Vec<f64>,
     /// Of each mode, all that have its frequency.
     pub same: Vec<Range<usize>>,
     /// `h_k g_k / s_k` of each mode, row-major, one after the other.
@@ -51,7 +52,7 @@ impl Sums {
 }
 
 impl HeldSums {
-    pub fn new(modes: &[HeldMode], k_nn_inverse: &Mat<f64>, t0: &Mat<f64>, residual_transfer: &Mat<f64>) -> Self {
+    pub fn new(modes: &[HeldMode], k_nn_inverse: &Mat<f64>, t0: &Mat<f64>, residual: &ResidualMass) -> Self {
         let n = k_nn_inverse.nrows();
         let products = |i: usize, j: usize| modes.iter().map(|m| m.g[i] * m.g[j]).collect();
         let direction =
@@ -62,7 +63,8 @@ impl HeldSums {
             pairs: (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| (i, j, products(i, j))).collect(),
             k_nn_inverse: row_major(k_nn_inverse),
             t0: row_major(t0),
-            residual_transfer: row_major(residual_transfer),
+            residual_transfer: row_major(&residual.transfer),
+            next_transfer: row_major(&residual.next_transfer),
             same: (0..modes.len()).map(|p| repeated(modes, p)).collect(),
             directions: modes.iter().flat_map(direction).collect(),
         }

@@ -1,20 +1,23 @@
 use nlmodes_linalg::{Mat, multiply};
 use nlmodes_modal::HarmonicCoefficients;
-use nlmodes_model::{ContactCoordinates, LinearModes};
+use nlmodes_model::LinearModes;
 use num_complex::Complex64;
 
 use crate::held_motion::Part;
 use crate::{CondensedStructure, HbmError, MixedShooting, Symmetry};
 
-/// Modal coordinates `Φᵀ M q_n` of linear modes, from the reduced coordinates of a motion: the sum over the degrees of freedom is done once.
+/// Modal coordinates `Φᵀ M q_n` of linear modes, of motions of all degrees of freedom or of the reduced coordinates, for which the sum
+/// over the degrees of freedom is done once.
 #[derive(Debug, Clone)]
 pub struct Projection {
+    /// `M Φ`, degrees of freedom × modes.
+    inertia: Mat<f64>,
     /// `Φᵀ M [φ … , Ψ, X]`, modes × (held modes + 2 n_N).
-    rows: Mat<f64>,
+    reduced: Mat<f64>,
 }
 
 impl Projection {
-    /// Onto the modes `linear`, shapes over all degrees of freedom, of the structure without the mass of its contacts.
+    /// Onto the modes `linear`, shapes over all degrees of freedom.
     ///
     /// # Panics
     /// If the shapes have another number of rows than the structure has degrees of freedom.
@@ -22,27 +25,38 @@ impl Projection {
         let model = structure.model();
         let mass = model.mass();
         let (r, k, n) = (linear.omega.len(), structure.modes().len(), structure.n_contact_dofs());
-        let mut inertia = Mat::zeros(model.linear_dofs().len(), r);
+        let mut inertia = Mat::zeros(mass.nrows(), r);
         let mut row = vec![0.0; mass.nrows()];
         for j in 0..r {
             let shape: Vec<f64> = linear.shapes.col(j).iter().copied().collect();
             multiply(mass, &shape, &mut row);
-            let heavy = model.linear_dofs().iter().map(|&dof| row[dof]);
-            inertia.col_mut(j).iter_mut().zip(heavy).for_each(|(to, from)| *to = from);
+            inertia.col_mut(j).iter_mut().zip(&row).for_each(|(to, from)| *to = *from);
         }
-        // The contact nodes have no mass, so that they take no part in the sum.
-        debug_assert!(
-            model.contact_coordinates() == ContactCoordinates::SpringTips
-                || model.contact_dofs().iter().all(|&dof| row[dof] == 0.0)
-        );
-        let shapes = inertia.transpose() * structure.shapes();
-        let (psi, residual) = (inertia.transpose() * &structure.psi, inertia.transpose() * &structure.residual.shapes);
-        let rows = Mat::from_fn(r, k + 2 * n, |i, j| match j {
+        // Contact nodes that are not among the linear degrees of freedom have no mass, and take no part in the sum.
+        let linear_dofs = model.linear_dofs();
+        let heavy = Mat::from_fn(r, linear_dofs.len(), |j, i| inertia[(linear_dofs[i], j)]);
+        let (shapes, psi) = (&heavy * structure.shapes(), &heavy * &structure.psi);
+        let residual = &heavy * &structure.residual.shapes;
+        let reduced = Mat::from_fn(r, k + 2 * n, |i, j| match j {
             j if j < k => shapes[(i, structure.modes()[j].column)],
             j if j < k + n => psi[(i, j - k)],
             j => residual[(i, j - k - n)],
         });
-        Self { rows }
+        Self { inertia, reduced }
+    }
+
+    /// Of a motion of all degrees of freedom, modes × (H + 1), m·√kg; `None` for a motion of some of them only.
+    pub fn of_motion(&self, motion: &HarmonicCoefficients) -> Option<HarmonicCoefficients> {
+        if motion.n_coordinates() != self.inertia.nrows() {
+            return None;
+        }
+        let mut modal = HarmonicCoefficients::zeros(self.inertia.ncols(), motion.n_harmonics());
+        for k in 0..self.inertia.ncols() {
+            for (n, eta) in modal.of_mut(k).iter_mut().enumerate() {
+                *eta = self.inertia.col(k).iter().enumerate().map(|(d, m)| motion.of(d)[n] * *m).sum::<Complex64>();
+            }
+        }
+        Some(modal)
     }
 }
 
@@ -55,12 +69,12 @@ impl MixedShooting<'_> {
         self.solve_contact(x)?;
         let omega = self.omega(x);
         let held = self.held_motion(omega);
-        let mut modal = HarmonicCoefficients::zeros(onto.rows.nrows(), self.series().n_harmonics);
+        let mut modal = HarmonicCoefficients::zeros(onto.reduced.nrows(), self.series().n_harmonics);
         for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
             if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
                 continue;
             }
-            let values = &onto.rows * self.amplitudes(&held, omega, part);
+            let values = &onto.reduced * self.amplitudes(&held, omega, part);
             for k in 0..values.nrows() {
                 modal.of_mut(k).iter_mut().enumerate().for_each(|(n, eta)| *eta += unit * values[(k, n)]);
             }

@@ -146,27 +146,43 @@ impl<'a> Tracer<'a> {
 
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    search(f, [f.bound(2), f.bound(3)], from, to)
+    search(f, [f.bound(2), f.bound(3)], Instant::of(f, from), Instant::of(f, to))
+}
+
+/// An instant with the value of a function there and its first two derivatives.
+#[derive(Clone, Copy)]
+struct Instant {
+    tau: f64,
+    f: [f64; 3],
+}
+
+impl Instant {
+    fn of(f: &Trigonometric, tau: f64) -> Self {
+        Self { tau, f: f.evaluate(tau) }
+    }
 }
 
 /// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
 /// in which it rises, falls and rises again would otherwise hide a short contact.
-fn search(f: &Trigonometric, bounds: [f64; 2], from: f64, to: f64) -> Option<f64> {
-    let (width, middle) = (to - from, 0.5 * (from + to));
-    if f.evaluate(from)[0].min(f.evaluate(to)[0]) > width * width / 8.0 * bounds[0] {
+fn search(f: &Trigonometric, bounds: [f64; 2], from: Instant, to: Instant) -> Option<f64> {
+    let width = to.tau - from.tau;
+    if from.f[0].min(to.f[0]) > width * width / 8.0 * bounds[0] {
         return None;
     }
-    if width < SHORTEST || f.evaluate(middle)[2].abs() > 0.5 * width * bounds[1] {
+    if width < SHORTEST {
+        return falls_below_zero_once(f, from, to);
+    }
+    let middle = Instant::of(f, 0.5 * (from.tau + to.tau));
+    if middle.f[2].abs() > 0.5 * width * bounds[1] {
         return falls_below_zero_once(f, from, to);
     }
     search(f, bounds, from, middle).or_else(|| search(f, bounds, middle, to))
 }
 
 /// [`falls_below_zero`] where `f` is convex or concave.
-fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    let (left, right) = (f.evaluate(from), f.evaluate(to));
-    let size = f.bound(0);
-    let noise = 64.0 * f64::EPSILON * size;
+fn falls_below_zero_once(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+    let (left, right) = (from.f, to.f);
+    let noise = 64.0 * f64::EPSILON * f.bound(0);
     if left[0] < -noise {
         // The caller's set does not fit at its own beginning: leave it to bisection.
         return None;
@@ -175,23 +191,23 @@ fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
     if right[0] < -noise {
         let rises_first = left[0] <= noise && left[1] >= 0.0;
         if left[0] <= noise && !rises_first {
-            return Some(from);
+            return Some(from.tau);
         }
-        let low = if rises_first { peak(f, from, to)? } else { from };
-        return Some(f.root(0, low, to));
+        let low = if rises_first { peak(f, from, to)? } else { from.tau };
+        return Some(f.root(0, low, to.tau));
     }
     if !dips {
         return None;
     }
-    let bottom = f.root(1, from, to);
+    let bottom = f.root(1, from.tau, to.tau);
     let value = f.evaluate(bottom)[0];
-    (value < -noise).then(|| if left[0] > noise { f.root(0, from, bottom) } else { from })
+    (value < -noise).then(|| if left[0] > noise { f.root(0, from.tau, bottom) } else { from.tau })
 }
 
 /// A point at which `f`, zero and rising at `from`, is positive before it falls to `to`.
-fn peak(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    if f.evaluate(to)[1] < 0.0 && f.evaluate(from)[1] > 0.0 {
-        let top = f.root(1, from, to);
+fn peak(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+    if to.f[1] < 0.0 && from.f[1] > 0.0 {
+        let top = f.root(1, from.tau, to.tau);
         return (f.evaluate(top)[0] > 0.0).then_some(top);
     }
     None

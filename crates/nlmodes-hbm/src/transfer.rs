@@ -30,6 +30,8 @@ pub(crate) struct Plane {
     pub sums: Sums,
     /// The modes that are kept apart: one, or all with the same frequency; empty for the mean.
     pub poles: Range<usize>,
+    /// Whether the modes that were not computed answer with the term in `ν⁴` too.
+    pub with_next_term: bool,
 }
 
 impl Plane {
@@ -44,6 +46,7 @@ impl Plane {
             df: zero,
             sums: Sums::new(n),
             poles: 0..0,
+            with_next_term: false,
         }
     }
 
@@ -70,7 +73,7 @@ impl Plane {
         let nearest = neighbours.max_by(|i, j| resonance(i).total_cmp(&resonance(j)));
         let Some(nearest) = nearest else { return self.set_static(structure) };
         self.poles = structure.sums.same[nearest].clone();
-        if n == 1 && self.poles.len() == 1 {
+        if n == 1 && self.poles.len() == 1 && !self.with_next_term {
             return self.set_scalars(structure, nu2, passed);
         }
         self.regular_part(structure, nu2);
@@ -138,6 +141,13 @@ impl Plane {
         let (n, sums) = (structure.n_contact_dofs(), &structure.sums);
         self.df.copy_from_slice(&sums.residual_transfer);
         self.f.iter_mut().zip(&sums.t0).zip(&self.df).for_each(|((f, t0), slope)| *f = t0 + nu2 * slope);
+        if self.with_next_term {
+            let both = self.f.iter_mut().zip(&mut self.df).zip(&sums.next_transfer);
+            both.for_each(|((f, df), next)| {
+                *f += nu2 * nu2 * next;
+                *df += 2.0 * nu2 * next;
+            });
+        }
         sums.at(nu2, &self.poles, &mut self.sums);
         sums.add_static_response(nu2, &self.sums.s1, &mut self.f);
         sums.add_static_response(1.0, &self.sums.s2, &mut self.df);

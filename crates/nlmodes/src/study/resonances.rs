@@ -1,5 +1,5 @@
-use nlmodes_hbm::{CondensedStructure, MixedShooting, Projection};
-use nlmodes_modal::{InternalResonance, ModalPoint, RESONANT_SHARE};
+use nlmodes_hbm::{CondensedStructure, Projection};
+use nlmodes_modal::{HarmonicCoefficients, InternalResonance, ModalPoint, RESONANT_SHARE};
 use nlmodes_model::{LinearModes, linear_modes};
 
 /// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly excited mode
@@ -21,8 +21,12 @@ impl<'s> Resonances<'s> {
     }
 
     /// The resonance in which a point takes part: the harmonic above the first with the most kinetic energy, if that is a good
-    /// share, and the linear mode near its frequency that looks most like it. `x` are the unknowns of the point.
-    pub fn of(&mut self, point: &ModalPoint, problem: &mut MixedShooting, x: &[f64]) -> Option<InternalResonance> {
+    /// share, and the linear mode near its frequency that looks most like it. `project` gives the modal coordinates of the point.
+    pub fn of(
+        &mut self,
+        point: &ModalPoint,
+        project: impl FnOnce(&Projection) -> Option<HarmonicCoefficients>,
+    ) -> Option<InternalResonance> {
         let (harmonic, share) = point.largest_higher_harmonic()?;
         if share < RESONANT_SHARE {
             return None;
@@ -38,7 +42,7 @@ impl<'s> Resonances<'s> {
         if near.is_empty() {
             return None;
         }
-        let modal = problem.modal_coordinates(x, onto).ok()?;
+        let modal = project(onto)?;
         let participation = |k: usize| modal.of(k)[harmonic].norm_sqr();
         let mode = near.into_iter().max_by(|&i, &j| participation(i).total_cmp(&participation(j)))?;
         Some(InternalResonance { harmonic, mode: mode + 1 })
