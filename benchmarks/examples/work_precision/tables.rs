@@ -101,7 +101,7 @@ pub fn figures(case: &Case, all: &[Measurement], folder: &Path) -> Result<(), Fa
     all.iter().for_each(|m| {
         let thinned = match m.method {
             Method::Sampled { samples } => [64, 1024, 16384].contains(&samples),
-            Method::HarmonicBalance { stiffness } => (stiffness.log10().round() as i32) % 2 == 0 && stiffness > 10.0,
+            Method::HarmonicBalance { stiffness } => [2, 4].contains(&(stiffness.log10().round() as i32)),
             Method::Shooting | Method::Exact => true,
         };
         if thinned && !methods.contains(&m.method) {
