@@ -102,11 +102,11 @@ choices! {
         /// Exact shooting, with massless contact nodes, or with contact nodes that keep their mass on elastic stops
         Shooting = "shooting",
     }
-    /// Method for a backbone beside a virtual test.
+    /// Method for the backbone beside a virtual test.
     BackboneMethod {
-        /// Mixed shooting-harmonic balance with massless contact nodes and rigid stops
+        /// Mixed shooting-harmonic balance before a rigid stop
         MsHbm = "ms-hbm",
-        /// Harmonic balance with elastic stops of `contact_stiffness_n_m`
+        /// Harmonic balance of the rig's modes and stop
         Hbm = "hbm",
     }
     /// For which points Floquet multipliers are computed.
