@@ -11,8 +11,8 @@ use nlmodes::hbm::{
     CondensedStructure, MixedShooting, MixedShootingSettings, RealSeries, Switching, Symmetry, TruncationEstimator,
     grazing,
 };
-use nlmodes::model::MasslessContactModel;
 use nlmodes::modal::ModalPoint;
+use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{BranchSettings, BranchStart, StabilityRule, compute_branch};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
 use nlmodes_benchmarks::{Failure, beam, rod};
@@ -46,7 +46,10 @@ fn main() -> Result<(), Failure> {
 }
 
 fn header(number: &str) {
-    println!("\n| structure | energy | {number} | error | estimate | estimate/error | motion |\n|{}", " ---: |".repeat(7));
+    println!(
+        "\n| structure | energy | {number} | error | estimate | estimate/error | motion |\n|{}",
+        " ---: |".repeat(7)
+    );
 }
 
 /// A solution at a fixed parameter, with its tangent.

@@ -102,7 +102,11 @@ fn method(method: &Method) -> String {
     });
     let harmonics = if let Some(chosen) = chosen {
         chosen
-    } else if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", list.join(", ")) };
+    } else if method.harmonics == 1 {
+        "1 harmonic".into()
+    } else {
+        format!("{} harmonics", list.join(", "))
+    };
     format!(
         "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
         method.switching.name(),

@@ -14,7 +14,8 @@ use crate::config::{Findings, Problem, mistakes, unknown};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
 pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
-    let mut walk = Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new(), missing_one: Vec::new() };
+    let mut walk =
+        Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new(), missing_one: Vec::new() };
     walk.table(root, Rule(schema), "");
     let Walk { meant, mut missing, missing_one, .. } = walk;
     // The first of several is the one that is asked for.
@@ -48,7 +49,8 @@ impl<'w> Walk<'w, '_, '_> {
         self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
         let alternatives = rule.one_required();
         if !alternatives.iter().any(|key| table.contains_key(*key)) {
-            self.missing_one.push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
+            self.missing_one
+                .push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
         }
         let written = std::mem::take(table);
         *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();

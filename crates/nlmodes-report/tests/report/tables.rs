@@ -1,6 +1,6 @@
 use crate::samples;
-use nlmodes_report::{BRANCH_COLUMNS, BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
 use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_report::{BRANCH_COLUMNS, BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
 use npyz::npz::NpzArchive;
 use num_complex::Complex64;
 use std::f64::consts::TAU;

@@ -129,7 +129,9 @@ impl Control {
                 return if within { Decision::Keep } else { Decision::Limit };
             }
             let most = (GROWTH * harmonics as f64).ceil() as usize;
-            return Decision::More(needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics));
+            return Decision::More(
+                needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics),
+            );
         }
         self.pause = self.pause.saturating_sub(1);
         if self.pause > 0 || needed as f64 > WORTH_LESS * harmonics as f64 || needed < self.fewest {

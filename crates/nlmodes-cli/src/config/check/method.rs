@@ -112,7 +112,8 @@ fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -
     let list = harmonics_list(method);
     if list.len() > 1 {
         let problem = Problem::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
-        let problem = problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
+        let problem =
+            problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
         findings.put("method.harmonics", problem, "expected a single number beside `accuracy`");
     } else if let Some(fewest) = list.first().filter(|fewest| **fewest > max_harmonics) {
         let problem = Problem::error("`method.harmonics` is more than `method.max_harmonics`");
@@ -127,7 +128,8 @@ fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -
     if all {
         let path = "continuation.at_branch_point";
         let problem = Problem::error("`method.accuracy` cannot follow all arms of branch points");
-        let problem = problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
+        let problem =
+            problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
         findings.put(path, problem, "found \"all\" beside `method.accuracy`");
     }
     Some(Accuracy { error, max_harmonics })
