@@ -175,7 +175,9 @@ fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
         for column in ["frequency_hz", "modal_amplitude", "damping", "pbmif", "peak_contact_force_n", "participation_2"]
         {
             let [found, expected] = [&found, measured].map(|row| number(row, column));
-            assert!((found / expected - 1.0).abs() < tolerance, "{format}, {column}: {found}, {expected}");
+            // Shapes of the elements and of the modal model differ by rounding, of which a small share has more.
+            let size = if column == "participation_2" { 1.0 } else { expected.abs() };
+            assert!((found - expected).abs() < tolerance * size, "{format}, {column}: {found}, {expected}");
         }
     }
     Ok(())

@@ -40,6 +40,9 @@ pub struct Scene {
     /// For which points Floquet multipliers are computed.
     #[serde(default = "auto")]
     pub stability: StabilityChoice,
+    /// What looks wrong with the scene, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// What a scene that was written before there was a choice means.

@@ -61,21 +61,26 @@ impl ComputedBranch {
         let way: Vec<f64> = to.iter().zip(&from).map(|(b, a)| b - a).collect();
         let length = way.iter().map(|w| w * w).sum::<f64>().sqrt();
         let direction: Vec<f64> = way.iter().map(|w| w / length).collect();
-        let (mut shares, mut off) = ([0.0, 1.0], ends);
+        let (mut shares, mut off, mut last) = ([0.0, 1.0], ends, None);
         for _ in 0..MAX_STEPS {
             let share = (shares[0] * off[1] - shares[1] * off[0]) / (off[1] - off[0]);
             let guess: Vec<f64> = from.iter().zip(&way).map(|(a, w)| a + share * w).collect();
             let Some((x, _)) = one_point(&settings, &self.grazing, &mut problem, &guess, &direction) else {
                 return Ok(None);
             };
-            let point = problem.modal_point(&x, 0.0)?;
+            let mut point = problem.modal_point(&x, 0.0)?;
+            point.coefficients = point.coefficients.truncated(settings.harmonics);
             let found = point.modal_amplitude / amplitude - 1.0;
             if found.abs() < TOLERANCE {
                 return Ok(Some(PointBetween { point, unknowns: x }));
             }
             let end = usize::from((found > 0.0) == (off[1] > 0.0));
             (shares[end], off[end]) = (share, found);
-            off[1 - end] *= 0.5;
+            // An end that stays twice counts half.
+            if last == Some(end) {
+                off[1 - end] *= 0.5;
+            }
+            last = Some(end);
         }
         Ok(None)
     }
