@@ -104,6 +104,11 @@ impl Control {
         self.easy = (0, 0);
     }
 
+    /// The number is not lowered for some points.
+    pub fn pause(&mut self) {
+        self.pause = AFTER_FAILURE;
+    }
+
     /// No solution with another number of harmonics was found here.
     pub fn stay(&mut self) {
         (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);
@@ -124,7 +129,9 @@ impl Control {
                 return if within { Decision::Keep } else { Decision::Limit };
             }
             let most = (GROWTH * harmonics as f64).ceil() as usize;
-            return Decision::More(needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics));
+            return Decision::More(
+                needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics),
+            );
         }
         self.pause = self.pause.saturating_sub(1);
         if self.pause > 0 || needed as f64 > WORTH_LESS * harmonics as f64 || needed < self.fewest {

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing};
+use nlmodes_hbm::{
+    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing,
+};
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
 
@@ -117,11 +119,7 @@ pub(super) fn estimator<'s>(
 }
 
 fn harmonic_settings(settings: &BranchSettings) -> MixedShootingSettings {
-    MixedShootingSettings {
-        harmonics: settings.harmonics,
-        symmetry: settings.symmetry,
-        switching: settings.switching,
-    }
+    MixedShootingSettings { harmonics: settings.harmonics, symmetry: settings.symmetry, switching: settings.switching }
 }
 
 pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency: usize, dim: usize) -> Continuation {

@@ -85,6 +85,14 @@ impl Viewer<'_> {
     }
 }
 
+/// What a run shows.
+pub(super) enum Shown<'p> {
+    /// A point that was found.
+    Point(&'p ModalPoint),
+    /// All but the first so many points of this run are found anew.
+    Withdrawn(usize),
+}
+
 /// The beginning of a run.
 pub(super) enum First<'n> {
     /// Its first point has this event.
@@ -152,7 +160,7 @@ impl<'s> Tracer<'s> {
         seed: &Seed,
         bound: Option<Bound>,
         first: First,
-        mut each: impl FnMut(&ModalPoint) -> ControlFlow<()>,
+        mut each: impl FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), StudyError> {
         if let Some(mut control) = self.control.take() {
             let outcome = self.trace_accurately(&mut control, seed, bound, first, &mut each);
@@ -164,7 +172,7 @@ impl<'s> Tracer<'s> {
         let mut found = Found::new(&first);
         let viewer = &mut self.viewer;
         let branch = method.run(&mut self.problem, &seed.x, seed.p, &seed.direction, |point| {
-            found.keep(viewer, point).iter().try_for_each(&mut each)
+            found.keep(viewer, point).iter().map(Shown::Point).try_for_each(&mut each)
         })?;
         found.count(&branch);
         Ok((found, branch.stop))
@@ -337,6 +345,7 @@ impl Found {
     pub fn truncate(&mut self, count: usize) {
         self.points.truncate(count);
         self.unknowns.truncate(count);
+        self.last = None;
     }
 
     /// Takes the points of another run behind its own.
