@@ -98,7 +98,7 @@ impl Tracer<'_> {
                     from = seed;
                 }
                 None => {
-                    if let Some(seed) = self.from_further_back(&mut stretch, &mut found, series, harmonics)? {
+                    if let Some(seed) = self.taken_back(&mut stretch, &mut found, series, harmonics)? {
                         if each(Shown::Withdrawn(found.points.len())).is_break() {
                             return Ok((found, StopReason::Stopped));
                         }
@@ -203,7 +203,7 @@ impl Tracer<'_> {
     }
 
     /// The beginning with more harmonics some points earlier, where the branches are nearer; the points since then are taken back.
-    fn from_further_back(
+    fn taken_back(
         &mut self,
         stretch: &mut Stretch,
         found: &mut Found,

@@ -88,7 +88,7 @@ pub(super) fn follow(
                     }
                 }
                 stretch = all.points.len();
-                all.append(points);
+                all.append(*points);
                 seed = next;
                 first = First::Known;
             }
@@ -102,7 +102,7 @@ pub(super) fn follow(
 enum Behind {
     /// The points from its foot on, and where the last one of them leads.
     Found {
-        points: Found,
+        points: Box<Found>,
         seed: Seed,
     },
     Nothing(String),
@@ -139,7 +139,7 @@ fn resume(
             continue;
         }
         let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };
-        return Ok(Behind::Found { points, seed });
+        return Ok(Behind::Found { points: Box::new(points), seed });
     }
     Ok(Behind::Nothing(why))
 }
