@@ -62,6 +62,7 @@ impl Surface {
 
 /// A converged correction.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correction {
     /// The point, n + 1.
     pub z: Vec<f64>,
@@ -70,6 +71,7 @@ pub struct Correction {
     /// Sign of `det [J; tᵀ]`.
     pub orientation: f64,
     /// Largest entry of the residual in magnitude.
+    #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub residual: f64,
     /// Newton steps taken.
     pub iterations: usize,

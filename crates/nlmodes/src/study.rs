@@ -15,7 +15,7 @@ mod start;
 mod trace;
 
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
-pub use compute::{ComputedTree, compute_branch, compute_tree};
+pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use error::StudyError;
 pub use events::event_name;
 pub use points::{figure_points, reference_points};

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use nlmodes_continuation::TreeBranch;
+use nlmodes_continuation::{RunLog, TreeBranch};
 use nlmodes_hbm::grazing;
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
@@ -47,13 +47,27 @@ pub fn compute_branch(
 pub fn compute_tree(
     model: MasslessContactModel,
     settings: &BranchSettings,
+    observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
+) -> Result<ComputedTree, StudyError> {
+    compute_tree_with_log(model, settings, &mut (), observe)
+}
+
+/// As [`compute_tree`], each step of the continuation going into a log. Steps that this holds already, from an earlier computation with
+/// the same model and settings, are not computed again: their points are shown to `observe`, and the computation goes on behind them.
+///
+/// # Errors
+/// As [`compute_tree`].
+pub fn compute_tree_with_log(
+    model: MasslessContactModel,
+    settings: &BranchSettings,
+    log: &mut dyn RunLog,
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
     let structure = Arc::new(condense(model, settings)?);
     let start = grazing(&structure, settings.mode)?;
     check_window(settings, &start)?;
-    let mut tracer = Tracer::new(&structure, &start, settings)?;
-    let seed = seed(&structure, settings, &start, &tracer.problem)?;
+    let mut tracer = Tracer::new(&structure, &start, settings, log)?;
+    let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
     let start_event = if settings.start == BranchStart::Grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, &mut observe)?,

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, ParametricSystem, StopReason};
+use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, RealSeries};
 
 use super::homotopy;
@@ -68,6 +68,7 @@ pub(super) fn seed(
     settings: &BranchSettings,
     start: &Grazing,
     problem: &MixedShooting,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let dim = problem.dim();
     let (target, upward) = match settings.start {
@@ -78,9 +79,9 @@ pub(super) fn seed(
             return Ok(Seed { x: start.unknowns(series, dim), p, direction: start.direction(series, dim) });
         }
     };
-    match on_backbone(structure, settings, start, target) {
+    match on_backbone(structure, settings, start, target, log) {
         Ok((x, p, _)) => Ok(Seed { x, p, direction: along(problem, start, target, upward) }),
-        Err(_) => refined(structure, settings, start, target, upward),
+        Err(_) => refined(structure, settings, start, target, upward, log),
     }
 }
 
@@ -92,10 +93,11 @@ pub(super) fn refined(
     start: &Grazing,
     target: Target,
     upward: bool,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let mut failure = None;
     for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
-        match refined_from(structure, settings, start, target, upward, first) {
+        match refined_from(structure, settings, start, target, upward, first, log) {
             Err(error @ (StudyError::NoStart { .. } | StudyError::NoStartAtEnergy { .. })) => {
                 failure.get_or_insert(error);
             }
@@ -112,9 +114,10 @@ fn refined_from(
     target: Target,
     upward: bool,
     first: usize,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
-    let (mut x, mut p, mut series) = on_backbone(structure, &coarse, start, target)?;
+    let (mut x, mut p, mut series) = on_backbone(structure, &coarse, start, target, log)?;
     for harmonics in ladder(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let mut problem = self::problem(structure, &step, start)?;
@@ -122,8 +125,8 @@ fn refined_from(
         let direction = along(&problem, start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate(&problem, start);
-        let corrected = one_point(&step, start, &mut problem, &guess, &direction)
-            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step))
+        let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
+            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
         series = problem.series();
         (x, p) = corrected;
@@ -138,6 +141,7 @@ fn on_backbone(
     settings: &BranchSettings,
     start: &Grazing,
     target: Target,
+    log: &mut dyn RunLog,
 ) -> Result<(Vec<f64>, f64, RealSeries), StudyError> {
     let mut problem = problem(structure, settings, start)?;
     let dim = problem.dim();
@@ -152,7 +156,7 @@ fn on_backbone(
     method.max_points = APPROACH;
     let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
     let Branch { mut points, stop, .. } =
-        method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
+        method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
         (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
             Ok((last.x, last.p, problem.series()))
@@ -167,7 +171,7 @@ fn on_backbone(
 }
 
 /// Whether the backbone from `seed` leads to higher frequencies: as asked for, else as with one harmonic.
-pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> {
+pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, StudyError> {
     if let BranchStart::Frequency { upward, .. } = tracer.settings.start {
         return Ok(upward);
     }
@@ -178,7 +182,8 @@ pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> 
     method.max_points = HEADING;
     let (series, start) = (problem.series(), tracer.grazing);
     let (x, direction) = (start.unknowns(series, dim), start.direction(series, dim));
-    let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
+    let log = &mut *tracer.log;
+    let branch = method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
     Ok(rises == towards_more_energy)
@@ -221,10 +226,11 @@ fn one_point(
     problem: &mut MixedShooting,
     z: &[f64],
     direction: &[f64],
+    log: &mut dyn RunLog,
 ) -> Option<(Vec<f64>, f64)> {
     let mut method = continuation(settings, start, problem, problem.dim());
     method.max_points = 1;
     let (p, x) = z.split_last()?;
-    let branch = method.run(problem, x, *p, direction, |_| ControlFlow::Continue(())).ok()?;
+    let branch = method.run_with_log(problem, x, *p, direction, log, |_| ControlFlow::Continue(())).ok()?;
     branch.points.into_iter().next().map(|point| (point.x, point.p))
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, BranchPoint, BranchTree, ParametricSystem, StopReason};
+use nlmodes_continuation::{Bound, Branch, BranchPoint, BranchTree, ParametricSystem, RunLog, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
 use nlmodes_modal::ModalPoint;
 
@@ -18,6 +18,7 @@ pub(super) struct Tracer<'s> {
     pub grazing: &'s Grazing,
     pub settings: &'s BranchSettings,
     pub problem: MixedShooting<'s>,
+    pub log: &'s mut dyn RunLog,
     /// Evaluates points while the problem is at work elsewhere.
     viewer: MixedShooting<'s>,
     resonances: Resonances<'s>,
@@ -38,11 +39,12 @@ impl<'s> Tracer<'s> {
         structure: &'s CondensedStructure,
         grazing: &'s Grazing,
         settings: &'s BranchSettings,
+        log: &'s mut dyn RunLog,
     ) -> Result<Self, StudyError> {
         let problem = problem(structure, settings, grazing)?;
         let viewer = self::problem(structure, settings, grazing)?;
         let resonances = Resonances::new(structure);
-        Ok(Self { structure, grazing, settings, problem, viewer, resonances })
+        Ok(Self { structure, grazing, settings, problem, log, viewer, resonances })
     }
 
     /// Follows the branch from `seed`, within one more bound, and shows every point to `each`.
@@ -57,7 +59,8 @@ impl<'s> Tracer<'s> {
         method.bounds.extend(bound);
         let mut found = Found::new(&first);
         let (viewer, resonances) = (&mut self.viewer, &mut self.resonances);
-        let branch = method.run(&mut self.problem, &seed.x, seed.p, &seed.direction, |point| {
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
             let Some(modal) = found.keep(viewer, resonances, point) else { return ControlFlow::Continue(()) };
             each(modal)
         })?;
@@ -76,8 +79,15 @@ impl<'s> Tracer<'s> {
         let max_branches = self.settings.max_branches;
         let mut all = vec![Found::new(&First::Named(start_event))];
         let (viewer, resonances) = (&mut self.viewer, &mut self.resonances);
-        let tree =
-            method.run_tree(&mut self.problem, &seed.x, seed.p, &seed.direction, max_branches, |number, point| {
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let tree = method.run_tree_with_log(
+            problem,
+            &seed.x,
+            seed.p,
+            &seed.direction,
+            max_branches,
+            log,
+            |number, point| {
                 if number == all.len() {
                     all.push(Found::new(&First::Plain));
                 }
@@ -85,7 +95,8 @@ impl<'s> Tracer<'s> {
                     return ControlFlow::Continue(());
                 };
                 each(number, modal)
-            })?;
+            },
+        )?;
         all.iter_mut().zip(&tree.branches).for_each(|(found, b)| found.count(&b.branch));
         Ok((all, tree))
     }
