@@ -12,12 +12,16 @@ macro_rules! say {
 
 mod assemble;
 mod check;
+mod claim;
 pub mod command;
 mod compare;
 pub mod config;
 mod experiment;
+mod interrupt;
 mod lcp;
 mod modes;
+mod new;
+mod options;
 mod run;
 mod status;
 mod updating;

@@ -5,8 +5,10 @@ mod bench;
 mod results;
 mod summary;
 
+use std::error::Error;
 use std::f64::consts::TAU;
 use std::fs;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
@@ -16,25 +18,37 @@ use nlmodes::rig::{RigError, VirtualTest};
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel};
 
 use crate::Status;
+use crate::claim::{Claim, Over, unwritable};
 use crate::command::print;
 use crate::config::scene::{KeptRecords, TestScene};
 use crate::config::{SceneFile, number};
+use crate::experiment::table::Table;
+use crate::interrupt;
+use crate::options::RunOptions;
 use crate::run::chain;
 use bench::Rig;
 pub use summary::summary;
 
 /// Runs the test, extracts from the record of each level, and writes table, figures, summary and the records that are to be kept.
 ///
-/// A level that does not settle is recorded as it is, with what is wrong with it among its findings, and the status says so.
-pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
-    let (scene, began) = (&file.scene, Instant::now());
+/// A level is in the table, and its record in its file, as soon as it is recorded. One that does not settle is recorded as it is, with what
+/// is wrong with it among its findings, and the status says so.
+pub fn run(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
+    let (scene, began, quiet) = (&file.scene, Instant::now(), options.quiet);
+    let directory = &scene.output_directory;
+    let claim = match claim(file, options) {
+        Ok(claim) => claim,
+        Err(status) => return status,
+    };
     let rig = match Rig::new(scene) {
         Ok(rig) => rig,
         Err(error) => return refuse(file, error.path, &chain(error.source.as_ref())),
     };
-    if let Err(error) = results::prepare(&scene.output_directory) {
-        say!("error: {}", chain(error.as_ref()));
-        return Status::Wrong;
+    if options.resume && !quiet {
+        say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
+    }
+    if let Err(failure) = claim.take() {
+        return unwritable(&failure, directory, false);
     }
     if !quiet {
         say!("{}", summary::model(scene, &rig));
@@ -44,11 +58,12 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
         Err(Stopped::Rig(error)) => return refuse_rig(file, &error),
         Err(Stopped::Record(error)) => {
             say!("error: {error}");
+            say!("what was recorded until then is in {}", directory.display());
             return Status::EndedEarly;
         }
     };
-    let backbone = scene.backbone.map(|wanted| backbone::compute(&rig, wanted, scene.settings.mode));
-    let (computed, failed) = match backbone {
+    let backbone = scene.backbone.filter(|_| !interrupt::requested());
+    let (computed, failed) = match backbone.map(|wanted| backbone::compute(&rig, wanted, scene.settings.mode)) {
         Some(Ok(computed)) => (Some(computed), false),
         Some(Err(error)) => {
             say!("warning: the backbone was not computed: {}", chain(error.as_ref()));
@@ -57,18 +72,30 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
         None => (None, false),
     };
     let settled = levels.iter().filter(|level| is_good(level)).count();
-    let n = levels.len();
-    if let Err(error) = results::write(scene, &rig, levels, computed.as_ref(), began.elapsed()) {
+    let (n, asked) = (levels.len(), scene.schedule.levels.len());
+    if let Err(error) = results::write(scene, &rig, &levels, computed.as_ref(), began.elapsed()) {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
     if settled < n {
         say!("warning: {} of {n} levels did not settle, or gave no modal point; the table says why", n - settled);
     }
-    if !quiet {
-        print(&format!("Results in {}", scene.output_directory.display()));
+    if n < asked {
+        say!("warning: the test was interrupted behind level {n} of {asked}");
     }
-    if settled < n || failed { Status::EndedEarly } else { Status::Done }
+    if !quiet {
+        print(&format!("Results in {}", directory.display()));
+    }
+    if settled < n || n < asked || failed || interrupt::requested() { Status::EndedEarly } else { Status::Done }
+}
+
+/// The output directory; a test is known by its scene in words.
+fn claim(file: &SceneFile<TestScene>, options: RunOptions) -> Result<Claim, Status> {
+    let scene = TestScene { title: String::new(), output_directory: Default::default(), ..file.scene.clone() };
+    let told = serde_json::json!([{ "structure": scene.structure, "scene": format!("{scene:?}") }]);
+    // A test begins anew, whatever there was of it.
+    let over = if options.resume { Over::Same } else { Over::of(options) };
+    Claim::new(&file.scene.output_directory, &file.document, told, over)
 }
 
 fn is_good(level: &TestLevel) -> bool {
@@ -94,20 +121,28 @@ fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<Vec<TestLevel>, S
         stop: rig.bench.extraction_stop(),
         ..scene.settings.clone()
     };
+    let failed = |error: Box<dyn Error>| Stopped::Record(chain(error.as_ref()));
+    let mut table = results::table(scene, rig).map_err(failed)?;
     let (mut count, mut failure) = (0, None);
-    let levels = virtual_test::run(&test, &settings, |level| {
+    let levels = virtual_test::run_while(&test, &settings, |level| {
         count += 1;
         if !quiet {
             say!("{}", line(scene, count, level));
         }
-        if failure.is_none() {
-            failure = keep(scene, count, level).err();
-        }
+        failure = write(scene, count, level, &mut table).err();
+        if failure.is_some() || interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     match failure {
         Some(failure) => Err(Stopped::Record(failure)),
         None => levels.map_err(Stopped::Rig),
     }
+}
+
+/// Writes the table up to this level, and its record, if that is to be kept.
+fn write(scene: &TestScene, count: usize, level: &TestLevel, table: &mut Table) -> Result<(), String> {
+    keep(scene, count, level)?;
+    table.push(&results::outcome(level)).map_err(|error| chain(error.as_ref()))?;
+    table.write(&scene.output_directory.join("modal_points.csv")).map_err(|error| chain(&error))
 }
 
 /// What is said about a level as soon as it is recorded.
@@ -142,10 +177,13 @@ fn keep(scene: &TestScene, count: usize, level: &TestLevel) -> Result<(), String
         return Ok(());
     }
     let directory = scene.output_directory.join(results::RECORDS);
-    let io = |source| chain(&ReportError::Io { path: directory.clone(), source });
+    let io = |source: std::io::Error| chain(&ReportError::Io { path: directory.clone(), source });
     fs::create_dir_all(&directory).map_err(io)?;
     let name = format!("{}.{}", level.outcome.record.name, format.name());
-    write_record(&directory.join(name), &level.outcome.record).map_err(|error| chain(&error))
+    // A record is there as a whole or not at all.
+    let temporary = directory.join(format!(".nlmodes-tmp.{name}"));
+    write_record(&temporary, &level.outcome.record).map_err(|error| chain(&error))?;
+    fs::rename(temporary, directory.join(name)).map_err(io)
 }
 
 fn refuse(file: &SceneFile<TestScene>, path: &str, title: &str) -> Status {

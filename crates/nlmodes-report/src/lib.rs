@@ -87,4 +87,5 @@ pub use figure::{
     ParticipationFigure, StiffnessFigure,
 };
 pub use html::{DataTable, HtmlReport, StopLine};
+pub use output::write_file;
 pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};

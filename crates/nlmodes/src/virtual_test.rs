@@ -1,6 +1,8 @@
 //! Virtual tests of finite-element structures: a bench with exciter, stop and sensors, a schedule under the phase-locked loop, and each
 //! level's record through the extraction that measured records go through.
 
+use std::ops::ControlFlow;
+
 use nlmodes_experiment::extraction::{self, ExtractionError, ExtractionSettings, RecordExtraction, extract};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
@@ -216,11 +218,27 @@ pub fn run(
     settings: &ExtractionSettings,
     mut observe: impl FnMut(&TestLevel),
 ) -> Result<Vec<TestLevel>, RigError> {
+    run_while(test, settings, |level| {
+        observe(level);
+        ControlFlow::Continue(())
+    })
+}
+
+/// As [`run`], up to the level behind which `observe` ends it.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_while(
+    test: &VirtualTest,
+    settings: &ExtractionSettings,
+    mut observe: impl FnMut(&TestLevel) -> ControlFlow<()>,
+) -> Result<Vec<TestLevel>, RigError> {
     let mut levels = Vec::with_capacity(test.schedule.levels.len());
-    test.run(|outcome| {
+    test.run_while(|outcome| {
         let level = TestLevel { outcome: outcome.clone(), extraction: extract(&outcome.record, settings) };
-        observe(&level);
+        let told = observe(&level);
         levels.push(level);
+        told
     })?;
     Ok(levels)
 }
