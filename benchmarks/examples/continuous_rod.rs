@@ -63,6 +63,7 @@ fn exact() -> ModalBranch {
             kinetic_energy: kinetic,
             harmonic_energy: Vec::new(),
             resonance: None,
+            stability: None,
             total_energy: total,
             modal_amplitude: f64::NAN,
             fundamental: f64::NAN,

@@ -100,7 +100,7 @@ impl Claim {
         remove_temporary(directory);
         if !self.resumes() {
             // What cannot be removed cannot be overwritten either, which is said when it is.
-            for name in ["branch.csv", "modal_points.csv", "backbone.csv", STEPS] {
+            for name in ["branch.csv", "modal_points.csv", "backbone.csv", "backbone_ms-hbm.csv", STEPS] {
                 drop(fs::remove_file(directory.join(name)));
             }
         }

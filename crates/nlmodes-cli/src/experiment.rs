@@ -145,7 +145,7 @@ fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>
     outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
     table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
-    figures::write(directory, &scene.title, outcomes, None)
+    figures::write(directory, &scene.title, outcomes, &[])
 }
 
 /// What `check` says about a scene of records.

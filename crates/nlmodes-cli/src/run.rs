@@ -1,11 +1,13 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
+mod histories;
 mod journal;
 mod page;
 mod progress;
 mod several;
 mod sink;
+mod starts;
 mod summary;
 
 use std::error::Error;
@@ -17,21 +19,27 @@ use nlmodes::hbm::HbmError;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
-    BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule, StudyError,
-    compute_tree_with_log,
+    BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
+    StabilityRule, StudyError, compute_tree_with_log,
 };
+use nlmodes::timestep::TimestepError;
 
 use crate::Status;
 use crate::assemble::{contact_model, structural_model};
 use crate::claim::{Claim, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
+use crate::config::scene::{
+    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
+    Symmetry,
+};
 use crate::interrupt;
+use crate::modes::modal_model;
 use crate::options::RunOptions;
 use journal::Journal;
 use progress::Progress;
 use sink::{Sink, branch_directory};
+pub use starts::STARTS;
 
 /// Computes the branches of a scene and writes their files.
 ///
@@ -53,6 +61,9 @@ fn one_branch(file: &SceneFile, claim: &Claim, options: RunOptions) -> Result<(C
     let directory = &scene.output_directory;
     let began = Instant::now();
     let (model, massless) = models(file)?;
+    if let Some(text) = modal_model(&scene.structure).filter(|_| !options.quiet) {
+        _ = print(&text);
+    }
     let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(&failure, directory, true))?;
     if claim.resumes() && journal.known_steps() == 0 && !options.quiet {
         say!("{} holds no interrupted run: computed from the beginning", directory.display());
@@ -77,7 +88,7 @@ pub fn remove(directory: &Path) {
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
-    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
+    let model = structural_model(&file.scene).map_err(|error| refuse(file, error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))
@@ -122,6 +133,15 @@ pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
 pub fn branch_settings(scene: &Scene) -> BranchSettings {
     let method = &scene.method;
     BranchSettings {
+        method: match method.kind {
+            MethodKind::MsHbm | MethodKind::Hbm => BranchMethod::HarmonicBalance,
+            MethodKind::Shooting => BranchMethod::Shooting,
+        },
+        stability: match scene.stability {
+            StabilityChoice::Auto => StabilityRule::Auto,
+            StabilityChoice::Always => StabilityRule::Always,
+            StabilityChoice::Never => StabilityRule::Never,
+        },
         mode: method.mode,
         harmonics: method.harmonics,
         symmetry: match method.symmetry {
@@ -157,9 +177,10 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
         write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
     };
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
+        .and_then(|()| starts::write(directory, &tree.branches))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
-        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>()));
+        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>(), &[]));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
@@ -209,6 +230,14 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             say!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
             return Status::Wrong;
         }
+        StudyError::Timestep(TimestepError::TooManyModes { most, .. }) => {
+            let (key, help) =
+                ("method.held_modes", "the modes left out answer statically; or take fewer `structure.elements`");
+            let label = format!("expected `held_modes` in this table: a whole number from 1 to {most}");
+            say!("{}", file.error_at(key, &chain(error), &label, &[help]));
+            return Status::Wrong;
+        }
+        StudyError::NotEven => "method.symmetry",
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",

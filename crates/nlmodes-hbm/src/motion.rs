@@ -31,6 +31,7 @@ impl MixedShooting<'_> {
             kinetic_energy: kinetic,
             harmonic_energy,
             resonance: None,
+            stability: None,
             total_energy: kinetic + strain,
             modal_amplitude,
             peak: self.peak(fraction > 0.0),

@@ -2,21 +2,26 @@
 
 mod branch;
 mod compute;
+mod equal;
 mod error;
 mod events;
 mod homotopy;
 mod participation;
+mod periodic;
 mod points;
 mod prepare;
 mod resonances;
 mod settings;
 mod skip;
+mod stability;
 mod start;
 mod trace;
 
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
+pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;
+pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points};
-pub use settings::{BranchPointRule, BranchSettings, BranchStart, ResonanceRule};
+pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};

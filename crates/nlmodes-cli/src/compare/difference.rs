@@ -51,6 +51,7 @@ mod tests {
             kinetic_energy,
             harmonic_energy: Vec::new(),
             resonance: None,
+            stability: None,
             total_energy: 0.0,
             modal_amplitude: 0.0,
             fundamental: 0.0,

@@ -11,6 +11,7 @@ use nlmodes::report::{BranchWriter, ReportError};
 use nlmodes::study::BranchProgress;
 
 use super::progress::Progress;
+use super::starts::STARTS;
 use crate::claim::{Claim, remove_temporary};
 use crate::interrupt;
 
@@ -116,7 +117,7 @@ impl<'a> Sink<'a> {
         let folders = (1..).map(|number| branch_directory(self.directory, number)).take_while(|folder| folder.is_dir());
         for folder in folders {
             // What cannot be removed cannot be overwritten either, which is said when it is.
-            ["branch.csv", "harmonics.npz", "participation.csv"]
+            ["branch.csv", "harmonics.npz", STARTS, "participation.csv"]
                 .iter()
                 .for_each(|name| drop(fs::remove_file(folder.join(name))));
             drop(fs::remove_dir(folder));

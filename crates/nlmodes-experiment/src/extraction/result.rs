@@ -107,6 +107,7 @@ impl RecordExtraction {
             kinetic_energy: modal.kinetic_energy.value,
             harmonic_energy: modal.harmonic_energy.clone(),
             resonance: None,
+            stability: None,
             total_energy: f64::NAN,
             modal_amplitude: modal.amplitude.value,
             fundamental: self.motion.of(last)[1].norm(),

@@ -64,7 +64,7 @@ fn write_coefficients<W: Write + Seek>(
     array.finish()
 }
 
-fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
+pub(super) fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
     let options = archive.array::<f64>(name, Default::default())?;
     let mut array = options.default_dtype().shape(&[values.len() as u64]).begin_nd()?;
     array.extend(values.iter().copied())?;

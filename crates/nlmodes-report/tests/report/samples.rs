@@ -41,6 +41,7 @@ fn point(amplitude: f64, coordinates: &[Coordinate], n_harmonics: usize) -> Moda
         kinetic_energy: 0.5 * energy,
         harmonic_energy: Vec::new(),
         resonance: None,
+        stability: None,
         total_energy: energy,
         modal_amplitude: tip[1].norm() * MASS.sqrt(),
         fundamental: tip[1].re,

@@ -5,10 +5,11 @@ use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
+use nlmodes_timestep::ModeShooting;
 
-use super::prepare::problem;
+use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
-use super::{BranchSettings, StudyError};
+use super::{BranchMethod, BranchSettings, StudyError};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -78,7 +79,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = self.problem()?;
+        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
@@ -108,12 +109,32 @@ impl ComputedBranch {
         tongues(&self.branch.points)
     }
 
-    /// The periodic problem, to evaluate points of the branch again.
+    /// The periodic problem in harmonics, to evaluate points of the branch again.
+    ///
+    /// # Errors
+    /// [`StudyError::NotHarmonic`] for a branch by shooting; else as [`super::compute_branch`].
+    pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings, &self.grazing),
+            BranchMethod::Shooting => Err(StudyError::NotHarmonic),
+        }
+    }
+
+    /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
     ///
     /// # Errors
     /// [`StudyError`], as [`super::compute_branch`].
-    pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
-        problem(&self.structure, &self.settings, &self.grazing)
+    pub fn exact(&self) -> Result<Option<ModeShooting>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => Ok(None),
+            BranchMethod::Shooting => exact(self.structure.model(), &self.settings, &self.grazing).map(Some),
+        }
+    }
+
+    /// Points that are stable, unstable, and of unknown stability.
+    pub fn stability_counts(&self) -> [usize; 3] {
+        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.map(|s| s.stable) == wanted).count();
+        [count(Some(true)), count(Some(false)), count(None)]
     }
 }
 
@@ -132,10 +153,13 @@ pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoin
     }
 }
 
-/// Name of a branch in legends.
-pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) -> String {
+/// Name of a branch in legends; `modes` are those of its structure that move a contact.
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, modes: usize) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
+    }
+    if settings.method == BranchMethod::Shooting {
+        return format!("shooting, {modes} mode{}", if modes == 1 { "" } else { "s" });
     }
     let plural = if settings.harmonics == 1 { "" } else { "s" };
     let sampled = match settings.switching {

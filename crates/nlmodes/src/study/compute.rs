@@ -2,16 +2,16 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nlmodes_continuation::{RunLog, TreeBranch};
-use nlmodes_hbm::grazing;
+use nlmodes_hbm::{CondensedStructure, Grazing, grazing};
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::prepare::{check_window, condense};
+use super::prepare::{check_window, condense, exact, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Tracer};
-use super::{BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
+use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub fn compute_branch(
 }
 
 /// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact nodes are massless,
-/// by conventional HBM where it was made with spring tips.
+/// by conventional HBM where it was made with spring tips, or either exactly by shooting.
 ///
 /// # Errors
 /// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -63,8 +63,11 @@ pub fn compute_tree_with_log(
     log: &mut dyn RunLog,
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
+    if settings.method == BranchMethod::Shooting {
+        shooting_modes(&model, settings)?;
+    }
     let structure = Arc::new(condense(model, settings)?);
-    let start = grazing(&structure, settings.mode)?;
+    let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings, log)?;
     let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
@@ -80,7 +83,7 @@ pub fn compute_tree_with_log(
     let branches = traced.into_iter().enumerate().map(|(number, traced)| {
         let Traced { found, end, origin } = traced;
         let name = if number == 0 {
-            label(settings, structure.model().contact_coordinates())
+            label(settings, structure.model().contact_coordinates(), structure.modes().len())
         } else {
             format!("branch {number}")
         };
@@ -101,6 +104,19 @@ pub fn compute_tree_with_log(
     });
     let branches = branches.collect();
     Ok(ComputedTree { branches, not_followed })
+}
+
+/// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.
+fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
+    let start = grazing(structure, settings.mode)?;
+    match settings.method {
+        BranchMethod::HarmonicBalance => Ok(start),
+        BranchMethod::Shooting => {
+            let problem = exact(structure.model(), settings, &start)?;
+            let own = problem.grazing();
+            Ok(Grazing { omega: own.omega, energy: own.energy, ..start })
+        }
+    }
 }
 
 /// A branch before it is given its name and its structure.

@@ -2,26 +2,81 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, BranchPoint, BranchTree, ParametricSystem, RunLog, StopReason};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
+use nlmodes_continuation::{
+    Bound, Branch, BranchPoint, BranchTree, Continuation, ParametricSystem, RunLog, StopReason,
+};
+use nlmodes_hbm::{CondensedStructure, Grazing};
 use nlmodes_modal::ModalPoint;
 
 use super::events::event_name;
-use super::prepare::{continuation, problem};
+use super::periodic::Periodic;
+use super::prepare::{continuation, periodic};
 use super::resonances::Resonances;
+use super::stability::{Probe, length};
 use super::start::Seed;
 use super::{BranchSettings, StudyError};
+
+/// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may take.
+const CHANGE_LOCATED: f64 = 1e-7;
+const MOST_HALVINGS: usize = 40;
 
 /// A structure and its settings, and what turns solutions into modal points.
 pub(super) struct Tracer<'s> {
     pub structure: &'s CondensedStructure,
     pub grazing: &'s Grazing,
     pub settings: &'s BranchSettings,
-    pub problem: MixedShooting<'s>,
+    pub problem: Periodic<'s>,
     pub log: &'s mut dyn RunLog,
     /// Evaluates points while the problem is at work elsewhere.
-    viewer: MixedShooting<'s>,
+    viewer: Viewer<'s>,
+}
+
+/// What turns a solution into a modal point.
+struct Viewer<'s> {
+    problem: Periodic<'s>,
+    harmonics: usize,
     resonances: Resonances<'s>,
+    probe: Probe,
+}
+
+impl Viewer<'_> {
+    /// The modal point of a solution; `None` if it cannot be evaluated again.
+    fn see(&mut self, x: &[f64], residual: f64) -> Option<ModalPoint> {
+        let mut modal = self.problem.modal_point(x, residual).ok()?;
+        modal.resonance = self.resonances.of(&modal);
+        modal.stability = self.probe.of(&mut self.problem, x, &modal);
+        // An exact motion has more harmonics than were asked for, by which its resonances are known.
+        if modal.coefficients.n_harmonics() > self.harmonics {
+            modal.coefficients = modal.coefficients.truncated(self.harmonics);
+        }
+        Some(modal)
+    }
+
+    /// The first solution between `from` and `to` whose stability is that of `to`, by bisection along the branch.
+    fn change(&mut self, from: &[f64], to: &[f64], stable: bool) -> Option<(Vec<f64>, ModalPoint)> {
+        let (mut low, mut high, mut found) = (from.to_vec(), to.to_vec(), None);
+        let method = Continuation { max_points: 1, ..Continuation::default() };
+        for _ in 0..MOST_HALVINGS {
+            let along: Vec<f64> = high.iter().zip(&low).map(|(a, b)| a - b).collect();
+            if length(&along) < CHANGE_LOCATED {
+                break;
+            }
+            let middle: Vec<f64> = high.iter().zip(&low).map(|(a, b)| 0.5 * (a + b)).collect();
+            let (p, x) = middle.split_last()?;
+            self.problem.accepted(x, *p);
+            let corrected = method.run(&mut self.problem, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
+            let corrected = corrected.points.into_iter().next()?;
+            let modal = self.see(&corrected.x, corrected.residual)?;
+            match modal.stability?.stable == stable {
+                true => {
+                    high = corrected.z();
+                    found = Some((corrected.x, modal));
+                }
+                false => low = corrected.z(),
+            }
+        }
+        found
+    }
 }
 
 /// The beginning of a run.
@@ -41,10 +96,14 @@ impl<'s> Tracer<'s> {
         settings: &'s BranchSettings,
         log: &'s mut dyn RunLog,
     ) -> Result<Self, StudyError> {
-        let problem = problem(structure, settings, grazing)?;
-        let viewer = self::problem(structure, settings, grazing)?;
-        let resonances = Resonances::new(structure);
-        Ok(Self { structure, grazing, settings, problem, log, viewer, resonances })
+        let problem = periodic(structure, settings, grazing)?;
+        let viewer = Viewer {
+            problem: periodic(structure, settings, grazing)?,
+            harmonics: settings.harmonics,
+            resonances: Resonances::new(structure),
+            probe: Probe::new(structure.model(), settings, grazing),
+        };
+        Ok(Self { structure, grazing, settings, problem, log, viewer })
     }
 
     /// Follows the branch from `seed`, within one more bound, and shows every point to `each`.
@@ -55,14 +114,13 @@ impl<'s> Tracer<'s> {
         first: First,
         mut each: impl FnMut(&ModalPoint) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), StudyError> {
-        let mut method = continuation(self.settings, self.grazing, &self.problem, self.problem.dim());
+        let mut method = continuation(self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
         let mut found = Found::new(&first);
-        let (viewer, resonances) = (&mut self.viewer, &mut self.resonances);
+        let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
-            let Some(modal) = found.keep(viewer, resonances, point) else { return ControlFlow::Continue(()) };
-            each(modal)
+            found.keep(viewer, point).iter().try_for_each(&mut each)
         })?;
         found.count(&branch);
         Ok((found, branch.stop))
@@ -75,10 +133,10 @@ impl<'s> Tracer<'s> {
         start_event: &str,
         mut each: impl FnMut(usize, &ModalPoint) -> ControlFlow<()>,
     ) -> Result<(Vec<Found>, BranchTree), StudyError> {
-        let method = continuation(self.settings, self.grazing, &self.problem, self.problem.dim());
+        let method = continuation(self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         let max_branches = self.settings.max_branches;
         let mut all = vec![Found::new(&First::Named(start_event))];
-        let (viewer, resonances) = (&mut self.viewer, &mut self.resonances);
+        let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let tree = method.run_tree_with_log(
             problem,
@@ -91,10 +149,7 @@ impl<'s> Tracer<'s> {
                 if number == all.len() {
                     all.push(Found::new(&First::Plain));
                 }
-                let Some(modal) = all[number].keep(viewer, resonances, point) else {
-                    return ControlFlow::Continue(());
-                };
-                each(number, modal)
+                all[number].keep(viewer, point).iter().try_for_each(|modal| each(number, modal))
             },
         )?;
         all.iter_mut().zip(&tree.branches).for_each(|(found, b)| found.count(&b.branch));
@@ -118,6 +173,8 @@ pub(super) struct Found {
     /// Points kept when each point of the continuation had been seen.
     seen: Vec<usize>,
     start_event: Option<String>,
+    /// The solution kept last, with its parameter.
+    last: Option<Vec<f64>>,
     /// Where the run began, and whether that point is left out.
     start: Option<Vec<f64>>,
     start_is_known: bool,
@@ -129,18 +186,15 @@ impl Found {
         Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
     }
 
-    fn keep(
-        &mut self,
-        viewer: &mut MixedShooting,
-        resonances: &mut Resonances,
-        point: &BranchPoint,
-    ) -> Option<&ModalPoint> {
-        let kept = self.take(viewer, resonances, point).is_some();
+    /// The points that are kept of one of the continuation: none, itself, or before it the one at which the stability changes.
+    fn keep(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> &[ModalPoint] {
+        let before = self.points.len();
+        self.take(viewer, point);
         self.seen.push(self.points.len());
-        if kept { self.points.last() } else { None }
+        &self.points[before..]
     }
 
-    fn take(&mut self, viewer: &mut MixedShooting, resonances: &mut Resonances, point: &BranchPoint) -> Option<()> {
+    fn take(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> Option<()> {
         let is_first = self.start.is_none();
         if is_first {
             self.start = Some(point.x.clone());
@@ -151,13 +205,35 @@ impl Found {
             // What the continuation meets at the start is the grazing itself.
             return None;
         }
-        let mut modal = viewer.modal_point(&point.x, point.residual).ok()?;
+        let mut modal = viewer.see(&point.x, point.residual)?;
         let named = self.start_event.take_if(|_| is_first);
         modal.events = named.into_iter().chain(point.events.iter().map(|e| event_name(*e).to_owned())).collect();
-        modal.resonance = resonances.of(&modal);
-        self.points.push(modal);
-        self.unknowns.push(point.x.clone());
+        if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
+            self.push(change, x);
+        }
+        viewer.probe.accepted(&modal);
+        self.last = Some(point.z());
+        self.push(modal, point.x.clone());
         Some(())
+    }
+
+    fn push(&mut self, modal: ModalPoint, x: Vec<f64>) {
+        self.points.push(modal);
+        self.unknowns.push(x);
+    }
+
+    /// The point between the last one and this at which the stability changes, if it does.
+    fn stability_change(
+        &self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        modal: &ModalPoint,
+    ) -> Option<(Vec<f64>, ModalPoint)> {
+        let (before, now) = (self.points.last()?.stability?.stable, modal.stability?.stable);
+        let from = self.last.as_ref().filter(|_| before != now)?;
+        let (x, mut change) = viewer.change(from, &point.z(), now)?;
+        change.events.push(ModalPoint::STABILITY_CHANGE.to_owned());
+        Some((x, change))
     }
 
     /// Index of the point kept last when point `number` of the continuation had been seen.

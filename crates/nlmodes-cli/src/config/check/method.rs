@@ -1,6 +1,9 @@
+use super::shooting;
 use crate::config::check::nodes::free_dofs;
 use crate::config::raw::{RawMethod, RawScene};
-use crate::config::scene::{Contact, ContactSolver, MassRule, Method, MethodKind, Support, Switching, Symmetry};
+use crate::config::scene::{
+    Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching, Symmetry,
+};
 use crate::config::{Findings, Problem};
 
 /// Fewest samples a period where the scene does not say.
@@ -18,6 +21,12 @@ pub fn check(
     let samples = samples(method, findings);
     let mode = method.mode.map_or(1, |mode| mode as usize);
     check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
+    if kind == MethodKind::Shooting {
+        shooting::check(method, findings);
+        let is_rod = scene.structure.as_ref().is_some_and(|s| s.kind == Some(StructureKind::Rod));
+        let all = modes(scene, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
+    }
     Some(Method {
         kind,
         mode,
@@ -35,7 +44,7 @@ pub fn check(
 
 fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> MassRule {
     let default = match kind {
-        MethodKind::MsHbm => MassRule::Drop,
+        MethodKind::MsHbm | MethodKind::Shooting => MassRule::Drop,
         MethodKind::Hbm => MassRule::None,
     };
     let rule = method.mass_redistribution.unwrap_or(default);
@@ -54,7 +63,17 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
     let contacts = scene.contact.as_deref().unwrap_or_default();
     let each_has_its_own =
         !contacts.is_empty() && (0..contacts.len()).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
+    let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
     match kind {
+        MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
+            let problem = Problem::error("contact nodes that keep their mass need elastic stops");
+            let problem = problem.help("mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            findings.put(
+                path,
+                problem,
+                "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
+            );
+        }
         MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
             let problem = Problem::error(format!("`{path}` is missing"));
             let problem = problem.help("hbm needs elastic stops; method.kind = \"ms-hbm\" takes rigid ones");
@@ -66,11 +85,11 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
         }
         MethodKind::MsHbm if findings.has(path) => {
             let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "only method.kind = \"hbm\" uses it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
+            findings.put(path, problem, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
         }
         _ => {}
     }
-    method.contact_stiffness_n_m.filter(|_| kind == MethodKind::Hbm)
+    method.contact_stiffness_n_m.filter(|_| kind != MethodKind::MsHbm)
 }
 
 /// The numbers of harmonics, ascending, each once.
@@ -112,7 +131,7 @@ fn modes(scene: &RawScene, kind: MethodKind, mass_rule: MassRule, contacts: &[Co
     places.dedup();
     let held = dofs.saturating_sub(places.len());
     let free = if mass_rule == MassRule::None { dofs } else { held };
-    Some([free, if kind == MethodKind::Hbm { free } else { held }])
+    Some([free, if kind == MethodKind::Hbm || mass_rule == MassRule::None { free } else { held }])
 }
 
 fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {

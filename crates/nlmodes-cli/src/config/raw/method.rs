@@ -18,7 +18,8 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each
+    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each. With shooting, number of harmonics of the
+    /// exact motion that are written
     #[schemars(required, schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
     /// How the instants of touching and leaving are found
@@ -28,18 +29,18 @@ pub struct RawMethod {
     /// `harmonics`. Exact switching has no use for it
     #[schemars(range(min = 4, max = MAX_SAMPLES))]
     pub samples: Option<u32>,
-    /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm, "none" for hbm
+    /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm and shooting, "none" for hbm
     pub mass_redistribution: Option<MassRule>,
     /// Solver of the contact problem
     #[schemars(extend("default" = "active-set"))]
     pub contact_solver: Option<ContactSolver>,
-    /// Contact stiffness of the stops that have no `stiffness_n_m` of their own, for hbm
+    /// Contact stiffness of the stops that have no `stiffness_n_m` of their own, for hbm and shooting
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub contact_stiffness_n_m: Option<f64>,
     /// Time symmetry that the motion is assumed to have
     #[schemars(extend("default" = "even"))]
     pub symmetry: Option<Symmetry>,
-    /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the program
+    /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the program, for shooting all
     #[schemars(range(min = 1))]
     pub held_modes: Option<u32>,
 }

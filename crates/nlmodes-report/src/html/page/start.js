@@ -7,7 +7,7 @@ function begin() {
   document.documentElement.classList.add("live");
   const boxes = [byId("energy"), byId("amplitude")].filter(Boolean);
   let chosen = null;
-  const charts = boxes.length ? branchFigures(boxes, byId("legend"), (key, index) => choose(key, index)) : [];
+  const charts = boxes.length ? branchFigures(boxes, byId("participation"), byId("legend"), (key, index) => choose(key, index)) : [];
   const motion = byId("motion") && new Motion(byId("motion"), byId("controls"));
 
   function choose(key, index) {
