@@ -72,6 +72,7 @@ fn exact() -> ModalBranch {
             contact_intervals: 1,
             peak_contact_force: MODULUS * velocity / speed,
             residual: 0.0,
+            error_estimate: None,
             events: Vec::new(),
         }
     };

@@ -95,7 +95,18 @@ fn method(method: &Method) -> String {
         MethodKind::Shooting => "exact shooting",
     };
     let list: Vec<String> = method.harmonics_list.iter().map(usize::to_string).collect();
-    let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", list.join(", ")) };
+    let chosen = method.accuracy.map(|accuracy| {
+        let modes = if method.held_modes.is_some() { "" } else { " and held modes" };
+        let (few, most) = (method.harmonics, accuracy.max_harmonics);
+        format!("{few} to {most} harmonics{modes}, chosen for a relative error of {}", number(accuracy.error))
+    });
+    let harmonics = if let Some(chosen) = chosen {
+        chosen
+    } else if method.harmonics == 1 {
+        "1 harmonic".into()
+    } else {
+        format!("{} harmonics", list.join(", "))
+    };
     format!(
         "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
         method.switching.name(),

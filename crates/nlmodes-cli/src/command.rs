@@ -179,7 +179,8 @@ pub fn run() -> Status {
         Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => extract(&scene, out, force, quiet),
         Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {
             AnyScene::Structure(files) => {
-                each(files, |file| with_warnings(file, |file| print(&check::summary(&file.scene))))
+                say_warnings(&files);
+                each(files, |file| print(&check::summary(&file.scene)))
             }
             AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
             AnyScene::Test(file) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
@@ -214,7 +215,10 @@ fn run_any(scene: AnyScene, out: Option<PathBuf>, options: RunOptions) -> Status
 /// A scene with several methods is gone through for each of them.
 fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
-    with(loaded, |files| each(files, |file| with_warnings(file, &mut then)))
+    with(loaded, |files| {
+        say_warnings(&files);
+        each(files, &mut then)
+    })
 }
 
 /// One scene after the other, up to the first that cannot be done.
@@ -224,13 +228,8 @@ fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status 
 
 /// Runs a scene with one method, or several that differ in it.
 fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions) -> Status {
-    let mut said = String::new();
+    say_warnings(&files);
     for file in &mut files {
-        let warnings = file.warnings_text();
-        if !warnings.is_empty() && warnings != said {
-            say!("{warnings}\n");
-            said = warnings;
-        }
         if let Some(out) = &out {
             file.scene.output_directory.clone_from(out);
         }
@@ -297,6 +296,14 @@ fn with_parameters(file: SceneFile, quiet: bool, then: impl FnOnce(&SceneFile) -
             }
         }
         Err(status) => status,
+    }
+}
+
+/// Says what looks wrong with the scenes of one file, each thing once.
+fn say_warnings(files: &[SceneFile]) {
+    let warnings = config::warnings_text(files);
+    if !warnings.is_empty() {
+        say!("{warnings}\n");
     }
 }
 

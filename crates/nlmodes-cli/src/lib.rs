@@ -22,6 +22,8 @@ mod lcp;
 mod modes;
 mod new;
 mod options;
+#[doc(hidden)]
+pub mod readers;
 mod run;
 mod status;
 mod updating;

@@ -19,7 +19,7 @@ use nlmodes::hbm::HbmError;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
-    BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
+    Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
     StabilityRule, StudyError, compute_tree_with_log,
 };
 use nlmodes::timestep::TimestepError;
@@ -144,6 +144,7 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
         },
         mode: method.mode,
         harmonics: method.harmonics,
+        accuracy: method.accuracy.map(|a| Accuracy { error: a.error, max_harmonics: a.max_harmonics }),
         symmetry: match method.symmetry {
             Symmetry::Even => nlmodes::hbm::Symmetry::Even,
             Symmetry::None => nlmodes::hbm::Symmetry::None,
@@ -209,6 +210,7 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
     let points = &computed.branch.points;
     let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
+    warn_of_accuracy(computed, &name);
     let time = began.elapsed().as_secs_f64();
     let line = format!("{name}{} points in {time:.2} s; ended{at}: {}", points.len(), end.message);
     if end.complete {
@@ -217,6 +219,16 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
         say!("warning: the computation ended early. {line}");
         Status::EndedEarly
     }
+}
+
+/// Says where the accuracy was not reached: the points are there, and each has its estimate.
+fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
+    let Some(reached) = computed.accuracy.filter(|reached| reached.points_beyond > 0) else { return };
+    let (beyond, all, [_, most]) = (reached.points_beyond, computed.branch.points.len(), reached.harmonics);
+    say!(
+        "warning: {name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
+        reached.largest_estimate
+    );
 }
 
 /// An error of the study, at the key of the scene that it is about.

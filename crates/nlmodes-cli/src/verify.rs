@@ -1,7 +1,7 @@
 //! `nlmodes-cli verify`: one period of the full, unfiltered structure from a computed point.
 
-mod error;
-mod results;
+pub(crate) mod error;
+pub(crate) mod results;
 mod text;
 
 use std::f64::consts::TAU;

@@ -160,7 +160,7 @@ fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
     fs::write(results.join("records/notes.txt"), "not of the program")?;
     for (format, tolerance) in [("uff", 1e-9), ("npy", 1e-9), ("wav", 1e-6)] {
         let format_key = format!("virtual_test.records.format={format}");
-        let (status, said) = call(&["run"], &path, &results, &[&format_key])?;
+        let (status, said) = call(&["run", "--force"], &path, &results, &[&format_key])?;
         assert_eq!(status, 0, "{said}");
         let mut kept = Vec::new();
         for entry in fs::read_dir(results.join("records"))? {
@@ -175,7 +175,9 @@ fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
         for column in ["frequency_hz", "modal_amplitude", "damping", "pbmif", "peak_contact_force_n", "participation_2"]
         {
             let [found, expected] = [&found, measured].map(|row| number(row, column));
-            assert!((found / expected - 1.0).abs() < tolerance, "{format}, {column}: {found}, {expected}");
+            // Shapes of the elements and of the modal model differ by rounding, of which a small share has more.
+            let size = if column == "participation_2" { 1.0 } else { expected.abs() };
+            assert!((found - expected).abs() < tolerance * size, "{format}, {column}: {found}, {expected}");
         }
     }
     Ok(())

@@ -65,6 +65,7 @@ mod closed_set;
 mod condensed;
 mod energy;
 mod error;
+mod estimate;
 mod held_motion;
 mod history;
 mod mixed_shooting;
@@ -78,6 +79,7 @@ mod trigonometric;
 
 pub use condensed::{CondensedStructure, HeldMode};
 pub use error::HbmError;
+pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use series::{RealSeries, Symmetry};

@@ -39,6 +39,7 @@ impl MixedShooting<'_> {
             contact_intervals: intervals,
             peak_contact_force: self.peak_force(),
             residual,
+            error_estimate: None,
             events: Vec::new(),
         })
     }

@@ -65,6 +65,8 @@ pub struct ModalPoint {
     pub peak_contact_force: f64,
     /// Norm of the scaled residual.
     pub residual: f64,
+    /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where one was made.
+    pub error_estimate: Option<f64>,
     /// What happened here: `grazing`, `fold`, `branch-point`, …
     pub events: Vec<String>,
 }

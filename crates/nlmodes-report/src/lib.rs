@@ -45,6 +45,7 @@
 //!     contact_intervals: 1,
 //!     peak_contact_force: 0.0,
 //!     residual: 0.0,
+//!     error_estimate: None,
 //!     events: if amplitude == stop { vec!["grazing".into()] } else { Vec::new() },
 //! };
 //! let branch = ModalBranch {

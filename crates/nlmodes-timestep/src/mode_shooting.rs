@@ -157,6 +157,7 @@ impl ModeShooting {
             contact_intervals: n_intervals(&intervals, forces.len(), period),
             peak_contact_force: forces.iter().copied().fold(0.0, f64::max),
             residual,
+            error_estimate: None,
             events: Vec::new(),
         })
     }

@@ -1,5 +1,7 @@
 //! Whole studies: from a model to a branch of modal points.
 
+mod accuracy;
+mod adaptive;
 mod branch;
 mod compute;
 mod equal;
@@ -17,6 +19,7 @@ mod stability;
 mod start;
 mod trace;
 
+pub use accuracy::{Accuracy, AccuracyReached};
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use equal::PointBetween;

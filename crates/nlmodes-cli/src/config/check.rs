@@ -2,6 +2,7 @@
 
 mod contact;
 mod continuation;
+mod frequencies;
 mod method;
 mod modes;
 mod nodes;
@@ -45,6 +46,7 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref(), stem),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
+        warnings: Vec::new(),
     };
     plausible::warn(&scene, findings);
     Some(scene)

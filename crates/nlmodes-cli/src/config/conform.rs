@@ -14,9 +14,13 @@ use crate::config::{Findings, Problem, mistakes, unknown};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
 pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
-    let mut walk = Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new() };
+    let mut walk =
+        Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new(), missing_one: Vec::new() };
     walk.table(root, Rule(schema), "");
-    let Walk { meant, missing, .. } = walk;
+    let Walk { meant, mut missing, missing_one, .. } = walk;
+    // The first of several is the one that is asked for.
+    let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| meant.contains(path)));
+    missing.extend(first.filter_map(|keys| keys.into_iter().next()));
     for (path, rule) in missing.into_iter().filter(|(path, _)| !meant.contains(path)) {
         let problem = mistakes::missing(&path, rule);
         findings.put(&path, problem, mistakes::missing_label(&path, rule));
@@ -35,12 +39,19 @@ struct Walk<'w, 'b, 'f> {
     meant: BTreeSet<String>,
     /// Required keys that are not there.
     missing: Vec<(String, Rule<'w>)>,
+    /// Keys of which one is required and none is there.
+    missing_one: Vec<Vec<(String, Rule<'w>)>>,
 }
 
 impl<'w> Walk<'w, '_, '_> {
     fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
         let absent = rule.required().filter(|key| !table.contains_key(*key));
         self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
+        let alternatives = rule.one_required();
+        if !alternatives.iter().any(|key| table.contains_key(*key)) {
+            self.missing_one
+                .push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
+        }
         let written = std::mem::take(table);
         *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::config::{Problem, Sources, render, set};
+use crate::config::{Problem, Sources, methods, render, set};
 
 /// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
 const MAX_SYNTAX_ERRORS: usize = 3;
@@ -28,18 +28,26 @@ pub struct Place {
 }
 
 impl Document {
-    /// Reads the text of the file and applies the overrides `key=value`. Problems go to `problems`; there is no table if the text
-    /// is not TOML.
+    /// Reads the text of the file and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
+    /// is left as the only one, `[method]`. Problems go to `problems`; there is no table if the text is not TOML.
     pub fn parse<'a>(
         name: &str,
         text: &'a str,
         overrides: &'a [String],
+        method: usize,
         problems: &mut Vec<Problem>,
     ) -> (Self, Option<Spanned<DeTable<'a>>>) {
         let (mut root, errors) = DeTable::parse_recoverable(text);
         problems.extend(syntax_problems(text, &errors));
         let mut sources = Sources::new(name, text);
-        for argument in overrides {
+        // `method.1.mode=2` is for one of several methods, `method.mode=2` for all of them.
+        let (of_one, of_all): (Vec<_>, Vec<_>) =
+            overrides.iter().partition(|argument| methods::is_for_one(argument, root.get_mut()));
+        for argument in of_one {
+            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+        }
+        problems.extend(methods::keep(root.get_mut(), method).err());
+        for argument in of_all {
             problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
         let mut places = BTreeMap::new();

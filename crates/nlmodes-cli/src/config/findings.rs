@@ -1,6 +1,6 @@
 //! The problems of one scene, as they are found.
 
-use crate::config::{Document, Problem, Severity};
+use crate::config::{Document, Problem, Severity, problem};
 
 /// The problems of one scene, as they are found.
 #[derive(Debug)]
@@ -35,6 +35,12 @@ impl<'a> Findings<'a> {
         self.document.place(path).is_some()
     }
 
+    /// Whether an unknown key was probably meant to be this one (the name without its table).
+    pub fn has_misspelt(&self, name: &str) -> bool {
+        let guess = format!("did you mean `{name}`?");
+        self.problems.iter().filter_map(|problem| problem.place.as_ref()).any(|place| place.label == guess)
+    }
+
     /// The value of a key as the scene writes it.
     pub fn written(&self, path: &str) -> String {
         self.document.written(path)
@@ -45,10 +51,8 @@ impl<'a> Findings<'a> {
         self.problems.iter().any(|problem| problem.severity == Severity::Error)
     }
 
-    /// All of them in the order of the text, errors before warnings.
-    pub fn into_sorted(mut self) -> Vec<Problem> {
-        let start = |problem: &Problem| problem.place.as_ref().map_or(0, |mark| mark.range.start);
-        self.problems.sort_by_key(|problem| (problem.severity, start(problem)));
-        self.problems
+    /// Each of them once, in the order of the text, errors before warnings.
+    pub fn into_sorted(self) -> Vec<Problem> {
+        problem::each_once(self.problems)
     }
 }

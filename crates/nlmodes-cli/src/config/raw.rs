@@ -13,7 +13,7 @@ mod updating;
 mod virtual_test;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
-pub use method::RawMethod;
+pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;

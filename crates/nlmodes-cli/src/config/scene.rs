@@ -40,6 +40,9 @@ pub struct Scene {
     /// For which points Floquet multipliers are computed.
     #[serde(default = "auto")]
     pub stability: StabilityChoice,
+    /// What looks wrong with the scene, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// What a scene that was written before there was a choice means.
@@ -174,6 +177,9 @@ pub struct Method {
     pub mode: usize,
     /// Number of harmonics beside the mean; the largest where several are asked for.
     pub harmonics: usize,
+    /// What chooses harmonics and held modes instead; `harmonics` is then the smallest number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// All numbers of harmonics for which a branch is computed, ascending.
     #[serde(default, skip_serializing_if = "is_single")]
     pub harmonics_list: Vec<usize>,
@@ -191,6 +197,15 @@ pub struct Method {
     pub symmetry: Symmetry,
     /// Number of held modes that carry the dynamics; `None`: chosen by the program.
     pub held_modes: Option<usize>,
+}
+
+/// An accuracy by which harmonics and held modes are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Largest relative error of the frequency at the same energy.
+    pub error: f64,
+    /// Most harmonics.
+    pub max_harmonics: usize,
 }
 
 fn is_single(list: &[usize]) -> bool {

@@ -28,6 +28,8 @@ struct Summary<'a> {
     linear_frequencies_hz: LinearFrequencies,
     grazing: GrazingPoint,
     method: MethodUsed,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<AccuracyUsed>,
     points: usize,
     events: Vec<EventAt<'a>>,
     internal_resonances: Vec<Resonance>,
@@ -57,6 +59,40 @@ pub struct MethodUsed {
     held_modes: usize,
     held_modes_at_contacts: usize,
     largest_unfolding: Option<f64>,
+}
+
+/// What was chosen for an accuracy, and by which estimate.
+#[derive(Serialize)]
+struct AccuracyUsed {
+    asked: f64,
+    /// Of all points.
+    largest_error_estimate: f64,
+    largest_error_estimate_of_held_modes: f64,
+    reached: bool,
+    points_beyond: usize,
+    harmonics_min: usize,
+    harmonics_max: usize,
+    changes_of_harmonics: usize,
+    held_modes: usize,
+    held_modes_of: usize,
+}
+
+impl AccuracyUsed {
+    fn new(scene: &Scene, computed: &ComputedBranch) -> Option<Self> {
+        let (asked, reached) = (scene.method.accuracy?, computed.accuracy?);
+        Some(Self {
+            asked: asked.error,
+            largest_error_estimate: reached.largest_estimate,
+            largest_error_estimate_of_held_modes: reached.largest_held_modes_estimate,
+            reached: reached.points_beyond == 0,
+            points_beyond: reached.points_beyond,
+            harmonics_min: reached.harmonics[0],
+            harmonics_max: reached.harmonics[1],
+            changes_of_harmonics: reached.changes,
+            held_modes: computed.structure.n_held_modes(),
+            held_modes_of: computed.structure.model().linear_dofs().len(),
+        })
+    }
 }
 
 #[derive(Serialize)]
@@ -216,6 +252,7 @@ pub fn write(
             contact_amplitude_m: computed.grazing.scales().length,
         },
         method: method_used(scene, computed),
+        accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
         events: events.collect(),
         internal_resonances: resonances(computed),

@@ -69,7 +69,7 @@ impl Point {
         }
         let model = model(&scene)?;
         let (omega, coefficients) = read_point(&path, number, &model)?;
-        if coefficients.n_harmonics() != scene.method.harmonics {
+        if scene.method.accuracy.is_none() && coefficients.n_harmonics() != scene.method.harmonics {
             let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
             return Err(VerifyError::Foreign { what: "number of harmonics", found, expected });
         }

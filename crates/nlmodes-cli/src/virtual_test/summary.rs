@@ -171,6 +171,7 @@ pub fn json(
         "sample_rate_hz": scene.sample_rate,
         "seed": scene.seed,
         "loop": scene.control,
+        "warnings": scene.warnings,
         "levels": levels,
         "backbone": backbones.first(),
         "backbones": backbones,

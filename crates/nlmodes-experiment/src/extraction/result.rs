@@ -116,6 +116,7 @@ impl RecordExtraction {
             contact_intervals: contact.map_or(0, |contact| contact.intervals_per_period.round() as usize),
             peak_contact_force: contact.map_or(f64::NAN, |contact| contact.peak_force.value),
             residual: f64::NAN,
+            error_estimate: None,
             events: vec![],
         })
     }

@@ -7,7 +7,7 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; 16] = [
+pub const BRANCH_COLUMNS: [&str; 18] = [
     "point",
     "frequency_hz",
     "energy_j",
@@ -24,6 +24,8 @@ pub const BRANCH_COLUMNS: [&str; 16] = [
     "stable",
     "largest_multiplier",
     "multiplier_angle_deg",
+    "harmonics",
+    "error_estimate",
 ];
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
@@ -159,6 +161,8 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         point.stability.map_or_else(String::new, |s| s.stable.to_string()),
         point.stability.map_or_else(String::new, |s| number(s.magnitude())),
         point.stability.filter(|s| !s.stable).map_or_else(String::new, |s| number(s.angle_deg())),
+        point.coefficients.n_harmonics().to_string(),
+        point.error_estimate.map_or_else(String::new, number),
     ]
 }
 

@@ -2,16 +2,17 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nlmodes_continuation::{RunLog, TreeBranch};
-use nlmodes_hbm::{CondensedStructure, Grazing, grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
+use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
 use super::prepare::{check_window, condense, exact, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Tracer};
-use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
+use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
@@ -63,23 +64,54 @@ pub fn compute_tree_with_log(
     log: &mut dyn RunLog,
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
-    if settings.method == BranchMethod::Shooting {
-        shooting_modes(&model, settings)?;
+    let (mut settings, fewest, mut at_least) = (settings.clone(), settings.harmonics, 0);
+    if let Some(accuracy) = settings.accuracy {
+        settings.harmonics = first_harmonics(accuracy, fewest);
     }
-    let structure = Arc::new(condense(model, settings)?);
+    loop {
+        match with_modes(&model, &settings, [fewest, at_least], log, &mut observe)? {
+            WithModes::Done(tree) => return Ok(tree),
+            WithModes::TooFew(modes) => at_least = 2 * modes,
+        }
+        // Where nothing more is wanted, the next point will tell.
+        let _ = observe(BranchProgress::Withdrawn { branch: 0, kept: 0 });
+    }
+}
+
+/// What comes of a number of held modes.
+enum WithModes {
+    Done(ComputedTree),
+    /// So many do not reach the accuracy.
+    TooFew(usize),
+}
+
+fn with_modes(
+    model: &MasslessContactModel,
+    settings: &BranchSettings,
+    [fewest, at_least]: [usize; 2],
+    log: &mut dyn RunLog,
+    observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
+) -> Result<WithModes, StudyError> {
+    if settings.method == BranchMethod::Shooting {
+        shooting_modes(model, settings)?;
+    }
+    let structure = Arc::new(condense(model.clone(), settings, at_least)?);
     let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
-    let mut tracer = Tracer::new(&structure, &start, settings, log)?;
+    let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
     let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
     let start_event = if settings.start == BranchStart::Grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
-        (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, &mut observe)?,
+        (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
         (_, ResonanceRule::Skip) => {
-            let (found, end) = skip::follow(&mut tracer, seed, start_event, &mut observe)?;
+            let (found, end) = skip::follow(&mut tracer, seed, start_event, observe)?;
             (vec![Traced { found, end, origin: None }], 0)
         }
-        (_, ResonanceRule::Follow) => (vec![one(&mut tracer, &seed, start_event, &mut observe)?], 0),
+        (_, ResonanceRule::Follow) => (vec![one(&mut tracer, &seed, start_event, observe)?], 0),
     };
+    if tracer.too_few_modes {
+        return Ok(WithModes::TooFew(structure.n_held_modes()));
+    }
     let branches = traced.into_iter().enumerate().map(|(number, traced)| {
         let Traced { found, end, origin } = traced;
         let name = if number == 0 {
@@ -88,8 +120,15 @@ pub fn compute_tree_with_log(
             format!("branch {number}")
         };
         let unknowns: Vec<Vec<f64>> = found.unknowns;
-        let unfolding = unknowns.iter().filter_map(|x| tracer.problem.unfolding(x)).map(f64::abs);
-        ComputedBranch {
+        // δ is the last unknown, whatever the number of harmonics.
+        let free = settings.symmetry == Symmetry::None && settings.method == BranchMethod::HarmonicBalance;
+        let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
+        let accuracy = settings.accuracy.map(|_| AccuracyReached {
+            largest_held_modes_estimate: found.largest_held_modes_error,
+            changes: found.changes,
+            ..AccuracyReached::default()
+        });
+        let mut computed = ComputedBranch {
             largest_unfolding: unfolding.reduce(f64::max),
             branch: modal_branch(&tracer, name, found.points, end),
             structure: Arc::clone(&structure),
@@ -97,13 +136,16 @@ pub fn compute_tree_with_log(
             origin,
             unknowns,
             evaluations: found.evaluations,
-            contact_iterations: tracer.problem.contact_iterations(),
+            contact_iterations: tracer.contact_iterations(),
             refused_steps: found.refused_steps,
+            accuracy,
             settings: settings.clone(),
-        }
+        };
+        computed.review_accuracy();
+        computed
     });
     let branches = branches.collect();
-    Ok(ComputedTree { branches, not_followed })
+    Ok(WithModes::Done(ComputedTree { branches, not_followed }))
 }
 
 /// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.

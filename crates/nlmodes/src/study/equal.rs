@@ -49,7 +49,7 @@ impl ComputedBranch {
         let way: Vec<f64> = to.iter().zip(&from).map(|(b, a)| b - a).collect();
         let length = way.iter().map(|w| w * w).sum::<f64>().sqrt();
         let direction: Vec<f64> = way.iter().map(|w| w / length).collect();
-        let (mut shares, mut off) = ([0.0, 1.0], ends);
+        let (mut shares, mut off, mut last) = ([0.0, 1.0], ends, None);
         for _ in 0..MAX_STEPS {
             let share = (shares[0] * off[1] - shares[1] * off[0]) / (off[1] - off[0]);
             let guess: Vec<f64> = from.iter().zip(&way).map(|(a, w)| a + share * w).collect();
@@ -64,7 +64,11 @@ impl ComputedBranch {
             }
             let end = usize::from((found > 0.0) == (off[1] > 0.0));
             (shares[end], off[end]) = (share, found);
-            off[1 - end] *= 0.5;
+            // An end that stays twice counts half.
+            if last == Some(end) {
+                off[1 - end] *= 0.5;
+            }
+            last = Some(end);
         }
         Ok(None)
     }

@@ -36,6 +36,14 @@ impl Periodic<'_> {
         }
     }
 
+    /// The problem in harmonics, if it is one.
+    pub fn harmonics(&self) -> Option<&MixedShooting<'_>> {
+        match self {
+            Self::Harmonics(problem) => Some(problem),
+            Self::Exact(_) => None,
+        }
+    }
+
     /// Index of the frequency among the unknowns.
     pub fn frequency_index(&self) -> usize {
         match self {
@@ -49,14 +57,6 @@ impl Periodic<'_> {
         match self {
             Self::Harmonics(problem) => problem.omega(x),
             Self::Exact(problem) => problem.omega(x),
-        }
-    }
-
-    /// The unfolding parameter of the unknowns `x`, if there is one.
-    pub fn unfolding(&self, x: &[f64]) -> Option<f64> {
-        match self {
-            Self::Harmonics(problem) => problem.unfolding(x),
-            Self::Exact(_) => None,
         }
     }
 

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, grazing};
+use nlmodes_hbm::{
+    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing,
+};
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
 
@@ -20,11 +22,16 @@ const HIDDEN_MODES: usize = 3;
 /// Up to this size all modes of the held structure are used.
 const ALL_HELD_MODES: usize = 400;
 
+/// The structure with the held modes that the settings ask for, where an accuracy chooses them with `at_least` so many.
 pub(super) fn condense(
     model: MasslessContactModel,
     settings: &BranchSettings,
+    at_least: usize,
 ) -> Result<CondensedStructure, StudyError> {
     let size = model.linear_dofs().len();
+    if let Some(accuracy) = settings.accuracy {
+        return super::accuracy::condense(model, settings, accuracy, at_least);
+    }
     if let Some(count) = settings.held_modes {
         return Ok(CondensedStructure::new(model, count)?);
     }
@@ -99,12 +106,20 @@ pub(super) fn problem<'s>(
     start: &Grazing,
 ) -> Result<MixedShooting<'s>, StudyError> {
     let solver = solver_by_name(&settings.contact_solver)?;
-    let own = MixedShootingSettings {
-        harmonics: settings.harmonics,
-        symmetry: settings.symmetry,
-        switching: settings.switching,
-    };
-    Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
+    Ok(MixedShooting::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
+}
+
+pub(super) fn estimator<'s>(
+    structure: &'s CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+) -> Result<TruncationEstimator<'s>, StudyError> {
+    let solver = solver_by_name(&settings.contact_solver)?;
+    Ok(TruncationEstimator::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
+}
+
+fn harmonic_settings(settings: &BranchSettings) -> MixedShootingSettings {
+    MixedShootingSettings { harmonics: settings.harmonics, symmetry: settings.symmetry, switching: settings.switching }
 }
 
 pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency: usize, dim: usize) -> Continuation {

@@ -1,6 +1,8 @@
 use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{Switching, Symmetry};
 
+use super::Accuracy;
+
 /// Where a branch begins, and which way it goes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum BranchStart {
@@ -78,6 +80,10 @@ pub struct BranchSettings {
     pub mode: usize,
     /// Highest harmonic `N_h`; with shooting, up to which the coefficients of the exact motion are given. Default 5.
     pub harmonics: usize,
+    /// Accuracy by which harmonics are chosen along the branch, with `harmonics` of them at least, and held modes; for harmonic balance
+    /// with exact switching, and not together with [`BranchPointRule::All`], whose branches keep the harmonics with which they begin.
+    /// Default none: `harmonics` holds.
+    pub accuracy: Option<Accuracy>,
     /// Which motions are admitted. Default even in time.
     pub symmetry: Symmetry,
     /// How the instants of contact are treated. Default exact.
@@ -113,6 +119,7 @@ impl Default for BranchSettings {
             method: BranchMethod::HarmonicBalance,
             mode: 1,
             harmonics: 5,
+            accuracy: None,
             symmetry: Symmetry::Even,
             switching: Switching::Exact,
             contact_solver: "active-set".to_owned(),

@@ -119,7 +119,7 @@ fn resume(
             return Ok(Behind::Window);
         }
         let target = Target::Frequency(hz);
-        let seed = match refined(tracer.structure, tracer.settings, tracer.grazing, target, upward, tracer.log) {
+        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, target, upward, tracer.log) {
             Ok(seed) => seed,
             Err(error @ StudyError::NoStart { .. }) => {
                 why = error.to_string();

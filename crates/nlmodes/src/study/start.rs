@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, RealSeries};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
 use nlmodes_modal::ModalPoint;
 
 use super::homotopy;
@@ -29,6 +29,8 @@ pub(super) struct Seed {
     pub x: Vec<f64>,
     pub p: f64,
     pub direction: Vec<f64>,
+    /// Number of harmonics of `x`, or of the exact motion.
+    pub harmonics: usize,
 }
 
 /// Where frequency and parameter stand in `z = (x, p)`.
@@ -99,12 +101,15 @@ pub(super) fn seed(
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
             let (x, direction) = problem.start(start);
-            return Ok(Seed { x, p: 0.0, direction });
+            return Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics });
         }
     };
     let mut other = periodic(structure, settings, start)?;
     match on_backbone(&mut other, settings, start, target, log) {
-        Ok((x, p)) => Ok(Seed { x, p, direction: along(problem.into(), start, target, upward) }),
+        Ok((x, p)) => {
+            let direction = along(problem.into(), start, target, upward);
+            Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+        }
         Err(_) => refined(structure, settings, start, target, upward, log),
     }
 }
@@ -170,7 +175,8 @@ fn exact_seed(
         .ok_or_else(|| {
             target.not_found("Newton's method does not lead from harmonics to an exact motion".to_owned())
         })?;
-    Ok(Seed { x, p, direction: along((&problem).into(), start, target, upward) })
+    let direction = along((&problem).into(), start, target, upward);
+    Ok(Seed { x, p, direction, harmonics: settings.harmonics })
 }
 
 fn refined_from(
@@ -190,7 +196,7 @@ fn refined_from(
         let step = BranchSettings { harmonics, ..settings.clone() };
         let problem = self::problem(structure, &step, start)?;
         let finer = problem.series();
-        let guess = embed(&x, series, finer, start.mean.len(), problem.dim());
+        let guess = problem.resized(&x, series);
         let direction = along((&problem).into(), start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate((&problem).into(), start);
@@ -203,7 +209,8 @@ fn refined_from(
     }
     let mut problem = self::problem(structure, settings, start)?;
     let point = problem.modal_point(&x, 0.0)?;
-    Ok((Seed { x, p, direction: along((&problem).into(), start, target, upward) }, point))
+    let direction = along((&problem).into(), start, target, upward);
+    Ok((Seed { x, p, direction, harmonics: settings.harmonics }, point))
 }
 
 /// The point at the target to which the branch leads from grazing.
@@ -262,23 +269,6 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, StudyErr
 fn ladder(first: usize, last: usize) -> Vec<usize> {
     let steps = std::iter::successors(Some(first), |h| Some(h + h.div_ceil(2))).skip(1);
     steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
-}
-
-/// The same motion with more harmonics, the new ones zero.
-fn embed(x: &[f64], from: RealSeries, to: RealSeries, n_contact_dofs: usize, dim: usize) -> Vec<f64> {
-    let (old, new) = (from.width(), to.width());
-    let mut larger = vec![0.0; dim];
-    for d in 0..n_contact_dofs {
-        for n in 0..=from.n_harmonics {
-            larger[d * new + n] = x[d * old + n];
-            if let (true, Some(sine), Some(target)) = (n > 0, from.sine(n), to.sine(n)) {
-                larger[d * new + target] = x[d * old + sine];
-            }
-        }
-    }
-    let (tail, larger_tail) = (n_contact_dofs * old, n_contact_dofs * new);
-    larger[larger_tail..].copy_from_slice(&x[tail..]);
-    larger
 }
 
 /// Unit vector along the coordinate that the target fixes.

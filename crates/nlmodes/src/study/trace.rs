@@ -5,16 +5,17 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{
     Bound, Branch, BranchPoint, BranchTree, Continuation, ParametricSystem, RunLog, StopReason,
 };
-use nlmodes_hbm::{CondensedStructure, Grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, TruncationError, TruncationEstimator};
 use nlmodes_modal::ModalPoint;
 
+use super::accuracy::Control;
 use super::events::event_name;
 use super::periodic::Periodic;
-use super::prepare::{continuation, periodic};
+use super::prepare::{continuation, estimator, periodic};
 use super::resonances::Resonances;
 use super::stability::{Probe, length};
 use super::start::Seed;
-use super::{BranchSettings, StudyError};
+use super::{BranchMethod, BranchSettings, StudyError};
 
 /// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may take.
 const CHANGE_LOCATED: f64 = 1e-7;
@@ -24,15 +25,23 @@ const MOST_HALVINGS: usize = 40;
 pub(super) struct Tracer<'s> {
     pub structure: &'s CondensedStructure,
     pub grazing: &'s Grazing,
-    pub settings: &'s BranchSettings,
+    /// With the present number of harmonics.
+    pub settings: BranchSettings,
     pub problem: Periodic<'s>,
     pub log: &'s mut dyn RunLog,
     /// Evaluates points while the problem is at work elsewhere.
-    viewer: Viewer<'s>,
+    pub(super) viewer: Viewer<'s>,
+    /// Where an accuracy is asked for.
+    pub(super) estimator: Option<TruncationEstimator<'s>>,
+    control: Option<Control>,
+    /// The branch was given up since the held modes do not reach the accuracy.
+    pub too_few_modes: bool,
+    /// Iterations of the contact solver in the problems before the present one.
+    earlier_iterations: usize,
 }
 
 /// What turns a solution into a modal point.
-struct Viewer<'s> {
+pub(super) struct Viewer<'s> {
     problem: Periodic<'s>,
     harmonics: usize,
     resonances: Resonances<'s>,
@@ -93,7 +102,8 @@ impl<'s> Tracer<'s> {
     pub fn new(
         structure: &'s CondensedStructure,
         grazing: &'s Grazing,
-        settings: &'s BranchSettings,
+        settings: &BranchSettings,
+        fewest: usize,
         log: &'s mut dyn RunLog,
     ) -> Result<Self, StudyError> {
         let problem = periodic(structure, settings, grazing)?;
@@ -103,7 +113,42 @@ impl<'s> Tracer<'s> {
             resonances: Resonances::new(structure),
             probe: Probe::new(structure.model(), settings, grazing),
         };
-        Ok(Self { structure, grazing, settings, problem, log, viewer })
+        let accuracy = settings.accuracy.filter(|_| settings.method == BranchMethod::HarmonicBalance);
+        let more_modes =
+            settings.held_modes.is_none() && structure.n_held_modes() < structure.model().linear_dofs().len();
+        Ok(Self {
+            structure,
+            grazing,
+            settings: settings.clone(),
+            problem,
+            log,
+            viewer,
+            estimator: accuracy.map(|_| estimator(structure, settings, grazing)).transpose()?,
+            control: accuracy.map(|accuracy| Control::new(accuracy, fewest, more_modes)),
+            too_few_modes: false,
+            earlier_iterations: 0,
+        })
+    }
+
+    /// Goes on with another number of harmonics.
+    pub(super) fn set_harmonics(&mut self, harmonics: usize) -> Result<(), StudyError> {
+        if harmonics == self.settings.harmonics {
+            return Ok(());
+        }
+        self.earlier_iterations += self.problem.contact_iterations();
+        self.settings.harmonics = harmonics;
+        self.problem = periodic(self.structure, &self.settings, self.grazing)?;
+        self.viewer.problem = periodic(self.structure, &self.settings, self.grazing)?;
+        self.viewer.harmonics = harmonics;
+        if self.estimator.is_some() {
+            self.estimator = Some(estimator(self.structure, &self.settings, self.grazing)?);
+        }
+        Ok(())
+    }
+
+    /// Iterations of the contact solver so far.
+    pub fn contact_iterations(&self) -> usize {
+        self.earlier_iterations + self.problem.contact_iterations()
     }
 
     /// Follows the branch from `seed`, within one more bound, and shows every point to `each`.
@@ -114,7 +159,12 @@ impl<'s> Tracer<'s> {
         first: First,
         mut each: impl FnMut(&ModalPoint) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), StudyError> {
-        let mut method = continuation(self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
+        if let Some(mut control) = self.control.take() {
+            let outcome = self.trace_accurately(&mut control, seed, bound, first, &mut each);
+            self.control = Some(control);
+            return outcome;
+        }
+        let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
         let mut found = Found::new(&first);
         let viewer = &mut self.viewer;
@@ -133,7 +183,7 @@ impl<'s> Tracer<'s> {
         start_event: &str,
         mut each: impl FnMut(usize, &ModalPoint) -> ControlFlow<()>,
     ) -> Result<(Vec<Found>, BranchTree), StudyError> {
-        let method = continuation(self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
+        let method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         let max_branches = self.settings.max_branches;
         let mut all = vec![Found::new(&First::Named(start_event))];
         let viewer = &mut self.viewer;
@@ -170,6 +220,9 @@ pub(super) struct Found {
     pub unknowns: Vec<Vec<f64>>,
     pub evaluations: usize,
     pub refused_steps: usize,
+    /// Changes of the number of harmonics, and the largest error that the held modes left out cause, by estimate.
+    pub changes: usize,
+    pub largest_held_modes_error: f64,
     /// Points kept when each point of the continuation had been seen.
     seen: Vec<usize>,
     start_event: Option<String>,
@@ -181,7 +234,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    fn new(first: &First) -> Self {
+    pub(super) fn new(first: &First) -> Self {
         let start_event = if let First::Named(name) = first { Some((*name).to_owned()) } else { None };
         Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
     }
@@ -205,9 +258,22 @@ impl Found {
             // What the continuation meets at the start is the grazing itself.
             return None;
         }
-        let mut modal = viewer.see(&point.x, point.residual)?;
         let named = self.start_event.take_if(|_| is_first);
-        modal.events = named.into_iter().chain(point.events.iter().map(|e| event_name(*e).to_owned())).collect();
+        self.add(viewer, point, named.into_iter().collect(), None)
+    }
+
+    /// Adds a point with these events beside those of the continuation, and before it the one at which the stability changes.
+    fn add(
+        &mut self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        names: Vec<String>,
+        error: Option<TruncationError>,
+    ) -> Option<()> {
+        let mut modal = viewer.see(&point.x, point.residual)?;
+        modal.events = names.into_iter().chain(point.events.iter().map(|e| event_name(*e).to_owned())).collect();
+        modal.error_estimate = error.map(|e| e.frequency);
+        self.largest_held_modes_error = error.map_or(0.0, |e| e.held_modes).max(self.largest_held_modes_error);
         if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
             self.push(change, x);
         }
@@ -230,10 +296,41 @@ impl Found {
         modal: &ModalPoint,
     ) -> Option<(Vec<f64>, ModalPoint)> {
         let (before, now) = (self.points.last()?.stability?.stable, modal.stability?.stable);
-        let from = self.last.as_ref().filter(|_| before != now)?;
+        // A change of the number of harmonics is no way along which to look.
+        let from = self.last.as_ref().filter(|last| before != now && last.len() == point.x.len() + 1)?;
         let (x, mut change) = viewer.change(from, &point.z(), now)?;
         change.events.push(ModalPoint::STABILITY_CHANGE.to_owned());
         Some((x, change))
+    }
+
+    /// A run begins, from a point that has not been seen.
+    pub(super) fn begin(&mut self) {
+        self.start = None;
+    }
+
+    /// Whether the first point of a run has not been left yet.
+    pub(super) fn is_at_start(&self) -> bool {
+        self.start.is_none()
+    }
+
+    /// A run leaves its first point.
+    pub(super) fn leave_start(&mut self, point: &BranchPoint) {
+        self.start = Some(point.x.clone());
+    }
+
+    /// Keeps a point with an estimate of its error and with these events.
+    pub(super) fn keep_named(
+        &mut self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        names: Vec<String>,
+        error: Option<TruncationError>,
+    ) -> &[ModalPoint] {
+        let before = self.points.len();
+        if point.events.is_empty() || !self.is_start(point) {
+            self.add(viewer, point, names, error);
+        }
+        &self.points[before..]
     }
 
     /// Index of the point kept last when point `number` of the continuation had been seen.
@@ -241,7 +338,7 @@ impl Found {
         self.seen.get(number).map_or(0, |n| n.saturating_sub(1))
     }
 
-    fn count(&mut self, branch: &Branch) {
+    pub(super) fn count(&mut self, branch: &Branch) {
         self.evaluations += branch.evaluations;
         self.refused_steps += branch.refused_steps;
     }
@@ -262,6 +359,8 @@ impl Found {
         self.unknowns.append(&mut other.unknowns);
         self.evaluations += other.evaluations;
         self.refused_steps += other.refused_steps;
+        self.changes += other.changes;
+        self.largest_held_modes_error = self.largest_held_modes_error.max(other.largest_held_modes_error);
     }
 
     pub fn reverse(&mut self) {

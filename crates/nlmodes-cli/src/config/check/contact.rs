@@ -73,11 +73,21 @@ fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
         mesh.elements(),
     );
     let problem = if at > length {
-        Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)))
+        let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+        perhaps_millimetres(Problem::error(title), at, length)
     } else {
         Problem::error(format!("`{path}` is not at a node of the mesh"))
     };
     findings.put(&path, problem, label);
+}
+
+/// Adds what to write if a position beyond the end of the structure is one in millimetres.
+pub fn perhaps_millimetres(problem: Problem, at: f64, length: f64) -> Problem {
+    let metres = at * 1e-3;
+    if metres > length || at < 10.0 * length {
+        return problem;
+    }
+    problem.help(format!("if {} mm is meant, write {}", number(at), number(metres)))
 }
 
 /// Whether the node of the contact is free to move in its direction.

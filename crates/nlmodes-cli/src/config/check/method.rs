@@ -1,13 +1,17 @@
 use super::shooting;
 use crate::config::check::nodes::free_dofs;
-use crate::config::raw::{RawMethod, RawScene};
+use crate::config::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawScene};
 use crate::config::scene::{
-    Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching, Symmetry,
+    Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
+    Symmetry,
 };
 use crate::config::{Findings, Problem};
 
 /// Fewest samples a period where the scene does not say.
 const MIN_DEFAULT_SAMPLES: usize = 256;
+
+/// Fewest harmonics that an accuracy chooses where the scene does not say.
+const FEWEST: usize = 2;
 
 pub fn check(
     method: &RawMethod,
@@ -19,6 +23,7 @@ pub fn check(
     let mass_rule = mass_rule(method, kind, findings);
     let stiffness = stiffness(method, scene, kind, findings);
     let samples = samples(method, findings);
+    let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, findings) };
     let mode = method.mode.map_or(1, |mode| mode as usize);
     check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
     if kind == MethodKind::Shooting {
@@ -31,6 +36,7 @@ pub fn check(
         kind,
         mode,
         harmonics: most_harmonics(method)?,
+        accuracy,
         harmonics_list: harmonics_list(method),
         switching: method.switching.unwrap_or(Switching::Exact),
         samples: samples?,
@@ -92,9 +98,49 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
     method.contact_stiffness_n_m.filter(|_| kind != MethodKind::MsHbm)
 }
 
-/// The numbers of harmonics, ascending, each once.
+/// The accuracy, with what it cannot stand together with.
+fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Accuracy> {
+    let path = "method.max_harmonics";
+    let Some(error) = method.accuracy else {
+        if findings.has(path) && !findings.has("method.accuracy") {
+            let problem = Problem::warning(format!("`{path}` has no effect"));
+            findings.put(path, problem, "only `accuracy` chooses a number of harmonics");
+        }
+        return None;
+    };
+    let max_harmonics = method.max_harmonics.unwrap_or(DEFAULT_MAX_HARMONICS) as usize;
+    let list = harmonics_list(method);
+    if list.len() > 1 {
+        let problem = Problem::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
+        let problem =
+            problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
+        findings.put("method.harmonics", problem, "expected a single number beside `accuracy`");
+    } else if let Some(fewest) = list.first().filter(|fewest| **fewest > max_harmonics) {
+        let problem = Problem::error("`method.harmonics` is more than `method.max_harmonics`");
+        findings.put("method.harmonics", problem, format!("found {fewest}, expected at most {max_harmonics}"));
+    }
+    if method.switching == Some(Switching::Sampled) {
+        let problem = Problem::error("`method.accuracy` does not see the error of sampling");
+        let problem = problem.help("leave `switching` out: exact instants have no such error and cost less");
+        findings.put("method.switching", problem, "expected \"exact\" beside `accuracy`");
+    }
+    let all = scene.continuation.as_ref().and_then(|c| c.at_branch_point) == Some(AtBranchPoint::All);
+    if all {
+        let path = "continuation.at_branch_point";
+        let problem = Problem::error("`method.accuracy` cannot follow all arms of branch points");
+        let problem =
+            problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
+        findings.put(path, problem, "found \"all\" beside `method.accuracy`");
+    }
+    Some(Accuracy { error, max_harmonics })
+}
+
+/// The numbers of harmonics, ascending, each once; the smallest that an accuracy may choose where only that is given.
 fn harmonics_list(method: &RawMethod) -> Vec<usize> {
     let mut list: Vec<usize> = method.harmonics.iter().flatten().map(|h| *h as usize).collect();
+    if method.harmonics.is_none() && method.accuracy.is_some() {
+        list.push(FEWEST.min(method.max_harmonics.map_or(FEWEST, |most| most as usize)));
+    }
     list.sort_unstable();
     list.dedup();
     list

@@ -19,6 +19,11 @@ pub fn check(method: &RawMethod, findings: &mut Findings<'_>) {
             .help("its motions are exact whatever the number; it says how many harmonics of them are written");
         findings.put(path, problem, "expected one whole number");
     }
+    if method.accuracy.is_some() {
+        let problem = Problem::error("`method.accuracy` is of no use to shooting")
+            .help("its motions are exact; method.harmonics says how many harmonics of them are written");
+        findings.put("method.accuracy", problem, "expected `harmonics` instead");
+    }
     if method.switching == Some(Switching::Sampled) {
         let problem = Problem::warning("`method.switching` has no effect");
         findings.put("method.switching", problem, "shooting finds the instants of touching and leaving as roots");

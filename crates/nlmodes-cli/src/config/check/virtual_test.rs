@@ -19,6 +19,8 @@ const LAG_DEG: f64 = 90.0;
 const BACKBONE_HARMONICS: u32 = 20;
 /// Most samples of a record: a slip of a unit should not fill the memory.
 const MAX_SAMPLES: f64 = 1e7;
+/// Most samples of a whole test, some hours of computing.
+const MAX_TEST_SAMPLES: f64 = 1e9;
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Option<TestScene> {
@@ -58,7 +60,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         }),
         None => None,
     };
-    Some(TestScene {
+    let scene = TestScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         damping_ratios: damping_ratios?,
@@ -76,7 +78,27 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         backbone,
         settings: settings?,
         output_directory: super::output_directory(raw.output.as_ref(), stem),
-    })
+        warnings: Vec::new(),
+    };
+    super::plausible::warn_of_test(&scene, findings);
+    duration(&scene, findings);
+    Some(scene)
+}
+
+/// The longest that the test can take, over all levels.
+fn duration(scene: &TestScene, findings: &mut Findings<'_>) {
+    let schedule = &scene.schedule;
+    let level = schedule.ramp + schedule.hold.longest + schedule.record;
+    let samples = level * schedule.levels.len() as f64 * scene.sample_rate;
+    // Also what is not finite.
+    let sound = samples <= MAX_TEST_SAMPLES;
+    if !sound {
+        let problem = Problem::error(format!("the test may take {} samples", number(samples))).help(
+            "lower `longest_hold_s`, `ramp_s`, `record_s`, the number of levels or `virtual_test.sample_rate_hz`",
+        );
+        let label = format!("expected at most {} samples over all levels", number(MAX_TEST_SAMPLES));
+        findings.put("virtual_test.schedule", problem, label);
+    }
 }
 
 /// Everything on the bench stands beside the structure.
@@ -90,6 +112,7 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
         if x.is_some_and(|x| x > length) {
             let problem =
                 Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)));
+            let problem = super::contact::perhaps_millimetres(problem, x.unwrap_or(0.0), length);
             let label =
                 format!("found {}, expected a number from 0 to {}, in m", findings.written(&path), number(length));
             findings.put(&path, problem, label);
@@ -115,7 +138,8 @@ fn damping_ratios(raw: &RawTestScene, findings: &mut Findings<'_>) -> Option<Vec
     let own = raw.virtual_test.as_ref().and_then(|test| test.damping_ratios.clone());
     let imposed = raw.structure.as_ref().and_then(|structure| structure.modes.as_ref());
     let found = own.or_else(|| imposed.and_then(|modes| modes.damping_ratios.clone()));
-    if found.is_none() && !findings.has(PATH) && !findings.has("structure.modes.damping_ratios") {
+    let is_written = findings.has(PATH) || findings.has("structure.modes.damping_ratios");
+    if found.is_none() && !is_written && !findings.has_misspelt("damping_ratios") {
         let problem = Problem::error(format!("`{PATH}` is missing"));
         let problem = problem.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
         findings.put(PATH, problem, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");

@@ -5,12 +5,15 @@ use crate::config::scene::{ContactSolver, MassRule, MethodKind, Switching, Symme
 
 /// Most harmonics that a scene may ask for.
 pub const MAX_HARMONICS: u32 = 1000;
+/// Most harmonics that an accuracy chooses where the scene does not say.
+pub const DEFAULT_MAX_HARMONICS: u32 = 60;
 /// Most samples a period that a scene may ask for.
 pub const MAX_SAMPLES: u32 = 1 << 20;
 
 /// How the periodic motion is computed.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneRequired" = ["harmonics", "accuracy"]))]
 pub struct RawMethod {
     /// Method
     #[schemars(extend("default" = "ms-hbm"))]
@@ -20,8 +23,15 @@ pub struct RawMethod {
     pub mode: Option<u32>,
     /// Number of harmonics of the motion, beside its mean; a list computes one branch for each. With shooting, number of harmonics of the
     /// exact motion that are written
-    #[schemars(required, schema_with = "one_or_several_harmonics")]
+    #[schemars(schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
+    /// Largest relative error of the frequency, at the same energy, that may come from harmonics and held modes left out: chooses their
+    /// numbers, that of the harmonics anew along the branch, `harmonics` or 2 of them at least; default: none, `harmonics` holds
+    #[schemars(range(min = 1e-10, max = 0.01))]
+    pub accuracy: Option<f64>,
+    /// Most harmonics that `accuracy` may choose
+    #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = DEFAULT_MAX_HARMONICS))]
+    pub max_harmonics: Option<u32>,
     /// How the instants of touching and leaving are found
     #[schemars(extend("default" = "exact"))]
     pub switching: Option<Switching>,

@@ -44,6 +44,8 @@ pub struct TestScene {
     pub settings: ExtractionSettings,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// What looks wrong with the scene, in words.
+    pub warnings: Vec<String>,
 }
 
 impl TestScene {

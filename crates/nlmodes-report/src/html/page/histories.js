@@ -45,6 +45,17 @@ function historySpec(name, history, height) {
   return { name, x: { label: `time in ${clock.symbol}`, kind: "linear", room: 0 }, panels, height, alongX: true, describe, clock };
 }
 
+/// Names of histories that lie over each other.
+function curveNames(box, history) {
+  const list = html(box, "div", { class: "legend" });
+  for (const { color, label } of [history, ...history.others]) {
+    const entry = html(list, "span");
+    const sample = svg(entry, "svg", { width: 28, height: 14, viewBox: "0 0 28 14", "aria-hidden": "true" });
+    svg(sample, "line", { x1: 2, x2: 26, y1: 7, y2: 7, stroke: color || "currentColor", "stroke-width": 2.4 });
+    html(entry, "span", {}, label);
+  }
+}
+
 function interpolated(time, values, t) {
   const after = Math.max(1, time.findIndex(other => other >= t));
   const share = (t - time[after - 1]) / (time[after] - time[after - 1]);

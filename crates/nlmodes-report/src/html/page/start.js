@@ -42,6 +42,7 @@ function begin() {
   walk(byId("walk"), () => chosen, choose);
   for (const box of document.querySelectorAll("[data-history]")) {
     const history = DATA.histories[Number(box.dataset.history)];
+    if (history.others.length) curveNames(box, history);
     new Chart(box, historySpec(history.name, history, 130));
   }
   for (const button of document.querySelectorAll("button[data-point]")) {
