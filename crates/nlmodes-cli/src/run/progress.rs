@@ -164,8 +164,10 @@ impl Limits {
             (share, format!("{} Hz", number(end)))
         });
         let of_points = (points as f64 / self.points as f64, format!("{} points", self.points));
-        let all = of_frequency.chain(of_energy).chain([of_points]).filter(|(share, _)| share.is_finite());
+        // The later one counts where two are equal.
+        let all = std::iter::once(of_points).chain(of_frequency).chain(of_energy);
+        let all = all.filter(|(share, _)| share.is_finite());
         let (share, limit) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((share.clamp(0.0, 1.0), limit))
+        Some((share.clamp(0.0, 1.0) + 0.0, limit))
     }
 }
