@@ -133,10 +133,19 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
     let (found, stderr) = (Arc::new(AtomicUsize::new(0)), child.stderr.take().ok_or("no standard error")?);
     let count = Arc::clone(&found);
     let said = thread::spawn(move || {
-        let mut rest = String::new();
+        let (mut rest, mut last) = (String::new(), 0);
+        let number = |line: &str| -> Option<usize> {
+            let digits = line.split("point ").nth(1)?;
+            digits.split([':', ',']).next()?.parse().ok()
+        };
         for line in BufReader::new(stderr).lines().map_while(Result::ok) {
             if line.contains("point ") && line.contains(" residual ") {
+                last = number(&line).unwrap_or(last);
                 count.fetch_add(1, Ordering::SeqCst);
+            } else if let (true, Some(kept)) = (line.starts_with("back to point"), number(&line)) {
+                // A tongue is skipped: its points do not count, be they of this run or of the one before.
+                let before = count.load(Ordering::SeqCst);
+                count.store(before.saturating_sub(last + 1 - kept.min(last + 1)), Ordering::SeqCst);
             } else {
                 rest += &format!("{line}\n");
             }
@@ -190,7 +199,9 @@ fn kill_once(
         figures.before_first_point += 1;
     }
     // Points that are said again are those that an earlier kill had left in the table but not in the steps.
-    let lost = (before.saturating_sub(total)).max(new.saturating_sub(total));
+    let skips = call.iter().any(|word| word.contains("skip"));
+    let fewer = if skips { 0 } else { before.saturating_sub(total) };
+    let lost = fewer.max(new.saturating_sub(total));
     figures.lost = figures.lost.max(lost);
     let kept = steps(directory, figures)?;
     let again = total.saturating_sub(kept);
