@@ -133,20 +133,28 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
     let (found, stderr) = (Arc::new(AtomicUsize::new(0)), child.stderr.take().ok_or("no standard error")?);
     let count = Arc::clone(&found);
     let said = thread::spawn(move || {
-        let (mut rest, mut last) = (String::new(), 0);
+        let (mut rest, mut last) = (String::new(), None);
         let number = |line: &str| -> Option<usize> {
             let digits = line.split("point ").nth(1)?;
             digits.split([':', ',']).next()?.parse().ok()
         };
         for line in BufReader::new(stderr).lines().map_while(Result::ok) {
             if line.contains("point ") && line.contains(" residual ") {
-                last = number(&line).unwrap_or(last);
-                count.fetch_add(1, Ordering::SeqCst);
+                let found = number(&line);
+                // A branch that goes both ways says its start twice.
+                if found > last {
+                    count.fetch_add(1, Ordering::SeqCst);
+                }
+                last = found.max(last);
             } else if let (true, Some(kept)) = (line.starts_with("back to point"), number(&line)) {
                 // A tongue is skipped: its points do not count, be they of this run or of the one before.
-                let before = count.load(Ordering::SeqCst);
-                count.store(before.saturating_sub(last + 1 - kept.min(last + 1)), Ordering::SeqCst);
+                let withdrawn = last.map_or(0, |last: usize| (last + 1).saturating_sub(kept));
+                count.store(count.load(Ordering::SeqCst).saturating_sub(withdrawn), Ordering::SeqCst);
+                last = kept.checked_sub(1);
             } else {
+                if line.starts_with("part ") {
+                    last = None;
+                }
                 rest += &format!("{line}\n");
             }
         }

@@ -86,6 +86,11 @@ impl Progress {
         self.points = kept;
     }
 
+    /// So many points are there, and the branch goes the other way from its start, which is found once more.
+    pub fn turned(&mut self, points: usize) {
+        self.points = points;
+    }
+
     /// Clears the moving line.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {

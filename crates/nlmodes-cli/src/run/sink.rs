@@ -71,7 +71,10 @@ impl<'a> Sink<'a> {
             Ok(vec![writer])
         };
         match again() {
-            Ok(writers) => self.writers = writers,
+            Ok(writers) => {
+                self.progress.turned(writers.iter().map(BranchWriter::n_points).sum());
+                self.writers = writers;
+            }
             Err(failure) => self.failure = Some(failure),
         }
     }
