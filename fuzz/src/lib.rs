@@ -9,5 +9,4 @@ mod readers;
 pub use readers::{Scratch, Target, target};
 
 /// Names of all targets.
-pub const TARGETS: [&str; 9] =
-    ["scene", "record-scene", "test-scene", "csv", "uff", "wav", "npy", "lcp", "results"];
+pub const TARGETS: [&str; 9] = ["scene", "record-scene", "test-scene", "csv", "uff", "wav", "npy", "lcp", "results"];

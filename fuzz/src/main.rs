@@ -25,7 +25,10 @@ fn main() -> ExitCode {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("{error}\nusage: nlmodes-fuzz TARGET COUNT [SEED], or TARGET FILE; targets: {}", TARGETS.join(", "));
+            eprintln!(
+                "{error}\nusage: nlmodes-fuzz TARGET COUNT [SEED], or TARGET FILE; targets: {}",
+                TARGETS.join(", ")
+            );
             ExitCode::from(2)
         }
     }

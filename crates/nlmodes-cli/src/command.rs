@@ -11,7 +11,8 @@ use crate::claim::{Claim, Over, identity};
 use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
 use crate::options::RunOptions;
 use crate::{
-    Status, check, compare, experiment, interrupt, lcp, modes, new, run as study, updating, verify, virtual_test,
+    Status, check, compare, experiment, interrupt, lcp, links, memory, modes, new, run as study, updating, verify,
+    virtual_test,
 };
 
 /// Nonlinear modes of structures with one-sided contact
@@ -158,13 +159,17 @@ struct SceneArguments {
     path: PathBuf,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP, allow_hyphen_values = true)]
     overrides: Vec<String>,
+    /// Most memory that the scene may take, as 8GiB; default: three quarters of the machine's
+    #[arg(long, value_name = "SIZE")]
+    memory_limit: Option<memory::Limit>,
 }
 
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::parse().command {
         Command::Run { scene, out, options } => {
-            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, options))
+            let limit = scene.memory_limit;
+            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, options))
         }
         Command::New(arguments) => new::write(&arguments),
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
@@ -177,14 +182,22 @@ pub fn run() -> Status {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
         Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => extract(&scene, out, force, quiet),
-        Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {
-            AnyScene::Structure(files) => {
-                say_warnings(&files);
-                each(files, |file| print(&check::summary(&file.scene)))
-            }
-            AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
-            AnyScene::Test(file) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
-        }),
+        Command::Check { scene: SceneArguments { path, overrides, memory_limit } } => {
+            with(config::load_any(&path, &overrides), |scene| match scene {
+                AnyScene::Structure(mut files) => {
+                    if let Err(said) = memory::admit(&mut files, memory_limit) {
+                        return refuse(&said);
+                    }
+                    say_warnings(&files);
+                    each(files, |file| print(&check::summary(&file.scene)))
+                }
+                AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
+                AnyScene::Test(file) => match memory::admit_test(&file, memory_limit) {
+                    Ok(()) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
+                    Err(said) => refuse(&said),
+                },
+            })
+        }
         Command::Schema => print(&format!("{:#}", config::whole_schema())),
         Command::Completions { shell } => {
             let mut script = Vec::new();
@@ -195,15 +208,22 @@ pub fn run() -> Status {
 }
 
 /// Computes what the scene describes.
-fn run_any(scene: AnyScene, out: Option<PathBuf>, options: RunOptions) -> Status {
+fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, options: RunOptions) -> Status {
     interrupt::install();
     match scene {
-        AnyScene::Structure(files) => run_each(files, out, options),
+        AnyScene::Structure(mut files) => match memory::admit(&mut files, limit) {
+            Ok(()) => run_each(files, out, options),
+            Err(said) => refuse(&said),
+        },
         AnyScene::Test(file) => with_warnings(*file, |mut file| {
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            virtual_test::run(&file, options)
+            let admitted = memory::admit_test(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
+            match admitted {
+                Ok(()) => virtual_test::run(&file, options),
+                Err(said) => refuse(&said),
+            }
         }),
         // `load_to_run` refuses these with the command that takes them.
         AnyScene::Records(_) => Status::Wrong,
@@ -215,7 +235,10 @@ fn run_any(scene: AnyScene, out: Option<PathBuf>, options: RunOptions) -> Status
 /// A scene with several methods is gone through for each of them.
 fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
-    with(loaded, |files| {
+    with(loaded, |mut files| {
+        if let Err(said) = memory::admit(&mut files, arguments.memory_limit) {
+            return refuse(&said);
+        }
         say_warnings(&files);
         each(files, &mut then)
     })
@@ -235,6 +258,9 @@ fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions
         }
         if file.scene.contacts.is_empty() {
             return no_contact(file);
+        }
+        if let Err(said) = links::refuse(&file.scene.output_directory) {
+            return refuse(&said);
         }
     }
     let claim = match claim(&files, options) {
@@ -269,7 +295,13 @@ fn extract(arguments: &SceneArguments, out: Option<PathBuf>, force: bool, quiet:
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            experiment::extract(&file, RunOptions { force, quiet, ..RunOptions::default() })
+            let limit = arguments.memory_limit;
+            let admitted =
+                memory::admit_records(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
+            match admitted {
+                Ok(()) => experiment::extract(&file, RunOptions { force, quiet, ..RunOptions::default() }),
+                Err(said) => refuse(&said),
+            }
         })
     })
 }
@@ -313,6 +345,12 @@ fn with_warnings<S>(file: SceneFile<S>, then: impl FnOnce(SceneFile<S>) -> Statu
         say!("{}\n", file.warnings_text());
     }
     then(file)
+}
+
+/// Says what stands in the way of a sound scene.
+fn refuse(said: &str) -> Status {
+    say!("{said}");
+    Status::Wrong
 }
 
 fn no_contact(file: &SceneFile) -> Status {

@@ -61,6 +61,12 @@ impl<S> SceneFile<S> {
         self.document.render(&[self.document.put(problem, path, label)], wants_colours())
     }
 
+    /// Adds a warning at the value of a key.
+    pub fn warn_at(&mut self, path: &str, title: &str, label: &str, help: &str) {
+        let problem = self.document.put(Problem::warning(title).help(help), path, label);
+        self.warnings.push(problem);
+    }
+
     /// The warnings as text; empty if there are none.
     pub fn warnings_text(&self) -> String {
         self.document.render(&self.warnings, wants_colours())

@@ -19,6 +19,8 @@ pub mod config;
 mod experiment;
 mod interrupt;
 mod lcp;
+mod links;
+mod memory;
 mod modes;
 mod new;
 mod options;

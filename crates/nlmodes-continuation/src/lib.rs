@@ -51,7 +51,6 @@
 
 mod arms;
 mod branch;
-mod circle;
 pub mod conformance;
 mod continuation;
 mod corner;
@@ -61,6 +60,8 @@ mod error;
 mod events;
 mod record;
 mod run;
+mod singular;
+mod sphere;
 mod step;
 mod system;
 mod tree;

@@ -10,6 +10,11 @@ pub struct StepRecord {
     pub points: Vec<BranchPoint>,
     /// Sign of `det [J; tᵀ]` at the last point.
     pub orientation: f64,
+    /// How far the Jacobian is from being singular at the last point, the ratio of the pivots.
+    #[cfg_attr(feature = "serde", serde(with = "any_number"))]
+    pub regularity: f64,
+    /// The same at the point from which the step was taken, and the distance of that; `None` behind a corner.
+    pub before: Option<(f64, f64)>,
     /// Sense in which the coordinates whose turning points are events moved last.
     pub senses: Vec<f64>,
     /// The crossing that was passed, and its arms.

@@ -7,7 +7,7 @@ use crate::{
     Floquet, GrazingState, ModalState, PeriodicMotion, ReducedStructure, Shooting, ShootingScales, TimestepError,
 };
 
-/// Most modes with which a branch is followed by shooting: a point costs their number to the third power.
+/// Most held modes with which a branch is followed by shooting: a point costs their number to the third power.
 pub const MAX_SHOOTING_MODES: usize = 200;
 
 /// Harmonics up to which the energy of a motion is told apart, whatever number is kept of its coefficients.
@@ -30,8 +30,8 @@ impl ModeShooting {
     /// # Errors
     /// [`TimestepError::TooManyModes`]; what [`ContactDynamics::grazing`](crate::ContactDynamics::grazing) reports.
     pub fn new(structure: ReducedStructure, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
-        if structure.n_modes() > MAX_SHOOTING_MODES {
-            let (found, most) = (structure.n_modes(), MAX_SHOOTING_MODES);
+        if structure.n_kept_modes() > MAX_SHOOTING_MODES {
+            let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most });
         }
         let mut dynamics = structure.dynamics()?;

@@ -1,57 +1,50 @@
-use nlmodes_linalg::{DenseLu, Mat, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{
     Contact, ContactCoordinates, ContactLaw, Dof, DofKind, Drop, LinearModes, MasslessContactModel, StructuralModel,
     held_modes,
 };
 
 use crate::dynamics::solve_columns;
-use crate::phase::{column, dot};
+use crate::phase::{column, product, transposed_product};
 use crate::{ContactDynamics, TimestepError};
 
 /// Relative difference below which two held frequencies count as one.
 const REPEATED: f64 = 1e-10;
 
-/// A structure with massless contacts, reduced to its lowest modes with the contacts held; the others answer statically.
+/// Mass of the static shapes that the kept modes leave over, relative, below which nothing is left over.
+const NOTHING: f64 = 1e-13;
+
+/// A structure with massless contacts, reduced to its lowest modes with the contacts held, with static correction.
 ///
 /// ```text
-/// y_k = φ_kᵀ M_LL q_L ,   ÿ_k + λ_k y_k + g_k q_N = 0 ,   g_k = φ_kᵀ K_LN                          kept modes
-/// (K_NN − Σ_left out g_kᵀ g_k/λ_k) q_N + Σ_kept g_kᵀ y_k = W λ                                    massless contacts (13)
-/// q_L = Ψ q_N + Σ_kept φ_k (y_k + g_k q_N/λ_k) ,   Ψ = −K_LL⁻¹ K_LN
+/// q_L = B y ,   B = [φ_1 … φ_m, χ] ,   ÿ + Bᵀ K_LL B y + Bᵀ K_LN q_N = 0 ,   Bᵀ M_LL B = I
+/// K_NN q_N + K_NL B y = W λ                                                                       massless contacts (13)
 /// ```
 ///
-/// That is a structure with massless contacts itself, with the static stiffness of the full one. Where all modes are kept it is the full
-/// structure. Modes that leave the contacts at rest (the axial family of a beam under a transverse stop) stay at rest and are left out.
-///
-/// Mixed shooting-harmonic balance also keeps the mass of the modes left out, to first order in `ν²`. Here that would be a mass at the contact,
-/// and contact would become impact.
+/// `χ`, one column a contact coordinate, is what the kept modes leave over of the static shapes `Ψ = −K_LL⁻¹ K_LN`, made orthogonal to them.
+/// So the static stiffness is that of the full structure, and its mass up to `ν²`, as in mixed shooting-harmonic balance, while the contacts
+/// stay massless: this is a structure with massless contacts itself. Where all modes are kept it is the full structure. Modes that
+/// leave the contacts at rest (the axial family of a beam under a transverse stop) stay at rest and are left out.
 #[derive(Debug, Clone)]
 pub struct ReducedStructure {
     full: MasslessContactModel,
     model: MasslessContactModel,
-    /// `None` where all modes are kept: nothing was reduced.
-    basis: Option<Basis>,
+    /// `B`, n_L × m; `None` where all modes are kept: nothing was reduced.
+    basis: Option<Mat<f64>>,
+    kept: usize,
     available: usize,
 }
 
-#[derive(Debug, Clone)]
-struct Basis {
-    /// Shapes of the kept modes, n_L × m.
-    shapes: Mat<f64>,
-    /// `Ψ + Σ_kept φ_k g_k/λ_k`, n_L × n_N.
-    contact: Mat<f64>,
-}
-
 impl ReducedStructure {
-    /// Keeps the lowest `count` held modes, of these the ones that move a contact.
+    /// Keeps the lowest `count` held modes, of these the ones that move a contact, and the static correction.
     ///
     /// # Errors
-    /// [`TimestepError::TooLarge`]; [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes
-    /// cannot be computed.
+    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot be computed;
+    /// [`TimestepError::Linalg`].
     pub fn new(full: MasslessContactModel, count: usize) -> Result<Self, TimestepError> {
         let n_l = full.linear_dofs().len();
-        let k_ll = full.factor_k_ll()?;
         let mut psi = -full.k_ln();
-        k_ll.solve_many(&mut psi);
+        full.factor_k_ll()?.solve_many(&mut psi);
         let k_nn =
             DenseLu::factor(full.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
         let mut held = held_modes(&full, count.min(n_l))?;
@@ -67,16 +60,20 @@ impl ReducedStructure {
         };
         let kept: Vec<usize> = (0..available).filter(moves).collect();
         if kept.len() == n_l {
-            return Ok(Self { model: full.clone(), full, basis: None, available });
+            return Ok(Self { model: full.clone(), full, basis: None, kept: n_l, available });
         }
-        let lambda: Vec<f64> = kept.iter().map(|&k| held.omega[k] * held.omega[k]).collect();
         let shapes = Mat::from_fn(n_l, kept.len(), |i, k| held.shapes[(i, kept[k])]);
-        let g = Mat::from_fn(kept.len(), n_n, |k, d| g[(kept[k], d)]);
-        let weighted = Mat::from_fn(kept.len(), n_n, |k, d| g[(k, d)] / lambda[k]);
-        let contact = &psi + &shapes * &weighted;
-        let statics = full.k_nn() + full.k_ln().transpose() * &psi + g.transpose() * &weighted;
-        let model = reduced_model(&full, &lambda, &g, &statics)?;
-        Ok(Self { full, model, basis: Some(Basis { shapes, contact }), available })
+        let (correction, own) = match available < n_l {
+            true => static_correction(&full, &shapes, psi)?,
+            false => (Mat::zeros(n_l, 0), Vec::new()),
+        };
+        let lambda: Vec<f64> = kept.iter().map(|&k| held.omega[k] * held.omega[k]).chain(own).collect();
+        let basis = Mat::from_fn(n_l, lambda.len(), |i, k| match k.checked_sub(kept.len()) {
+            Some(r) => correction[(i, r)],
+            None => shapes[(i, k)],
+        });
+        let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()))?;
+        Ok(Self { full, model, basis: Some(basis), kept: kept.len(), available })
     }
 
     /// The structure that was reduced.
@@ -89,9 +86,14 @@ impl ReducedStructure {
         &self.model
     }
 
-    /// Modes kept.
+    /// Modes kept, with those of the static correction.
     pub fn n_modes(&self) -> usize {
         self.model.linear_dofs().len()
+    }
+
+    /// Held modes kept.
+    pub fn n_kept_modes(&self) -> usize {
+        self.kept
     }
 
     /// Held modes computed, with those that leave the contacts at rest.
@@ -115,11 +117,7 @@ impl ReducedStructure {
         if self.full.contact_coordinates() == ContactCoordinates::Nodes {
             self.full.contact_dofs().iter().zip(q_n).for_each(|(&dof, q)| all[dof] = *q);
         }
-        for (row, &dof) in self.full.linear_dofs().iter().enumerate() {
-            let modes: f64 = y.iter().enumerate().map(|(k, y)| basis.shapes[(row, k)] * y).sum();
-            let contacts: f64 = q_n.iter().enumerate().map(|(d, q)| basis.contact[(row, d)] * q).sum();
-            all[dof] = modes + contacts;
-        }
+        self.full.linear_dofs().iter().zip(product(basis, y)).for_each(|(&dof, q)| all[dof] = q);
         all
     }
 
@@ -137,23 +135,62 @@ impl ReducedStructure {
         let q_l: Vec<f64> = self.full.linear_dofs().iter().map(|&dof| full[dof]).collect();
         let mut inertia = vec![0.0; q_l.len()];
         multiply(self.full.m_ll(), &q_l, &mut inertia);
-        let y = (0..self.n_modes()).map(|k| dot(column(&basis.shapes, k), &inertia));
-        Ok(y.chain(std::iter::repeat_n(0.0, self.full.k_nn().nrows())).collect())
+        let contacts = std::iter::repeat_n(0.0, self.full.k_nn().nrows());
+        Ok(transposed_product(basis, &inertia).into_iter().chain(contacts).collect())
     }
 
-    /// `qᴴ M_LL q`-like square of displacements of the reduced structure: twice the kinetic energy where they are velocities.
+    /// `yᵀ y`: twice the kinetic energy of velocities of the reduced structure.
     pub(crate) fn inertia(&self, reduced: &[f64]) -> f64 {
         bilinear(reduced, self.model.mass(), reduced)
     }
 }
 
-/// `M = diag(I, 0)` and the arrow `K` of kept modes and contact coordinates.
+/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span what the modes `φ` leave over of the static shapes, and their `χᵀ K χ`.
+fn static_correction(
+    full: &MasslessContactModel,
+    modes: &Mat<f64>,
+    psi: Mat<f64>,
+) -> Result<(Mat<f64>, Vec<f64>), TimestepError> {
+    let failed = TimestepError::during("static correction of the held modes");
+    let n_n = psi.ncols();
+    let whole = (0..n_n).map(|d| bilinear(column(&psi, d), full.m_ll(), column(&psi, d))).fold(0.0, f64::max);
+    let mut rest = psi;
+    // Twice: what rounding leaves of the modes is as large as what is left over.
+    for _ in 0..2 {
+        rest = &rest - modes * (modes.transpose() * times(full.m_ll(), &rest));
+    }
+    let (mass, turn) = symmetric_eigen(&gram(full.m_ll(), &rest)).map_err(&failed)?;
+    let left: Vec<usize> = (0..n_n).filter(|&r| mass[r] > NOTHING * whole).collect();
+    let turn = Mat::from_fn(n_n, left.len(), |i, r| turn[(i, left[r])] / mass[left[r]].sqrt());
+    let unit = &rest * &turn;
+    let (lambda, turn) = symmetric_eigen(&gram(full.k_ll(), &unit)).map_err(&failed)?;
+    Ok((&unit * &turn, lambda))
+}
+
+/// `Xᵀ A X`, symmetric.
+fn gram(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    let product = x.transpose() * times(a, x);
+    Mat::from_fn(x.ncols(), x.ncols(), |i, j| 0.5 * (product[(i, j)] + product[(j, i)]))
+}
+
+/// `A X`.
+fn times(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    let mut all = Mat::zeros(x.nrows(), x.ncols());
+    let mut one = vec![0.0; x.nrows()];
+    for k in 0..x.ncols() {
+        multiply(a, column(x, k), &mut one);
+        all.col_mut(k).iter_mut().zip(&one).for_each(|(a, x)| *a = *x);
+    }
+    all
+}
+
+/// `M = diag(I, 0)` and the arrow `K` of kept modes and contact coordinates, with `g = Bᵀ K_LN`.
 fn reduced_model(
     full: &MasslessContactModel,
     lambda: &[f64],
     g: &Mat<f64>,
-    statics: &Mat<f64>,
 ) -> Result<MasslessContactModel, TimestepError> {
+    let statics = full.k_nn();
     let (m, n_n) = (lambda.len(), statics.nrows());
     let failed = TimestepError::during("matrices of the reduced structure");
     let unit: Vec<_> = (0..m).map(|k| (k, k, 1.0)).collect();

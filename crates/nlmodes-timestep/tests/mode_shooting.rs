@@ -44,9 +44,14 @@ fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting,
 #[test]
 fn the_jacobian_is_the_derivative_of_the_residual() {
     for (model, modes) in [(massless(&two_stops()), 6), (massless(&two_stops()), 3), (transverse(4), 12)] {
-        let (mut shooting, mut x, p) = mode(model, modes, 1.3);
-        // Off the solution, where nothing vanishes by accident.
-        x.iter_mut().enumerate().for_each(|(k, x)| *x *= 1.0 + 1e-3 * (k as f64 + 1.0).sin());
+        let reduced = ReducedStructure::new(model, modes).unwrap();
+        let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+        // No solution: the linear mode beyond its grazing, with some of all others.
+        let (start, p) = (shooting.start().0, 0.6);
+        let last = start.len() - 1;
+        let x: Vec<f64> =
+            (0..=last).map(|k| start[k] * if k < last { 1.4 } else { 1.05 } + 0.02 / (k + 1) as f64).collect();
+        assert!(!shooting.motion(&x).unwrap().trajectory.closed_intervals().is_empty());
         let n = shooting.dim();
         let mut at = Linearization::new(n);
         shooting.linearize(&x, p, &mut at).unwrap();
@@ -87,9 +92,10 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
         let t = duration * f64::from(j) / 40.0;
         let (a, b) = (long.at(t), reduced.expand(&short.at(t).displacement));
         let gap = (0..b.len()).filter(translation).map(|d| (a.displacement[d] - b[d]).abs()).fold(0.0, f64::max);
-        // The stiffness matrix of the beam loses some digits.
-        assert!(gap < 1e-10, "at {t}: {gap:e} m beside a gap of 1e-3 m");
-        assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-6 * long.peak_force(0).max(1.0));
+        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so that seven of its digits are left in
+        // double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
+        assert!(gap < 4e-9, "at {t}: {gap:e} m beside a gap of 1e-3 m");
+        assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-5 * long.peak_force(0));
     }
 }
 
@@ -99,10 +105,11 @@ fn what_is_left_out_answers_statically() {
     let stiffness = SparseCholesky::factor(full.stiffness(), "the rod").unwrap();
     for modes in 1..4 {
         let reduced = ReducedStructure::new(full.clone(), modes).unwrap();
-        assert_eq!(reduced.n_modes(), modes);
+        // A static shape for each contact, unless the four held modes are exhausted.
+        assert_eq!((reduced.n_kept_modes(), reduced.n_modes()), (modes, (modes + 2).min(4)));
         let small = SparseCholesky::factor(reduced.model().stiffness(), "the reduced rod").unwrap();
         for (contact, own) in full.contacts().iter().zip(reduced.model().contacts()) {
-            let (mut q, mut y) = (vec![0.0; full.dofs().len()], vec![0.0; modes + 2]);
+            let (mut q, mut y) = (vec![0.0; full.dofs().len()], vec![0.0; reduced.n_modes() + 2]);
             (q[contact.dof], y[own.dof]) = (1.0, 1.0);
             stiffness.solve_in_place(&mut q);
             small.solve_in_place(&mut y);
@@ -120,8 +127,10 @@ fn with_more_held_modes_the_frequency_runs_into_that_of_the_full_structure() {
         shooting.omega(&x)
     };
     let exact = omega(7);
-    let errors: Vec<f64> = [2, 4, 6].map(|modes| (omega(modes) / exact - 1.0).abs()).to_vec();
-    assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[2] < 1e-4, "{errors:?}");
+    let errors = [1, 2, 3, 4, 5, 6].map(|modes| (omega(modes) / exact - 1.0).abs());
+    // One mode less than all, with its static shape, spans the same space.
+    assert!(errors[0] < 1e-2 && errors[1] < 1e-3 && errors[5] < 1e-12, "{errors:?}");
+    assert!(errors[2..5].iter().all(|error| *error < 1e-4), "{errors:?}");
 }
 
 #[test]

@@ -98,10 +98,10 @@ fn harmonic_balance_with_many_harmonics_runs_into_the_exact_branch() {
         )
     };
     let (coarse, fine) = (error(24), error(192));
-    // Frequency and force fall with a power between four and five and between one and two of N_h, coefficients in between.
-    assert!(fine.0 < 1e-8 && fine.0 < 1e-3 * coarse.0, "{coarse:?} {fine:?}");
-    assert!(fine.1 < 1e-6 && fine.1 < 1e-2 * coarse.1, "{coarse:?} {fine:?}");
-    assert!(fine.2 < 1e-2, "{coarse:?} {fine:?}");
+    // The tolerance of the continuation is 1e-11 in scaled unknowns, whose length is a few units.
+    assert!(fine.0 < 1e-11 && fine.0 < 1e-2 * coarse.0, "{coarse:?} {fine:?}");
+    assert!(fine.1 < 1e-8 && fine.1 < 1e-3 * coarse.1, "{coarse:?} {fine:?}");
+    assert!(fine.2 < 1e-5 && fine.2 < 1e-2 * coarse.2, "{coarse:?} {fine:?}");
 }
 
 #[test]
@@ -172,10 +172,10 @@ fn what_is_called_unstable_grows_and_what_is_called_stable_does_not() {
 
 #[test]
 fn points_in_harmonics_have_the_stability_of_the_exact_motion_beside_them() {
-    let settings = BranchSettings { max_energy_ratio: Some(1.6), ..settings() };
-    let exact = branch(rod(4, &[tip()]), &settings);
+    let settings = BranchSettings { max_energy_ratio: Some(4.0), ..settings() };
+    let exact = branch(rod(5, &[tip()]), &settings);
     let harmonics = BranchSettings { method: BranchMethod::HarmonicBalance, harmonics: 40, ..settings.clone() };
-    let found = branch(rod(4, &[tip()]), &harmonics);
+    let found = branch(rod(5, &[tip()]), &harmonics);
     let [_, unstable, unknown] = found.stability_counts();
     assert!(unstable > 0 && unknown == 0, "{:?}", found.stability_counts());
     let changes = |computed: &ComputedBranch| {
@@ -185,6 +185,6 @@ fn points_in_harmonics_have_the_stability_of_the_exact_motion_beside_them() {
     let (a, b) = (changes(&exact), changes(&found));
     assert_eq!(a.len(), b.len());
     assert!(a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 1e-4), "{a:?} {b:?}");
-    let never = branch(rod(4, &[tip()]), &BranchSettings { stability: StabilityRule::Never, ..harmonics });
+    let never = branch(rod(5, &[tip()]), &BranchSettings { stability: StabilityRule::Never, ..harmonics });
     assert_eq!(never.stability_counts()[..2], [0, 0]);
 }

@@ -116,7 +116,8 @@ fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
     }
     let more = shown.len().saturating_sub(MAX_SYNTAX_ERRORS);
     shown.truncate(MAX_SYNTAX_ERRORS);
-    let mut problems: Vec<Problem> = shown.iter().map(|error| syntax_problem(error.message(), place(error))).collect();
+    let mut problems: Vec<Problem> =
+        shown.iter().map(|error| syntax_problem(text, error.message(), place(error))).collect();
     if more > 0
         && let Some(last) = problems.last_mut()
     {
@@ -125,7 +126,12 @@ fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
     problems
 }
 
-fn syntax_problem(message: &str, place: Range<usize>) -> Problem {
+fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
+    if let Some(number) = decimal_comma(text, place.start) {
+        return Problem::error("a number is written with a decimal comma")
+            .at(place, "expected a decimal point")
+            .help(format!("write {number}"));
+    }
     let title = match message {
         "duplicate key" => "a key is given twice in the same table",
         _ => "the scene is not valid TOML",
@@ -138,4 +144,14 @@ fn syntax_problem(message: &str, place: Range<usize>) -> Problem {
         }
         _ => problem,
     }
+}
+
+/// The number around a comma between digits, with a point.
+fn decimal_comma(text: &str, at: usize) -> Option<String> {
+    let behind = text.get(at..)?.strip_prefix(',')?;
+    let is_part = |c: &char| c.is_ascii_digit() || *c == '_';
+    let whole: String = text.get(..at)?.chars().rev().take_while(is_part).collect();
+    let decimals: String = behind.chars().take_while(is_part).collect();
+    let number = format!("{}.{decimals}", whole.chars().rev().collect::<String>());
+    (!whole.is_empty() && !decimals.is_empty()).then_some(number)
 }

@@ -1,5 +1,7 @@
 //! The problems of one scene, as they are found.
 
+use std::collections::BTreeSet;
+
 use crate::config::{Document, Problem, Severity, problem};
 
 /// The problems of one scene, as they are found.
@@ -7,12 +9,13 @@ use crate::config::{Document, Problem, Severity, problem};
 pub struct Findings<'a> {
     document: &'a Document,
     problems: Vec<Problem>,
+    meant: BTreeSet<String>,
 }
 
 impl<'a> Findings<'a> {
     /// Begins with what was found before.
     pub fn new(document: &'a Document, problems: Vec<Problem>) -> Self {
-        Self { document, problems }
+        Self { document, problems, meant: BTreeSet::new() }
     }
 
     /// The texts.
@@ -30,9 +33,24 @@ impl<'a> Findings<'a> {
         self.problems.push(self.document.put(problem, path, label));
     }
 
-    /// Whether the scene writes this key.
+    /// Whether the scene writes this key, or one that was probably meant to be it.
     pub fn has(&self, path: &str) -> bool {
-        self.document.place(path).is_some()
+        self.document.place(path).is_some() || self.meant.contains(path)
+    }
+
+    /// Whether a key at this path was misspelt.
+    pub fn is_meant(&self, path: &str) -> bool {
+        self.meant.contains(path)
+    }
+
+    /// Takes note that an unknown key was probably meant to be this one.
+    pub fn mean(&mut self, path: String) {
+        self.meant.insert(path);
+    }
+
+    /// Number of problems so far.
+    pub fn count(&self) -> usize {
+        self.problems.len()
     }
 
     /// Whether an unknown key was probably meant to be this one (the name without its table).

@@ -7,7 +7,7 @@ use crate::config::Problem;
 
 const KEY: &str = "method";
 
-/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take for ever.
+/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take forever.
 pub const MAX_METHODS: usize = 100;
 
 /// Number of methods in the text of a scene: that of headings `[[method]]`, or 1.

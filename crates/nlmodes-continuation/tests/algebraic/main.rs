@@ -6,4 +6,5 @@ mod ends;
 mod resumed;
 mod samples;
 mod smooth;
+mod three_free;
 mod trees;

@@ -104,6 +104,11 @@ impl Control {
         self.easy = (0, 0);
     }
 
+    /// The number is not lowered for some points.
+    pub fn pause(&mut self) {
+        self.pause = AFTER_FAILURE;
+    }
+
     /// No solution with another number of harmonics was found here.
     pub fn stay(&mut self) {
         (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);

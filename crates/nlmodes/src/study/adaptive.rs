@@ -4,13 +4,12 @@ use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, StopReason};
 use nlmodes_hbm::{RealSeries, TruncationError};
-use nlmodes_modal::ModalPoint;
 
-use super::StudyError;
 use super::accuracy::{Control, Decision};
 use super::prepare::continuation;
 use super::start::{Seed, one_point};
-use super::trace::{First, Found, Tracer, Viewer};
+use super::trace::{First, Found, Shown, Tracer, Viewer};
+use super::{StudyError, homotopy};
 
 /// Event of the first point with another number of harmonics; it lies where the one before it lies.
 pub(super) const HARMONICS: &str = "harmonics";
@@ -28,6 +27,9 @@ const SAME_WAY: f64 = 0.9;
 const FURTHER: [usize; 2] = [0, 1];
 const AHEAD: [f64; 3] = [0.0, 1e-3, 1e-2];
 
+/// Points that are gone back where none is found.
+const BACK: [usize; 4] = [1, 3, 6, 10];
+
 /// Largest change of the unknowns with the number of harmonics; a solution further away is another one.
 const NEAR: f64 = 0.1;
 
@@ -44,6 +46,8 @@ struct Stretch {
     waiting: Vec<(BranchPoint, Option<TruncationError>, Vec<String>)>,
     /// Events of the first point of the next run.
     first: Vec<String>,
+    /// Points without events that were shown with this accuracy, each with the number of points shown by then.
+    passed: Vec<(BranchPoint, RealSeries, usize)>,
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
@@ -61,7 +65,7 @@ impl Tracer<'_> {
         seed: &Seed,
         bound: Option<Bound>,
         first: First,
-        each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
+        each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), StudyError> {
         let mut found = Found::new(&First::Plain);
         if self.too_few_modes {
@@ -72,6 +76,7 @@ impl Tracer<'_> {
             base_is_shown: matches!(first, First::Known),
             base_is_accurate: true,
             waiting: Vec::new(),
+            passed: Vec::new(),
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
@@ -93,6 +98,15 @@ impl Tracer<'_> {
                     from = seed;
                 }
                 None => {
+                    if let Some(seed) = self.from_further_back(&mut stretch, &mut found, series, harmonics)? {
+                        if each(Shown::Withdrawn(found.points.len())).is_break() {
+                            return Ok((found, StopReason::Stopped));
+                        }
+                        control.changed(seed.harmonics);
+                        control.pause();
+                        from = seed;
+                        continue;
+                    }
                     if stretch.base_is_shown {
                         (stretch.first, stretch.known) = (Vec::new(), true);
                     }
@@ -114,7 +128,7 @@ impl Tracer<'_> {
         bound: Option<Bound>,
         stretch: &mut Stretch,
         found: &mut Found,
-        each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
+        each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(StopReason, Option<usize>), StudyError> {
         let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
@@ -173,6 +187,9 @@ impl Tracer<'_> {
             }
             stretch.base_is_shown = true;
             show(stretch, found, viewer, each)?;
+            if stretch.base_is_accurate {
+                stretch.passed.push((point.clone(), series, found.points.len()));
+            }
             if let Decision::Fewer(harmonics) = decision {
                 change = Some(harmonics);
                 return ControlFlow::Break(());
@@ -184,6 +201,32 @@ impl Tracer<'_> {
             let _ = show(stretch, found, viewer, each);
         }
         Ok((branch.stop, change))
+    }
+
+    /// The beginning with more harmonics some points earlier, where the branches are nearer; the points since then are taken back.
+    fn from_further_back(
+        &mut self,
+        stretch: &mut Stretch,
+        found: &mut Found,
+        series: RealSeries,
+        harmonics: usize,
+    ) -> Result<Option<Seed>, StudyError> {
+        if harmonics <= series.n_harmonics {
+            return Ok(None);
+        }
+        for back in BACK {
+            let Some(index) = stretch.passed.len().checked_sub(back + 1) else { return Ok(None) };
+            let (base, series, kept) = stretch.passed[index].clone();
+            if let Some(seed) = self.carried_over(&base, series, harmonics)? {
+                found.truncate(kept);
+                found.changes += 1;
+                stretch.passed.truncate(index + 1);
+                (stretch.base, stretch.base_is_shown, stretch.base_is_accurate) = (Some((base, series)), true, true);
+                (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+                return Ok(Some(seed));
+            }
+        }
+        Ok(None)
     }
 
     /// The beginning at `base` with so many harmonics or a few more, or, where a contact is about to open or close there, a little
@@ -206,7 +249,9 @@ impl Tracer<'_> {
             energy[last] = direction[last].signum();
             let keeps_energy = direction[last].abs() > ENERGY_CHANGES;
             for across in [Some(&energy).filter(|_| keeps_energy), Some(&direction)].into_iter().flatten() {
-                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log);
+                let coordinate = if std::ptr::eq(across, &energy) { last } else { self.problem.frequency_index() };
+                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log)
+                    .or_else(|| homotopy::solve(&mut self.problem, &z, coordinate, &self.settings.step, self.log));
                 let near = |x: &[f64], p: f64| {
                     let moved = x.iter().chain([&p]).zip(&z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
                     moved.sqrt() < NEAR
@@ -225,13 +270,13 @@ fn show(
     stretch: &mut Stretch,
     found: &mut Found,
     viewer: &mut Viewer,
-    each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
+    each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     for (point, error, names) in stretch.waiting.drain(..) {
         if std::mem::take(&mut stretch.known) {
             continue;
         }
-        found.keep_named(viewer, &point, names, error).iter().try_for_each(&mut *each)?;
+        found.keep_named(viewer, &point, names, error).iter().map(Shown::Point).try_for_each(&mut *each)?;
     }
     ControlFlow::Continue(())
 }

@@ -117,7 +117,7 @@ impl ComputedBranch {
     }
 
     /// The settings with the harmonics of a point, which an accuracy has chosen.
-    fn settings_at(&self, point: usize) -> BranchSettings {
+    pub(super) fn settings_at(&self, point: usize) -> BranchSettings {
         let mut settings = self.settings.clone();
         if settings.accuracy.is_some() {
             settings.harmonics = self.branch.points[point].coefficients.n_harmonics();

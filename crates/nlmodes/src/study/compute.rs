@@ -11,7 +11,7 @@ use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, la
 use super::prepare::{check_window, condense, exact, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
-use super::trace::{First, Found, Tracer};
+use super::trace::{First, Found, Shown, Tracer};
 use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
 
 /// Branches of a nonlinear mode that are connected by branch points.
@@ -175,9 +175,17 @@ fn one(
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<Traced, StudyError> {
     let (mut count, limit) = (0, tracer.settings.max_points);
-    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |point| {
-        observe(BranchProgress::Found { branch: 0, point })?;
-        count += 1;
+    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |shown| {
+        match shown {
+            Shown::Point(point) => {
+                observe(BranchProgress::Found { branch: 0, point })?;
+                count += 1;
+            }
+            Shown::Withdrawn(kept) => {
+                observe(BranchProgress::Withdrawn { branch: 0, kept })?;
+                count = kept;
+            }
+        }
         if count < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     })?;
     let end = branch_end(&stop, tracer, found.points.len());

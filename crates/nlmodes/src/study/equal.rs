@@ -1,5 +1,6 @@
 //! Points of a branch that have the modal amplitude of another's, to compare their motions.
 
+use nlmodes_hbm::RealSeries;
 use nlmodes_modal::{ModalPoint, TimeHistory};
 
 use super::prepare::periodic;
@@ -41,11 +42,22 @@ impl ComputedBranch {
 
     /// Regula falsi (Illinois) in the share of the way from point `k` to the next, corrected across it.
     fn between(&self, k: usize, amplitude: f64, ends: [f64; 2]) -> Result<Option<PointBetween>, StudyError> {
-        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
-        let [from, to] = [k, k + 1].map(|k| {
+        let settings = self.settings_at(k + 1);
+        let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
+        let ends_with_p = [k, k + 1].map(|k| {
             let p = (self.branch.points[k].kinetic_energy / self.grazing.energy).ln();
             self.unknowns[k].iter().copied().chain([p]).collect::<Vec<f64>>()
         });
+        // The number of harmonics may change between the two.
+        let n_harmonics = self.settings_at(k).harmonics;
+        let [from, to] = match problem.harmonics() {
+            Some(finer) if n_harmonics != settings.harmonics => {
+                let series = RealSeries { symmetry: settings.symmetry, n_harmonics };
+                let [from, to] = ends_with_p;
+                [finer.resized(&from, series), to]
+            }
+            _ => ends_with_p,
+        };
         let way: Vec<f64> = to.iter().zip(&from).map(|(b, a)| b - a).collect();
         let length = way.iter().map(|w| w * w).sum::<f64>().sqrt();
         let direction: Vec<f64> = way.iter().map(|w| w / length).collect();
@@ -53,11 +65,11 @@ impl ComputedBranch {
         for _ in 0..MAX_STEPS {
             let share = (shares[0] * off[1] - shares[1] * off[0]) / (off[1] - off[0]);
             let guess: Vec<f64> = from.iter().zip(&way).map(|(a, w)| a + share * w).collect();
-            let Some((x, _)) = one_point(&self.settings, &self.grazing, &mut problem, &guess, &direction, &mut ())
-            else {
+            let Some((x, _)) = one_point(&settings, &self.grazing, &mut problem, &guess, &direction, &mut ()) else {
                 return Ok(None);
             };
-            let point = problem.modal_point(&x, 0.0)?;
+            let mut point = problem.modal_point(&x, 0.0)?;
+            point.coefficients = point.coefficients.truncated(settings.harmonics);
             let found = point.modal_amplitude / amplitude - 1.0;
             if found.abs() < TOLERANCE {
                 return Ok(Some(PointBetween { point, unknowns: x }));
@@ -87,7 +99,11 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = periodic(&self.structure, &self.settings, &self.grazing)?;
+        let mut settings = self.settings.clone();
+        if settings.accuracy.is_some() {
+            settings.harmonics = solution.point.coefficients.n_harmonics();
+        }
+        let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
         Ok(problem.time_history(&solution.unknowns, contact, samples, label)?)
     }
 }

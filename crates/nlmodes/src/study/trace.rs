@@ -88,6 +88,14 @@ impl Viewer<'_> {
     }
 }
 
+/// What a run shows.
+pub(super) enum Shown<'p> {
+    /// A point that was found.
+    Point(&'p ModalPoint),
+    /// All but the first so many points of this run are found anew.
+    Withdrawn(usize),
+}
+
 /// The beginning of a run.
 pub(super) enum First<'n> {
     /// Its first point has this event.
@@ -157,7 +165,7 @@ impl<'s> Tracer<'s> {
         seed: &Seed,
         bound: Option<Bound>,
         first: First,
-        mut each: impl FnMut(&ModalPoint) -> ControlFlow<()>,
+        mut each: impl FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), StudyError> {
         if let Some(mut control) = self.control.take() {
             let outcome = self.trace_accurately(&mut control, seed, bound, first, &mut each);
@@ -170,7 +178,7 @@ impl<'s> Tracer<'s> {
         let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
-            found.keep(viewer, point).iter().try_for_each(&mut each)
+            found.keep(viewer, point).iter().map(Shown::Point).try_for_each(&mut each)
         })?;
         found.count(&branch);
         Ok((found, branch.stop))
@@ -351,6 +359,7 @@ impl Found {
     pub fn truncate(&mut self, count: usize) {
         self.points.truncate(count);
         self.unknowns.truncate(count);
+        self.last = None;
     }
 
     /// Takes the points of another run behind its own.

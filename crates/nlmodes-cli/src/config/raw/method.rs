@@ -13,7 +13,7 @@ pub const MAX_SAMPLES: u32 = 1 << 20;
 /// How the periodic motion is computed.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneRequired" = ["harmonics", "accuracy"]))]
+#[schemars(extend("required" = [], "oneRequired" = ["harmonics", "accuracy"]))]
 pub struct RawMethod {
     /// Method
     #[schemars(extend("default" = "ms-hbm"))]
