@@ -126,7 +126,8 @@ fn resume(
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
             return Ok(Behind::Window);
         }
-        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, Target::Frequency(hz), upward) {
+        let target = Target::Frequency(hz);
+        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, target, upward, tracer.log) {
             Ok(seed) => seed,
             Err(error @ StudyError::NoStart { .. }) => {
                 why = error.to_string();
