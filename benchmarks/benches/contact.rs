@@ -20,29 +20,11 @@ use std::{
 use criterion::{
     BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
-use nlmodes_contact::{ClosedBlock, LcpMatrix, LcpSolver, Mat, Series, SeriesSolution, Start, solver_by_name};
-
-const SAMPLES: usize = 1024;
+use nlmodes_benchmarks::kernels::{SAMPLES, compliance as matrix, string_motion as motion};
+use nlmodes_contact::{ClosedBlock, LcpSolver, Series, SeriesSolution, Start, solver_by_name};
 
 /// A cold sample is as expensive among many as among few.
 const COLD_SAMPLES: usize = 32;
-
-/// Compliance of a string on springs, m/N.
-fn matrix(c: usize) -> LcpMatrix {
-    let reach = (c as f64 / 20.0).max(2.0);
-    let entry = |i: usize, j: usize| 1e-6 * ((-(i.abs_diff(j) as f64) / reach).exp() + if i == j { 0.05 } else { 0.0 });
-    LcpMatrix::new(&Mat::from_fn(c, c, entry)).expect("the exponential kernel is positive definite")
-}
-
-/// Gaps of a period of two standing waves and one that travels, before contact: up to half of the contacts are closed.
-fn motion(c: usize, amplitude: f64) -> Vec<f64> {
-    let gap = |k: usize, i: usize| {
-        let (t, x) = (std::f64::consts::TAU * k as f64 / SAMPLES as f64, (i as f64 + 0.5) / c as f64);
-        let standing = t.cos() * (std::f64::consts::PI * x).sin() + 0.3 * (2.0 * t).cos() * (7.0 * x).sin();
-        1e-3 * (0.4 - amplitude * (standing + 0.1 * (t - 9.0 * x).cos()))
-    };
-    (0..SAMPLES).flat_map(|k| (0..c).map(move |i| gap(k, i))).collect()
-}
 
 fn solve(series: &mut Series, b: &[f64], start: Start, solution: &mut SeriesSolution) {
     series.solve(b, start, solution).expect("compliance is positive definite");

@@ -36,6 +36,11 @@ impl ClosedSet {
         self.guard[i * c..(i + 1) * c].iter().zip(y).map(|(g, y)| g * y).sum()
     }
 
+    /// True if all guards are positive: gaps where open, forces where closed.
+    pub fn is_solution(&self, y: &[f64]) -> bool {
+        self.guard.chunks_exact(y.len()).all(|row| row.iter().zip(y).map(|(g, y)| g * y).sum::<f64>() > 0.0)
+    }
+
     /// Force of contact `i` at the given `y`.
     pub fn force(&self, i: usize, y: &[f64]) -> f64 {
         let c = y.len();

@@ -3,6 +3,8 @@ use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
 
 use crate::HbmError;
+use crate::held_sums::HeldSums;
+use crate::recording::Recording;
 
 /// A mode of the structure with its contacts held, as the contact degrees of freedom see it.
 #[derive(Debug, Clone)]
@@ -51,6 +53,9 @@ pub struct CondensedStructure {
     /// The contact degrees of freedom with `C = K_NN⁻¹`.
     pub(crate) body: ContactBody,
     pub(crate) gaps: Vec<f64>,
+    /// The held modes once more, laid out for sums over all of them.
+    pub(crate) sums: HeldSums,
+    pub(crate) recording: Recording,
     n_held: usize,
 }
 
@@ -89,7 +94,10 @@ impl CondensedStructure {
             ResidualMass::none(&psi)
         };
         let n_held = held.omega.len();
-        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, gaps, n_held })
+        let inverse = solve_columns(&k_nn, &Mat::identity(psi.ncols(), psi.ncols()));
+        let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
+        let recording = Recording::new(&model, &modes, &held.shapes, &psi, &residual.shapes);
+        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, gaps, sums, recording, n_held })
     }
 
     /// The structure that was reduced.
@@ -110,6 +118,17 @@ impl CondensedStructure {
     /// Shapes of the held modes, n_L × modes.
     pub fn shapes(&self) -> &Mat<f64> {
         &self.shapes
+    }
+
+    /// Degrees of freedom whose coefficients modal points hold, ascending: all of them up to [`MAX_RECORDED`](crate::MAX_RECORDED), else
+    /// some evenly spaced ones and those of the contacts.
+    pub fn recorded_dofs(&self) -> &[usize] {
+        self.recording.dofs()
+    }
+
+    /// Place of degree of freedom `dof` among the recorded ones, if it is one of them.
+    pub fn recorded_index(&self, dof: usize) -> Option<usize> {
+        self.recording.dofs().binary_search(&dof).ok()
     }
 
     /// Contact compliance `A = Wᵀ K_NN⁻¹ W + C`, eqs. (11), (13), with that of the stops in series; c × c, m/N.

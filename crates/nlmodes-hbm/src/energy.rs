@@ -1,6 +1,7 @@
 use nlmodes_linalg::Mat;
 
 use crate::CondensedStructure;
+use crate::held_sums::Sums;
 use crate::transfer::Plane;
 
 /// Averaged kinetic energy `E_av = Σ_n ν²/4 Σ_k η_k,n²` of one real coefficient of one harmonic, and its derivatives.
@@ -22,24 +23,19 @@ impl KineticEnergy {
     }
 
     pub fn set(&mut self, structure: &CondensedStructure, plane: &Plane, nu2: f64, b: &[f64], q: &[f64]) {
+        if let ([b], [q], 1, false) = (b, q, plane.poles.len(), plane.with_next_term) {
+            return self.set_scalars(structure, plane, nu2, *b, *q);
+        }
         self.value = 0.0;
         self.d_nu2 = 0.0;
         self.d_b.fill(0.0);
         self.d_q.fill(0.0);
-        for (k, mode) in structure.modes.iter().enumerate() {
-            let (eta, d_eta) = if plane.poles.contains(&k) {
-                self.add_resonant(structure, plane, k, nu2, b, q)
-            } else {
-                let inverse = 1.0 / (mode.lambda - nu2);
-                let eta = -inner(&mode.g, q) * inverse;
-                let weight = -0.5 * nu2 * eta * inverse;
-                self.d_q.iter_mut().zip(&mode.g).for_each(|(d, g)| *d += weight * g);
-                (eta, eta * inverse)
-            };
+        for p in plane.poles.clone() {
+            let (eta, d_eta) = self.add_resonant(structure, plane, p, nu2, b, q);
             self.value += 0.25 * nu2 * eta * eta;
             self.d_nu2 += 0.25 * eta * eta + 0.5 * nu2 * eta * d_eta;
         }
-        self.add_residual_mass(&structure.residual.mass, nu2, q);
+        self.add_others(&plane.sums, &structure.residual.mass, nu2, q);
         if plane.with_next_term {
             self.add_next_term(&structure.residual.next, nu2, q);
         }
@@ -55,12 +51,29 @@ impl KineticEnergy {
         }
     }
 
-    /// `ν²/4 qᵀ R q` of the held modes that were not computed.
-    fn add_residual_mass(&mut self, mass: &Mat<f64>, nu2: f64, q: &[f64]) {
-        for i in 0..q.len() {
-            let inertia: f64 = (0..q.len()).map(|j| mass[(i, j)] * q[j]).sum();
+    /// The same for one contact degree of freedom.
+    fn set_scalars(&mut self, structure: &CondensedStructure, plane: &Plane, nu2: f64, b: f64, q: f64) {
+        let mode = &structure.modes[plane.poles.start];
+        let (g, s, delta, f, df) = (mode.g[0], mode.s, mode.lambda - nu2, plane.f[0], plane.df[0]);
+        let inverse = 1.0 / (delta * delta + s * s);
+        let eta = -g * (delta * q + s * (b - f * q)) * inverse;
+        let d_eta = (g * (1.0 + s * df) * q + 2.0 * delta * eta) * inverse;
+        let inertia = (structure.residual.mass[(0, 0)] + plane.sums.s2[0]) * q;
+        let weight = 0.5 * nu2 * eta * g * inverse;
+        self.value = 0.25 * nu2 * (eta * eta + q * inertia);
+        self.d_nu2 = 0.25 * (eta * eta + q * inertia) + 0.5 * nu2 * (eta * d_eta + q * plane.sums.s3[0] * q);
+        self.d_b[0] = -weight * s;
+        self.d_q[0] = 0.5 * nu2 * inertia - weight * (delta - s * f);
+    }
+
+    /// `ν²/4 qᵀ (S_2 + R) q`: of the modes that are not kept apart, and of those that were not computed. `dS_2/dν² = 2 S_3`.
+    fn add_others(&mut self, sums: &Sums, mass: &Mat<f64>, nu2: f64, q: &[f64]) {
+        let n = q.len();
+        for i in 0..n {
+            let inertia: f64 = (0..n).map(|j| (mass[(i, j)] + sums.s2[i * n + j]) * q[j]).sum();
+            let slope = inner(&sums.s3[i * n..(i + 1) * n], q);
             self.value += 0.25 * nu2 * q[i] * inertia;
-            self.d_nu2 += 0.25 * q[i] * inertia;
+            self.d_nu2 += 0.25 * q[i] * inertia + 0.5 * nu2 * q[i] * slope;
             self.d_q[i] += 0.5 * nu2 * inertia;
         }
     }

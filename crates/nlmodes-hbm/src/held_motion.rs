@@ -7,6 +7,22 @@ pub(crate) struct HeldMotion {
     pub eta: Vec<Vec<Complex64>>,
 }
 
+/// Real or imaginary part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Real,
+    Imaginary,
+}
+
+impl Part {
+    pub fn of(self, z: Complex64) -> f64 {
+        match self {
+            Self::Real => z.re,
+            Self::Imaginary => z.im,
+        }
+    }
+}
+
 impl HeldMotion {
     pub fn new(n_contact_dofs: usize, n_modes: usize, harmonics: usize) -> Self {
         let zeros = |n: usize| vec![vec![Complex64::default(); harmonics + 1]; n];

@@ -64,6 +64,8 @@ pub struct MixedShooting<'s> {
     /// `dq_N/db`, row-major.
     dq_db: Vec<f64>,
     product: Vec<f64>,
+    /// The Jacobian, row-major, with respect to the coefficients of `b`: made row by row, then put into its columns.
+    rows: Vec<f64>,
     pub(crate) plane: Plane,
     energy: KineticEnergy,
     anchor: Vec<f64>,
@@ -99,6 +101,7 @@ impl<'s> MixedShooting<'s> {
             q: vec![0.0; size],
             dq_db: vec![0.0; size * size],
             product: vec![0.0; series.width() * series.width()],
+            rows: vec![0.0; (size + 1) * size],
             plane: Plane::new(n),
             energy: KineticEnergy::new(n),
             anchor,
@@ -181,8 +184,7 @@ impl<'s> MixedShooting<'s> {
                     for e in 0..n {
                         let factor = set.d[d * n + e];
                         let block = &mut row[e * width..(e + 1) * width];
-                        let from = &self.product[m * width..(m + 1) * width];
-                        block.iter_mut().zip(from).for_each(|(r, p)| *r -= factor * p);
+                        subtract(block, factor, &self.product[m * width..(m + 1) * width]);
                     }
                     self.q[d * width + m] += set.r[d] * constant;
                 }
@@ -195,19 +197,16 @@ impl<'s> MixedShooting<'s> {
         Ok(())
     }
 
-    /// Coefficients `m` of all contact degrees of freedom.
-    fn column(values: &[f64], width: usize, m: usize) -> Vec<f64> {
-        values.iter().skip(m).step_by(width).copied().collect()
-    }
-
-    /// Coefficients of `b` and `q_N` belonging to real coefficient `m`, for the point evaluated last.
-    pub(crate) fn coefficients(&self, m: usize) -> (Vec<f64>, Vec<f64>) {
+    /// Writes the coefficients of `b` and `q_N` belonging to real coefficient `m`, for the point evaluated last.
+    pub(crate) fn coefficients(&self, m: usize, b: &mut [f64], q: &mut [f64]) {
         let width = self.sweep.series.width();
-        (Self::column(&self.b, width, m), Self::column(&self.q, width, m))
+        for (to, from) in [(b, &self.b), (q, &self.q)] {
+            to.iter_mut().zip(from.iter().skip(m).step_by(width)).for_each(|(to, from)| *to = *from);
+        }
     }
 
     /// Rows of eq. (14) for real coefficient `m`, with the unfolding term; `plane` is that of its harmonic.
-    fn connectivity_rows(&self, m: usize, nu: Nu, unfolding: f64, out: &mut Linearization) {
+    fn connectivity_rows(&mut self, m: usize, nu: Nu, unfolding: f64, out: &mut Linearization) {
         let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
         let (size, scale) = (n * width, 1.0 / self.scales.length);
         let rotated = self.rotated(m);
@@ -215,20 +214,19 @@ impl<'s> MixedShooting<'s> {
         for d in 0..n {
             let row = d * width + m;
             let (mut value, mut slope, mut turn) = (0.0, 0.0, 0.0);
+            let entries = &mut self.rows[row * size..(row + 1) * size];
+            entries.fill(0.0);
             for e in 0..n {
                 let (b, q) = (self.b[e * width + m], self.q[e * width + m]);
                 value += plane.a[d * n + e] * b - plane.b[d * n + e] * q;
                 slope += plane.da[d * n + e] * b - plane.db[d * n + e] * q;
-                let from = &self.dq_db[(e * width + m) * size..(e * width + m + 1) * size];
-                for (j, derivative) in from.iter().enumerate() {
-                    out.jacobian[(row, j)] -= plane.b[d * n + e] * derivative;
-                }
-                out.jacobian[(row, e * width + m)] += plane.a[d * n + e];
+                subtract(entries, plane.b[d * n + e], &self.dq_db[(e * width + m) * size..][..size]);
+                entries[e * width + m] += plane.a[d * n + e];
                 if let Some((other, factor)) = rotated {
                     let rotate = plane.b[d * n + e] * factor;
                     turn += rotate * self.b[e * width + other];
                     slope += unfolding * plane.db[d * n + e] * factor * self.b[e * width + other];
-                    out.jacobian[(row, e * width + other)] += unfolding * rotate;
+                    entries[e * width + other] += unfolding * rotate;
                 }
             }
             out.residual[row] = (value + unfolding * turn) * scale;
@@ -261,17 +259,27 @@ impl<'s> MixedShooting<'s> {
         }
         let row = size;
         out.residual[row] = (energy / self.scales.energy).ln() - p;
+        let entries = &mut self.rows[size * size..];
+        entries.copy_from_slice(&totals.d_b);
         for (i, weight) in gradient_q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-            for j in 0..size {
-                out.jacobian[(row, j)] += weight * self.dq_db[i * size + j];
-            }
+            subtract(entries, -weight, &self.dq_db[i * size..(i + 1) * size]);
         }
-        for j in 0..size {
-            out.jacobian[(row, j)] = (out.jacobian[(row, j)] + totals.d_b[j]) * self.scales.length / energy;
-        }
+        let unit = self.scales.length / energy;
+        entries.iter_mut().for_each(|r| *r *= unit);
         out.jacobian[(row, size)] = totals.d_omega * self.scales.omega / energy;
         out.jacobian[(row, out.residual.len())] = -1.0;
         Ok(())
+    }
+
+    /// Writes the rows made so far, and zeros below them.
+    fn put_rows(&self, jacobian: &mut Mat<f64>) {
+        let size = self.b.len();
+        for j in 0..size {
+            let column = jacobian.col_mut(j).try_as_col_major_mut().expect("columns of a Mat are contiguous");
+            let (made, below) = column.as_slice_mut().split_at_mut(size + 1);
+            made.iter_mut().zip(self.rows[j..].iter().step_by(size)).for_each(|(to, from)| *to = *from);
+            below.fill(0.0);
+        }
     }
 
     fn anchor_row(&self, x: &[f64], out: &mut Linearization) {
@@ -307,11 +315,14 @@ impl ParametricSystem for MixedShooting<'_> {
             return Err(HbmError::Motion { omega, energy: self.energy(p) });
         }
         self.solve_contact(x)?;
-        fill_zero(&mut out.jacobian);
+        // The columns behind those of b, of which not every entry is written below.
+        (self.b.len()..out.jacobian.ncols()).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
         let width = self.sweep.series.width();
         let unfolding = self.unfolding(x).unwrap_or(0.0);
         let mut totals = EnergyTotals { value: 0.0, d_b: vec![0.0; self.b.len()], d_omega: 0.0 };
         let mut gradient_q = vec![0.0; self.b.len()];
+        let n_dofs = self.structure.n_contact_dofs();
+        let (mut b, mut q) = (vec![0.0; n_dofs], vec![0.0; n_dofs]);
         for n in 0..=self.settings.harmonics {
             let nu = Nu { squared: (n as f64 * omega).powi(2), d_omega: 2.0 * (n * n) as f64 * omega };
             if n == 0 {
@@ -324,7 +335,7 @@ impl ParametricSystem for MixedShooting<'_> {
                 if n == 0 {
                     continue;
                 }
-                let (b, q) = self.coefficients(m);
+                self.coefficients(m, &mut b, &mut q);
                 self.energy.set(self.structure, &self.plane, nu.squared, &b, &q);
                 totals.value += self.energy.value;
                 totals.d_omega += self.energy.d_nu2 * nu.d_omega;
@@ -336,6 +347,7 @@ impl ParametricSystem for MixedShooting<'_> {
         }
         // dr/d(b/length) = length · dr/db, and the rows are divided by the same length: nothing to scale.
         self.energy_row(omega, p, &gradient_q, &totals, out)?;
+        self.put_rows(&mut out.jacobian);
         if self.settings.symmetry == Symmetry::None {
             self.anchor_row(x, out);
         }
@@ -363,8 +375,7 @@ impl ParametricSystem for MixedShooting<'_> {
     }
 }
 
-fn fill_zero(m: &mut Mat<f64>) {
-    for j in 0..m.ncols() {
-        m.col_mut(j).iter_mut().for_each(|v| *v = 0.0);
-    }
+/// `to −= factor from`.
+fn subtract(to: &mut [f64], factor: f64, from: &[f64]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to -= factor * from);
 }

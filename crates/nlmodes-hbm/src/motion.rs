@@ -1,9 +1,9 @@
+use nlmodes_linalg::Mat;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
-use nlmodes_model::ContactCoordinates;
 use num_complex::Complex64;
 
 use crate::energy::held_coordinates;
-use crate::held_motion::HeldMotion;
+use crate::held_motion::{HeldMotion, Part};
 use crate::sweep::ContactInterval;
 use crate::transfer::Plane;
 use crate::trigonometric::Trigonometric;
@@ -18,7 +18,7 @@ impl MixedShooting<'_> {
         self.solve_contact(x)?;
         let omega = self.omega(x);
         let held = self.held_motion(omega);
-        let coefficients = self.all_coordinates(&held, omega);
+        let coefficients = self.recorded_coordinates(&held, omega);
         let (harmonic_energy, strain) = self.energies(&held, omega);
         let kinetic = harmonic_energy.iter().sum();
         let modal_amplitude = self.modal_amplitude(&held);
@@ -26,7 +26,8 @@ impl MixedShooting<'_> {
         let (fraction, intervals) = self.contact_statistics();
         Ok(ModalPoint {
             omega,
-            fundamental: self.signed_fundamental(&coefficients, first.dof),
+            fundamental: self
+                .signed_fundamental(coefficients.of(self.structure().recorded_index(first.dof).unwrap_or(0))[1]),
             coefficients,
             kinetic_energy: kinetic,
             harmonic_energy,
@@ -45,12 +46,13 @@ impl MixedShooting<'_> {
     }
 
     /// Complex `b_n`, `q_N,n` and `η_k,n` of all harmonics.
-    fn held_motion(&self, omega: f64) -> HeldMotion {
+    pub(crate) fn held_motion(&self, omega: f64) -> HeldMotion {
         let (structure, series) = (self.structure(), self.series());
         let (n_n, h) = (structure.n_contact_dofs(), series.n_harmonics);
         let mut motion = HeldMotion::new(n_n, structure.modes().len(), h);
         let mut plane = Plane::new(n_n);
         let mut eta = vec![0.0; structure.modes().len()];
+        let (mut b, mut q) = (vec![0.0; n_n], vec![0.0; n_n]);
         for n in 0..=h {
             let nu2 = (n as f64 * omega).powi(2);
             if n == 0 {
@@ -60,7 +62,7 @@ impl MixedShooting<'_> {
             }
             let sine = (n > 0).then(|| series.sine(n)).flatten();
             for (m, unit) in std::iter::once((n, Complex64::ONE)).chain(sine.map(|m| (m, -Complex64::I))) {
-                let (b, q) = self.coefficients(m);
+                self.coefficients(m, &mut b, &mut q);
                 held_coordinates(structure, &plane, nu2, &b, &q, &mut eta);
                 motion.add(n, unit, &b, &q, &eta);
             }
@@ -68,30 +70,40 @@ impl MixedShooting<'_> {
         motion
     }
 
-    /// `q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n`, with the share of the modes not computed, and `q_N,n`, in the order of the model.
-    fn all_coordinates(&self, held: &HeldMotion, omega: f64) -> HarmonicCoefficients {
-        let structure = self.structure();
-        let model = structure.model();
+    /// The coefficients of the recorded degrees of freedom.
+    fn recorded_coordinates(&self, held: &HeldMotion, omega: f64) -> HarmonicCoefficients {
+        let recording = &self.structure().recording;
         let h = self.series().n_harmonics;
-        let mut all = HarmonicCoefficients::zeros(model.dofs().len(), h);
-        if model.contact_coordinates() == ContactCoordinates::Nodes {
-            for (d, &dof) in model.contact_dofs().iter().enumerate() {
-                all.of_mut(dof).copy_from_slice(&held.q[d]);
-            }
+        let mut all = HarmonicCoefficients::zeros(recording.dofs().len(), h);
+        for (d, &place) in recording.contacts.iter().enumerate() {
+            all.of_mut(place).copy_from_slice(&held.q[d]);
         }
-        for (row, &dof) in model.linear_dofs().iter().enumerate() {
-            let target = all.of_mut(dof);
-            for (n, value) in target.iter_mut().enumerate() {
-                let nu2 = (n as f64 * omega).powi(2);
-                for (d, q) in held.q.iter().enumerate() {
-                    *value += q[n] * (structure.psi[(row, d)] + nu2 * structure.residual.shapes[(row, d)]);
-                }
-                for (mode, eta) in structure.modes().iter().zip(&held.eta) {
-                    *value += eta[n] * (nu2 / mode.lambda * structure.shapes()[(row, mode.column)]);
-                }
+        for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
+            if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
+                continue;
+            }
+            let values = &recording.basis * self.amplitudes(held, omega, part);
+            for (row, &place) in recording.linear.iter().enumerate() {
+                let target = all.of_mut(place).iter_mut().enumerate();
+                target.for_each(|(n, q)| *q += unit * values[(row, n)]);
             }
         }
         all
+    }
+
+    /// `ν²/λ_k η_k,n`, `q_N,n` and `ν² q_N,n`, one below the other, a column a harmonic: what
+    /// `q_L,n = Σ_k φ_k (ν²/λ_k) η_k,n + Ψ q_N,n + X ν² q_N,n` is made from.
+    pub(crate) fn amplitudes(&self, held: &HeldMotion, omega: f64, part: Part) -> Mat<f64> {
+        let modes = self.structure().modes();
+        let (k, n_n) = (modes.len(), held.q.len());
+        Mat::from_fn(k + 2 * n_n, self.series().n_harmonics + 1, |i, n| {
+            let nu2 = (n as f64 * omega).powi(2);
+            match i {
+                i if i < k => nu2 / modes[i].lambda * part.of(held.eta[i][n]),
+                i if i < k + n_n => part.of(held.q[i - k][n]),
+                i => nu2 * part.of(held.q[i - k - n_n][n]),
+            }
+        })
     }
 
     /// Averaged kinetic energy of each harmonic, and averaged strain energy, that of elastic stops included.
@@ -157,8 +169,7 @@ impl MixedShooting<'_> {
         mean
     }
 
-    fn signed_fundamental(&self, coefficients: &HarmonicCoefficients, dof: usize) -> f64 {
-        let q = coefficients.of(dof)[1];
+    fn signed_fundamental(&self, q: Complex64) -> f64 {
         match self.series().symmetry {
             Symmetry::Even => q.re,
             Symmetry::None => q.norm().copysign(if q.re == 0.0 { 1.0 } else { q.re }),

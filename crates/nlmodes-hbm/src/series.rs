@@ -62,6 +62,9 @@ impl RealSeries {
     /// `(1/2π) ∫ χ e^{−ikτ} dτ = C_k − i S_k`, k = 0 … 2H. Row-major, width × width.
     pub fn multiplication(&self, averages: &[Complex64], matrix: &mut [f64]) {
         let width = self.width();
+        if self.symmetry == Symmetry::Even {
+            return self.even_multiplication(averages, matrix);
+        }
         let cosine = |k: isize| averages[k.unsigned_abs()].re;
         let sine = |k: isize| -averages[k.unsigned_abs()].im * k.signum() as f64;
         for i in 0..width {
@@ -79,6 +82,17 @@ impl RealSeries {
                         (true, true) => cosine(m - n) - cosine(m + n),
                     };
             }
+        }
+    }
+
+    /// Toeplitz and Hankel part, `C_|m−n| + C_m+n`, as two stretches of the averages mirrored about `C_0`.
+    fn even_multiplication(&self, averages: &[Complex64], matrix: &mut [f64]) {
+        let (width, h) = (self.width(), self.n_harmonics);
+        let mirrored: Vec<f64> = averages[1..=h].iter().rev().chain(averages).map(|z| z.re).collect();
+        for (m, row) in matrix.chunks_exact_mut(width).enumerate() {
+            let scale = if m == 0 { 0.5 } else { 1.0 };
+            let (toeplitz, hankel) = (&mirrored[h - m..h - m + width], &mirrored[h + m..h + m + width]);
+            row.iter_mut().zip(toeplitz.iter().zip(hankel)).for_each(|(r, (t, s))| *r = scale * (t + s));
         }
     }
 

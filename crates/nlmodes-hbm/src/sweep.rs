@@ -65,7 +65,8 @@ impl ContactSweep {
     ) -> Result<Self, HbmError> {
         let (c, h) = (structure.n_contacts(), series.n_harmonics);
         let samples = match switching {
-            Switching::Exact => (8 * (h + 1)).next_power_of_two().max(64),
+            // Where nothing can happen between two samples is proven cell by cell: their number decides the cost, not the result.
+            Switching::Exact => (4 * (h + 1)).next_power_of_two().max(32),
             Switching::Sampled { samples } => samples,
         };
         let needed = 2 * h + 1;
@@ -104,15 +105,21 @@ impl ContactSweep {
         for i in 0..self.y.len() {
             self.basis.synthesize_with_slope(&self.y[i], &mut self.y_t[i], &mut self.dy_t[i]);
         }
-        for j in 0..samples {
-            self.solve_sample(structure, j)?;
-        }
-        if self.series.symmetry == Symmetry::None {
-            self.set_t[samples] = self.set_t[0];
+        match self.series.symmetry {
+            Symmetry::None => {
+                (0..samples).try_for_each(|j| self.solve_sample(structure, j))?;
+                self.set_t[samples] = self.set_t[0];
+            }
+            Symmetry::Even => {
+                (0..=samples / 2).try_for_each(|j| self.solve_sample(structure, j))?;
+            }
         }
         match self.switching {
             Switching::Exact => self.trace(structure),
             Switching::Sampled { .. } => {
+                if self.series.symmetry == Symmetry::Even {
+                    (samples / 2 + 1..=samples).for_each(|j| self.set_t[j] = self.set_t[samples - j]);
+                }
                 self.collect_samples();
                 Ok(())
             }
@@ -132,9 +139,16 @@ impl ContactSweep {
         }
     }
 
-    /// Closed contacts at sample `j`, starting from those of the same sample of the iterate before.
+    /// Closed contacts at sample `j`. Those of the same sample of the iterate before are taken where their gaps and forces are still
+    /// positive, which makes them the solution; else the solver starts from them.
     fn solve_sample(&mut self, structure: &CondensedStructure, j: usize) -> Result<(), HbmError> {
         self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[j]);
+        if self.set_t[j] == SetTable::OPEN && self.at.iter().all(|y| *y >= 0.0) {
+            return Ok(());
+        }
+        if self.set_t[j] != SetTable::OPEN && self.sets.get(self.set_t[j]).is_solution(&self.at) {
+            return Ok(());
+        }
         self.set_t[j] = if self.at.iter().all(|y| *y >= 0.0) {
             self.closed_t[j].fill(false);
             SetTable::OPEN
@@ -245,7 +259,8 @@ fn add_indicator(from: f64, to: f64, even: bool, averages: &mut [Complex64]) {
     averages[0].re += if even { 2.0 } else { 1.0 } * (to - from) / TAU;
     for (k, average) in averages.iter_mut().enumerate().skip(1) {
         // ∫ e^{−ikτ} = (e^{−ik·from} − e^{−ik·to}) / (ik)
-        let integral = (at_a - at_b) / Complex64::new(0.0, TAU * k as f64);
+        let (difference, scale) = (at_a - at_b, 1.0 / (TAU * k as f64));
+        let integral = Complex64::new(difference.im * scale, -difference.re * scale);
         *average += if even { Complex64::new(2.0 * integral.re, 0.0) } else { integral };
         at_a *= a;
         at_b *= b;

@@ -2,7 +2,7 @@ use num_complex::Complex64;
 
 use crate::closed_set::{ClosedSet, SetTable};
 use crate::sweep::ContactInterval;
-use crate::trigonometric::Trigonometric;
+use crate::trigonometric::{Trigonometric, bound};
 use crate::{CondensedStructure, HbmError};
 
 /// Samples of `y` and of `dy/dτ`, and the sample that is meant.
@@ -30,7 +30,7 @@ pub(crate) struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
-        let curvature = y.iter().map(|z| Trigonometric { z: z.clone() }.bound(2)).collect();
+        let curvature = y.iter().map(|z| bound(z, 2)).collect();
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature }
     }
 
@@ -50,14 +50,22 @@ impl<'a> Tracer<'a> {
         }
         let set = sets.get(from);
         let c = self.y.len();
-        (0..c).all(|i| {
-            let row = &set.guard[i * c..(i + 1) * c];
-            let sum = |t: &[Vec<f64>], j: usize| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
-            let low = sum(left.0, left.2).min(sum(right.0, right.2));
-            let bound: f64 = row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum();
-            low > 0.0
-                && (low > width * width / 8.0 * bound
-                    || (sum(left.1, left.2) + sum(right.1, right.2)).abs() > width * bound)
+        if let ([guard], [curvature], [y], [slope]) =
+            (set.guard.as_slice(), self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice())
+        {
+            let low = (guard * y[left.2]).min(guard * y[right.2]);
+            let bound = width * guard.abs() * curvature;
+            let slopes = guard * (slope[left.2] + slope[right.2]);
+            return low > 0.0 && (low > 0.125 * width * bound || slopes.abs() > bound);
+        }
+        let sum = |row: &[f64], (t, j): (&[Vec<f64>], usize)| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
+        set.guard.chunks_exact(c).all(|row| {
+            let low = sum(row, (left.0, left.2)).min(sum(row, (right.0, right.2)));
+            if low <= 0.0 {
+                return false;
+            }
+            let bound = width * row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum::<f64>();
+            low > 0.125 * width * bound || (sum(row, (left.1, left.2)) + sum(row, (right.1, right.2))).abs() > bound
         })
     }
 
@@ -138,27 +146,43 @@ impl<'a> Tracer<'a> {
 
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    search(f, [f.bound(2), f.bound(3)], from, to)
+    search(f, [f.bound(2), f.bound(3)], Instant::of(f, from), Instant::of(f, to))
+}
+
+/// An instant with the value of a function there and its first two derivatives.
+#[derive(Clone, Copy)]
+struct Instant {
+    tau: f64,
+    f: [f64; 3],
+}
+
+impl Instant {
+    fn of(f: &Trigonometric, tau: f64) -> Self {
+        Self { tau, f: f.evaluate(tau) }
+    }
 }
 
 /// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
 /// in which it rises, falls and rises again would otherwise hide a short contact.
-fn search(f: &Trigonometric, bounds: [f64; 2], from: f64, to: f64) -> Option<f64> {
-    let (width, middle) = (to - from, 0.5 * (from + to));
-    if f.evaluate(from)[0].min(f.evaluate(to)[0]) > width * width / 8.0 * bounds[0] {
+fn search(f: &Trigonometric, bounds: [f64; 2], from: Instant, to: Instant) -> Option<f64> {
+    let width = to.tau - from.tau;
+    if from.f[0].min(to.f[0]) > width * width / 8.0 * bounds[0] {
         return None;
     }
-    if width < SHORTEST || f.evaluate(middle)[2].abs() > 0.5 * width * bounds[1] {
+    if width < SHORTEST {
+        return falls_below_zero_once(f, from, to);
+    }
+    let middle = Instant::of(f, 0.5 * (from.tau + to.tau));
+    if middle.f[2].abs() > 0.5 * width * bounds[1] {
         return falls_below_zero_once(f, from, to);
     }
     search(f, bounds, from, middle).or_else(|| search(f, bounds, middle, to))
 }
 
 /// [`falls_below_zero`] where `f` is convex or concave.
-fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    let (left, right) = (f.evaluate(from), f.evaluate(to));
-    let size: f64 = f.z.iter().map(|z| z.norm()).sum();
-    let noise = 64.0 * f64::EPSILON * size;
+fn falls_below_zero_once(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+    let (left, right) = (from.f, to.f);
+    let noise = 64.0 * f64::EPSILON * f.bound(0);
     if left[0] < -noise {
         // The caller's set does not fit at its own beginning: leave it to bisection.
         return None;
@@ -167,23 +191,23 @@ fn falls_below_zero_once(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
     if right[0] < -noise {
         let rises_first = left[0] <= noise && left[1] >= 0.0;
         if left[0] <= noise && !rises_first {
-            return Some(from);
+            return Some(from.tau);
         }
-        let low = if rises_first { peak(f, from, to)? } else { from };
-        return Some(f.root(0, low, to));
+        let low = if rises_first { peak(f, from, to)? } else { from.tau };
+        return Some(f.root(0, low, to.tau));
     }
     if !dips {
         return None;
     }
-    let bottom = f.root(1, from, to);
+    let bottom = f.root(1, from.tau, to.tau);
     let value = f.evaluate(bottom)[0];
-    (value < -noise).then(|| if left[0] > noise { f.root(0, from, bottom) } else { from })
+    (value < -noise).then(|| if left[0] > noise { f.root(0, from.tau, bottom) } else { from.tau })
 }
 
 /// A point at which `f`, zero and rising at `from`, is positive before it falls to `to`.
-fn peak(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    if f.evaluate(to)[1] < 0.0 && f.evaluate(from)[1] > 0.0 {
-        let top = f.root(1, from, to);
+fn peak(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+    if to.f[1] < 0.0 && from.f[1] > 0.0 {
+        let top = f.root(1, from.tau, to.tau);
         return (f.evaluate(top)[0] > 0.0).then_some(top);
     }
     None

@@ -1,9 +1,7 @@
 use std::ops::Range;
 
-use nlmodes_linalg::Mat;
-
 use crate::CondensedStructure;
-use crate::condensed::{HeldMode, REPEATED};
+use crate::held_sums::Sums;
 
 /// The linear structure at one harmonic: `A b_n = B q_N,n`, a form of eq. (8) without poles.
 ///
@@ -19,7 +17,7 @@ use crate::condensed::{HeldMode, REPEATED};
 /// not jump where another mode becomes the more resonant one.
 ///
 /// All matrices are row-major, n_N × n_N; derivatives are with respect to `ν²`.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Plane {
     pub a: Vec<f64>,
     pub b: Vec<f64>,
@@ -28,6 +26,8 @@ pub(crate) struct Plane {
     /// `F` and its derivative.
     pub f: Vec<f64>,
     pub df: Vec<f64>,
+    /// Sums over the modes that are not kept apart.
+    pub sums: Sums,
     /// The modes that are kept apart: one, or all with the same frequency; empty for the mean.
     pub poles: Range<usize>,
     /// Whether the modes that were not computed answer with the term in `ν⁴` too.
@@ -44,6 +44,7 @@ impl Plane {
             db: zero.clone(),
             f: zero.clone(),
             df: zero,
+            sums: Sums::new(n),
             poles: 0..0,
             with_next_term: false,
         }
@@ -53,11 +54,12 @@ impl Plane {
     pub fn set_static(&mut self, structure: &CondensedStructure) {
         let n = structure.n_contact_dofs();
         identity(&mut self.a, n);
-        write(&mut self.f, &structure.t0);
+        self.f.copy_from_slice(&structure.sums.t0);
         self.b.copy_from_slice(&self.f);
         for m in [&mut self.da, &mut self.db, &mut self.df] {
             m.fill(0.0);
         }
+        self.sums.clear();
         self.poles = 0..0;
     }
 
@@ -70,91 +72,93 @@ impl Plane {
         let neighbours = passed.saturating_sub(1)..(passed + 1).min(modes.len());
         let nearest = neighbours.max_by(|i, j| resonance(i).total_cmp(&resonance(j)));
         let Some(nearest) = nearest else { return self.set_static(structure) };
-        self.poles = repeated(modes, nearest);
-        self.regular_part(structure, nu2);
-        identity(&mut self.a, n);
-        [&mut self.da, &mut self.b, &mut self.db].into_iter().for_each(|m| m.fill(0.0));
-        let below = self.poles.clone().filter(|&p| modes[p].lambda < nu2).count();
-        // Each pole passed turns the sign of det(I − T …); with those of δ it keeps its own.
-        let mut sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
-        for mode in &modes[self.poles.clone()] {
-            let delta = mode.lambda - nu2;
-            let rho = delta.hypot(mode.s);
-            let (alpha, beta) = (sign * delta / rho, sign * mode.s / rho);
-            // d/dν² = −d/dδ
-            let (d_alpha, d_beta) = (-beta * mode.s / (rho * rho), beta * delta / (rho * rho));
-            for i in 0..n {
-                for j in 0..n {
-                    let e = mode.h[i] * mode.g[j] / mode.s;
-                    self.a[i * n + j] -= (1.0 - alpha) * e;
-                    self.da[i * n + j] += d_alpha * e;
-                    self.b[i * n + j] += beta * e;
-                    self.db[i * n + j] += d_beta * e;
-                }
-            }
-            sign = 1.0;
+        self.poles = structure.sums.same[nearest].clone();
+        if n == 1 && self.poles.len() == 1 && !self.with_next_term {
+            return self.set_scalars(structure, nu2, passed);
         }
+        self.regular_part(structure, nu2);
+        self.take_poles_out(structure, nu2, passed);
+        // B = A F + β …, and its slope.
         for i in 0..n {
             for k in 0..n {
                 let (a, da) = (self.a[i * n + k], self.da[i * n + k]);
-                for j in 0..n {
-                    self.b[i * n + j] += a * self.f[k * n + j];
-                    self.db[i * n + j] += da * self.f[k * n + j] + a * self.df[k * n + j];
+                let (f, df) = (&self.f[k * n..(k + 1) * n], &self.df[k * n..(k + 1) * n]);
+                let rows = self.b[i * n..(i + 1) * n].iter_mut().zip(&mut self.db[i * n..(i + 1) * n]);
+                for ((b, db), (f, df)) in rows.zip(f.iter().zip(df)) {
+                    *b += a * f;
+                    *db += da * f + a * df;
                 }
             }
+        }
+    }
+
+    /// The same for one contact degree of freedom, where `h g = s`, in a fraction of the instructions.
+    fn set_scalars(&mut self, structure: &CondensedStructure, nu2: f64, passed: usize) {
+        let (sums, mode) = (&structure.sums, &structure.modes[self.poles.start]);
+        sums.at(nu2, &self.poles, &mut self.sums);
+        let (static_response, slope) = (sums.k_nn_inverse[0], sums.residual_transfer[0]);
+        let f = sums.t0[0] + nu2 * (slope + static_response * self.sums.s1[0]) - mode.s / mode.lambda;
+        let df = slope + static_response * self.sums.s2[0];
+        let below = usize::from(mode.lambda < nu2);
+        let sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
+        let delta = mode.lambda - nu2;
+        let inverse = 1.0 / (delta * delta + mode.s * mode.s).sqrt();
+        let (alpha, beta) = (sign * delta * inverse, sign * mode.s * inverse);
+        let turn = mode.s * inverse * inverse;
+        let (d_alpha, d_beta) = (-beta * turn, alpha * turn);
+        (self.f[0], self.df[0], self.a[0], self.da[0]) = (f, df, alpha, d_alpha);
+        (self.b[0], self.db[0]) = (beta + alpha * f, d_beta + d_alpha * f + alpha * df);
+    }
+
+    /// `A`, and `B` but for `A F`.
+    fn take_poles_out(&mut self, structure: &CondensedStructure, nu2: f64, passed: usize) {
+        let (n, modes) = (structure.n_contact_dofs(), &structure.modes);
+        let below = self.poles.clone().filter(|&p| modes[p].lambda < nu2).count();
+        // Each pole passed turns the sign of det(I − T …); with those of δ it keeps its own.
+        let mut sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
+        identity(&mut self.a, n);
+        for number in 0..n * n {
+            (self.da[number], self.b[number], self.db[number]) = (0.0, 0.0, 0.0);
+        }
+        for p in self.poles.clone() {
+            let (delta, s) = (modes[p].lambda - nu2, modes[p].s);
+            let rho = (delta * delta + s * s).sqrt();
+            let (alpha, beta) = (sign * delta / rho, sign * s / rho);
+            // d/dν² = −d/dδ
+            let (d_alpha, d_beta) = (-beta * s / (rho * rho), beta * delta / (rho * rho));
+            for (at, e) in structure.sums.directions[p * n * n..(p + 1) * n * n].iter().enumerate() {
+                self.a[at] -= (1.0 - alpha) * e;
+                self.da[at] += d_alpha * e;
+                self.b[at] += beta * e;
+                self.db[at] += d_beta * e;
+            }
+            sign = 1.0;
         }
     }
 
     /// `F = T − Σ_p h_p g_p/(λ_p − ν²)` and its derivative; the terms of the poles leave only their static share.
     fn regular_part(&mut self, structure: &CondensedStructure, nu2: f64) {
-        let n = structure.n_contact_dofs();
-        write(&mut self.f, &structure.t0);
-        write(&mut self.df, &structure.residual.transfer);
-        self.f.iter_mut().zip(&self.df).for_each(|(f, slope)| *f += nu2 * slope);
+        let (n, sums) = (structure.n_contact_dofs(), &structure.sums);
+        self.df.copy_from_slice(&sums.residual_transfer);
+        self.f.iter_mut().zip(&sums.t0).zip(&self.df).for_each(|((f, t0), slope)| *f = t0 + nu2 * slope);
         if self.with_next_term {
-            for i in 0..n {
-                for j in 0..n {
-                    let next = structure.residual.next_transfer[(i, j)];
-                    self.f[i * n + j] += nu2 * nu2 * next;
-                    self.df[i * n + j] += 2.0 * nu2 * next;
-                }
-            }
+            let both = self.f.iter_mut().zip(&mut self.df).zip(&sums.next_transfer);
+            both.for_each(|((f, df), next)| {
+                *f += nu2 * nu2 * next;
+                *df += 2.0 * nu2 * next;
+            });
         }
-        for (k, mode) in structure.modes.iter().enumerate() {
-            let (value, slope) = if self.poles.contains(&k) {
-                (-1.0 / mode.lambda, 0.0)
-            } else {
-                let inverse = 1.0 / (mode.lambda - nu2);
-                (nu2 / mode.lambda * inverse, inverse * inverse)
-            };
-            for i in 0..n {
-                for j in 0..n {
-                    let hg = mode.h[i] * mode.g[j];
-                    self.f[i * n + j] += value * hg;
-                    self.df[i * n + j] += slope * hg;
-                }
-            }
+        sums.at(nu2, &self.poles, &mut self.sums);
+        sums.add_static_response(nu2, &self.sums.s1, &mut self.f);
+        sums.add_static_response(1.0, &self.sums.s2, &mut self.df);
+        for p in self.poles.clone() {
+            let weight = structure.modes[p].s / structure.modes[p].lambda;
+            let direction = &sums.directions[p * n * n..(p + 1) * n * n];
+            self.f.iter_mut().zip(direction).for_each(|(f, e)| *f -= weight * e);
         }
     }
-}
-
-/// All modes with the frequency of mode `p`.
-fn repeated(modes: &[HeldMode], p: usize) -> Range<usize> {
-    let same = |k: &usize| (modes[*k].lambda / modes[p].lambda - 1.0).abs() <= 4.0 * REPEATED;
-    let before = (0..p).rev().take_while(same).count();
-    p - before..p + 1 + (p + 1..modes.len()).take_while(same).count()
 }
 
 fn identity(m: &mut [f64], n: usize) {
-    m.fill(0.0);
-    (0..n).for_each(|i| m[i * n + i] = 1.0);
-}
-
-fn write(to: &mut [f64], from: &Mat<f64>) {
-    let n = from.ncols();
-    for i in 0..from.nrows() {
-        for j in 0..n {
-            to[i * n + j] = from[(i, j)];
-        }
-    }
+    m.iter_mut().enumerate().for_each(|(at, m)| *m = if at % (n + 1) == 0 { 1.0 } else { 0.0 });
 }

@@ -24,7 +24,7 @@ impl Trigonometric {
 
     /// Bound of a derivative.
     pub fn bound(&self, order: i32) -> f64 {
-        self.z.iter().enumerate().map(|(n, z)| (n as f64).powi(order) * z.norm()).sum()
+        bound(&self.z, order)
     }
 
     /// The zero of derivative `order` (0 or 1) in `[low, high]`, at whose ends it has different signs:
@@ -51,6 +51,12 @@ impl Trigonometric {
         }
         tau
     }
+}
+
+/// Bound of a derivative of `Re Σ z_n e^{inτ}`.
+pub(crate) fn bound(z: &[Complex64], order: i32) -> f64 {
+    // The root of the square is a fraction of the cost of `norm`, which guards against overflow.
+    z.iter().enumerate().map(|(n, z)| (n as f64).powi(order) * z.norm_sqr().sqrt()).sum()
 }
 
 #[cfg(test)]

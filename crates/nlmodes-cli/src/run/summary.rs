@@ -58,6 +58,8 @@ pub struct MethodUsed {
     equations: &'static str,
     held_modes: usize,
     held_modes_at_contacts: usize,
+    recorded_coordinates: usize,
+    degrees_of_freedom: usize,
     largest_unfolding: Option<f64>,
 }
 
@@ -284,6 +286,8 @@ pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
         },
         held_modes: computed.structure.n_held_modes(),
         held_modes_at_contacts: computed.structure.modes().len(),
+        recorded_coordinates: computed.structure.recorded_dofs().len(),
+        degrees_of_freedom: computed.structure.model().dofs().len(),
         largest_unfolding: computed.largest_unfolding,
     }
 }

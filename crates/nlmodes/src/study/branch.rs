@@ -178,11 +178,12 @@ impl ComputedBranch {
 pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoint>, end: BranchEnd) -> ModalBranch {
     let model = tracer.structure.model();
     let first = model.contacts()[0];
-    let coordinates = model.dofs().iter().map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
+    let recorded = tracer.structure.recorded_dofs().iter().map(|&dof| &model.dofs()[dof]);
+    let coordinates = recorded.map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
     ModalBranch {
         label,
         coordinates: coordinates.collect(),
-        contact_coordinate: Some(first.dof),
+        contact_coordinate: tracer.structure.recorded_index(first.dof),
         stop: Some(first.side.sign() * first.gap),
         points,
         end,

@@ -1,8 +1,6 @@
-use nlmodes_hbm::HbmError;
-use nlmodes_linalg::multiply;
-use nlmodes_modal::{HarmonicCoefficients, NonlinearModeShape, Participation, PhaseAnchor};
+use nlmodes_hbm::{HbmError, Projection};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, NonlinearModeShape, Participation, PhaseAnchor};
 use nlmodes_model::linear_modes;
-use num_complex::Complex64;
 
 use super::{ComputedBranch, StudyError};
 
@@ -16,42 +14,34 @@ impl ComputedBranch {
     pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, StudyError> {
         let model = self.structure.model();
         let linear = linear_modes(model.mass(), model.stiffness(), modes).map_err(HbmError::from)?;
-        // Rows of Φᵀ M: modal coordinates of displacements.
-        let inertia: Vec<Vec<f64>> = (0..linear.omega.len())
-            .map(|k| {
-                let shape: Vec<f64> = linear.shapes.col(k).iter().copied().collect();
-                let mut row = vec![0.0; shape.len()];
-                multiply(model.mass(), &shape, &mut row);
-                row
-            })
-            .collect();
-        let anchor = model.contacts()[0].dof;
-        let of = |motion: &HarmonicCoefficients, amplitude: f64| {
+        let onto = Projection::new(&self.structure, &linear);
+        let anchor = self.branch.contact_coordinate.unwrap_or(0);
+        let of = |point: &ModalPoint, modal: &HarmonicCoefficients| {
+            let amplitude = point.modal_amplitude;
             if amplitude == 0.0 {
                 let none = vec![f64::NAN; linear.omega.len()];
                 return Ok(Participation {
                     factors: none.clone(),
                     quadrature: none,
-                    harmonics: 1..=motion.n_harmonics(),
+                    harmonics: 1..=modal.n_harmonics(),
                 });
             }
             // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
+            let fundamental = point.coefficients.of(anchor)[1];
             let phase =
-                if motion.of(anchor)[1].norm() > 0.0 { PhaseAnchor::Coordinate(anchor) } else { PhaseAnchor::None };
-            let shape = NonlinearModeShape::new(motion, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
-            Ok(Participation::new(&modal_coordinates(&inertia, &shape.harmonics), 1..=motion.n_harmonics()))
+                if fundamental.norm() > 0.0 { PhaseAnchor::Phase(fundamental.arg()) } else { PhaseAnchor::None };
+            let shape = NonlinearModeShape::new(modal, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
+            Ok(Participation::new(&shape.harmonics, 1..=modal.n_harmonics()))
         };
-        self.branch.points.iter().map(|point| of(&point.coefficients, point.modal_amplitude)).collect()
+        let both = self.branch.points.iter().zip(&self.unknowns).enumerate();
+        both.map(|(number, (point, x))| {
+            let modal = match onto.of_motion(&point.coefficients) {
+                Some(modal) => modal,
+                // The point holds some degrees of freedom only: the sum over all of them is done in the reduced coordinates.
+                None => self.problem(number)?.modal_coordinates(x, &onto)?,
+            };
+            of(point, &modal)
+        })
+        .collect()
     }
-}
-
-/// `Φᵀ M q_n`, modes × (H + 1).
-fn modal_coordinates(inertia: &[Vec<f64>], motion: &HarmonicCoefficients) -> HarmonicCoefficients {
-    let mut modal = HarmonicCoefficients::zeros(inertia.len(), motion.n_harmonics());
-    for (k, row) in inertia.iter().enumerate() {
-        for (n, eta) in modal.of_mut(k).iter_mut().enumerate() {
-            *eta = row.iter().enumerate().map(|(d, m)| motion.of(d)[n] * *m).sum::<Complex64>();
-        }
-    }
-    modal
 }

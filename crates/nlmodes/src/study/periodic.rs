@@ -1,8 +1,8 @@
 //! The periodic problem of a study, in harmonics or exact.
 
 use nlmodes_continuation::{Linearization, ParametricSystem};
-use nlmodes_hbm::{Grazing, HbmError, MixedShooting};
-use nlmodes_modal::{ModalPoint, TimeHistory};
+use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
 
@@ -73,6 +73,23 @@ impl Periodic<'_> {
         Ok(match self {
             Self::Harmonics(problem) => problem.modal_point(x, residual)?,
             Self::Exact(problem) => problem.modal_point(x, residual)?,
+        })
+    }
+
+    /// Modal coordinates of the point with the unknowns `x`, whose motion is `motion`.
+    pub fn modal_coordinates(
+        &mut self,
+        x: &[f64],
+        motion: &HarmonicCoefficients,
+        onto: &Projection,
+    ) -> Result<HarmonicCoefficients, PeriodicError> {
+        if let Some(modal) = onto.of_motion(motion) {
+            return Ok(modal);
+        }
+        Ok(match self {
+            Self::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
+            // Exact motions are those of all degrees of freedom.
+            Self::Exact(_) => HarmonicCoefficients::zeros(0, 0),
         })
     }
 

@@ -1,9 +1,6 @@
-use nlmodes_hbm::CondensedStructure;
-use nlmodes_linalg::multiply;
-use nlmodes_modal::{InternalResonance, ModalPoint, RESONANT_SHARE};
+use nlmodes_hbm::{CondensedStructure, Projection};
+use nlmodes_modal::{HarmonicCoefficients, InternalResonance, ModalPoint, RESONANT_SHARE};
 use nlmodes_model::{LinearModes, linear_modes};
-
-use num_complex::Complex64;
 
 /// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly excited mode
 /// shifts by its own contacts.
@@ -12,7 +9,8 @@ const DETUNING: f64 = 0.05;
 /// Recognises internal resonances of a structure; its linear modes are computed when they are first needed.
 pub(super) struct Resonances<'s> {
     structure: &'s CondensedStructure,
-    modes: Option<LinearModes>,
+    /// Projection onto the linear modes known, and their angular frequencies, rad/s.
+    modes: Option<(Projection, Vec<f64>)>,
     /// Angular frequency up to which the modes are known, rad/s.
     known: f64,
 }
@@ -23,8 +21,12 @@ impl<'s> Resonances<'s> {
     }
 
     /// The resonance in which a point takes part: the harmonic above the first with the most kinetic energy, if that is a good
-    /// share, and the linear mode near its frequency that looks most like it.
-    pub fn of(&mut self, point: &ModalPoint) -> Option<InternalResonance> {
+    /// share, and the linear mode near its frequency that looks most like it. `project` gives the modal coordinates of the point.
+    pub fn of(
+        &mut self,
+        point: &ModalPoint,
+        project: impl FnOnce(&Projection) -> Option<HarmonicCoefficients>,
+    ) -> Option<InternalResonance> {
         let (harmonic, share) = point.largest_higher_harmonic()?;
         if share < RESONANT_SHARE {
             return None;
@@ -32,23 +34,17 @@ impl<'s> Resonances<'s> {
         let frequency = harmonic as f64 * point.omega;
         if self.known < frequency * (1.0 + DETUNING) {
             self.known = 2.0 * frequency;
-            self.modes = linear_modes_up_to(self.structure, self.known);
+            self.modes = linear_modes_up_to(self.structure, self.known)
+                .map(|modes| (Projection::new(self.structure, &modes), modes.omega));
         }
-        let modes = self.modes.as_ref()?;
-        let mass = self.structure.model().mass();
-        let n_dofs = modes.shapes.nrows();
-        let parts = [|z: Complex64| z.re, |z: Complex64| z.im].map(|part| {
-            let q: Vec<f64> = (0..n_dofs).map(|d| part(point.coefficients.of(d)[harmonic])).collect();
-            let mut inertia = vec![0.0; n_dofs];
-            multiply(mass, &q, &mut inertia);
-            inertia
-        });
-        let participation = |k: usize| -> f64 {
-            let shape = modes.shapes.col(k);
-            parts.iter().map(|v| shape.iter().zip(v).map(|(a, b)| a * b).sum::<f64>().powi(2)).sum()
-        };
-        let near = (0..modes.omega.len()).filter(|&k| (frequency / modes.omega[k] - 1.0).abs() < DETUNING);
-        let mode = near.max_by(|&i, &j| participation(i).total_cmp(&participation(j)))?;
+        let (onto, omega) = self.modes.as_ref()?;
+        let near: Vec<usize> = (0..omega.len()).filter(|&k| (frequency / omega[k] - 1.0).abs() < DETUNING).collect();
+        if near.is_empty() {
+            return None;
+        }
+        let modal = project(onto)?;
+        let participation = |k: usize| modal.of(k)[harmonic].norm_sqr();
+        let mode = near.into_iter().max_by(|&i, &j| participation(i).total_cmp(&participation(j)))?;
         Some(InternalResonance { harmonic, mode: mode + 1 })
     }
 }

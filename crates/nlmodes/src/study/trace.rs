@@ -49,7 +49,9 @@ impl Viewer<'_> {
     /// The modal point of a solution; `None` if it cannot be evaluated again.
     fn see(&mut self, x: &[f64], residual: f64) -> Option<ModalPoint> {
         let mut modal = self.problem.modal_point(x, residual).ok()?;
-        modal.resonance = self.resonances.of(&modal);
+        let problem = &mut self.problem;
+        modal.resonance =
+            self.resonances.of(&modal, |onto| problem.modal_coordinates(x, &modal.coefficients, onto).ok());
         modal.stability = self.probe.of(&mut self.problem, x, &modal);
         // An exact motion has more harmonics than were asked for, by which its resonances are known.
         if modal.coefficients.n_harmonics() > self.harmonics {

@@ -1,0 +1,84 @@
+use nlmodes_linalg::{Mat, multiply};
+use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_model::LinearModes;
+use num_complex::Complex64;
+
+use crate::held_motion::Part;
+use crate::{CondensedStructure, HbmError, MixedShooting, Symmetry};
+
+/// Modal coordinates `Φᵀ M q_n` of linear modes, of motions of all degrees of freedom or of the reduced coordinates, for which the sum
+/// over the degrees of freedom is done once.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    /// `M Φ`, degrees of freedom × modes.
+    inertia: Mat<f64>,
+    /// `Φᵀ M [φ … , Ψ, X]`, modes × (held modes + 2 n_N).
+    reduced: Mat<f64>,
+}
+
+impl Projection {
+    /// Onto the modes `linear`, shapes over all degrees of freedom.
+    ///
+    /// # Panics
+    /// If the shapes have another number of rows than the structure has degrees of freedom.
+    pub fn new(structure: &CondensedStructure, linear: &LinearModes) -> Self {
+        let model = structure.model();
+        let mass = model.mass();
+        let (r, k, n) = (linear.omega.len(), structure.modes().len(), structure.n_contact_dofs());
+        let mut inertia = Mat::zeros(mass.nrows(), r);
+        let mut row = vec![0.0; mass.nrows()];
+        for j in 0..r {
+            let shape: Vec<f64> = linear.shapes.col(j).iter().copied().collect();
+            multiply(mass, &shape, &mut row);
+            inertia.col_mut(j).iter_mut().zip(&row).for_each(|(to, from)| *to = *from);
+        }
+        // Contact nodes that are not among the linear degrees of freedom have no mass, and take no part in the sum.
+        let linear_dofs = model.linear_dofs();
+        let heavy = Mat::from_fn(r, linear_dofs.len(), |j, i| inertia[(linear_dofs[i], j)]);
+        let (shapes, psi) = (&heavy * structure.shapes(), &heavy * &structure.psi);
+        let residual = &heavy * &structure.residual.shapes;
+        let reduced = Mat::from_fn(r, k + 2 * n, |i, j| match j {
+            j if j < k => shapes[(i, structure.modes()[j].column)],
+            j if j < k + n => psi[(i, j - k)],
+            j => residual[(i, j - k - n)],
+        });
+        Self { inertia, reduced }
+    }
+
+    /// Of a motion of all degrees of freedom, modes × (H + 1), m·√kg; `None` for a motion of some of them only.
+    pub fn of_motion(&self, motion: &HarmonicCoefficients) -> Option<HarmonicCoefficients> {
+        if motion.n_coordinates() != self.inertia.nrows() {
+            return None;
+        }
+        let mut modal = HarmonicCoefficients::zeros(self.inertia.ncols(), motion.n_harmonics());
+        for k in 0..self.inertia.ncols() {
+            for (n, eta) in modal.of_mut(k).iter_mut().enumerate() {
+                *eta = self.inertia.col(k).iter().enumerate().map(|(d, m)| motion.of(d)[n] * *m).sum::<Complex64>();
+            }
+        }
+        Some(modal)
+    }
+}
+
+impl MixedShooting<'_> {
+    /// Modal coordinates of the motion with the unknowns `x`, modes × (H + 1), m·√kg.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_coordinates(&mut self, x: &[f64], onto: &Projection) -> Result<HarmonicCoefficients, HbmError> {
+        self.solve_contact(x)?;
+        let omega = self.omega(x);
+        let held = self.held_motion(omega);
+        let mut modal = HarmonicCoefficients::zeros(onto.reduced.nrows(), self.series().n_harmonics);
+        for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
+            if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
+                continue;
+            }
+            let values = &onto.reduced * self.amplitudes(&held, omega, part);
+            for k in 0..values.nrows() {
+                modal.of_mut(k).iter_mut().enumerate().for_each(|(n, eta)| *eta += unit * values[(k, n)]);
+            }
+        }
+        Ok(modal)
+    }
+}
