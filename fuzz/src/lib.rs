@@ -6,7 +6,7 @@ pub mod corpus;
 pub mod mutation;
 mod readers;
 
-pub use readers::{Scratch, Target, target};
+pub use readers::{Reader, Scratch, Target, target};
 
 /// Names of all targets.
 pub const TARGETS: [&str; 9] = ["scene", "record-scene", "test-scene", "csv", "uff", "wav", "npy", "lcp", "results"];

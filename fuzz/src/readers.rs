@@ -1,4 +1,4 @@
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
@@ -9,10 +9,13 @@ use nlmodes_experiment::records::{
 
 use crate::corpus;
 
+/// A function of bytes.
+pub type Reader = Box<dyn Fn(&[u8]) + Send + Sync>;
+
 /// A reader, and valid files to begin with.
 pub struct Target {
     /// Whatever it does with the bytes: an error is as good as a result.
-    pub read: Box<dyn Fn(&[u8]) + Send + Sync>,
+    pub read: Reader,
     /// Valid files.
     pub corpus: Vec<Vec<u8>>,
     /// Words of its format.
@@ -25,7 +28,7 @@ pub struct Target {
 /// If the valid files cannot be made.
 pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
     let directory = scratch.0.clone();
-    let (read, corpus): (Box<dyn Fn(&[u8]) + Send + Sync>, Vec<Vec<u8>>) = match name {
+    let (read, corpus): (Reader, Vec<Vec<u8>>) = match name {
         "scene" => (Box::new(scene), corpus::scenes()),
         "record-scene" => (Box::new(record_scene), corpus::record_scenes()),
         "test-scene" => (Box::new(test_scene), corpus::test_scenes()),
@@ -99,12 +102,8 @@ fn contact_problem(directory: &Path, bytes: &[u8]) {
 
 /// A summary and coefficients in one, the length of the first in front.
 fn results(directory: &Path, bytes: &[u8]) {
-    let mut rest = bytes;
-    let mut length = [0; 4];
-    if rest.read_exact(&mut length).is_err() {
-        return;
-    }
-    let (summary, harmonics) = rest.split_at((u32::from_le_bytes(length) as usize).min(rest.len()));
+    let Some((length, rest)) = bytes.split_first_chunk() else { return };
+    let (summary, harmonics) = rest.split_at((u32::from_le_bytes(*length) as usize).min(rest.len()));
     let written = fs::write(directory.join("summary.json"), summary)
         .and_then(|()| fs::write(directory.join("harmonics.npz"), harmonics));
     if written.is_ok()

@@ -3,14 +3,22 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+use serde_json::Value;
 
+use crate::claim::{Claim, Over, identity};
 use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
+use crate::options::RunOptions;
 use crate::{
-    Status, check, compare, experiment, lcp, links, memory, modes, run as study, updating, verify, virtual_test,
+    Status, check, compare, experiment, interrupt, lcp, links, memory, modes, new, run as study, updating, verify,
+    virtual_test,
 };
 
 /// Nonlinear modes of structures with one-sided contact
+///
+/// A scene, a TOML file, describes a rod or beam, its stops, and what is to be computed. From it come the branch of a nonlinear mode
+/// (frequency, shape and contact force over energy), a virtual test of it, or the same from measured records: as tables, figures and a page.
 #[derive(Debug, Parser)]
 #[command(name = "nlmodes-cli", version, arg_required_else_help = true, after_help = EXAMPLES)]
 struct CommandLine {
@@ -19,10 +27,12 @@ struct CommandLine {
 }
 
 const EXAMPLES: &str = "\
-Examples:
-  nlmodes-cli check configs/rod.toml                             is the scene sound, and what would be computed?
-  nlmodes-cli run configs/rod.toml                               compute it; results go to results/rod
-  nlmodes-cli run configs/rod.toml --set method.harmonics=5 --out results/rod5
+First steps:
+  nlmodes-cli new rod my_rod.toml             write a scene with comments
+  nlmodes-cli check my_rod.toml               is it sound, and what would be computed?
+  nlmodes-cli run my_rod.toml                 compute it; open results/my_rod/report.html in a browser
+  nlmodes-cli run my_rod.toml --set method.harmonics=5 --out results/my_rod_5
+  nlmodes-cli run my_rod.toml --resume        go on after Ctrl-C, a power cut or a full disk
 
 Exit status:
   0  done
@@ -36,18 +46,31 @@ Replaces a value of the scene, or adds one. The key is a dotted path; stops go b
 enum Command {
     /// Compute the branch, or run the virtual test, that a scene describes, and write its tables and figures
     #[command(after_help = "\
-Example:
-  nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap")]
+Examples:
+  nlmodes-cli run configs/rod.toml                               results go to the directory that the scene names
+  nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap
+  nlmodes-cli run configs/rod.toml --set 'method.harmonics=[1,2,3]' --out results/harmonics
+  nlmodes-cli run configs/rod.toml --resume                      go on where a run was interrupted
+
+Every point is on disk when it is found. Ctrl-C ends the step in progress and writes summary and figures; a second one ends at once.
+A directory with the results of another scene is left as it is, unless `--force` is given.")]
     Run {
         #[command(flatten)]
         scene: SceneArguments,
         /// Directory of the result files, instead of the one that the scene names
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// No progress; warnings and errors only
-        #[arg(long, short)]
-        quiet: bool,
+        #[command(flatten)]
+        options: RunOptions,
     },
+    /// Write a scene with comments, to begin with
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli new rod                        writes rod.toml
+  nlmodes-cli new virtual-test my_test.toml
+
+A file that is there already is left as it is.")]
+    New(new::Arguments),
     /// Print the linear modes, with and without mass at the contacts
     #[command(after_help = "Example:\n  nlmodes-cli modes configs/beam.toml --set structure.elements=40")]
     Modes {
@@ -92,6 +115,18 @@ Exit status 1 where the motion cannot be integrated, 2 where the directory holds
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
     #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
     Schema,
+    /// Print completions of this command line for a shell
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli completions bash > ~/.local/share/bash-completion/completions/nlmodes-cli
+  nlmodes-cli completions zsh > ~/.zfunc/_nlmodes-cli            with ~/.zfunc in $fpath
+  nlmodes-cli completions fish > ~/.config/fish/completions/nlmodes-cli.fish
+
+They work in the next shell that is opened.")]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
 }
 
 #[derive(Debug, Subcommand)]
@@ -108,6 +143,9 @@ Exit status 1 where a record gives no point, with the reason in the table; 2 whe
         /// Directory of the result files, instead of the one that the scene names
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Overwrite the results of another scene
+        #[arg(long)]
+        force: bool,
         /// Warnings and errors only
         #[arg(long, short)]
         quiet: bool,
@@ -129,10 +167,11 @@ struct SceneArguments {
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::parse().command {
-        Command::Run { scene, out, quiet } => {
+        Command::Run { scene, out, options } => {
             let limit = scene.memory_limit;
-            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, quiet))
+            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, options))
         }
+        Command::New(arguments) => new::write(&arguments),
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
             if file.scene.contacts.is_empty() {
                 return no_contact(&file);
@@ -142,7 +181,7 @@ pub fn run() -> Status {
         Command::Lcp(arguments) => lcp::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
-        Command::Experiment(Experiment::Extract { scene, out, quiet }) => extract(&scene, out, quiet),
+        Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => extract(&scene, out, force, quiet),
         Command::Check { scene: SceneArguments { path, overrides, memory_limit } } => {
             with(config::load_any(&path, &overrides), |scene| match scene {
                 AnyScene::Structure(mut files) => {
@@ -160,14 +199,20 @@ pub fn run() -> Status {
             })
         }
         Command::Schema => print(&format!("{:#}", config::whole_schema())),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut CommandLine::command(), "nlmodes-cli", &mut script);
+            print(String::from_utf8_lossy(&script).trim_end())
+        }
     }
 }
 
 /// Computes what the scene describes.
-fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, quiet: bool) -> Status {
+fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, options: RunOptions) -> Status {
+    interrupt::install();
     match scene {
         AnyScene::Structure(mut files) => match memory::admit(&mut files, limit) {
-            Ok(()) => run_each(files, out, quiet),
+            Ok(()) => run_each(files, out, options),
             Err(said) => refuse(&said),
         },
         AnyScene::Test(file) => with_warnings(*file, |mut file| {
@@ -176,7 +221,7 @@ fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, 
             }
             let admitted = memory::admit_test(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
             match admitted {
-                Ok(()) => virtual_test::run(&file, quiet),
+                Ok(()) => virtual_test::run(&file, options),
                 Err(said) => refuse(&said),
             }
         }),
@@ -205,7 +250,7 @@ fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status 
 }
 
 /// Runs a scene with one method, or several that differ in it.
-fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Status {
+fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions) -> Status {
     say_warnings(&files);
     for file in &mut files {
         if let Some(out) = &out {
@@ -218,9 +263,13 @@ fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Sta
             return refuse(&said);
         }
     }
+    let claim = match claim(&files, options) {
+        Ok(claim) => claim,
+        Err(status) => return status,
+    };
     let mut updated = Vec::new();
     for file in files {
-        let status = with_parameters(file, quiet, |file| {
+        let status = with_parameters(file, options.quiet, |file| {
             updated.push(file.clone());
             Status::Done
         });
@@ -228,11 +277,19 @@ fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Sta
             return status;
         }
     }
-    study::run(&updated, quiet)
+    study::run(&updated, &claim, options)
+}
+
+/// The output directory of scenes that differ in their method only.
+fn claim(files: &[SceneFile], options: RunOptions) -> Result<Claim, Status> {
+    let Some(first) = files.first() else { return Err(Status::Wrong) };
+    let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
+    let scenes = Value::Array(files.iter().map(scene).collect());
+    Claim::new(&first.scene.output_directory, &first.document, scenes, Over::of(options))
 }
 
 /// The same for a scene of measured records.
-fn extract(arguments: &SceneArguments, out: Option<PathBuf>, quiet: bool) -> Status {
+fn extract(arguments: &SceneArguments, out: Option<PathBuf>, force: bool, quiet: bool) -> Status {
     with(config::load_records(&arguments.path, &arguments.overrides), |file| {
         with_warnings(file, |mut file| {
             if let Some(out) = out {
@@ -242,7 +299,7 @@ fn extract(arguments: &SceneArguments, out: Option<PathBuf>, quiet: bool) -> Sta
             let admitted =
                 memory::admit_records(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
             match admitted {
-                Ok(()) => experiment::extract(&file, quiet),
+                Ok(()) => experiment::extract(&file, RunOptions { force, quiet, ..RunOptions::default() }),
                 Err(said) => refuse(&said),
             }
         })

@@ -12,10 +12,13 @@ use nlmodes::experiment::extraction::{ExtractionError, Measured, RecordExtractio
 use nlmodes::experiment::records::{Record, RecordError};
 
 use crate::Status;
+use crate::claim::{Claim, Over, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::{RecordScene, number};
+use crate::options::RunOptions;
 use crate::run::chain;
+use table::Table;
 
 /// A record, and what came of it.
 #[derive(Debug)]
@@ -45,7 +48,11 @@ impl Outcome {
 /// Reads all records, extracts from each, and writes table, figures and summary.
 ///
 /// A file that cannot be read ends it before anything is written. A record that gives no point has a row with the reason.
-pub fn extract(file: &SceneFile<RecordScene>, quiet: bool) -> Status {
+pub fn extract(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
+    let claim = match claim(file, options) {
+        Ok(claim) => claim,
+        Err(status) => return status,
+    };
     let Some(file) = with_modes(file) else { return Status::Wrong };
     let Some(records) = read(&file) else { return Status::Wrong };
     let outcomes: Vec<Outcome> = records
@@ -57,22 +64,36 @@ pub fn extract(file: &SceneFile<RecordScene>, quiet: bool) -> Status {
             result: extract_record(&record, &file.scene.settings),
         })
         .collect();
+    if let Err(failure) = claim.take() {
+        return unwritable(&failure, &file.scene.output_directory, false);
+    }
     if let Err(error) = write(&file.scene, &outcomes) {
         say!("error: {}", chain(error.as_ref()));
-        return Status::Wrong;
+        return Status::EndedEarly;
     }
     for outcome in &outcomes {
         if let Err(error) = &outcome.result {
             say!("warning: {}: no modal point: {}", outcome.record, chain(error));
         }
     }
-    if !quiet {
+    if !options.quiet {
         let mut lines: Vec<String> =
             outcomes.iter().filter_map(|outcome| Some(described(outcome.result.as_ref().ok()?))).collect();
         lines.push(format!("Results in {}", file.scene.output_directory.display()));
         print(&lines.join("\n"));
     }
     if outcomes.iter().all(|outcome| outcome.result.is_ok()) { Status::Done } else { Status::EndedEarly }
+}
+
+/// The output directory; its records are known by their names.
+fn claim(file: &SceneFile<RecordScene>, options: RunOptions) -> Result<Claim, Status> {
+    let mut scene = RecordScene { title: String::new(), output_directory: Default::default(), ..file.scene.clone() };
+    // The same from wherever the program is started.
+    if let Ok(base) = scene.base.canonicalize() {
+        scene.base = base;
+    }
+    let told = serde_json::json!([{ "records": scene.files, "scene": format!("{scene:?}") }]);
+    Claim::new(&file.scene.output_directory, &file.document, told, Over::of(options))
 }
 
 /// The scene with the linear modes of its structure, where it has one; `None` where they cannot be had, which is said.
@@ -119,11 +140,10 @@ fn help(error: &RecordError) -> &'static [&'static str] {
 
 fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
     let directory = &scene.output_directory;
-    std::fs::create_dir_all(directory)
-        .map_err(|source| nlmodes::report::ReportError::Io { path: directory.clone(), source })?;
-    figures::remove(directory);
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
-    table::write(&directory.join("modal_points.csv"), modes, None, outcomes)?;
+    let mut table = Table::new(modes, None)?;
+    outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
+    table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
     figures::write(directory, &scene.title, outcomes, &[])
 }

@@ -12,14 +12,18 @@ macro_rules! say {
 
 mod assemble;
 mod check;
+mod claim;
 pub mod command;
 mod compare;
 pub mod config;
 mod experiment;
+mod interrupt;
 mod lcp;
 mod links;
 mod memory;
 mod modes;
+mod new;
+mod options;
 #[doc(hidden)]
 pub mod readers;
 mod run;

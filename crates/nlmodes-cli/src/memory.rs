@@ -90,7 +90,8 @@ struct Needs {
 impl Needs {
     fn of(scene: &Scene) -> Self {
         let (dofs, method) = (scene.structure.free_dofs() as f64, &scene.method);
-        let harmonics = method.harmonics as f64;
+        // An accuracy may choose its most everywhere.
+        let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics) as f64;
         let chosen = if dofs <= DENSE[1] { dofs } else { 2.0 * (32.0 + 8.0 * harmonics) };
         let modes = method.held_modes.map_or(chosen, |n| n as f64).min(dofs);
         let dense = dofs <= DENSE[0] || 3.0 * modes > dofs;

@@ -2,6 +2,7 @@
 
 mod figures;
 mod histories;
+mod journal;
 mod page;
 mod progress;
 mod several;
@@ -11,6 +12,7 @@ mod summary;
 
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::path::Path;
 use std::time::Instant;
 
 use nlmodes::hbm::HbmError;
@@ -18,55 +20,70 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
-    StabilityRule, StudyError, compute_tree,
+    StabilityRule, StudyError, compute_tree_with_log,
 };
 use nlmodes::timestep::TimestepError;
 
 use crate::Status;
 use crate::assemble::{contact_model, structural_model};
+use crate::claim::{Claim, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::scene::{
     AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
     Symmetry,
 };
+use crate::interrupt;
 use crate::modes::modal_model;
+use crate::options::RunOptions;
+use journal::Journal;
+use progress::Progress;
 use sink::{Sink, branch_directory};
 pub use starts::STARTS;
 
-/// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
+/// Computes the branches of a scene and writes their files.
 ///
-/// Each point is in `branch.csv` as soon as it is found. Nothing is written before the first one. Several methods or numbers of
-/// harmonics have a folder each, and common figures beside these.
+/// Each point is in `branch.csv`, and the step to it in `steps.jsonl`, as soon as it is found. Nothing is written before the first one.
+/// Several methods or numbers of harmonics have a folder each, and common figures beside these.
 ///
 /// `files` are scenes that differ in their method only.
-pub fn run(files: &[SceneFile], quiet: bool) -> Status {
+pub fn run(files: &[SceneFile], claim: &Claim, options: RunOptions) -> Status {
     let outcome = match several::parts(files).as_slice() {
-        [only] => one_branch(&only.file, quiet).map(|(_, status)| status),
-        parts => several::study(files, parts, quiet),
+        [only] => one_branch(&only.file, claim, options).map(|(_, status)| status),
+        parts => several::study(files, parts, claim, options),
     };
     outcome.unwrap_or_else(|status| status)
 }
 
 /// One branch with all its files, and how it ended.
-fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), Status> {
+fn one_branch(file: &SceneFile, claim: &Claim, options: RunOptions) -> Result<(ComputedTree, Status), Status> {
     let scene = &file.scene;
+    let directory = &scene.output_directory;
     let began = Instant::now();
     let (model, massless) = models(file)?;
-    if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+    if let Some(text) = modal_model(&scene.structure).filter(|_| !options.quiet) {
         _ = print(&text);
     }
-    let mut sink = Sink::new(&scene.output_directory, quiet);
-    let tree = compute(scene, massless, &mut sink);
-    if let Some(failure) = sink.failure {
-        say!("error: {}", chain(&failure));
-        say!("expected a directory for the results that can be created and written; nothing was kept");
-        return Err(Status::Wrong);
+    let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(&failure, directory, true))?;
+    if claim.resumes() && journal.known_steps() == 0 && !options.quiet {
+        say!("{} holds no interrupted run: computed from the beginning", directory.display());
     }
-    sink.progress.finish();
+    let progress = Progress::new(options, scene);
+    let mut sink = Sink::new(directory, claim, journal.computing.clone(), progress);
+    let tree = compute(scene, massless, &mut journal, &mut sink);
+    sink.finish();
+    if let Some(failure) = sink.failure.take().or(journal.failure) {
+        return Err(unwritable(&failure, directory, !sink.is_empty()));
+    }
     let tree = tree.map_err(|error| refuse_study(file, &error))?;
-    let status = finish(file, &model, &tree, began, quiet);
+    let status = finish(file, &model, &tree, began, options.quiet);
     Ok((tree, status))
+}
+
+/// Removes what a run writes at its end, which would not belong to the points of another one.
+pub fn remove(directory: &Path) {
+    figures::remove(directory);
+    summary::remove(directory);
 }
 
 /// The structure of the scene, and the model of it that the method works on.
@@ -79,14 +96,21 @@ pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel
 
 /// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,
 /// the way up.
-fn compute(scene: &Scene, model: MasslessContactModel, sink: &mut Sink) -> Result<ComputedTree, StudyError> {
+fn compute(
+    scene: &Scene,
+    model: MasslessContactModel,
+    journal: &mut Journal,
+    sink: &mut Sink,
+) -> Result<ComputedTree, StudyError> {
     let (start, other) = starts(scene.continuation.start);
     let settings = BranchSettings { start, ..branch_settings(scene) };
-    let mut tree = compute_tree(model.clone(), &settings, |progress| sink.take(progress))?;
-    let (Some(start), false) = (other, sink.failure.is_some()) else { return Ok(tree) };
+    let mut tree = compute_tree_with_log(model.clone(), &settings, journal, |progress| sink.take(progress))?;
+    let ended = sink.failure.is_some() || journal.failure.is_some() || interrupt::requested();
+    let (Some(start), false) = (other, ended) else { return Ok(tree) };
     let first = tree.branches.swap_remove(0);
     sink.begin_again(first.branch.points.iter().skip(1).rev());
-    let mut tree = compute_tree(model, &BranchSettings { start, ..settings }, |progress| sink.take(progress))?;
+    let settings = BranchSettings { start, ..settings };
+    let mut tree = compute_tree_with_log(model, &settings, journal, |progress| sink.take(progress))?;
     let second = tree.branches.swap_remove(0);
     tree.branches.push(second.preceded_by(first));
     Ok(tree)
@@ -165,6 +189,9 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
     let statuses = tree.branches.iter().enumerate().map(|(number, computed)| tell(computed, number, began, quiet));
     if statuses.collect::<Vec<_>>().contains(&Status::EndedEarly) {
         say!("What was found is in {}", directory.display());
+        if interrupt::requested() {
+            say!("The same call with `--resume` goes on from there");
+        }
         return Status::EndedEarly;
     }
     if tree.not_followed > 0 {

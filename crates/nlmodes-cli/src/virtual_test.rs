@@ -7,6 +7,7 @@ mod summary;
 
 use std::f64::consts::TAU;
 use std::fs;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
@@ -17,26 +18,39 @@ use nlmodes::rig::{RigError, VirtualTest};
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::Status;
+use crate::claim::{Claim, Over, unwritable};
 use crate::command::print;
 use crate::config::scene::{BackboneMethod, KeptRecords, TestScene};
 use crate::config::{SceneFile, number};
+use crate::experiment::table::Table;
+use crate::interrupt;
+use crate::options::RunOptions;
 use crate::run::chain;
 use bench::Rig;
 pub use summary::summary;
 
 /// Runs the test, extracts from the record of each level, and writes table, figures, summary and the records that are to be kept.
 ///
-/// A level that does not settle is recorded as it is, with what is wrong with it among its findings, and the status says so.
-pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
-    let (scene, began) = (&file.scene, Instant::now());
+/// A level is in the table, and its record in its file, as soon as it is recorded. One that does not settle is recorded as it is, with what
+/// is wrong with it among its findings, and the status says so.
+pub fn run(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
+    let (scene, began, quiet) = (&file.scene, Instant::now(), options.quiet);
+    let directory = &scene.output_directory;
+    let claim = match claim(file, options) {
+        Ok(claim) => claim,
+        Err(status) => return status,
+    };
     let rig = match Rig::new(scene) {
         Ok(rig) => rig,
         Err(error) => return refuse(file, error.path, &chain(error.source.as_ref())),
     };
-    if let Err(error) = results::prepare(&scene.output_directory) {
-        say!("error: {}", chain(error.as_ref()));
-        return Status::Wrong;
+    if options.resume && !quiet {
+        say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
     }
+    if let Err(failure) = claim.take() {
+        return unwritable(&failure, directory, false);
+    }
+    results::prepare(directory);
     if !quiet {
         say!("{}", summary::model(scene, &rig));
     }
@@ -50,15 +64,19 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
         }
         Err(error) => {
             say!("error: {error}");
+            say!("what was recorded until then is in {}", directory.display());
             return Status::EndedEarly;
         }
     };
-    let computed = backbones(scene, &rig, &mut wrong);
+    let computed = if interrupt::requested() { Vec::new() } else { backbones(scene, &rig, &mut wrong) };
     let (n, settled) = (levels.len(), levels.iter().filter(|level| is_good(level)).count());
     if settled < n {
         wrong.push(format!("{} of {n} levels did not settle, or gave no modal point; the table says why", n - settled));
     }
-    if let Err(error) = results::write(scene, &rig, levels, &computed, &wrong, began.elapsed()) {
+    if interrupt::requested() {
+        wrong.push(format!("the test was interrupted behind level {n} of {}", scene.schedule.levels.len()));
+    }
+    if let Err(error) = results::write(scene, &rig, &levels, &computed, &wrong, began.elapsed()) {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
@@ -67,6 +85,15 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
         print(&format!("Results in {}", scene.output_directory.display()));
     }
     if wrong.is_empty() { Status::Done } else { Status::EndedEarly }
+}
+
+/// The output directory; a test is known by its scene in words.
+fn claim(file: &SceneFile<TestScene>, options: RunOptions) -> Result<Claim, Status> {
+    let scene = TestScene { title: String::new(), output_directory: Default::default(), ..file.scene.clone() };
+    let told = serde_json::json!([{ "structure": scene.structure, "scene": format!("{scene:?}") }]);
+    // A test begins anew, whatever there was of it.
+    let over = if options.resume { Over::Same } else { Over::of(options) };
+    Claim::new(&file.scene.output_directory, &file.document, told, over)
 }
 
 /// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not complete.
@@ -107,17 +134,24 @@ fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<TestRun, String> 
         stop: rig.bench.extraction_stop(),
         ..scene.settings.clone()
     };
+    let mut table = results::table(scene, rig).map_err(|error| chain(error.as_ref()))?;
     let (mut count, mut failure) = (0, None);
-    let run = virtual_test::run(&test, &settings, |level| {
+    let run = virtual_test::run_while(&test, &settings, |level| {
         count += 1;
         if !quiet {
             say!("{}", line(scene, count, level));
         }
-        if failure.is_none() {
-            failure = keep(scene, count, level).err();
-        }
+        failure = write(scene, count, level, &mut table).err();
+        if failure.is_some() || interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     failure.map_or(Ok(run), Err)
+}
+
+/// Writes the table up to this level, and its record, if that is to be kept.
+fn write(scene: &TestScene, count: usize, level: &TestLevel, table: &mut Table) -> Result<(), String> {
+    keep(scene, count, level)?;
+    table.push(&results::outcome(level)).map_err(|error| chain(error.as_ref()))?;
+    table.write(&scene.output_directory.join("modal_points.csv")).map_err(|error| chain(&error))
 }
 
 /// What is said about a level as soon as it is recorded.
@@ -152,10 +186,13 @@ fn keep(scene: &TestScene, count: usize, level: &TestLevel) -> Result<(), String
         return Ok(());
     }
     let directory = scene.output_directory.join(results::RECORDS);
-    let io = |source| chain(&ReportError::Io { path: directory.clone(), source });
+    let io = |source: std::io::Error| chain(&ReportError::Io { path: directory.clone(), source });
     fs::create_dir_all(&directory).map_err(io)?;
     let name = format!("{}.{}", level.outcome.record.name, format.name());
-    write_record(&directory.join(name), &level.outcome.record).map_err(|error| chain(&error))
+    // A record is there as a whole or not at all.
+    let temporary = directory.join(format!(".nlmodes-tmp.{name}"));
+    write_record(&temporary, &level.outcome.record).map_err(|error| chain(&error))?;
+    fs::rename(temporary, directory.join(name)).map_err(io)
 }
 
 fn refuse(file: &SceneFile<TestScene>, path: &str, title: &str) -> Status {

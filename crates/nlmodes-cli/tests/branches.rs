@@ -14,7 +14,7 @@ type Outcome = Result<(), Box<dyn Error>>;
 fn rod(out: &TempDir, set: &[&str]) -> Result<Value, Box<dyn Error>> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut call = Command::cargo_bin("nlmodes-cli")?;
-    call.args(["run", "configs/rod.toml", "--quiet", "--out"]).arg(out.path());
+    call.args(["run", "configs/rod.toml", "--quiet", "--force", "--out"]).arg(out.path());
     set.iter().for_each(|value| _ = call.args(["--set", value]));
     let output = call.current_dir(workspace).output()?;
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -160,7 +160,7 @@ fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
     fs::write(results.join("records/notes.txt"), "not of the program")?;
     for (format, tolerance) in [("uff", 1e-9), ("npy", 1e-9), ("wav", 1e-6)] {
         let format_key = format!("virtual_test.records.format={format}");
-        let (status, said) = call(&["run"], &path, &results, &[&format_key])?;
+        let (status, said) = call(&["run", "--force"], &path, &results, &[&format_key])?;
         assert_eq!(status, 0, "{said}");
         let mut kept = Vec::new();
         for entry in fs::read_dir(results.join("records"))? {

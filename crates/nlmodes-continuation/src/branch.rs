@@ -2,6 +2,7 @@ use crate::Crossing;
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum EventKind {
     /// The parameter turns.
@@ -26,6 +27,7 @@ pub enum EventKind {
 
 /// A point of a branch.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BranchPoint {
     /// Unknowns, n.
     pub x: Vec<f64>,
@@ -34,6 +36,7 @@ pub struct BranchPoint {
     /// Unit tangent, n + 1, in the direction of travel.
     pub tangent: Vec<f64>,
     /// Largest entry of the residual in magnitude.
+    #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub residual: f64,
     /// Newton iterations of the last correction.
     pub iterations: usize,
@@ -54,6 +57,7 @@ impl BranchPoint {
 
 /// Why a branch has no further points.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StopReason {
     /// A coordinate reached its bound; the last point lies on it.
@@ -78,6 +82,13 @@ pub enum StopReason {
         /// Why it was refused.
         refusal: String,
     },
+}
+
+impl StopReason {
+    /// Whether the branch could go on: it ended because it was asked to, or has as many points as were asked for.
+    pub fn is_asked_for(&self) -> bool {
+        matches!(self, Self::Stopped | Self::MaxPoints)
+    }
 }
 
 /// A branch: always returned, with the reason why it ended.

@@ -1,6 +1,7 @@
 use std::ops::ControlFlow;
 
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, dot};
+use crate::record::RunLog;
 use crate::run::Run;
 use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, StepSettings};
 
@@ -58,8 +59,25 @@ impl Continuation {
         direction: &[f64],
         observe: impl FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Result<Branch, ContinuationError<S::Error>> {
+        self.run_with_log(system, x, p, direction, &mut (), observe)
+    }
+
+    /// As [`run`](Self::run), each step going into a log. Where that holds the steps of an earlier run from the same start, these are
+    /// not computed again: their points are shown to `observe`, and the branch goes on behind them as if it had never been cut off.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_with_log<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        x: &[f64],
+        p: f64,
+        direction: &[f64],
+        log: &mut dyn RunLog,
+        observe: impl FnMut(&BranchPoint) -> ControlFlow<()>,
+    ) -> Result<Branch, ContinuationError<S::Error>> {
         let (start, corrector) = self.start(system, x, p, direction)?;
-        Ok(Run::new(self, system, observe, corrector, &start).finish(&start))
+        Ok(Run::new(self, system, observe, corrector, &start, log).finish(&start))
     }
 
     /// Checks the input and corrects the start.

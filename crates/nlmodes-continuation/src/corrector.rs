@@ -62,6 +62,7 @@ impl Surface {
 
 /// A converged correction.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correction {
     /// The point, n + 1.
     pub z: Vec<f64>,
@@ -70,12 +71,14 @@ pub struct Correction {
     /// Sign of `det [J; tᵀ]`.
     pub orientation: f64,
     /// Largest entry of the residual in magnitude.
+    #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub residual: f64,
     /// Newton steps taken.
     pub iterations: usize,
     /// Smooth piece of the system at the point.
     pub pattern: u64,
     /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where arms meet.
+    #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub(crate) regularity: f64,
 }
 

@@ -37,11 +37,14 @@ pub struct Crossing {
 }
 
 /// Arms around a crossing before the branch has chosen: the way back, its own continuation and the others.
-#[derive(Debug, Clone)]
-pub(crate) struct Choice {
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Choice {
+    /// Where it is, `z = (x, p)`.
     pub z: Vec<f64>,
     /// Unit vector toward the way back.
     pub back: Vec<f64>,
+    /// The other arms.
     pub arms: Vec<Correction>,
     /// Index of the branch's own continuation.
     pub own: usize,
@@ -49,7 +52,7 @@ pub(crate) struct Choice {
 
 impl Choice {
     /// Index of the arm to follow.
-    pub fn arm(&self, rule: AtBranchPoint) -> usize {
+    pub(crate) fn arm(&self, rule: AtBranchPoint) -> usize {
         let growth = |k: &usize| outward(&self.z, &self.arms[*k].z).last().copied().unwrap_or(0.0);
         let others = (0..self.arms.len()).filter(|k| *k != self.own);
         match rule {
@@ -58,7 +61,7 @@ impl Choice {
         }
     }
 
-    pub fn crossing(&self, point: usize, followed: Option<usize>) -> Crossing {
+    pub(crate) fn crossing(&self, point: usize, followed: Option<usize>) -> Crossing {
         let arms = self.arms.iter().enumerate();
         let arms = arms.map(|(k, start)| Arm { start: start.clone(), followed: followed == Some(k) });
         Crossing { point, z: self.z.clone(), arms: arms.collect() }

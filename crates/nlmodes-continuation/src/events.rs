@@ -38,6 +38,16 @@ impl FoldWatch {
         Self { coordinates: std::iter::once((n, EventKind::ParameterFold, 0.0)).chain(unknowns).collect() }
     }
 
+    /// The sense in which each moved last.
+    pub fn senses(&self) -> Vec<f64> {
+        self.coordinates.iter().map(|(_, _, sense)| *sense).collect()
+    }
+
+    /// As if each had moved in these senses.
+    pub fn set_senses(&mut self, senses: &[f64]) {
+        self.coordinates.iter_mut().zip(senses).for_each(|((_, _, sense), now)| *sense = *now);
+    }
+
     /// Takes note of a tangent and returns the coordinates that turned since the last.
     pub fn update(&mut self, tangent: &[f64]) -> Vec<(usize, EventKind)> {
         let mut turned = Vec::new();

@@ -10,8 +10,9 @@
 //! branch passed is located and named.
 //!
 //! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it changes is
-//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. Where no step exists, all arms
-//! that leave a small circle are found and the branch goes on along the one that is its own, or along another ([`AtBranchPoint`]);
+//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened; likewise where it vanishes
+//! without a change of sign. Where no step exists, all arms that leave a small sphere are found and the branch goes on along the one
+//! that is its own, or along another ([`AtBranchPoint`]); any number of directions may be nearly free there.
 //! [`Continuation::run_tree`] follows them all.
 //!
 //! | symbol | item | shape |
@@ -58,6 +59,7 @@ mod corrector;
 mod crossing;
 mod error;
 mod events;
+mod record;
 mod run;
 mod singular;
 mod sphere;
@@ -68,8 +70,9 @@ mod tree;
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
 pub use continuation::{Bound, Continuation};
 pub use corrector::{Correction, Corrector, Hyperplane};
-pub use crossing::{Arm, AtBranchPoint, Crossing};
+pub use crossing::{Arm, AtBranchPoint, Choice, Crossing};
 pub use error::ContinuationError;
+pub use record::{RunLog, StepRecord};
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
 pub use tree::{BranchTree, Origin, TreeBranch};

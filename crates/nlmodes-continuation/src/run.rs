@@ -4,6 +4,7 @@ use crate::corner::{self, Passage};
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
+use crate::record::{RunLog, StepRecord};
 use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, reach, step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
@@ -24,6 +25,11 @@ pub(crate) struct Run<'a, S, F> {
     folds: FoldWatch,
     /// What other branches have passed, and the number of this one among them.
     known: Option<(&'a mut Registry, usize)>,
+    log: &'a mut dyn RunLog,
+    /// The crossing that the step in progress passed.
+    passed: Option<Choice>,
+    /// Points of the step in progress that were shown before.
+    shown: usize,
 }
 
 /// Where a step passes a crossing, and the arms there.
@@ -36,6 +42,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         observe: F,
         corrector: Corrector,
         start: &Correction,
+        log: &'a mut dyn RunLog,
     ) -> Self {
         let mut folds = FoldWatch::new(system.dim(), &settings.watched);
         folds.update(&start.tangent);
@@ -46,7 +53,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             evaluations: 0,
             refused_steps: 0,
         };
-        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), before: None, folds, known: None }
+        let foot = Foot::from(start);
+        let (known, passed) = (None, None);
+        Self { settings, system, observe, corrector, branch, foot, before: None, folds, known, log, passed, shown: 0 }
     }
 
     /// As branch `number` of several, which does not go where another has been.
@@ -56,19 +65,94 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// Keeps the start and follows the branch to its end.
     pub fn finish(mut self, start: &Correction) -> Branch {
-        self.branch.stop = match self.go_to(start, Vec::new()) {
+        self.branch.stop = match self.begin(start) {
             ControlFlow::Break(stop) => stop,
-            ControlFlow::Continue(()) => self.follow(),
+            ControlFlow::Continue(h) => self.follow(h),
         };
         self.branch.evaluations = self.corrector.evaluations;
         self.branch
     }
 
-    fn follow(&mut self) -> StopReason {
+    /// Takes the steps that the log knows, or else keeps the start; and the length of the next step.
+    fn begin(&mut self, start: &Correction) -> ControlFlow<StopReason, f64> {
         let limits = &self.settings.step;
         let mut h = limits.initial.clamp(limits.min, limits.max);
+        for record in self.log.begin(start) {
+            h = self.repeat(record, h)?;
+        }
+        self.log.computing();
+        if self.branch.points.is_empty() {
+            let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
+            return self.record(0, outcome);
+        }
+        ControlFlow::Continue(h)
+    }
+
+    /// Takes a step of an earlier run; `h` is its length.
+    fn repeat(&mut self, record: StepRecord, h: f64) -> ControlFlow<StopReason, f64> {
+        let (from, count) = (self.branch.points.len(), record.points.len());
+        for point in record.points {
+            let told = (self.observe)(&point);
+            self.branch.points.push(point);
+            self.go_on_if(told)?;
+        }
+        if record.stop.as_ref().is_some_and(StopReason::is_asked_for) {
+            // Nobody asks this time: the step is to be taken to its end.
+            self.branch.points.truncate(from);
+            self.shown = count;
+            return ControlFlow::Continue(h);
+        }
+        if let Some(last) = self.branch.points.last() {
+            self.foot = Foot {
+                z: last.z(),
+                tangent: last.tangent.clone(),
+                orientation: record.orientation,
+                regularity: record.regularity,
+                pattern: last.pattern,
+            };
+            self.before = record.before;
+            self.system.accepted(&last.x, last.p);
+        }
+        self.folds.set_senses(&record.senses);
+        if let Some(choice) = record.crossing {
+            let way = self.choose(&choice);
+            // A branch that ends here has that for its recorded end.
+            let _ = self.note(&choice, way);
+            self.passed = None;
+        }
+        self.corrector.evaluations = record.evaluations;
+        self.branch.refused_steps = record.refused_steps;
+        record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
+    }
+
+    /// Hands the points from number `from` on, and what goes with them, to the log.
+    fn record(&mut self, from: usize, outcome: ControlFlow<StopReason, f64>) -> ControlFlow<StopReason, f64> {
+        self.shown = 0;
+        let (next, stop) = match &outcome {
+            ControlFlow::Continue(next) => (*next, None),
+            ControlFlow::Break(stop) => (0.0, Some(stop.clone())),
+        };
+        let told = self.log.record(&StepRecord {
+            points: self.branch.points[from..].to_vec(),
+            orientation: self.foot.orientation,
+            regularity: self.foot.regularity,
+            before: self.before,
+            senses: self.folds.senses(),
+            crossing: self.passed.take(),
+            next,
+            evaluations: self.corrector.evaluations,
+            refused_steps: self.branch.refused_steps,
+            stop,
+        });
+        outcome?;
+        if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(next) }
+    }
+
+    fn follow(&mut self, mut h: f64) -> StopReason {
+        let limits = &self.settings.step;
         let mut refused_in_a_row = 0;
         loop {
+            let from = self.branch.points.len();
             // Where steps are this short, one is worth more than the iterations saved by giving it up.
             self.corrector.max_iterations = limits.max_iterations * if h < 100.0 * limits.min { 3 } else { 1 };
             let outcome = match self.try_step(h) {
@@ -89,7 +173,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 }
             };
             refused_in_a_row = 0;
-            match outcome {
+            match self.record(from, outcome) {
                 ControlFlow::Break(stop) => return stop,
                 ControlFlow::Continue(next) => h = next,
             }
@@ -187,6 +271,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let arm = choice.arm(self.settings.at_branch_point);
         let number = self.branch.crossings.len();
         let free = self.known.as_mut().is_none_or(|(registry, branch)| registry.enter(choice, arm, *branch, number));
+        self.passed = Some(choice.clone());
         free.then_some(arm)
     }
 
@@ -283,8 +368,19 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         if named && point.events.is_empty() {
             return ControlFlow::Continue(());
         }
-        let told = (self.observe)(&point);
+        let told = match self.shown.checked_sub(1) {
+            Some(rest) => {
+                self.shown = rest;
+                ControlFlow::Continue(())
+            }
+            None => (self.observe)(&point),
+        };
         self.branch.points.push(point);
+        self.go_on_if(told)
+    }
+
+    /// Unless the observer or the number of points says no.
+    fn go_on_if(&self, told: ControlFlow<()>) -> ControlFlow<StopReason> {
         if told.is_break() {
             return ControlFlow::Break(StopReason::Stopped);
         }

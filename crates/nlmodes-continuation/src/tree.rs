@@ -2,6 +2,7 @@ use std::ops::ControlFlow;
 
 use crate::corrector::Corrector;
 use crate::crossing::Registry;
+use crate::record::RunLog;
 use crate::run::Run;
 use crate::{Branch, BranchPoint, Continuation, ContinuationError, ParametricSystem, StopReason};
 
@@ -47,6 +48,25 @@ impl Continuation {
         p: f64,
         direction: &[f64],
         max_branches: usize,
+        observe: impl FnMut(usize, &BranchPoint) -> ControlFlow<()>,
+    ) -> Result<BranchTree, ContinuationError<S::Error>> {
+        self.run_tree_with_log(system, x, p, direction, max_branches, &mut (), observe)
+    }
+
+    /// As [`run_tree`](Self::run_tree), each step going into a log; steps that this holds already are not computed again, as in
+    /// [`run_with_log`](Self::run_with_log).
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    #[expect(clippy::too_many_arguments, reason = "those of `run_tree`, and the log")]
+    pub fn run_tree_with_log<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        x: &[f64],
+        p: f64,
+        direction: &[f64],
+        max_branches: usize,
+        log: &mut dyn RunLog,
         mut observe: impl FnMut(usize, &BranchPoint) -> ControlFlow<()>,
     ) -> Result<BranchTree, ContinuationError<S::Error>> {
         let (mut start, mut corrector) = self.start(system, x, p, direction)?;
@@ -56,7 +76,8 @@ impl Continuation {
         loop {
             let number = branches.len();
             let watch = |point: &BranchPoint| observe(number, point);
-            let branch = Run::new(self, system, watch, corrector, &start).within(&mut registry, number).finish(&start);
+            let run = Run::new(self, system, watch, corrector, &start, &mut *log);
+            let branch = run.within(&mut registry, number).finish(&start);
             let stopped = branch.stop == StopReason::Stopped;
             branches.push(TreeBranch { branch, origin });
             if stopped || branches.len() >= max_branches {

@@ -110,9 +110,9 @@ impl<'s> TruncationEstimator<'s> {
         self.fine.plane.with_next_term = false;
         self.fine.linearize(z, p, &mut self.at).ok()?;
         let n = z.len();
-        for j in 0..=n {
+        for (j, component) in tangent.iter().enumerate() {
             (0..n).for_each(|i| self.bordered[(i, j)] = self.at.jacobian[(i, j)]);
-            self.bordered[(n, j)] = tangent[j];
+            self.bordered[(n, j)] = *component;
         }
         self.lu.refactor(&self.bordered).ok()?;
         Some(self.solve())

@@ -90,6 +90,7 @@ pub use figure::{
     ParticipationFigure, StiffnessFigure,
 };
 pub use html::{DataTable, HtmlReport, StopLine};
+pub use output::write_file;
 pub use table::{
     BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_starts, write_summary,
 };

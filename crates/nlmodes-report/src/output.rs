@@ -3,6 +3,14 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// Writes a file, which is replaced at once, never half.
+///
+/// # Errors
+/// [`ReportError::Io`] if it cannot be written.
+pub fn write_file(path: impl AsRef<Path>, content: &[u8]) -> Result<(), ReportError> {
+    replace_file(path.as_ref(), |file| file.write_all(content))
+}
+
 /// Writes a file under a temporary name beside `path` and renames it, so that `path` is never half written.
 pub(crate) fn replace_file(
     path: &Path,
@@ -23,9 +31,9 @@ fn write_all(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result
 }
 
 /// Hidden name in the same directory: a rename must not cross file systems.
-fn temporary_name(path: &Path) -> PathBuf {
+pub(crate) fn temporary_name(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.{}.tmp", std::process::id()))
+    path.with_file_name(format!(".{name}.{}.nlmodes.tmp", std::process::id()))
 }
 
 #[cfg(test)]

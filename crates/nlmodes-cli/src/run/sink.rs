@@ -1,8 +1,10 @@
 //! Points on disk as they are found.
 
+use std::cell::Cell;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use nlmodes::modal::ModalPoint;
 use nlmodes::report::{BranchWriter, ReportError};
@@ -10,7 +12,8 @@ use nlmodes::study::BranchProgress;
 
 use super::progress::Progress;
 use super::starts::STARTS;
-use super::{figures, summary};
+use crate::claim::{Claim, remove_temporary};
+use crate::interrupt;
 
 /// Where the files of a branch are: the first one's in the output directory itself, the others' in folders of it.
 pub fn branch_directory(directory: &Path, number: usize) -> PathBuf {
@@ -18,20 +21,29 @@ pub fn branch_directory(directory: &Path, number: usize) -> PathBuf {
 }
 
 /// Takes the points of all branches, each into the table of its own.
+///
+/// Points that are repeated from an earlier run go into a table that replaces its own when the first new one comes: however often a run is
+/// cut off, the table never has fewer points than before.
 pub struct Sink<'a> {
     directory: &'a Path,
+    claim: &'a Claim,
     writers: Vec<BranchWriter>,
+    /// Whether points are new.
+    computing: Rc<Cell<bool>>,
     /// Why a point could not be written.
     pub failure: Option<ReportError>,
     pub progress: Progress,
 }
 
 impl<'a> Sink<'a> {
-    pub fn new(directory: &'a Path, quiet: bool) -> Self {
-        Self { directory, writers: Vec::new(), failure: None, progress: Progress::new(quiet) }
+    pub fn new(directory: &'a Path, claim: &'a Claim, computing: Rc<Cell<bool>>, progress: Progress) -> Self {
+        Self { directory, claim, writers: Vec::new(), computing, failure: None, progress }
     }
 
     pub fn take(&mut self, progress: BranchProgress) -> ControlFlow<()> {
+        if self.failure.is_some() {
+            return ControlFlow::Break(());
+        }
         let written = match progress {
             BranchProgress::Found { branch, point } => self.write(branch, point),
             BranchProgress::Withdrawn { branch, kept } => {
@@ -43,38 +55,68 @@ impl<'a> Sink<'a> {
             self.failure = Some(failure);
             return ControlFlow::Break(());
         }
-        if let BranchProgress::Found { point, .. } = progress {
-            self.progress.point(point);
+        match progress {
+            BranchProgress::Found { branch, point } => self.progress.point(branch, point, self.computing.get()),
+            BranchProgress::Withdrawn { kept, .. } => self.progress.withdrawn(kept),
+            _ => {}
         }
-        ControlFlow::Continue(())
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Writes the table of the first branch anew, beginning with these points.
     pub fn begin_again<'p>(&mut self, points: impl Iterator<Item = &'p ModalPoint>) {
-        self.writers.clear();
-        for point in points {
-            if self.take(BranchProgress::Found { branch: 0, point }).is_break() {
-                return;
+        let again = || -> Result<Vec<BranchWriter>, ReportError> {
+            let mut writer = BranchWriter::create_hidden(self.directory.join("branch.csv"))?;
+            points.into_iter().try_for_each(|point| writer.append(point))?;
+            Ok(vec![writer])
+        };
+        match again() {
+            Ok(writers) => {
+                self.progress.turned(writers.iter().map(BranchWriter::n_points).sum());
+                self.writers = writers;
             }
+            Err(failure) => self.failure = Some(failure),
         }
+    }
+
+    /// All points are there.
+    pub fn finish(&mut self) {
+        self.progress.finish();
+        if self.failure.is_none() {
+            self.failure = self.show().err();
+        }
+    }
+
+    /// Whether any point was found.
+    pub fn is_empty(&self) -> bool {
+        self.writers.iter().all(|writer| writer.n_points() == 0)
+    }
+
+    fn show(&mut self) -> Result<(), ReportError> {
+        self.writers.iter_mut().try_for_each(BranchWriter::show)
     }
 
     fn write(&mut self, branch: usize, point: &ModalPoint) -> Result<(), ReportError> {
         while self.writers.len() <= branch {
             if self.writers.is_empty() {
+                self.claim.take()?;
                 self.remove_earlier();
             }
             let directory = branch_directory(self.directory, self.writers.len());
             fs::create_dir_all(&directory).map_err(|source| ReportError::Io { path: directory.clone(), source })?;
-            self.writers.push(BranchWriter::create(directory.join("branch.csv"))?);
+            remove_temporary(&directory);
+            self.writers.push(BranchWriter::create_hidden(directory.join("branch.csv"))?);
         }
-        self.writers[branch].append(point)
+        self.writers[branch].append(point)?;
+        if self.computing.get() { self.show() } else { Ok(()) }
     }
 
     /// Removes what an earlier run left and this one may not write again.
     fn remove_earlier(&self) {
-        figures::remove(self.directory);
-        summary::remove(self.directory);
+        super::remove(self.directory);
+        if self.claim.resumes() {
+            return;
+        }
         let folders = (1..).map(|number| branch_directory(self.directory, number)).take_while(|folder| folder.is_dir());
         for folder in folders {
             // What cannot be removed cannot be overwritten either, which is said when it is.

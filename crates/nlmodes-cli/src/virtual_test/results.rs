@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use nlmodes::modal::ModalBranch;
-use nlmodes::report::{ReportError, write_branch, write_summary};
+use nlmodes::report::{write_branch, write_summary};
 use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::json;
@@ -14,7 +14,8 @@ use serde_json::json;
 use super::bench::Rig;
 use super::summary;
 use crate::config::scene::{BackboneMethod, RecordFormat, TestScene};
-use crate::experiment::{Outcome, figures, table};
+use crate::experiment::table::Table;
+use crate::experiment::{Outcome, figures};
 
 /// Folder of the records.
 pub const RECORDS: &str = "records";
@@ -28,19 +29,9 @@ fn backbone_file(method: BackboneMethod) -> &'static str {
     }
 }
 
-/// Makes the directory, and removes what an earlier test left and this one may not write again.
-///
-/// # Errors
-/// If it cannot be made.
-pub fn prepare(directory: &Path) -> Result<(), Box<dyn Error>> {
-    fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.to_path_buf(), source })?;
-    figures::remove(directory);
-    // What cannot be removed cannot be overwritten either, which is said when it is.
-    ["modal_points.csv", "backbone.csv", "backbone_ms-hbm.csv", "summary.json"]
-        .iter()
-        .for_each(|name| drop(fs::remove_file(directory.join(name))));
+/// Removes the records of an earlier test, which this one may not write again.
+pub fn prepare(directory: &Path) {
     remove_records(&directory.join(RECORDS));
-    Ok(())
 }
 
 /// Removes the records of an earlier test, in whatever format, and their folder if nothing else is in it.
@@ -60,26 +51,21 @@ fn remove_records(directory: &Path) {
     drop(fs::remove_dir(directory));
 }
 
-/// Writes table, summary and figures.
+/// Writes summary and figures.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write(
     scene: &TestScene,
     rig: &Rig,
-    levels: Vec<TestLevel>,
+    levels: &[TestLevel],
     backbones: &[(BackboneMethod, ModalBranch)],
     wrong: &[String],
     wall_time: Duration,
 ) -> Result<(), Box<dyn Error>> {
     let directory = &scene.output_directory;
     let told: Vec<_> = levels.iter().map(summary::level).collect();
-    let outcomes: Vec<Outcome> = levels.into_iter().map(outcome).collect();
-    let column = match scene.exciter {
-        Exciter::Shaker(_) => "drive_v",
-        Exciter::IdealForce => "drive_n",
-    };
-    table::write(&directory.join("modal_points.csv"), rig.modes.n_modes(), Some(column), &outcomes)?;
+    let outcomes: Vec<Outcome> = levels.iter().map(outcome).collect();
     for (method, branch) in backbones {
         write_branch(directory.join(backbone_file(*method)), branch)?;
     }
@@ -94,11 +80,24 @@ pub fn write(
     figures::write(directory, &scene.title, &outcomes, &backbones)
 }
 
-fn outcome(level: TestLevel) -> Outcome {
+/// The table of the levels.
+///
+/// # Errors
+/// As [`Table::new`].
+pub fn table(scene: &TestScene, rig: &Rig) -> Result<Table, Box<dyn Error>> {
+    let column = match scene.exciter {
+        Exciter::Shaker(_) => "drive_v",
+        Exciter::IdealForce => "drive_n",
+    };
+    Table::new(rig.modes.n_modes(), Some(column))
+}
+
+/// A level as a row of the table.
+pub fn outcome(level: &TestLevel) -> Outcome {
     Outcome {
         record: level.outcome.record.name.clone(),
         level: Some(level.outcome.level),
         findings: level.outcome.findings.iter().map(|finding| finding.name()).collect(),
-        result: level.extraction,
+        result: level.extraction.clone(),
     }
 }

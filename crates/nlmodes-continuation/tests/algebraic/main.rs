@@ -3,6 +3,7 @@
 mod corners;
 mod crossings;
 mod ends;
+mod resumed;
 mod samples;
 mod smooth;
 mod three_free;

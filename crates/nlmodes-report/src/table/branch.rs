@@ -1,8 +1,8 @@
 use crate::ReportError;
-use crate::output::replace_file;
+use crate::output::{replace_file, temporary_name};
 use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::f64::consts::TAU;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -53,6 +53,8 @@ pub fn write_branch(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), 
 #[derive(Debug)]
 pub struct BranchWriter {
     path: PathBuf,
+    /// Name under which the file is written until it is shown.
+    hidden: Option<PathBuf>,
     table: csv::Writer<File>,
     /// Length of the file before each point, and now.
     lengths: Vec<u64>,
@@ -66,9 +68,34 @@ impl BranchWriter {
     pub fn create(path: impl AsRef<Path>) -> Result<Self, ReportError> {
         let path = path.as_ref();
         let file = File::create(path).map_err(ReportError::io(path))?;
-        let mut writer = Self { path: path.to_path_buf(), table: csv::Writer::from_writer(file), lengths: Vec::new() };
+        Self::new(path, None, file)
+    }
+
+    /// As [`create`](Self::create), under a temporary name: a file that is there already stays until [`show`](Self::show).
+    ///
+    /// # Errors
+    /// [`ReportError::Io`] if the file cannot be written.
+    pub fn create_hidden(path: impl AsRef<Path>) -> Result<Self, ReportError> {
+        let path = path.as_ref();
+        let hidden = temporary_name(path);
+        let file = File::create(&hidden).map_err(ReportError::io(path))?;
+        Self::new(path, Some(hidden), file)
+    }
+
+    fn new(path: &Path, hidden: Option<PathBuf>, file: File) -> Result<Self, ReportError> {
+        let table = csv::Writer::from_writer(file);
+        let mut writer = Self { path: path.to_path_buf(), hidden, table, lengths: Vec::new() };
         writer.write(BRANCH_COLUMNS)?;
         Ok(writer)
+    }
+
+    /// Puts the file in its place, where a hidden one is not yet.
+    ///
+    /// # Errors
+    /// [`ReportError::Io`] if it cannot be renamed.
+    pub fn show(&mut self) -> Result<(), ReportError> {
+        let Some(hidden) = self.hidden.take() else { return Ok(()) };
+        fs::rename(hidden, &self.path).map_err(ReportError::io(&self.path))
     }
 
     /// Appends a point, numbered by its place, and hands the row to the operating system.
@@ -106,7 +133,11 @@ impl BranchWriter {
                 let mut file = self.table.get_ref();
                 file.stream_position()
             })
-            .map_err(ReportError::io(&self.path))?;
+            .map_err(|error| {
+                // Half a row is no row.
+                let _ = self.table.get_ref().set_len(self.lengths.last().copied().unwrap_or(0));
+                ReportError::io(&self.path)(error)
+            })?;
         self.lengths.push(length);
         Ok(())
     }
@@ -138,4 +169,22 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
 /// Shortest decimal that reads back as the same double, with an exponent where it is shorter (`1e-12`).
 fn number(value: f64) -> String {
     format!("{value:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hidden_table_replaces_the_old_one_when_it_is_shown() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("branch.csv");
+        fs::write(&path, "old").unwrap();
+        let mut writer = BranchWriter::create_hidden(&path).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        writer.show().unwrap();
+        writer.show().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), BRANCH_COLUMNS.join(",") + "\n");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
 }

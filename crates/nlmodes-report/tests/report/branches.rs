@@ -160,15 +160,15 @@ fn unstable_stretches_are_dashed_and_begin_where_the_stable_ones_end() {
     for (i, point) in branch.points.iter_mut().enumerate() {
         let unstable = (3..6).contains(&i);
         let largest_multiplier = if unstable { [-1.5, 0.0] } else { [1.0, 0.0] };
-        point.stability = (i != 8).then_some(Stability { stable: !unstable, largest_multiplier });
+        point.stability = (i < 7).then_some(Stability { stable: !unstable, largest_multiplier });
     }
     let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
     let document = checked(&figure);
     let count = |class: &str| of_class(&document, class).iter().map(|curve| points(*curve).len()).collect::<Vec<_>>();
-    // Points 0 to 3, 6 to 8; 3 to 6; 8 is not known.
+    // Points 0 to 3, 6 to 7; 3 to 6; 7 and 8 are not known.
     assert_eq!(count("branch unstable"), [4]);
-    assert_eq!(count("branch stability-unknown"), [1]);
-    assert_eq!(count("branch"), [4, 3]);
+    assert_eq!(count("branch stability-unknown"), [2]);
+    assert_eq!(count("branch"), [4, 2]);
     let dashed = of_class(&document, "branch unstable")[0];
     assert!(dashed.attribute("stroke-dasharray").is_some());
     let texts = texts(&document);

@@ -122,7 +122,7 @@ impl Control {
         let own = error.frequency - error.held_modes;
         let needed = self.needed(own);
         // Not a number where both are infinite.
-        if !(own <= OF_HARMONICS * self.accuracy.error) {
+        if own.is_nan() || own > OF_HARMONICS * self.accuracy.error {
             self.stays = self.stays.saturating_sub(1);
             if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
                 let within = error.frequency <= self.accuracy.error;

@@ -98,7 +98,7 @@ impl Tracer<'_> {
                     from = seed;
                 }
                 None => {
-                    if let Some(seed) = self.from_further_back(&mut stretch, &mut found, series, harmonics)? {
+                    if let Some(seed) = self.taken_back(&mut stretch, &mut found, series, harmonics)? {
                         if each(Shown::Withdrawn(found.points.len())).is_break() {
                             return Ok((found, StopReason::Stopped));
                         }
@@ -139,7 +139,8 @@ impl Tracer<'_> {
             return Ok((StopReason::Stopped, None));
         };
         let (viewer, too_few_modes, series) = (&mut self.viewer, &mut self.too_few_modes, problem.series());
-        let branch = method.run(&mut self.problem, &from.x, from.p, &from.direction, |point| {
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let branch = method.run_with_log(problem, &from.x, from.p, &from.direction, log, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
             let error = (!singular).then(|| estimator.estimate(&point.x, point.p, &point.tangent));
             let mut names = Vec::new();
@@ -203,7 +204,7 @@ impl Tracer<'_> {
     }
 
     /// The beginning with more harmonics some points earlier, where the branches are nearer; the points since then are taken back.
-    fn from_further_back(
+    fn taken_back(
         &mut self,
         stretch: &mut Stretch,
         found: &mut Found,
@@ -249,8 +250,8 @@ impl Tracer<'_> {
             let keeps_energy = direction[last].abs() > ENERGY_CHANGES;
             for across in [Some(&energy).filter(|_| keeps_energy), Some(&direction)].into_iter().flatten() {
                 let coordinate = if std::ptr::eq(across, &energy) { last } else { self.problem.frequency_index() };
-                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across)
-                    .or_else(|| homotopy::solve(&mut self.problem, &z, coordinate, &self.settings.step));
+                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log)
+                    .or_else(|| homotopy::solve(&mut self.problem, &z, coordinate, &self.settings.step, self.log));
                 let near = |x: &[f64], p: f64| {
                     let moved = x.iter().chain([&p]).zip(&z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
                     moved.sqrt() < NEAR

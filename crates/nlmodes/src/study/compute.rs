@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use nlmodes_continuation::TreeBranch;
+use nlmodes_continuation::{RunLog, TreeBranch};
 use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
@@ -48,6 +48,20 @@ pub fn compute_branch(
 pub fn compute_tree(
     model: MasslessContactModel,
     settings: &BranchSettings,
+    observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
+) -> Result<ComputedTree, StudyError> {
+    compute_tree_with_log(model, settings, &mut (), observe)
+}
+
+/// As [`compute_tree`], each step of the continuation going into a log. Steps that this holds already, from an earlier computation with
+/// the same model and settings, are not computed again: their points are shown to `observe`, and the computation goes on behind them.
+///
+/// # Errors
+/// As [`compute_tree`].
+pub fn compute_tree_with_log(
+    model: MasslessContactModel,
+    settings: &BranchSettings,
+    log: &mut dyn RunLog,
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
     let (mut settings, fewest, mut at_least) = (settings.clone(), settings.harmonics, 0);
@@ -55,7 +69,7 @@ pub fn compute_tree(
         settings.harmonics = first_harmonics(accuracy, fewest);
     }
     loop {
-        match with_modes(&model, &settings, fewest, at_least, &mut observe)? {
+        match with_modes(&model, &settings, [fewest, at_least], log, &mut observe)? {
             WithModes::Done(tree) => return Ok(tree),
             WithModes::TooFew(modes) => at_least = 2 * modes,
         }
@@ -74,8 +88,8 @@ enum WithModes {
 fn with_modes(
     model: &MasslessContactModel,
     settings: &BranchSettings,
-    fewest: usize,
-    at_least: usize,
+    [fewest, at_least]: [usize; 2],
+    log: &mut dyn RunLog,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<WithModes, StudyError> {
     if settings.method == BranchMethod::Shooting {
@@ -84,8 +98,8 @@ fn with_modes(
     let structure = Arc::new(condense(model.clone(), settings, at_least)?);
     let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
-    let mut tracer = Tracer::new(&structure, &start, settings, fewest)?;
-    let seed = seed(&structure, settings, &start, &tracer.problem)?;
+    let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
+    let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
     let start_event = if settings.start == BranchStart::Grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,

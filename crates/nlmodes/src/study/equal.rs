@@ -65,7 +65,7 @@ impl ComputedBranch {
         for _ in 0..MAX_STEPS {
             let share = (shares[0] * off[1] - shares[1] * off[0]) / (off[1] - off[0]);
             let guess: Vec<f64> = from.iter().zip(&way).map(|(a, w)| a + share * w).collect();
-            let Some((x, _)) = one_point(&settings, &self.grazing, &mut problem, &guess, &direction) else {
+            let Some((x, _)) = one_point(&settings, &self.grazing, &mut problem, &guess, &direction, &mut ()) else {
                 return Ok(None);
             };
             let mut point = problem.modal_point(&x, 0.0)?;

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, StepSettings, StopReason};
+use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, RunLog, StepSettings, StopReason};
 
 /// Most points on the way to a solution.
 const MOST: usize = 500;
@@ -54,6 +54,7 @@ pub(super) fn solve<S: ParametricSystem>(
     z: &[f64],
     coordinate: usize,
     step: &StepSettings,
+    log: &mut dyn RunLog,
 ) -> Option<(Vec<f64>, f64)> {
     let n = z.len() - 1;
     let mut inner = Linearization::new(n);
@@ -64,7 +65,7 @@ pub(super) fn solve<S: ParametricSystem>(
     let method = Continuation { step: step.clone(), bounds, max_points: MOST, ..Continuation::default() };
     let mut direction = vec![0.0; n + 2];
     direction[n + 1] = 1.0;
-    let branch = method.run(&mut homotopy, z, 0.0, &direction, |_| ControlFlow::Continue(())).ok()?;
+    let branch = method.run_with_log(&mut homotopy, z, 0.0, &direction, log, |_| ControlFlow::Continue(())).ok()?;
     let last = branch.points.last()?;
     let arrived = matches!(branch.stop, StopReason::Bound { value, .. } if value == 1.0);
     arrived.then(|| (last.x[..n].to_vec(), last.x[n]))

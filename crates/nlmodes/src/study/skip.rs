@@ -88,7 +88,7 @@ pub(super) fn follow(
                     }
                 }
                 stretch = all.points.len();
-                all.append(points);
+                all.append(*points);
                 seed = next;
                 first = First::Known;
             }
@@ -102,7 +102,7 @@ pub(super) fn follow(
 enum Behind {
     /// The points from its foot on, and where the last one of them leads.
     Found {
-        points: Found,
+        points: Box<Found>,
         seed: Seed,
     },
     Nothing(String),
@@ -126,7 +126,8 @@ fn resume(
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
             return Ok(Behind::Window);
         }
-        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, Target::Frequency(hz), upward) {
+        let target = Target::Frequency(hz);
+        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, target, upward, tracer.log) {
             Ok(seed) => seed,
             Err(error @ StudyError::NoStart { .. }) => {
                 why = error.to_string();
@@ -139,7 +140,7 @@ fn resume(
             continue;
         }
         let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };
-        return Ok(Behind::Found { points, seed });
+        return Ok(Behind::Found { points: Box::new(points), seed });
     }
     Ok(Behind::Nothing(why))
 }

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, ParametricSystem, StopReason};
+use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
 use nlmodes_modal::ModalPoint;
 
@@ -94,6 +94,7 @@ pub(super) fn seed(
     settings: &BranchSettings,
     start: &Grazing,
     problem: &Periodic,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let (target, upward) = match settings.start {
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
@@ -104,12 +105,12 @@ pub(super) fn seed(
         }
     };
     let mut other = periodic(structure, settings, start)?;
-    match on_backbone(&mut other, settings, start, target) {
+    match on_backbone(&mut other, settings, start, target, log) {
         Ok((x, p)) => {
             let direction = along(problem.into(), start, target, upward);
             Ok(Seed { x, p, direction, harmonics: settings.harmonics })
         }
-        Err(_) => refined(structure, settings, start, target, upward),
+        Err(_) => refined(structure, settings, start, target, upward, log),
     }
 }
 
@@ -121,6 +122,7 @@ pub(super) fn refined(
     start: &Grazing,
     target: Target,
     upward: bool,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let mut failure = None;
     let harmonic = BranchSettings {
@@ -132,10 +134,10 @@ pub(super) fn refined(
         ..settings.clone()
     };
     for first in FEW.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
-        let found = refined_from(structure, &harmonic, start, target, upward, first);
+        let found = refined_from(structure, &harmonic, start, target, upward, first, log);
         let found = found.and_then(|(seed, point)| match settings.method {
             BranchMethod::HarmonicBalance => Ok(seed),
-            BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point),
+            BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point, log),
         });
         match found {
             Err(error @ (StudyError::NoStart { .. } | StudyError::NoStartAtEnergy { .. })) => {
@@ -155,6 +157,7 @@ fn exact_seed(
     target: Target,
     upward: bool,
     point: &ModalPoint,
+    log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
     let mut problem = super::prepare::exact(structure.model(), settings, start)?;
     let (mut x, mut p) = problem.unknowns(&point.coefficients, point.omega)?;
@@ -167,8 +170,8 @@ fn exact_seed(
     }
     let guess: Vec<f64> = x.into_iter().chain([p]).collect();
     let direction = along((&problem).into(), start, target, true);
-    let (x, p) = one_point(settings, start, &mut problem, &guess, &direction)
-        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step))
+    let (x, p) = one_point(settings, start, &mut problem, &guess, &direction, log)
+        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, log))
         .ok_or_else(|| {
             target.not_found("Newton's method does not lead from harmonics to an exact motion".to_owned())
         })?;
@@ -183,11 +186,12 @@ fn refined_from(
     target: Target,
     upward: bool,
     first: usize,
+    log: &mut dyn RunLog,
 ) -> Result<(Seed, ModalPoint), StudyError> {
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
     let coarse_problem = problem(structure, &coarse, start)?;
     let mut series = coarse_problem.series();
-    let (mut x, mut p) = on_backbone(&mut Periodic::Harmonics(Box::new(coarse_problem)), &coarse, start, target)?;
+    let (mut x, mut p) = on_backbone(&mut Periodic::Harmonics(Box::new(coarse_problem)), &coarse, start, target, log)?;
     for harmonics in ladder(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let problem = self::problem(structure, &step, start)?;
@@ -197,8 +201,8 @@ fn refined_from(
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate((&problem).into(), start);
         let mut problem = Periodic::Harmonics(Box::new(problem));
-        let corrected = one_point(&step, start, &mut problem, &guess, &direction)
-            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step))
+        let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
+            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
         series = finer;
         (x, p) = corrected;
@@ -215,6 +219,7 @@ fn on_backbone(
     settings: &BranchSettings,
     start: &Grazing,
     target: Target,
+    log: &mut dyn RunLog,
 ) -> Result<(Vec<f64>, f64), StudyError> {
     let place = Place::from(&*problem);
     let (coordinate, value) = target.coordinate(place, start);
@@ -227,7 +232,8 @@ fn on_backbone(
     }
     method.max_points = APPROACH;
     let (x, direction) = problem.start(start);
-    let Branch { mut points, stop, .. } = method.run(problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
+    let Branch { mut points, stop, .. } =
+        method.run_with_log(problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
         (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
             Ok((last.x, last.p))
@@ -242,7 +248,7 @@ fn on_backbone(
 }
 
 /// Whether the backbone from `seed` leads to higher frequencies: as asked for, else as with one harmonic.
-pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> {
+pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, StudyError> {
     if let BranchStart::Frequency { upward, .. } = tracer.settings.start {
         return Ok(upward);
     }
@@ -252,7 +258,8 @@ pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> 
     let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
     method.max_points = HEADING;
     let (x, direction) = problem.start(tracer.grazing);
-    let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
+    let log = &mut *tracer.log;
+    let branch = method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
     Ok(rises == towards_more_energy)
@@ -278,10 +285,11 @@ pub(super) fn one_point(
     problem: &mut Periodic,
     z: &[f64],
     direction: &[f64],
+    log: &mut dyn RunLog,
 ) -> Option<(Vec<f64>, f64)> {
     let mut method = continuation(settings, start, problem.frequency_index(), problem.dim());
     method.max_points = 1;
     let (p, x) = z.split_last()?;
-    let branch = method.run(problem, x, *p, direction, |_| ControlFlow::Continue(())).ok()?;
+    let branch = method.run_with_log(problem, x, *p, direction, log, |_| ControlFlow::Continue(())).ok()?;
     branch.points.into_iter().next().map(|point| (point.x, point.p))
 }

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, BranchPoint, BranchTree, Continuation, ParametricSystem, StopReason};
+use nlmodes_continuation::{
+    Bound, Branch, BranchPoint, BranchTree, Continuation, ParametricSystem, RunLog, StopReason,
+};
 use nlmodes_hbm::{CondensedStructure, Grazing, TruncationError, TruncationEstimator};
 use nlmodes_modal::ModalPoint;
 
@@ -26,6 +28,7 @@ pub(super) struct Tracer<'s> {
     /// With the present number of harmonics.
     pub settings: BranchSettings,
     pub problem: Periodic<'s>,
+    pub log: &'s mut dyn RunLog,
     /// Evaluates points while the problem is at work elsewhere.
     pub(super) viewer: Viewer<'s>,
     /// Where an accuracy is asked for.
@@ -111,6 +114,7 @@ impl<'s> Tracer<'s> {
         grazing: &'s Grazing,
         settings: &BranchSettings,
         fewest: usize,
+        log: &'s mut dyn RunLog,
     ) -> Result<Self, StudyError> {
         let problem = periodic(structure, settings, grazing)?;
         let viewer = Viewer {
@@ -127,6 +131,7 @@ impl<'s> Tracer<'s> {
             grazing,
             settings: settings.clone(),
             problem,
+            log,
             viewer,
             estimator: accuracy.map(|_| estimator(structure, settings, grazing)).transpose()?,
             control: accuracy.map(|accuracy| Control::new(accuracy, fewest, more_modes)),
@@ -173,7 +178,8 @@ impl<'s> Tracer<'s> {
         method.bounds.extend(bound);
         let mut found = Found::new(&first);
         let viewer = &mut self.viewer;
-        let branch = method.run(&mut self.problem, &seed.x, seed.p, &seed.direction, |point| {
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
             found.keep(viewer, point).iter().map(Shown::Point).try_for_each(&mut each)
         })?;
         found.count(&branch);
@@ -191,13 +197,21 @@ impl<'s> Tracer<'s> {
         let max_branches = self.settings.max_branches;
         let mut all = vec![Found::new(&First::Named(start_event))];
         let viewer = &mut self.viewer;
-        let tree =
-            method.run_tree(&mut self.problem, &seed.x, seed.p, &seed.direction, max_branches, |number, point| {
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let tree = method.run_tree_with_log(
+            problem,
+            &seed.x,
+            seed.p,
+            &seed.direction,
+            max_branches,
+            log,
+            |number, point| {
                 if number == all.len() {
                     all.push(Found::new(&First::Plain));
                 }
                 all[number].keep(viewer, point).iter().try_for_each(|modal| each(number, modal))
-            })?;
+            },
+        )?;
         all.iter_mut().zip(&tree.branches).for_each(|(found, b)| found.count(&b.branch));
         Ok((all, tree))
     }

@@ -1,0 +1,235 @@
+//! Whose results are in the output directory: those of another scene are not overwritten unasked.
+
+use std::cell::Cell;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use nlmodes::report::{ReportError, write_summary};
+use serde_json::{Value, json};
+
+use crate::Status;
+use crate::config::Document;
+use crate::options::RunOptions;
+use crate::run::chain;
+use crate::{experiment, run};
+
+/// Says which scene the results in a directory are of.
+pub const RUN: &str = "run.json";
+
+/// The steps of a branch, from which a run goes on.
+pub const STEPS: &str = "steps.jsonl";
+
+/// Most differences between two scenes that are shown.
+const MAX_SHOWN: usize = 5;
+
+/// What may be overwritten.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Results of the same scene.
+    Same,
+    /// Nothing: they are gone on with.
+    Resumed,
+    /// Anything that this program wrote.
+    Anything,
+}
+
+impl Over {
+    /// As the user wants it.
+    pub fn of(options: RunOptions) -> Self {
+        match (options.resume, options.force) {
+            (true, _) => Self::Resumed,
+            (_, true) => Self::Anything,
+            _ => Self::Same,
+        }
+    }
+}
+
+/// An output directory that may be written.
+#[derive(Debug)]
+pub struct Claim {
+    directory: PathBuf,
+    content: Value,
+    over: Over,
+    taken: Cell<bool>,
+}
+
+impl Claim {
+    /// Looks whether the directory may be written; writes nothing yet.
+    ///
+    /// # Errors
+    /// The status, where it holds the results of another scene or another run is at work in it, which is said.
+    pub fn new(directory: &Path, document: &Document, scenes: Value, over: Over) -> Result<Self, Status> {
+        if in_use(&directory.join(STEPS)) {
+            say!("error: another run is writing to {}", directory.display());
+            return Err(Status::Wrong);
+        }
+        if over != Over::Anything
+            && let Some(why) = foreign(directory, &scenes, over)
+        {
+            say!("error: {why}");
+            say!("  `--out DIR` writes to another directory, `--force` overwrites what is there");
+            return Err(Status::Wrong);
+        }
+        let content = json!({
+            "program": "nlmodes-cli",
+            "version": env!("CARGO_PKG_VERSION"),
+            "file": document.sources().file().name,
+            "scenes": scenes,
+        });
+        Ok(Self { directory: directory.to_path_buf(), content, over, taken: Cell::new(false) })
+    }
+
+    /// Whether an earlier run is gone on with.
+    pub fn resumes(&self) -> bool {
+        self.over == Over::Resumed
+    }
+
+    /// Takes the directory: removes what an earlier run left and this one may not write again, and says whose results these are.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be written.
+    pub fn take(&self) -> Result<(), ReportError> {
+        if self.taken.replace(true) {
+            return Ok(());
+        }
+        let directory = &self.directory;
+        fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.clone(), source })?;
+        run::remove(directory);
+        experiment::figures::remove(directory);
+        remove_temporary(directory);
+        if !self.resumes() {
+            // What cannot be removed cannot be overwritten either, which is said when it is.
+            for name in ["branch.csv", "modal_points.csv", "backbone.csv", "backbone_ms-hbm.csv", STEPS] {
+                drop(fs::remove_file(directory.join(name)));
+            }
+        }
+        write_summary(directory.join(RUN), &self.content)
+    }
+}
+
+/// A scene without what has no influence on its results.
+pub fn identity(mut scene: Value) -> Value {
+    if let Some(scene) = scene.as_object_mut() {
+        scene.remove("title");
+        scene.remove("output_directory");
+    }
+    scene
+}
+
+/// Removes what killed runs were about to write.
+pub fn remove_temporary(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        // As `nlmodes-report` names them.
+        if name.starts_with('.') && name.ends_with(".nlmodes.tmp") {
+            drop(fs::remove_file(entry.path()));
+        }
+    }
+}
+
+/// Whether another process has the file locked.
+fn in_use(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+/// Why the directory is not to be written; `None` if it may be.
+fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
+    let place = directory.display();
+    let known = match read(directory) {
+        Ok(known) => known?,
+        Err(why) => return Some(format!("{place} holds results of which it cannot be told whose they are: {why}")),
+    };
+    if over == Over::Resumed && known["version"] != env!("CARGO_PKG_VERSION") {
+        let version = known["version"].as_str().unwrap_or("another version");
+        return Some(format!("{place} was computed by nlmodes-cli {version}, from which this version does not go on"));
+    }
+    let mut found = Vec::new();
+    differences("", &known["scenes"], scenes, &mut found);
+    if over == Over::Resumed {
+        // More points may be asked for.
+        found.retain(|(key, _)| !key.ends_with("continuation.max_points"));
+    }
+    if found.is_empty() {
+        return None;
+    }
+    let mut text = format!("{place} holds the results of another scene, and is left as it is");
+    found.iter().take(MAX_SHOWN).for_each(|(key, what)| text += &format!("\n  {key}: {what}"));
+    if found.len() > MAX_SHOWN {
+        text += &format!("\n  … and {} more", found.len() - MAX_SHOWN);
+    }
+    Some(text)
+}
+
+/// What the directory says of its results; `None` where it has none.
+fn read(directory: &Path) -> Result<Option<Value>, String> {
+    let parsed = |path: &Path| -> Result<Option<Value>, String> {
+        match fs::read(path) {
+            Ok(bytes) => {
+                serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) if error.kind() == io::ErrorKind::NotADirectory => Ok(None),
+            Err(error) => Err(format!("{}: {error}", path.display())),
+        }
+    };
+    if let Some(known) = parsed(&directory.join(RUN))? {
+        return Ok(Some(known));
+    }
+    let results = ["branch.csv", "modal_points.csv", "summary.json", STEPS];
+    if results.iter().any(|name| directory.join(name).exists()) {
+        return Err(format!("there is no {RUN}"));
+    }
+    Ok(None)
+}
+
+/// Keys whose values differ, and what they are.
+fn differences(key: &str, there: &Value, here: &Value, found: &mut Vec<(String, String)>) {
+    let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+    match (there, here) {
+        (Value::Object(old), Value::Object(new)) => {
+            let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+            for name in names {
+                let value = |of: &serde_json::Map<String, Value>| of.get(name).cloned().unwrap_or(Value::Null);
+                differences(&below(name), &value(old), &value(new), found);
+            }
+        }
+        (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
+            // The number of the only scene says nothing.
+            let single = key.is_empty() && old.len() == 1;
+            for (i, (old, new)) in old.iter().zip(new).enumerate() {
+                differences(&if single { String::new() } else { below(&i.to_string()) }, old, new, found);
+            }
+        }
+        (old, new) if old == new => {}
+        (old, new) => found.push((if key.is_empty() { "the scene".into() } else { key.into() }, said(old, new))),
+    }
+}
+
+fn said(there: &Value, here: &Value) -> String {
+    let short = |value: &Value| match value {
+        Value::Null => Some("none".to_owned()),
+        Value::Array(_) | Value::Object(_) | Value::String(_) => {
+            let text = value.to_string();
+            (text.len() < 60).then_some(text)
+        }
+        _ => Some(value.to_string()),
+    };
+    match (short(there), short(here)) {
+        (Some(there), Some(here)) => format!("{there} there, {here} here"),
+        _ => "differs".to_owned(),
+    }
+}
+
+/// Says that the results cannot be written.
+pub fn unwritable(failure: &ReportError, directory: &Path, kept: bool) -> Status {
+    say!("error: {}", chain(failure));
+    if kept {
+        say!("what was found until then is in {}; with `--resume` the run goes on from there", directory.display());
+    } else {
+        say!("expected a directory for the results that can be created and written; nothing was kept");
+    }
+    Status::EndedEarly
+}

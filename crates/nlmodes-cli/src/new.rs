@@ -1,0 +1,69 @@
+//! `nlmodes-cli new`: a scene with comments, to begin with.
+
+use std::fs::OpenOptions;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::Status;
+use crate::command::print;
+
+/// What stands on the command line.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// What the scene describes
+    #[arg(value_enum)]
+    kind: Kind,
+    /// The file; by default rod.toml, beam.toml or virtual-test.toml
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    /// A rod whose tip meets a stop
+    Rod,
+    /// A beam whose tip meets a stop
+    Beam,
+    /// A beam on a virtual rig, driven under a phase-locked loop
+    VirtualTest,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rod => "rod",
+            Self::Beam => "beam",
+            Self::VirtualTest => "virtual-test",
+        }
+    }
+
+    fn text(self) -> &'static str {
+        match self {
+            Self::Rod => include_str!("new/rod.toml"),
+            Self::Beam => include_str!("new/beam.toml"),
+            Self::VirtualTest => include_str!("new/virtual_test.toml"),
+        }
+    }
+}
+
+/// Writes the scene; never over a file.
+pub fn write(arguments: &Arguments) -> Status {
+    let kind = arguments.kind;
+    let path = arguments.file.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", kind.name())));
+    let name = path.display();
+    let written = OpenOptions::new().write(true).create_new(true).open(&path);
+    match written.and_then(|mut file| file.write_all(kind.text().as_bytes())) {
+        Ok(()) => print(&format!("Wrote {name}. Next:\n  nlmodes-cli check {name}\n  nlmodes-cli run {name}")),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            say!("error: {name} is there already, and is left as it is");
+            say!("  another name can be given: nlmodes-cli new {} FILE", kind.name());
+            Status::Wrong
+        }
+        Err(error) => {
+            say!("error: cannot write {name}: {error}");
+            Status::EndedEarly
+        }
+    }
+}

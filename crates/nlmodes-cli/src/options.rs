@@ -1,0 +1,18 @@
+use clap::Args;
+
+/// How a run goes about it.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct RunOptions {
+    /// Go on where an interrupted run of this scene ended; from the beginning where there was none
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Overwrite the results of another scene
+    #[arg(long)]
+    pub force: bool,
+    /// No progress; warnings and errors only
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// A line for every point
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub verbose: bool,
+}

@@ -1,0 +1,264 @@
+//! Runs that end early keep what they have, and go on from there; results of another scene are left alone.
+
+use std::error::Error;
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+use npyz::npz::NpzArchive;
+use serde_json::Value;
+use tempfile::tempdir;
+
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+/// A branch of 157 points that takes about a second.
+const ROD: [&str; 7] =
+    ["run", "configs/rod.toml", "--set", "structure.elements=20", "--set", "method.harmonics=12", "--verbose"];
+
+fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nlmodes-cli"));
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
+    command
+}
+
+/// Runs the rod to its end.
+fn rod(out: &Path, more: &[&str]) -> Outcome<Output> {
+    Ok(program().args(ROD).arg("--out").arg(out).args(more).output()?)
+}
+
+/// The table of a run that nothing cuts off.
+fn whole(folder: &Path, more: &[&str]) -> Outcome<String> {
+    let out = folder.join("whole");
+    let output = rod(&out, more)?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    table(&out)
+}
+
+fn table(out: &Path) -> Outcome<String> {
+    Ok(fs::read_to_string(out.join("branch.csv"))?)
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn summary(out: &Path) -> Outcome<Value> {
+    Ok(serde_json::from_str(&fs::read_to_string(out.join("summary.json"))?)?)
+}
+
+/// Starts the rod and waits until it has said so many points.
+fn started(out: &Path, more: &[&str], points: usize) -> Outcome<Child> {
+    let mut call = program();
+    call.args(ROD).arg("--out").arg(out).args(more).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = call.spawn()?;
+    let stderr = child.stderr.as_mut().ok_or("no standard error")?;
+    let lines = BufReader::with_capacity(1, stderr).lines().map_while(Result::ok);
+    assert_eq!(lines.filter(|line| line.contains("residual")).take(points).count(), points);
+    Ok(child)
+}
+
+/// The coefficients of all points; the archive itself holds the time when it was written.
+fn coefficients(out: &Path) -> Outcome<Vec<u8>> {
+    let (mut archive, mut bytes) = (NpzArchive::open(out.join("harmonics.npz"))?, Vec::new());
+    archive.zip_archive().by_name("coefficients.npy")?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn rows(table: &str) -> usize {
+    table.lines().count() - 1
+}
+
+#[test]
+fn a_run_that_is_killed_keeps_its_points_and_goes_on() -> Outcome {
+    let folder = tempdir()?;
+    let expected = whole(folder.path(), &[])?;
+    let out = folder.path().join("killed");
+    // Twice on the way; the second run has taken over what the first one left.
+    for points in [25, 20] {
+        let before = table(&out).map_or(0, |table| rows(&table));
+        let mut child = started(&out, &["--resume"], points)?;
+        child.kill()?;
+        child.wait()?;
+        let left = table(&out)?;
+        assert!(expected.starts_with(&left), "{left}");
+        assert!(rows(&left) >= points.max(before), "{} rows", rows(&left));
+    }
+    // A line that was being written when the power failed.
+    let steps = out.join("steps.jsonl");
+    let text = fs::read_to_string(&steps)?;
+    fs::write(&steps, format!("{text}{{\"step\":{{\"points\":[{{\"x\":[1.0"))?;
+    let output = rod(&out, &["--resume"])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(said(&output).contains("were taken over"), "{}", said(&output));
+    assert_eq!(table(&out)?, expected);
+    assert!(coefficients(&out)? == coefficients(&folder.path().join("whole"))?);
+    assert!(fs::read_dir(&out)?.flatten().all(|file| !file.file_name().to_string_lossy().ends_with(".tmp")));
+    Ok(())
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_with_summary_and_figures_and_the_run_goes_on_later() -> Outcome {
+    let folder = tempdir()?;
+    let (expected, out) = (whole(folder.path(), &[])?, folder.path().join("stopped"));
+    let mut child = started(&out, &[], 15)?;
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status()?.success());
+    assert_eq!(child.wait()?.code(), Some(1));
+    let found = summary(&out)?;
+    assert_eq!(found["end"]["reason"], "stopped");
+    assert_eq!(found["points"], rows(&table(&out)?));
+    assert!(out.join("report.html").is_file() && out.join("frequency_energy.svg").is_file());
+    let output = rod(&out, &["--resume"])?;
+    assert_eq!((output.status.code(), table(&out)?), (Some(0), expected));
+    assert_eq!(summary(&out)?["end"]["reason"], "max-energy");
+    Ok(())
+}
+
+#[test]
+fn more_points_may_be_asked_for_when_a_run_goes_on() -> Outcome {
+    let folder = tempdir()?;
+    let out = folder.path().join("few");
+    let both = ["--set", "continuation.start_energy_ratio=1.5", "--set", "continuation.direction=both"];
+    let few = [&both[..], &["--set", "continuation.max_points=7"]].concat();
+    for set in [&["--set", "continuation.at_branch_point=all"][..], &both] {
+        let (folder, out) = (tempdir()?, out.join(set.len().to_string()));
+        let expected = whole(folder.path(), set)?;
+        let few = if set.len() == 2 { [set, &["--set", "continuation.max_points=30"]].concat() } else { few.clone() };
+        assert_eq!(rod(&out, &few)?.status.code(), Some(1));
+        let output = rod(&out, &[set, &["--resume"]].concat())?;
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        assert_eq!(table(&out)?, expected);
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_said_and_what_was_found_is_kept() -> Outcome {
+    let folder = tempdir()?;
+    let (expected, out) = (whole(folder.path(), &[])?, folder.path().join("full"));
+    // A limit of the file size in blocks of 512 bytes stands for the disk.
+    let call = format!("trap '' XFSZ; ulimit -f 60; exec {} \"$@\"", env!("CARGO_BIN_EXE_nlmodes-cli"));
+    let output = Command::new("sh")
+        .args(["-c", &call, "sh"])
+        .args(ROD)
+        .arg("--out")
+        .arg(&out)
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
+        .output()?;
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    for part in ["cannot write", "steps.jsonl", "--resume"] {
+        assert!(said(&output).contains(part), "{}", said(&output));
+    }
+    let left = table(&out)?;
+    assert!(rows(&left) > 3 && expected.starts_with(&left) && left != expected);
+    assert_eq!(rod(&out, &["--resume"])?.status.code(), Some(0));
+    assert_eq!(table(&out)?, expected);
+    Ok(())
+}
+
+#[test]
+fn a_directory_that_cannot_be_made_is_said() -> Outcome {
+    let folder = tempdir()?;
+    let file = folder.path().join("file");
+    fs::write(&file, "")?;
+    for command in [&["run", "configs/rod.toml"][..], &["experiment", "extract", "configs/measured_record.toml"]] {
+        let output = program().args(command).arg("--quiet").arg("--out").arg(file.join("results")).output()?;
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(said(&output).contains("cannot write") && said(&output).contains("expected a directory"));
+    }
+    Ok(())
+}
+
+#[test]
+fn results_of_another_scene_are_left_alone() -> Outcome {
+    let folder = tempdir()?;
+    let out = folder.path().join("results");
+    let run = |more: &[&str]| -> Outcome<Output> {
+        let small = ["--set", "structure.elements=20", "--set", "continuation.max_energy_ratio=1.2"];
+        Ok(program().args(["run", "configs/rod.toml", "--out"]).arg(&out).args(small).args(more).output()?)
+    };
+    assert_eq!(run(&[])?.status.code(), Some(0));
+    let before = table(&out)?;
+    // Also under another title.
+    assert_eq!(run(&["--set", "title=\"The same\""])?.status.code(), Some(0));
+    for more in [&["--set", "method.harmonics=2"][..], &["--set", "method.harmonics=2", "--resume"]] {
+        let output = run(more)?;
+        assert_eq!(output.status.code(), Some(2));
+        for part in ["another scene", "method.harmonics: 3 there, 2 here", "--out", "--force"] {
+            assert!(said(&output).contains(part), "{}", said(&output));
+        }
+        assert_eq!(table(&out)?, before);
+    }
+    assert_eq!(run(&["--set", "method.harmonics=[1,2]"])?.status.code(), Some(2));
+    assert_eq!(run(&["--set", "method.harmonics=[1,2]", "--force"])?.status.code(), Some(0));
+    assert!(!out.join("branch.csv").exists() && out.join("h2/branch.csv").exists());
+    let scenes: Value = serde_json::from_str(&fs::read_to_string(out.join("run.json"))?)?;
+    assert_eq!(scenes["scenes"][0]["structure"]["elements"], 20);
+    Ok(())
+}
+
+#[test]
+fn an_extraction_does_not_replace_other_results() -> Outcome {
+    let folder = tempdir()?;
+    let out = folder.path().join("measured");
+    let extract = |more: &[&str]| -> Outcome<Output> {
+        let call = ["experiment", "extract", "configs/measured_record.toml", "--quiet", "--out"];
+        Ok(program().args(call).arg(&out).args(more).output()?)
+    };
+    assert_eq!((extract(&[])?.status.code(), extract(&[])?.status.code()), (Some(0), Some(0)));
+    let other = ["--set", "extraction.harmonics=7"];
+    assert_eq!(extract(&other)?.status.code(), Some(2));
+    assert_eq!(extract(&[&other[..], &["--force"]].concat())?.status.code(), Some(0));
+    Ok(())
+}
+
+#[test]
+fn new_scenes_are_sound_and_are_never_written_over_a_file() -> Outcome {
+    let folder = tempdir()?;
+    for kind in ["rod", "beam", "virtual-test"] {
+        let call = |arguments: &[&str]| program().current_dir(folder.path()).args(arguments).output();
+        let file = format!("{kind}.toml");
+        assert_eq!(call(&["new", kind])?.status.code(), Some(0));
+        let checked = call(&["check", &file])?;
+        assert_eq!((checked.status.code(), said(&checked).as_str()), (Some(0), ""), "{kind}");
+        let text = fs::read_to_string(folder.path().join(&file))?;
+        let again = call(&["new", kind])?;
+        assert_eq!(again.status.code(), Some(2));
+        assert!(said(&again).contains("left as it is"), "{}", said(&again));
+        assert_eq!(fs::read_to_string(folder.path().join(&file))?, text);
+        // What follows from the defaults and what is written agree: each commented key is one of the schema.
+        assert!(text.lines().filter(|line| line.contains('#')).count() > 20);
+    }
+    Ok(())
+}
+
+#[test]
+fn completions_know_the_commands() -> Outcome {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let output = program().args(["completions", shell]).output()?;
+        let script = String::from_utf8(output.stdout)?;
+        assert!(
+            output.status.success() && ["completions", "resume", "extract"].iter().all(|word| script.contains(word))
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn quiet_says_nothing_and_verbose_every_point() -> Outcome {
+    let folder = tempdir()?;
+    let run = |more: &str| -> Outcome<Output> {
+        let small = ["--set", "structure.elements=20", "--set", "continuation.max_energy_ratio=1.2"];
+        let out: PathBuf = folder.path().join(more);
+        Ok(program().args(["run", "configs/rod.toml", more, "--out"]).arg(out).args(small).output()?)
+    };
+    let quiet = run("--quiet")?;
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    let verbose = run("--verbose")?;
+    let points = said(&verbose).lines().filter(|line| line.contains("residual")).count();
+    assert_eq!(points, rows(&table(&folder.path().join("--verbose"))?));
+    assert!(!verbose.stderr.contains(&0x1b) && !verbose.stdout.contains(&0x1b));
+    Ok(())
+}

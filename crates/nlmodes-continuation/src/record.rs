@@ -1,0 +1,71 @@
+use std::ops::ControlFlow;
+
+use crate::{BranchPoint, Choice, Correction, StopReason};
+
+/// What a step brought: with those before it, all that is needed to go on behind it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StepRecord {
+    /// Points found, in order; the branch goes on from the last one. The first step of a run is its start.
+    pub points: Vec<BranchPoint>,
+    /// Sign of `det [J; tᵀ]` at the last point.
+    pub orientation: f64,
+    /// How far the Jacobian is from being singular at the last point, the ratio of the pivots.
+    #[cfg_attr(feature = "serde", serde(with = "any_number"))]
+    pub regularity: f64,
+    /// The same at the point from which the step was taken, and the distance of that; `None` behind a corner.
+    pub before: Option<(f64, f64)>,
+    /// Sense in which the coordinates whose turning points are events moved last.
+    pub senses: Vec<f64>,
+    /// The crossing that was passed, and its arms.
+    pub crossing: Option<Choice>,
+    /// Length of the next step.
+    pub next: f64,
+    /// Evaluations of residual and Jacobian since the run began.
+    pub evaluations: usize,
+    /// Steps refused since the run began.
+    pub refused_steps: usize,
+    /// Why there is no next step. Where this [was asked for](StopReason::is_asked_for) the step may not be complete.
+    pub stop: Option<StopReason>,
+}
+
+/// Keeps the steps of runs, so that a run that was cut off can go on.
+///
+/// A computation of several runs has one log, and makes the runs in the same order when it is repeated. A log that keeps
+/// nothing is `()`.
+pub trait RunLog {
+    /// A run begins at `start`: the steps that an earlier one from there took; none where there was no such run.
+    ///
+    /// A step that was [asked to end](StopReason::is_asked_for) can only be the last of them.
+    fn begin(&mut self, start: &Correction) -> Vec<StepRecord>;
+
+    /// The run has no further steps to repeat: from here on it computes.
+    fn computing(&mut self) {}
+
+    /// The run took a step. It stops if the log says so.
+    fn record(&mut self, step: &StepRecord) -> ControlFlow<()>;
+}
+
+impl RunLog for () {
+    fn begin(&mut self, _: &Correction) -> Vec<StepRecord> {
+        Vec::new()
+    }
+
+    fn record(&mut self, _: &StepRecord) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Numbers that may be infinite, which JSON has no word for.
+#[cfg(feature = "serde")]
+pub(crate) mod any_number {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
