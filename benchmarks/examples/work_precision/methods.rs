@@ -262,7 +262,7 @@ fn measure(
     let mean_force: f64 = problem.mean_forces().iter().sum();
     // At the frequency of the reference, from there.
     let mut guess = at_energy.z.clone();
-    guess[frequency] = reference.omega / omega * guess[frequency];
+    guess[frequency] *= reference.omega / omega;
     let there = newton(&mut problem, &guess, frequency);
     let displacement = displacement_error(&mut problem, &there.z[..n], method, reference)?;
     let (time, timed, off) = timed(&mut problem, &there.z, frequency, frequency);

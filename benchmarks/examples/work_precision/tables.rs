@@ -10,6 +10,8 @@ use crate::methods::{Measurement, Method};
 
 type ErrorOf = fn(&Measurement) -> f64;
 
+type Selects = fn(&Method) -> bool;
+
 const ERRORS: [(&str, &str, ErrorOf); 3] = [
     ("displacement", "displacement of the contact, L2", |m| m.displacement),
     ("frequency", "frequency", |m| m.frequency),
@@ -41,7 +43,7 @@ pub fn print(case: &Case, all: &[Measurement]) {
             digits.iter().map(|d| format!(" {d:.0e} |")).collect::<String>().trim_end_matches('|')
         );
         println!("| --- |{}", " ---: |".repeat(digits.len()));
-        let kinds: [(&str, fn(&Method) -> bool); 4] = [
+        let kinds: [(&str, Selects); 4] = [
             ("MS-HBM, exact switching", |m| *m == Method::Exact),
             ("MS-HBM, sampled", |m| matches!(m, Method::Sampled { .. })),
             ("conventional HBM", |m| matches!(m, Method::HarmonicBalance { .. })),
