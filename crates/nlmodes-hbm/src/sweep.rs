@@ -43,6 +43,8 @@ pub(crate) struct ContactSweep {
     pub spectra: Vec<(usize, Vec<Complex64>)>,
     /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
     pub y: Vec<Vec<Complex64>>,
+    /// By how much each contact stands back from its gap, m.
+    pub opening: Vec<f64>,
     /// Iterations of the contact solver so far, over all its problems.
     pub iterations: usize,
     switching: Switching,
@@ -79,6 +81,7 @@ impl ContactSweep {
             intervals: Vec::new(),
             spectra: Vec::new(),
             y: vec![vec![zero; h + 1]; c],
+            opening: vec![0.0; c],
             iterations: 0,
             switching,
             workspace: solver.workspace(structure.body.matrix()).map_err(HbmError::Compliance)?,
@@ -124,7 +127,7 @@ impl ContactSweep {
         let mut of_dof = vec![Complex64::default(); self.series.n_harmonics + 1];
         for (i, y) in self.y.iter_mut().enumerate() {
             y.fill(Complex64::default());
-            y[0].re = structure.gaps[i];
+            y[0].re = structure.gaps[i] + self.opening[i];
             for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
                 self.series.to_complex(&b[d * width..(d + 1) * width], &mut of_dof);
                 y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);

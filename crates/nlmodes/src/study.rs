@@ -12,6 +12,7 @@ mod resonances;
 mod settings;
 mod skip;
 mod start;
+mod touching;
 mod trace;
 
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};

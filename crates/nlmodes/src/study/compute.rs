@@ -2,12 +2,11 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nlmodes_continuation::TreeBranch;
-use nlmodes_hbm::grazing;
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::prepare::{check_window, condense};
+use super::prepare::{check_window, condense, linear_start};
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Tracer};
@@ -50,11 +49,12 @@ pub fn compute_tree(
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
     let structure = Arc::new(condense(model, settings)?);
-    let start = grazing(&structure, settings.mode)?;
+    let start = linear_start(&structure, settings)?;
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings)?;
     let seed = seed(&structure, settings, &start, &tracer.problem)?;
-    let start_event = if settings.start == BranchStart::Grazing { "grazing" } else { "start" };
+    let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
+    let start_event = if from_grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, &mut observe)?,
         (_, ResonanceRule::Skip) => {

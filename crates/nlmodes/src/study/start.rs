@@ -5,7 +5,8 @@ use nlmodes_continuation::{Bound, Branch, ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, RealSeries};
 
 use super::homotopy;
-use super::prepare::{continuation, problem};
+use super::prepare::{continuation, problem, within_window};
+use super::touching::beginning;
 use super::trace::Tracer;
 use super::{BranchSettings, BranchStart, StudyError};
 
@@ -13,7 +14,7 @@ use super::{BranchSettings, BranchStart, StudyError};
 const APPROACH: usize = 1000;
 
 /// Numbers of harmonics from which a refinement begins, in the order in which they are tried.
-const FEW: [usize; 4] = [1, 2, 3, 5];
+pub(super) const FEW: [usize; 4] = [1, 2, 3, 5];
 
 /// Points after which a branch has shown which way its frequency goes.
 const HEADING: usize = 8;
@@ -69,13 +70,15 @@ pub(super) fn seed(
     start: &Grazing,
     problem: &MixedShooting,
 ) -> Result<Seed, StudyError> {
-    let dim = problem.dim();
     let (target, upward) = match settings.start {
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
-            let (series, p) = (problem.series(), 0.0);
-            return Ok(Seed { x: start.unknowns(series, dim), p, direction: start.direction(series, dim) });
+            let seed = beginning(structure, settings, start)?;
+            if start.touches_at_rest() {
+                within_window(settings, problem.omega(&seed.x) / TAU)?;
+            }
+            return Ok(seed);
         }
     };
     match on_backbone(structure, settings, start, target) {
@@ -150,7 +153,7 @@ fn on_backbone(
         Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
     }
     method.max_points = APPROACH;
-    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
+    let Seed { x, direction, .. } = beginning(structure, settings, start)?;
     let Branch { mut points, stop, .. } =
         method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
@@ -176,8 +179,7 @@ pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> 
     let dim = problem.dim();
     let mut method = continuation(&coarse, tracer.grazing, &problem, dim);
     method.max_points = HEADING;
-    let (series, start) = (problem.series(), tracer.grazing);
-    let (x, direction) = (start.unknowns(series, dim), start.direction(series, dim));
+    let Seed { x, direction, .. } = beginning(tracer.structure, &coarse, tracer.grazing)?;
     let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
@@ -185,13 +187,13 @@ pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> 
 }
 
 /// Numbers of harmonics on the way from `first` to `last`.
-fn ladder(first: usize, last: usize) -> Vec<usize> {
+pub(super) fn ladder(first: usize, last: usize) -> Vec<usize> {
     let steps = std::iter::successors(Some(first), |h| Some(h + h.div_ceil(2))).skip(1);
     steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
 }
 
 /// The same motion with more harmonics, the new ones zero.
-fn embed(x: &[f64], from: RealSeries, to: RealSeries, n_contact_dofs: usize, dim: usize) -> Vec<f64> {
+pub(super) fn embed(x: &[f64], from: RealSeries, to: RealSeries, n_contact_dofs: usize, dim: usize) -> Vec<f64> {
     let (old, new) = (from.width(), to.width());
     let mut larger = vec![0.0; dim];
     for d in 0..n_contact_dofs {
@@ -215,7 +217,7 @@ fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool)
 }
 
 /// Corrects a guess across `direction`.
-fn one_point(
+pub(super) fn one_point(
     settings: &BranchSettings,
     start: &Grazing,
     problem: &mut MixedShooting,
