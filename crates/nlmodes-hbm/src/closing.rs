@@ -7,37 +7,37 @@ use crate::{HbmError, MixedShooting};
 pub(crate) struct Opening {
     /// By how much each contact stands back in full, m, c.
     full: Vec<f64>,
-    share: f64,
-    /// Derivative of the coefficients of `q_N` by the share, m, n_N × width.
+    s: f64,
+    /// Derivative of the coefficients of `q_N` by the parameter, m, n_N × width.
     pub dq: Vec<f64>,
 }
 
 /// The way to motions before contacts that touch at rest, from the linear mode before contacts that stand back.
 ///
 /// ```text
-/// R(x; g₀ + s o) = 0 ,   E_av = E_ref ,   s from 1 to 0
+/// R(x; g₀ + s² o) = 0 ,   E_av = E_ref ,   s from 1 to 0
 /// ```
 ///
 /// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with the gap zero is where the
-/// backbone of any gap leads. The parameter is the share `s` of the opening `o` ([`Grazing::opening`](crate::Grazing::opening)), the unknowns are
-/// those of [`MixedShooting`], and the energy is kept at that of the scales. At `s = 1`, [`Grazing::unknowns`](crate::Grazing::unknowns) are a
+/// backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)), the parameter is `s`, the unknowns are those of
+/// [`MixedShooting`], and the energy is kept at that of the scales. The square keeps stops that face each other apart where a step passes zero. At `s = 1`, [`Grazing::unknowns`](crate::Grazing::unknowns) are a
 /// solution; at `s = 0` a solution is one of the [`MixedShooting`] itself at `p = 0`.
 pub struct Closing<'p, 's> {
     problem: &'p mut MixedShooting<'s>,
 }
 
 impl<'s> MixedShooting<'s> {
-    /// This problem with each contact standing back by a share of `opening`, m, c, which is the parameter.
+    /// This problem with each contact standing back by `s²` of `opening`, m, c.
     ///
     /// # Panics
     /// If there are not c of them.
     pub fn closing(&mut self, opening: &[f64]) -> Closing<'_, 's> {
         assert_eq!(opening.len(), self.structure().n_contacts(), "an opening for each contact");
-        self.opening = Some(Opening { full: opening.to_vec(), share: 1.0, dq: vec![0.0; self.b.len()] });
+        self.opening = Some(Opening { full: opening.to_vec(), s: 1.0, dq: vec![0.0; self.b.len()] });
         Closing { problem: self }
     }
 
-    /// Adds to `q_N` what the opening of its contacts does: `K_NN⁻¹ W S s o` while a set is closed.
+    /// Adds to `q_N` what the opening of its contacts does: `K_NN⁻¹ W S s² o` while a set is closed.
     pub(crate) fn open_contacts(&mut self) {
         let Some(opening) = &mut self.opening else { return };
         let (structure, series, c) = (self.structure, self.sweep.series, opening.full.len());
@@ -53,7 +53,11 @@ impl<'s> MixedShooting<'s> {
                 dq.iter_mut().zip(&constant).for_each(|(dq, constant)| *dq += offset * constant);
             }
         }
-        self.q.iter_mut().zip(&opening.dq).for_each(|(q, dq)| *q += opening.share * dq);
+        let s = opening.s;
+        self.q.iter_mut().zip(&mut opening.dq).for_each(|(q, dq)| {
+            *q += s * s * *dq;
+            *dq *= 2.0 * s;
+        });
     }
 }
 
@@ -64,10 +68,10 @@ impl ParametricSystem for Closing<'_, '_> {
         self.problem.dim()
     }
 
-    fn linearize(&mut self, x: &[f64], share: f64, out: &mut Linearization) -> Result<(), HbmError> {
+    fn linearize(&mut self, x: &[f64], s: f64, out: &mut Linearization) -> Result<(), HbmError> {
         if let Some(opening) = &mut self.problem.opening {
-            opening.share = share;
-            self.problem.sweep.opening.iter_mut().zip(&opening.full).for_each(|(o, full)| *o = share * full);
+            opening.s = s;
+            self.problem.sweep.opening.iter_mut().zip(&opening.full).for_each(|(o, full)| *o = s * s * full);
         }
         self.problem.linearize(x, 0.0, out)
     }

@@ -157,28 +157,29 @@ impl ContactSweep {
         let samples = self.basis.n_samples();
         let cells = if self.series.symmetry == Symmetry::Even { samples / 2 } else { samples };
         let mut tracer = Tracer::new(&self.y);
+        let mut current = self.set_t[0];
         for j in 0..cells {
             let ends = [j, j + 1].map(|k| TAU * k as f64 / samples as f64);
             let wrapped = (j + 1) % samples;
             let slopes = |k: usize| (&self.y_t, &self.dy_t, k);
             if tracer.is_quiet(
                 &self.sets,
-                self.set_t[j],
+                current,
                 self.set_t[j + 1],
                 slopes(j),
                 slopes(wrapped),
                 ends[1] - ends[0],
             ) {
-                tracer.extend(self.set_t[j], ends[0], ends[1]);
+                tracer.extend(current, ends[0], ends[1]);
                 continue;
             }
-            let (from, to) = (self.set_t[j], self.set_t[j + 1]);
+            let (from, to) = (current, self.set_t[j + 1]);
             let (workspace, lambda, iterations) = (&mut self.workspace, &mut self.lambda, &mut self.iterations);
             let mut solve = |tau: f64, y: &[f64], closed: &mut [bool]| {
                 let solved = workspace.solve(y, closed, lambda);
                 solved.map(|s| *iterations += s.iterations).map_err(|source| HbmError::Contact { tau, source })
             };
-            tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
+            current = tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
         }
         self.intervals = tracer.intervals;
         self.integrate();

@@ -88,7 +88,7 @@ fn close(
     match (branch.stop, branch.points.into_iter().next_back()) {
         (StopReason::Bound { value: 0.0, .. }, Some(last)) => Ok((last.x, series)),
         (stop, last) => {
-            let (share, omega) = last.map_or((1.0, 1.0), |q| (q.p, q.x[frequency]));
+            let (share, omega) = last.map_or((1.0, 1.0), |q| (q.p * q.p, q.x[frequency]));
             let hz = omega * start.omega / TAU;
             let reason = format!("with gaps made smaller, the way ends at {share:.3} of the first, at {hz:.4} Hz ({stop:?})");
             Err(StudyError::NoStartTouching { reason })
