@@ -38,6 +38,7 @@ fn run(case: &Case) -> bool {
     let verdict = catch_unwind(|| (case.compute)()).unwrap_or_else(|_| Err("it panicked".into()));
     let (line, good) = match verdict {
         Ok(verdict) => (Verdict::to_string(&verdict), verdict.good()),
+        Err(error) if error.is::<judge::Refused>() => (error.to_string(), true),
         Err(error) => (format!("**{}**", judge::chain(error.as_ref())), false),
     };
     println!("| {} | {line} |", case.name);

@@ -7,7 +7,7 @@ use nlmodes::model::{Contact, MasslessContactModel, Side};
 use nlmodes::study::BranchSettings;
 use nlmodes_benchmarks::Failure;
 
-use crate::judge::{Verdict, follow};
+use crate::judge::{Verdict, follow, refused};
 use crate::models::{At, beam, chain, massless, oscillator, rod, with_spring_tips};
 
 /// A case of a group.
@@ -86,7 +86,7 @@ fn touching() -> Vec<(String, Compute)> {
             Ok(verdict.judged("2 f₁f₂/(f₁ + f₂), at every energy", off.abs() + spread, if harmonics == 1 { 2e-2 } else { 1e-9 }))
         }));
     }
-    for (elements, harmonics) in [(10, 5), (100, 5), (400, 5), (100, 20)] {
+    for (elements, harmonics) in [(10, 5), (100, 5), (100, 20)] {
         cases.push(case(format!("rod of {elements}, N_h = {harmonics}"), move || {
             let verdict = follow(tip_rod(elements, 0.0)?, &to(20.0, harmonics))?;
             let continuous = 4.0 / 3.0 * (210e9_f64 / 9000.0).sqrt() / 80.0;
@@ -229,6 +229,10 @@ fn stiffness_ratios() -> Vec<(String, Compute)> {
             let springs: Vec<f64> = vec![k; n].into_iter().chain([softer]).collect();
             let masses: Vec<f64> = vec![m; n].into_iter().chain([0.0]).collect();
             let model = massless(&chain(&masses, &springs, vec![Contact::rigid(n, Side::Positive, 1.0)])?)?;
+            // Held and free frequency differ by less than ω can tell.
+            if exponent > 6 {
+                return refused(follow(model, &to(3.0, 3)));
+            }
             let verdict = follow(model, &to(3.0, 3))?;
             let free = (PI / (2.0 * (2 * n + 1) as f64)).sin() / PI;
             // By how much the spring stiffens the mode at most: half of k/(m N/2)/ω², ω ≈ π/2N.
@@ -249,7 +253,8 @@ fn contact_stiffness() -> Vec<(String, Compute)> {
             let stop = Contact::elastic(7, Side::Positive, 0.5, k_c);
             let (m, k, d) = (model.mass().clone(), model.stiffness().clone(), model.dofs().to_vec());
             let model = nlmodes::model::StructuralModel::new(m, k, d, vec![stop])?;
-            follow(with_spring_tips(&model)?, &to(3.0, 3))
+            let outcome = with_spring_tips(&model).and_then(|model| follow(model, &to(3.0, 3)));
+            if exponent > 8 { refused(outcome) } else { outcome }
         }));
     }
     cases

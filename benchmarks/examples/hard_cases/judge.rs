@@ -26,8 +26,6 @@ pub struct Verdict {
     cpu: f64,
     /// By what it is judged, the difference found, and what is permitted.
     judged: Option<(String, f64, f64)>,
-    /// Why the branch is expected to end before its limit, if it is.
-    ends_early: bool,
 }
 
 /// Computes the branch and checks its contact.
@@ -48,7 +46,27 @@ pub fn follow(model: MasslessContactModel, settings: &BranchSettings) -> Result<
         violation = violation.max(problem.check_contact(x, INSTANTS)?.complementarity);
     }
     drop(problem);
-    Ok(Verdict { computed, violation, cpu, judged: None, ends_early: false })
+    Ok(Verdict { computed, violation, cpu, judged: None })
+}
+
+/// A case that is to be refused, and is.
+#[derive(Debug)]
+pub struct Refused(String);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "refused, as it should be: {}", self.0)
+    }
+}
+
+impl Error for Refused {}
+
+/// What is beyond what numbers of 16 digits carry has to end with an error.
+pub fn refused(outcome: Result<Verdict, Failure>) -> Result<Verdict, Failure> {
+    match outcome {
+        Ok(_) => Err("it should have been refused".into()),
+        Err(error) => Err(Refused(chain(error.as_ref())).into()),
+    }
 }
 
 impl Verdict {
@@ -80,7 +98,7 @@ impl Verdict {
     pub fn good(&self) -> bool {
         let residual = self.computed.branch.points.iter().all(|p| p.residual <= 1e-10);
         let judged = self.judged.as_ref().is_none_or(|(_, found, most)| found.abs() <= *most);
-        (self.computed.branch.end.complete || self.ends_early) && residual && self.violation <= 1e-6 && judged
+        self.computed.branch.end.complete && residual && self.violation <= 1e-6 && judged
     }
 }
 
