@@ -63,6 +63,7 @@ fn exact() -> ModalBranch {
             kinetic_energy: kinetic,
             harmonic_energy: Vec::new(),
             resonance: None,
+            stability: None,
             total_energy: total,
             modal_amplitude: f64::NAN,
             fundamental: f64::NAN,
@@ -71,6 +72,7 @@ fn exact() -> ModalBranch {
             contact_intervals: 1,
             peak_contact_force: MODULUS * velocity / speed,
             residual: 0.0,
+            error_estimate: None,
             events: Vec::new(),
         }
     };

@@ -41,7 +41,10 @@ pub fn all() -> Vec<Case> {
     groups.into_iter().flat_map(named).collect()
 }
 
-fn case(name: impl Into<String>, compute: impl Fn() -> Outcome + std::panic::RefUnwindSafe + 'static) -> (String, Compute) {
+fn case(
+    name: impl Into<String>,
+    compute: impl Fn() -> Outcome + std::panic::RefUnwindSafe + 'static,
+) -> (String, Compute) {
     (name.into(), Box::new(compute))
 }
 
@@ -75,7 +78,11 @@ fn touching() -> Vec<(String, Compute)> {
             let closed = bilinear(1.0, (1.0 + k_c).sqrt()) / TAU;
             let off = verdict.last_hz() / closed - 1.0;
             let spread = verdict.spread();
-            Ok(verdict.judged("2 f₁f₂/(f₁ + f₂), at every energy", off.abs() + spread, if k_c > 10.0 { 1e-5 } else { 1e-9 }))
+            Ok(verdict.judged(
+                "2 f₁f₂/(f₁ + f₂), at every energy",
+                off.abs() + spread,
+                if k_c > 10.0 { 1e-5 } else { 1e-9 },
+            ))
         }));
     }
     for harmonics in [1, 60] {
@@ -83,7 +90,11 @@ fn touching() -> Vec<(String, Compute)> {
             let verdict = follow(two_element_rod(0.0)?, &to(1e4, harmonics))?;
             let off = verdict.last_hz() * TAU / bilinear(6.0_f64.sqrt(), 12.0_f64.sqrt()) - 1.0;
             let spread = verdict.spread();
-            Ok(verdict.judged("2 f₁f₂/(f₁ + f₂), at every energy", off.abs() + spread, if harmonics == 1 { 2e-2 } else { 1e-9 }))
+            Ok(verdict.judged(
+                "2 f₁f₂/(f₁ + f₂), at every energy",
+                off.abs() + spread,
+                if harmonics == 1 { 2e-2 } else { 1e-9 },
+            ))
         }));
     }
     for (elements, harmonics) in [(10, 5), (100, 5), (100, 20)] {
@@ -99,7 +110,8 @@ fn touching() -> Vec<(String, Compute)> {
     cases.push(case("beam of 20, N_h = 3", || {
         let verdict = follow(tip_beam(20, 0.0)?, &to(20.0, 3))?;
         // The gap counts as its share of the amplitude: f(E) = f(∞) − a/√E.
-        let [quarter, whole] = [2.5e3, 1e4].map(|ratio| follow(tip_beam(20, 1e-3)?, &to(ratio, 3)).map(|v| v.last_hz()));
+        let [quarter, whole] =
+            [2.5e3, 1e4].map(|ratio| follow(tip_beam(20, 1e-3)?, &to(ratio, 3)).map(|v| v.last_hz()));
         let far = 2.0 * whole? - quarter?;
         let (off, spread) = (verdict.last_hz() / far - 1.0, verdict.spread());
         Ok(verdict.judged("1 mm, extrapolated from 2500 and 10⁴ grazing energies", off.abs() + spread, 1e-4))
@@ -145,13 +157,20 @@ fn pressed_closed_form(b: f64) -> (f64, f64, f64) {
 fn pressing() -> Vec<(String, Compute)> {
     let mut cases = Vec::new();
     for (share, b) in [("99 %", 0.500_31), ("70 %", 0.9)] {
-        cases.push(case(format!("rod of two elements, in contact during {share} of the period, N_h = 100"), move || {
-            let (hz, kinetic, contact) = pressed_closed_form(b);
-            let verdict = follow(two_element_rod(-1.0)?, &to(kinetic / 0.25, 100))?;
-            let last = verdict.branch().branch.points.last().map_or(f64::NAN, |p| p.contact_fraction);
-            let off = (verdict.last_hz() / hz - 1.0).abs();
-            Ok(verdict.judged(format!("closed form, contact {:.3} % (here {:.3} %)", 100.0 * contact, 100.0 * last), off, 1e-9))
-        }));
+        cases.push(case(
+            format!("rod of two elements, in contact during {share} of the period, N_h = 100"),
+            move || {
+                let (hz, kinetic, contact) = pressed_closed_form(b);
+                let verdict = follow(two_element_rod(-1.0)?, &to(kinetic / 0.25, 100))?;
+                let last = verdict.branch().branch.points.last().map_or(f64::NAN, |p| p.contact_fraction);
+                let off = (verdict.last_hz() / hz - 1.0).abs();
+                Ok(verdict.judged(
+                    format!("closed form, contact {:.3} % (here {:.3} %)", 100.0 * contact, 100.0 * last),
+                    off,
+                    1e-9,
+                ))
+            },
+        ));
     }
     for (pressed, harmonics) in [(0.1, 1), (0.1, 5), (1e-9, 3)] {
         cases.push(case(format!("rod of 100 pressed by {pressed} m, N_h = {harmonics}"), move || {
@@ -184,8 +203,12 @@ fn tiny_gap() -> Vec<(String, Compute)> {
         Ok(tiny.judged(format!("the gap multiplied; points differ by {count}"), off, 1e-11))
     };
     vec![
-        case("rod of 100, N_h = 3, beside 0.5 m", move || compare(tip_rod(100, 1e-9)?, tip_rod(100, 0.5)?, &to(20.0, 3))),
-        case("beam of 20, N_h = 5, beside 1 mm", move || compare(tip_beam(20, 1e-9)?, tip_beam(20, 1e-3)?, &to(5.0, 5))),
+        case("rod of 100, N_h = 3, beside 0.5 m", move || {
+            compare(tip_rod(100, 1e-9)?, tip_rod(100, 0.5)?, &to(20.0, 3))
+        }),
+        case("beam of 20, N_h = 5, beside 1 mm", move || {
+            compare(tip_beam(20, 1e-9)?, tip_beam(20, 1e-3)?, &to(5.0, 5))
+        }),
         case("rod of 100 pressed by 1e-9 m, N_h = 1, beside 0.1 m", move || {
             compare(tip_rod(100, -1e-9)?, tip_rod(100, -0.1)?, &to(5.0, 1))
         }),
@@ -196,18 +219,24 @@ fn stiffness_ratios() -> Vec<(String, Compute)> {
     let mut cases = Vec::new();
     for exponent in [3, 6, 9, 12] {
         let stiff = 10_f64.powi(exponent);
-        cases.push(case(format!("chain of 12 masses, every other spring 1e{exponent} times stiffer, N_h = 5"), move || {
-            // Springs 1, s, 1, s, …: masses 2 and 3, 4 and 5 … move together; the last spring leads to the massless node.
-            let springs: Vec<f64> = (0..12).map(|i| if i % 2 == 1 { stiff } else { 1.0 }).chain([1.0]).collect();
-            let masses: Vec<f64> = vec![1.0; 12].into_iter().chain([0.0]).collect();
-            let contacts = vec![Contact::rigid(12, Side::Positive, 1.0)];
-            let verdict = follow(massless(&chain(&masses, &springs, contacts)?)?, &to(3.0, 5))?;
-            let merged: Vec<f64> = vec![2.0; 6].into_iter().chain([0.0]).collect();
-            let rigid = follow(massless(&chain(&merged, &[1.0; 7], vec![Contact::rigid(6, Side::Positive, 1.0)])?)?, &to(3.0, 5))?;
-            let off = verdict.last_hz() / rigid.last_hz() - 1.0;
-            // A spring that gives way by 1/s, and entries 1 + s of K that keep 1 to the rounding of s.
-            Ok(verdict.judged("pairs of masses as one", off, 1.0 / stiff + 4.0 * stiff * f64::EPSILON))
-        }));
+        cases.push(case(
+            format!("chain of 12 masses, every other spring 1e{exponent} times stiffer, N_h = 5"),
+            move || {
+                // Springs 1, s, 1, s, …: masses 2 and 3, 4 and 5 … move together; the last spring leads to the massless node.
+                let springs: Vec<f64> = (0..12).map(|i| if i % 2 == 1 { stiff } else { 1.0 }).chain([1.0]).collect();
+                let masses: Vec<f64> = vec![1.0; 12].into_iter().chain([0.0]).collect();
+                let contacts = vec![Contact::rigid(12, Side::Positive, 1.0)];
+                let verdict = follow(massless(&chain(&masses, &springs, contacts)?)?, &to(3.0, 5))?;
+                let merged: Vec<f64> = vec![2.0; 6].into_iter().chain([0.0]).collect();
+                let rigid = follow(
+                    massless(&chain(&merged, &[1.0; 7], vec![Contact::rigid(6, Side::Positive, 1.0)])?)?,
+                    &to(3.0, 5),
+                )?;
+                let off = verdict.last_hz() / rigid.last_hz() - 1.0;
+                // A spring that gives way by 1/s, and entries 1 + s of K that keep 1 to the rounding of s.
+                Ok(verdict.judged("pairs of masses as one", off, 1.0 / stiff + 4.0 * stiff * f64::EPSILON))
+            },
+        ));
     }
     for exponent in [-12, -6, 6, 12] {
         let k_c = 10_f64.powi(exponent);
@@ -216,7 +245,8 @@ fn stiffness_ratios() -> Vec<(String, Compute)> {
             let model = massless(&chain(&[1.0 / 3.0, 0.0], &[2.0, 2.0], vec![stop])?)?;
             let verdict = follow(model, &to(4.0, 60))?;
             // A soft stop is none; a hard one is rigid up to 1/k_c.
-            let limit = if k_c < 1.0 { 6.0_f64.sqrt() / TAU } else { follow(two_element_rod(1.0)?, &to(4.0, 60))?.last_hz() };
+            let limit =
+                if k_c < 1.0 { 6.0_f64.sqrt() / TAU } else { follow(two_element_rod(1.0)?, &to(4.0, 60))?.last_hz() };
             let off = verdict.last_hz() / limit - 1.0;
             let by = if k_c < 1.0 { "no stop" } else { "rigid stop" };
             Ok(verdict.judged(by, off, k_c.min(1.0 / k_c) + 1e-11))
@@ -265,15 +295,20 @@ fn beams() -> Vec<(String, Compute)> {
         massless(&beam(Mesh::uniform(0.63, 20)?, 0.63 / over, &[(TIP, Side::Positive, 1e-3)])?)
     };
     let ratios = [1e4, 1e3, 100.0, 10.0, 4.0, 2.0];
-    ratios.map(|over| {
-        case(format!("L/h = {over}, 20 elements, N_h = 3"), move || {
-            let verdict = follow(slender(over)?, &to(5.0, 3))?;
-            let thin = follow(slender(1e3)?, &to(5.0, 3))?;
-            let off = verdict.last_ratio() / thin.last_ratio() - 1.0;
-            Ok(verdict.judged("f/f₁ of L/h = 1000 at the same energy ratio", off, 2.0 * (1e-6_f64).max(1.0 / (over * over))))
+    ratios
+        .map(|over| {
+            case(format!("L/h = {over}, 20 elements, N_h = 3"), move || {
+                let verdict = follow(slender(over)?, &to(5.0, 3))?;
+                let thin = follow(slender(1e3)?, &to(5.0, 3))?;
+                let off = verdict.last_ratio() / thin.last_ratio() - 1.0;
+                Ok(verdict.judged(
+                    "f/f₁ of L/h = 1000 at the same energy ratio",
+                    off,
+                    2.0 * (1e-6_f64).max(1.0 / (over * over)),
+                ))
+            })
         })
-    })
-    .into()
+        .into()
 }
 
 fn graded() -> Vec<(String, Compute)> {
@@ -337,11 +372,14 @@ fn facing() -> Vec<(String, Compute)> {
     let both = |gap: f64| [(TIP, Side::Positive, gap), (TIP, Side::Negative, gap)];
     let mut cases = Vec::new();
     for (ratio, permitted) in [(1e2, 0.2), (1e6, 1e-2)] {
-        cases.push(case(format!("rod of 100, 1e-6 m on each side, to {ratio:.0e} grazing energies, N_h = 1"), move || {
-            let verdict = follow(massless(&rod(Mesh::uniform(20.0, 100)?, &both(1e-6))?)?, &to(ratio, 1))?;
-            let off = verdict.last_hz() / held_rod(100) - 1.0;
-            Ok(verdict.judged("the mode with the tip held", off, permitted))
-        }));
+        cases.push(case(
+            format!("rod of 100, 1e-6 m on each side, to {ratio:.0e} grazing energies, N_h = 1"),
+            move || {
+                let verdict = follow(massless(&rod(Mesh::uniform(20.0, 100)?, &both(1e-6))?)?, &to(ratio, 1))?;
+                let off = verdict.last_hz() / held_rod(100) - 1.0;
+                Ok(verdict.judged("the mode with the tip held", off, permitted))
+            },
+        ));
     }
     cases.push(case("rod of 100, 1e-6 m on each side, N_h = 5", move || {
         follow(massless(&rod(Mesh::uniform(20.0, 100)?, &both(1e-6))?)?, &to(5.0, 5))

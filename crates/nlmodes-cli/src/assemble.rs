@@ -1,11 +1,15 @@
 //! From a checked scene to the structural model.
 
+use std::f64::consts::TAU;
+
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::model::{
-    Conserve, Drop, MassRedistribution, MasslessContactModel, ModelError, Move, Side, StructuralModel,
+    Conserve, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel, ModelError, Move, Side,
+    StructuralModel,
 };
+use thiserror::Error;
 
-use crate::config::scene::{self, MassRule, MethodKind, Scene};
+use crate::config::scene::{self, MassRule, MethodKind, Scene, StructureKind};
 
 /// A structure of one of the two theories.
 #[derive(Debug, Clone)]
@@ -67,13 +71,70 @@ impl Elements {
     }
 }
 
-/// The structure of the scene with its stops, contact mass kept.
+/// Why there is no structure.
+#[derive(Debug, Error)]
+pub enum StructureError {
+    /// What the element library has against it; a checked scene gives no reason for that.
+    #[error(transparent)]
+    Elements(#[from] FemError),
+    /// Frequencies that cannot be imposed on its modes.
+    #[error(transparent)]
+    Imposed(#[from] ModelError),
+}
+
+impl StructureError {
+    /// The key of the scene that it is about.
+    pub fn path(&self) -> &'static str {
+        match self {
+            Self::Elements(_) => "structure",
+            Self::Imposed(_) => "structure.modes.frequencies_hz",
+        }
+    }
+}
+
+/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it.
 ///
 /// # Errors
-/// What the element library has against it; a checked scene gives no reason for that.
-pub fn structural_model(scene: &Scene) -> Result<StructuralModel, FemError> {
+/// [`StructureError`].
+pub fn structural_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
+    let model = element_model(scene)?;
+    match imposed(&scene.structure, &model, redistribution(scene))? {
+        Some(imposed) => Ok(imposed.model),
+        None => Ok(model),
+    }
+}
+
+/// The structure of the scene as its elements give it.
+///
+/// # Errors
+/// What the element library has against it.
+pub fn element_model(scene: &Scene) -> Result<StructuralModel, FemError> {
     let stops: Vec<Stop> = scene.contacts.iter().map(stop).collect();
     Elements::new(&scene.structure)?.assemble(&stops)
+}
+
+/// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there are none.
+///
+/// # Errors
+/// [`ModelError`].
+pub fn imposed(
+    structure: &scene::Structure,
+    model: &StructuralModel,
+    rule: Option<&dyn MassRedistribution>,
+) -> Result<Option<ImposedFrequencies>, ModelError> {
+    let Some(modes) = &structure.modes else { return Ok(None) };
+    let kind = moving_kind(structure.kind());
+    let omega: Vec<f64> = modes.frequencies_hz.iter().map(|hz| TAU * hz).collect();
+    let rule = rule.filter(|_| !model.contacts().is_empty());
+    model.with_frequencies(rule, kind, &omega).map(Some)
+}
+
+/// What moves in the modes that a test sees: across a beam, along a rod.
+pub fn moving_kind(kind: StructureKind) -> DofKind {
+    match kind {
+        StructureKind::Rod => DofKind::Axial,
+        StructureKind::Beam => DofKind::Deflection,
+    }
 }
 
 /// The rule by which the scene takes the mass away from its contacts; `None` where it stays.
@@ -93,9 +154,9 @@ pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> 
 pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessContactModel, ModelError> {
     let rule = redistribution(scene);
     match (scene.method.kind, rule) {
-        (MethodKind::MsHbm, Some(rule)) => MasslessContactModel::new(model, rule),
-        // A checked scene has no ms-hbm without a rule.
-        (MethodKind::MsHbm | MethodKind::Hbm, rule) => MasslessContactModel::with_spring_tips(model, rule),
+        (MethodKind::MsHbm | MethodKind::Shooting, Some(rule)) => MasslessContactModel::new(model, rule),
+        // A checked scene has no ms-hbm without a rule, and no shooting without one on rigid stops.
+        (_, rule) => MasslessContactModel::with_spring_tips(model, rule),
     }
 }
 

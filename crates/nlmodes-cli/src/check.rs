@@ -2,14 +2,15 @@
 
 use crate::config::number;
 use crate::config::scene::{
-    AtBranchPoint, Contact, Continuation, InternalResonance, Method, MethodKind, Scene, Section, Start, Structure,
-    Updating,
+    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, Method, MethodKind, Scene, Section, Start,
+    Structure, Updating,
 };
 
 /// What the scene would compute.
 pub fn summary(scene: &Scene) -> String {
     let mut lines = vec![scene.title.clone(), String::new()];
     lines.push(row("structure", &structure(&scene.structure)));
+    lines.extend(scene.structure.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
     lines.push(row("supports", &format!("start {}, end {}", scene.structure.start.name(), scene.structure.end.name())));
     lines.push(row("mesh", &mesh(&scene.structure)));
     for (i, contact) in scene.contacts.iter().enumerate() {
@@ -41,6 +42,18 @@ fn structure(structure: &Structure) -> String {
             number(second_moment)
         ),
     }
+}
+
+fn imposed(modes: &ImposedModes) -> String {
+    let list = |values: &[f64]| values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ");
+    let damping = modes.damping_ratios.as_deref().map_or_else(String::new, |ratios| {
+        format!("; damping ratios {}, which only a virtual test uses", list(ratios))
+    });
+    format!(
+        "a modal model: {} Hz imposed on the lowest {}{damping}",
+        list(&modes.frequencies_hz),
+        modes.frequencies_hz.len()
+    )
 }
 
 fn mesh(structure: &Structure) -> String {
@@ -79,9 +92,21 @@ fn method(method: &Method) -> String {
     let kind = match method.kind {
         MethodKind::MsHbm => "mixed shooting-harmonic balance",
         MethodKind::Hbm => "harmonic balance",
+        MethodKind::Shooting => "exact shooting",
     };
     let list: Vec<String> = method.harmonics_list.iter().map(usize::to_string).collect();
-    let harmonics = if method.harmonics == 1 { "1 harmonic".into() } else { format!("{} harmonics", list.join(", ")) };
+    let chosen = method.accuracy.map(|accuracy| {
+        let modes = if method.held_modes.is_some() { "" } else { " and held modes" };
+        let (few, most) = (method.harmonics, accuracy.max_harmonics);
+        format!("{few} to {most} harmonics{modes}, chosen for a relative error of {}", number(accuracy.error))
+    });
+    let harmonics = if let Some(chosen) = chosen {
+        chosen
+    } else if method.harmonics == 1 {
+        "1 harmonic".into()
+    } else {
+        format!("{} harmonics", list.join(", "))
+    };
     format!(
         "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
         method.switching.name(),

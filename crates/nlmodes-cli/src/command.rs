@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
-use crate::{Status, check, compare, experiment, lcp, modes, run as study, updating, verify, virtual_test};
+use crate::{
+    Status, check, compare, experiment, lcp, links, memory, modes, run as study, updating, verify, virtual_test,
+};
 
 /// Nonlinear modes of structures with one-sided contact
 #[derive(Debug, Parser)]
@@ -119,13 +121,17 @@ struct SceneArguments {
     path: PathBuf,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP, allow_hyphen_values = true)]
     overrides: Vec<String>,
+    /// Most memory that the scene may take, as 8GiB; default: three quarters of the machine's
+    #[arg(long, value_name = "SIZE")]
+    memory_limit: Option<memory::Limit>,
 }
 
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::parse().command {
         Command::Run { scene, out, quiet } => {
-            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, quiet))
+            let limit = scene.memory_limit;
+            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, quiet))
         }
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
             if file.scene.contacts.is_empty() {
@@ -137,26 +143,42 @@ pub fn run() -> Status {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
         Command::Experiment(Experiment::Extract { scene, out, quiet }) => extract(&scene, out, quiet),
-        Command::Check { scene } => with(config::load_any(&scene.path, &scene.overrides), |scene| match scene {
-            AnyScene::Structure(files) => {
-                each(files, |file| with_warnings(file, |file| print(&check::summary(&file.scene))))
-            }
-            AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
-            AnyScene::Test(file) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
-        }),
+        Command::Check { scene: SceneArguments { path, overrides, memory_limit } } => {
+            with(config::load_any(&path, &overrides), |scene| match scene {
+                AnyScene::Structure(mut files) => {
+                    if let Err(said) = memory::admit(&mut files, memory_limit) {
+                        return refuse(&said);
+                    }
+                    say_warnings(&files);
+                    each(files, |file| print(&check::summary(&file.scene)))
+                }
+                AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
+                AnyScene::Test(file) => match memory::admit_test(&file, memory_limit) {
+                    Ok(()) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
+                    Err(said) => refuse(&said),
+                },
+            })
+        }
         Command::Schema => print(&format!("{:#}", config::whole_schema())),
     }
 }
 
 /// Computes what the scene describes.
-fn run_any(scene: AnyScene, out: Option<PathBuf>, quiet: bool) -> Status {
+fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, quiet: bool) -> Status {
     match scene {
-        AnyScene::Structure(files) => run_each(files, out, quiet),
+        AnyScene::Structure(mut files) => match memory::admit(&mut files, limit) {
+            Ok(()) => run_each(files, out, quiet),
+            Err(said) => refuse(&said),
+        },
         AnyScene::Test(file) => with_warnings(*file, |mut file| {
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            virtual_test::run(&file, quiet)
+            let admitted = memory::admit_test(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
+            match admitted {
+                Ok(()) => virtual_test::run(&file, quiet),
+                Err(said) => refuse(&said),
+            }
         }),
         // `load_to_run` refuses these with the command that takes them.
         AnyScene::Records(_) => Status::Wrong,
@@ -168,7 +190,13 @@ fn run_any(scene: AnyScene, out: Option<PathBuf>, quiet: bool) -> Status {
 /// A scene with several methods is gone through for each of them.
 fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
-    with(loaded, |files| each(files, |file| with_warnings(file, &mut then)))
+    with(loaded, |mut files| {
+        if let Err(said) = memory::admit(&mut files, arguments.memory_limit) {
+            return refuse(&said);
+        }
+        say_warnings(&files);
+        each(files, &mut then)
+    })
 }
 
 /// One scene after the other, up to the first that cannot be done.
@@ -178,18 +206,16 @@ fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status 
 
 /// Runs a scene with one method, or several that differ in it.
 fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, quiet: bool) -> Status {
-    let mut said = String::new();
+    say_warnings(&files);
     for file in &mut files {
-        let warnings = file.warnings_text();
-        if !warnings.is_empty() && warnings != said {
-            say!("{warnings}\n");
-            said = warnings;
-        }
         if let Some(out) = &out {
             file.scene.output_directory.clone_from(out);
         }
         if file.scene.contacts.is_empty() {
             return no_contact(file);
+        }
+        if let Err(said) = links::refuse(&file.scene.output_directory) {
+            return refuse(&said);
         }
     }
     let mut updated = Vec::new();
@@ -212,7 +238,13 @@ fn extract(arguments: &SceneArguments, out: Option<PathBuf>, quiet: bool) -> Sta
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            experiment::extract(&file, quiet)
+            let limit = arguments.memory_limit;
+            let admitted =
+                memory::admit_records(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
+            match admitted {
+                Ok(()) => experiment::extract(&file, quiet),
+                Err(said) => refuse(&said),
+            }
         })
     })
 }
@@ -242,12 +274,26 @@ fn with_parameters(file: SceneFile, quiet: bool, then: impl FnOnce(&SceneFile) -
     }
 }
 
+/// Says what looks wrong with the scenes of one file, each thing once.
+fn say_warnings(files: &[SceneFile]) {
+    let warnings = config::warnings_text(files);
+    if !warnings.is_empty() {
+        say!("{warnings}\n");
+    }
+}
+
 /// Says what looks wrong with the scene, and goes on.
 fn with_warnings<S>(file: SceneFile<S>, then: impl FnOnce(SceneFile<S>) -> Status) -> Status {
     if !file.warnings.is_empty() {
         say!("{}\n", file.warnings_text());
     }
     then(file)
+}
+
+/// Says what stands in the way of a sound scene.
+fn refuse(said: &str) -> Status {
+    say!("{said}");
+    Status::Wrong
 }
 
 fn no_contact(file: &SceneFile) -> Status {

@@ -16,6 +16,7 @@ use nlmodes::study::{ComputedBranch, StudyError};
 use crate::Status;
 use crate::command::print;
 use crate::config::SceneFile;
+use crate::config::scene::MethodKind;
 use crate::run::{chain, models, refuse_study};
 use difference::difference;
 use measure::{branch, largest_violation};
@@ -40,6 +41,12 @@ pub struct Arguments {
 
 /// Computes the branch with each solver and prints the table; the first branch is the reference of the others.
 pub fn run(file: &SceneFile, arguments: &Arguments) -> Status {
+    if file.scene.method.kind == MethodKind::Shooting {
+        let title = "there are no contact solvers to compare in method \"shooting\"";
+        let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at each instant";
+        say!("{}", file.error_at("method.kind", title, "expected \"ms-hbm\" or \"hbm\" here", &[help]));
+        return Status::Wrong;
+    }
     match models(file).and_then(|(_, massless)| rows(file, &massless, &arguments.solvers)) {
         Ok(rows) => finish(file, arguments, &rows),
         Err(status) => status,

@@ -17,6 +17,7 @@ mod nearest;
 mod planned;
 mod problem;
 mod raw;
+mod refused;
 mod render;
 mod rule;
 pub mod scene;
@@ -29,6 +30,7 @@ pub use document::{Document, Place};
 pub use file::FileError;
 pub use findings::Findings;
 pub use problem::{Mark, Problem, Severity};
+pub use refused::Refused;
 pub use render::wants_colours;
 pub use rule::number;
 pub use scene::{RecordScene, Scene, TestScene};
@@ -52,13 +54,6 @@ pub struct SceneFile<S = Scene> {
     pub warnings: Vec<Problem>,
 }
 
-/// What is wrong with a scene that is refused.
-#[derive(Debug, Clone)]
-pub struct Refused {
-    document: Document,
-    problems: Vec<Problem>,
-}
-
 impl<S> SceneFile<S> {
     /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`), as text; `label` is said beside the value.
     pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> String {
@@ -66,28 +61,27 @@ impl<S> SceneFile<S> {
         self.document.render(&[self.document.put(problem, path, label)], wants_colours())
     }
 
+    /// Adds a warning at the value of a key.
+    pub fn warn_at(&mut self, path: &str, title: &str, label: &str, help: &str) {
+        let problem = self.document.put(Problem::warning(title).help(help), path, label);
+        self.warnings.push(problem);
+    }
+
     /// The warnings as text; empty if there are none.
     pub fn warnings_text(&self) -> String {
         self.document.render(&self.warnings, wants_colours())
     }
+
+    /// The warnings, a line each without its place.
+    pub fn warning_sentences(&self) -> Vec<String> {
+        self.warnings.iter().map(Problem::sentence).collect()
+    }
 }
 
-impl Refused {
-    /// What is wrong.
-    pub fn problems(&self) -> &[Problem] {
-        &self.problems
-    }
-
-    /// The same as text, with a last line that sums it up.
-    pub fn text(&self, colours: bool) -> String {
-        let errors = self.problems.iter().filter(|problem| problem.severity == Severity::Error).count();
-        let name = &self.document.sources().file().name;
-        let count = if errors == 1 { "1 error".into() } else { format!("{errors} errors") };
-        format!(
-            "{}\n\n{count} in {name}: nothing was computed or written",
-            self.document.render(&self.problems, colours)
-        )
-    }
+/// The warnings of all scenes of one file as text, each once; empty if there are none.
+pub fn warnings_text(files: &[SceneFile]) -> String {
+    let all = files.iter().flat_map(|file| file.warnings.iter().cloned()).collect();
+    files.first().map_or_else(String::new, |file| file.document.render(&problem::each_once(all), wants_colours()))
 }
 
 /// A scene of any kind.
@@ -105,14 +99,19 @@ pub enum AnyScene {
 /// is a scene for each; an override of `method` holds for all of them.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong with the first one that is refused.
+/// [`Refused`] with all that is wrong with any of them, each mistake once.
 pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
     let (name, text) = text(path)?;
-    each_method(&name, &text, overrides)
+    parse_each_method(&name, &text, overrides)
 }
 
-fn each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
-    methods::split(text).iter().map(|text| parse(name, text, overrides)).collect()
+/// Reads and checks the text of a scene, with each of its methods; `name` as for [`parse`].
+///
+/// # Errors
+/// [`Refused`] with all that is wrong with any of them, each mistake once.
+pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    let read = (0..methods::count(text)).map(|number| parse_method(name, text, overrides, number));
+    refused::or_all(read.collect())
 }
 
 /// Reads and checks a scene file of measured records, in the same way.
@@ -130,14 +129,14 @@ pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<Recor
 /// [`Refused`] with all that is wrong.
 pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let (name, text) = text(path)?;
-    let (_, root) = Document::parse(&name, &text, overrides, &mut Vec::new());
+    let (_, root) = Document::parse(&name, &text, overrides, 0, &mut Vec::new());
     if root.as_ref().is_some_and(|root| planned::is_of_test(root.get_ref())) {
         return Ok(AnyScene::Test(Box::new(parse_test(&name, &text, overrides)?)));
     }
     if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
         return Ok(AnyScene::Records(Box::new(parse_records(&name, &text, overrides)?)));
     }
-    Ok(AnyScene::Structure(each_method(&name, &text, overrides)?))
+    Ok(AnyScene::Structure(parse_each_method(&name, &text, overrides)?))
 }
 
 /// Name and text of a scene file.
@@ -150,24 +149,31 @@ fn text(path: &Path) -> Result<(String, String), Box<Refused>> {
 }
 
 fn refuse_file(name: &str, error: &FileError) -> Box<Refused> {
-    let (document, _) = Document::parse(name, "", &[], &mut Vec::new());
-    Box::new(Refused { document, problems: vec![error.problem()] })
+    let (document, _) = Document::parse(name, "", &[], 0, &mut Vec::new());
+    Box::new(Refused::new(document, vec![error.problem()]))
 }
 
-/// Reads and checks the text of a scene. `name` stands in messages, and its stem in the default of the output directory.
+/// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the default of the output directory.
 ///
 /// # Errors
 /// [`Refused`] with all that is wrong.
 pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
+    parse_method(name, text, overrides, 0)
+}
+
+/// The scene with the method `number` of several.
+fn parse_method(name: &str, text: &str, overrides: &[String], number: usize) -> Result<SceneFile, Box<Refused>> {
     let mut problems = Vec::new();
-    let (document, root) = Document::parse(name, text, overrides, &mut problems);
+    let (document, root) = Document::parse(name, text, overrides, number, &mut problems);
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawScene> = root.and_then(|root| {
         let other = planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
-        read(root, other, &schema(), &mut findings)
+        read(root, other, schema::of_structure(), &mut findings)
     });
     let scene = raw.and_then(|raw| check::scene(&raw, &stem(name), &mut findings));
-    finish(scene, findings)
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
 }
 
 /// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
@@ -176,15 +182,17 @@ pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, 
 /// [`Refused`] with all that is wrong.
 pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
     let mut problems = Vec::new();
-    let (document, root) = Document::parse(name, text, overrides, &mut problems);
+    let (document, root) = Document::parse(name, text, overrides, 0, &mut problems);
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
         let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
-        read(root, other, &schema::record_schema(), &mut findings)
+        read(root, other, schema::of_records(), &mut findings)
     });
     let base = Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf();
     let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(name), base, &mut findings));
-    finish(scene, findings)
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
 }
 
 /// Reads and checks the text of a scene of a virtual test, in the same way.
@@ -193,14 +201,16 @@ pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<Sce
 /// [`Refused`] with all that is wrong.
 pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
     let mut problems = Vec::new();
-    let (document, root) = Document::parse(name, text, overrides, &mut problems);
+    let (document, root) = Document::parse(name, text, overrides, 0, &mut problems);
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawTestScene> = root.and_then(|root| {
         let other = planned::of_test_and_branch(root.get_ref());
-        read(root, other, &schema::test_schema(), &mut findings)
+        read(root, other, schema::of_test(), &mut findings)
     });
     let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(name), &mut findings));
-    finish(scene, findings)
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
 }
 
 /// Reads and checks a scene file for `run`: of a virtual test, or of a structure.
@@ -209,11 +219,11 @@ pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneF
 /// [`Refused`] with all that is wrong; also a scene of measured records, with the command that takes it.
 pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let (name, text) = text(path)?;
-    let (_, root) = Document::parse(&name, &text, overrides, &mut Vec::new());
+    let (_, root) = Document::parse(&name, &text, overrides, 0, &mut Vec::new());
     if root.is_some_and(|root| planned::is_of_test(root.get_ref())) {
         return Ok(AnyScene::Test(Box::new(parse_test(&name, &text, overrides)?)));
     }
-    Ok(AnyScene::Structure(each_method(&name, &text, overrides)?))
+    Ok(AnyScene::Structure(parse_each_method(&name, &text, overrides)?))
 }
 
 /// The raw tables, unless the scene is one of another kind.
@@ -241,7 +251,7 @@ fn finish<S>(scene: Option<S>, findings: Findings<'_>) -> Result<SceneFile<S>, B
     let document = findings.document().clone();
     match scene {
         Some(scene) if !findings.refuse() => Ok(SceneFile { scene, document, warnings: findings.into_sorted() }),
-        _ => Err(Box::new(Refused { document, problems: findings.into_sorted() })),
+        _ => Err(Box::new(Refused::new(document, findings.into_sorted()))),
     }
 }
 

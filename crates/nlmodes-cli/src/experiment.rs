@@ -125,7 +125,7 @@ fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
     table::write(&directory.join("modal_points.csv"), modes, None, outcomes)?;
     summary::write(directory, scene, outcomes)?;
-    figures::write(directory, &scene.title, outcomes, None)
+    figures::write(directory, &scene.title, outcomes, &[])
 }
 
 /// What `check` says about a scene of records.

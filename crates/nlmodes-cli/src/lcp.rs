@@ -2,7 +2,7 @@
 
 pub(crate) mod archive;
 pub(crate) mod error;
-mod problem;
+pub(crate) mod problem;
 mod solution;
 mod summary;
 

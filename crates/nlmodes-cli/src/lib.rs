@@ -17,7 +17,11 @@ mod compare;
 pub mod config;
 mod experiment;
 mod lcp;
+mod links;
+mod memory;
 mod modes;
+#[doc(hidden)]
+pub mod readers;
 mod run;
 mod status;
 mod updating;

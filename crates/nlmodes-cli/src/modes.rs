@@ -1,16 +1,16 @@
 //! `nlmodes-cli modes`: the linear modes, with and without the mass redistribution.
 
-use std::error::Error;
 use std::f64::consts::TAU;
 
-use nlmodes::model::{MasslessContactModel, ModelError, StructuralModel, held_modes, linear_modes};
+use nlmodes::model::{MasslessContactModel, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
 use crate::Status;
-use crate::assemble::{redistribution, structural_model};
+use crate::assemble::{StructureError, element_model, redistribution, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::Scene;
+use crate::config::number;
+use crate::config::scene::{Scene, Structure, StructureKind};
 use crate::run::chain;
 
 /// Modes of the table.
@@ -21,6 +21,9 @@ const COUNT: usize = 10;
 pub struct LinearFrequencies {
     /// Contacts open, contact mass kept.
     pub mass_kept: Vec<f64>,
+    /// Contacts open, contact mass as the method has it, without the imposed frequencies of `[structure.modes]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of_the_elements: Option<Vec<f64>>,
     /// Contacts open, contact mass redistributed.
     pub mass_redistributed: Option<Vec<f64>>,
     /// Contacts held, contact mass redistributed.
@@ -30,16 +33,27 @@ pub struct LinearFrequencies {
 /// Computes the lowest frequencies of the scene's structure.
 ///
 /// # Errors
-/// [`ModelError`] if an eigenproblem cannot be solved.
-pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, ModelError> {
+/// [`StructureError`] if an eigenproblem cannot be solved.
+pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
     let hertz = |omega: Vec<f64>| omega.into_iter().map(|ω| ω / TAU).collect::<Vec<f64>>();
     let mass_kept = hertz(linear_modes(model.mass(), model.stiffness(), COUNT)?.omega);
-    let Some(rule) = redistribution(scene).filter(|_| !model.contacts().is_empty()) else {
-        return Ok(LinearFrequencies { mass_kept, ..LinearFrequencies::default() });
+    let rule = redistribution(scene).filter(|_| !model.contacts().is_empty());
+    let of_the_elements = match scene.structure.modes {
+        Some(_) => {
+            let elements = element_model(scene)?;
+            let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
+            let mass = redistributed.as_ref().unwrap_or(elements.mass());
+            Some(hertz(linear_modes(mass, elements.stiffness(), COUNT)?.omega))
+        }
+        None => None,
+    };
+    let Some(rule) = rule else {
+        return Ok(LinearFrequencies { mass_kept, of_the_elements, ..LinearFrequencies::default() });
     };
     let massless = MasslessContactModel::new(model, rule)?;
     Ok(LinearFrequencies {
         mass_kept,
+        of_the_elements,
         mass_redistributed: Some(hertz(linear_modes(massless.mass(), massless.stiffness(), COUNT)?.omega)),
         contacts_held: Some(hertz(held_modes(&massless, COUNT)?.omega)),
     })
@@ -47,16 +61,29 @@ pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<Line
 
 /// Prints the table of linear modes.
 pub fn modes(file: &SceneFile) -> Status {
-    let found = structural_model(&file.scene)
-        .map_err(Box::<dyn Error>::from)
-        .and_then(|model| Ok(linear_frequencies(&file.scene, &model)?));
+    let found = structural_model(&file.scene).and_then(|model| linear_frequencies(&file.scene, &model));
     match found {
         Ok(found) => print(table(&file.scene, &found).trim_end()),
         Err(error) => {
-            say!("{}", file.error_at("structure", &chain(error.as_ref()), "", &[]));
+            say!("{}", file.error_at(error.path(), &chain(&error), "", &[]));
             Status::Wrong
         }
     }
+}
+
+/// What a structure with imposed frequencies is, in a line: nobody should take it for that of the elements.
+pub fn modal_model(structure: &Structure) -> Option<String> {
+    let modes = structure.modes.as_ref()?;
+    let list: Vec<String> = modes.frequencies_hz.iter().map(|hz| number(*hz)).collect();
+    let kind = match structure.kind() {
+        StructureKind::Rod => "axial",
+        StructureKind::Beam => "bending",
+    };
+    let which = match list.len() {
+        1 => format!("the lowest {kind} mode has its frequency"),
+        n => format!("the lowest {n} {kind} modes have their frequencies"),
+    };
+    Some(format!("modal model: {which} imposed, {} Hz, on the shapes of the elements", list.join(", ")))
 }
 
 fn table(scene: &Scene, found: &LinearFrequencies) -> String {
@@ -66,9 +93,11 @@ fn table(scene: &Scene, found: &LinearFrequencies) -> String {
         Some(("contact mass kept", &found.mass_kept)),
         found.mass_redistributed.as_ref().map(|f| (redistributed.as_str(), f)),
         found.contacts_held.as_ref().map(|f| ("contacts held", f)),
+        found.of_the_elements.as_ref().map(|f| ("of the elements", f)),
     ];
     let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
-    let mut text = format!("{}\n\nfrequency, Hz\n  mode", scene.title);
+    let modal = modal_model(&scene.structure).map_or_else(String::new, |text| format!("\n{text}"));
+    let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);
     columns.iter().for_each(|(name, _)| text += &format!("{name:>22}"));
     text += "\n";
     for k in 0..columns.iter().map(|(_, f)| f.len()).max().unwrap_or(0) {

@@ -1,10 +1,12 @@
 //! `nlmodes-cli run`: the whole study that a scene describes.
 
 mod figures;
+mod histories;
 mod page;
 mod progress;
 mod several;
 mod sink;
+mod starts;
 mod summary;
 
 use std::error::Error;
@@ -15,15 +17,22 @@ use nlmodes::hbm::HbmError;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
-    BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule, StudyError, compute_tree,
+    Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
+    StabilityRule, StudyError, compute_tree,
 };
+use nlmodes::timestep::TimestepError;
 
 use crate::Status;
 use crate::assemble::{contact_model, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
-use crate::config::scene::{AtBranchPoint, FrequencyDirection, InternalResonance, Scene, Start, Switching, Symmetry};
+use crate::config::scene::{
+    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
+    Symmetry,
+};
+use crate::modes::modal_model;
 use sink::{Sink, branch_directory};
+pub use starts::STARTS;
 
 /// Computes the branches of a scene and writes their files; `quiet` leaves out the progress.
 ///
@@ -44,6 +53,9 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
     let scene = &file.scene;
     let began = Instant::now();
     let (model, massless) = models(file)?;
+    if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+        _ = print(&text);
+    }
     let mut sink = Sink::new(&scene.output_directory, quiet);
     let tree = compute(scene, massless, &mut sink);
     if let Some(failure) = sink.failure {
@@ -59,7 +71,7 @@ fn one_branch(file: &SceneFile, quiet: bool) -> Result<(ComputedTree, Status), S
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), Status> {
-    let model = structural_model(&file.scene).map_err(|error| refuse(file, "structure", &error))?;
+    let model = structural_model(&file.scene).map_err(|error| refuse(file, error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refuse(file, "method.mass_redistribution", &error))?;
     Ok((model, massless))
@@ -97,8 +109,18 @@ pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
 pub fn branch_settings(scene: &Scene) -> BranchSettings {
     let method = &scene.method;
     BranchSettings {
+        method: match method.kind {
+            MethodKind::MsHbm | MethodKind::Hbm => BranchMethod::HarmonicBalance,
+            MethodKind::Shooting => BranchMethod::Shooting,
+        },
+        stability: match scene.stability {
+            StabilityChoice::Auto => StabilityRule::Auto,
+            StabilityChoice::Always => StabilityRule::Always,
+            StabilityChoice::Never => StabilityRule::Never,
+        },
         mode: method.mode,
         harmonics: method.harmonics,
+        accuracy: method.accuracy.map(|a| Accuracy { error: a.error, max_harmonics: a.max_harmonics }),
         symmetry: match method.symmetry {
             Symmetry::Even => nlmodes::hbm::Symmetry::Even,
             Symmetry::None => nlmodes::hbm::Symmetry::None,
@@ -132,9 +154,10 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
         write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
     };
     let written = (tree.branches.iter().enumerate().try_for_each(harmonics).map_err(Box::<dyn Error>::from))
+        .and_then(|()| starts::write(directory, &tree.branches))
         .and_then(|()| summary::write(directory, &file.scene, model, tree, began.elapsed()))
         .and_then(|()| figures::write(directory, &file.scene, &tree.branches))
-        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>()));
+        .and_then(|()| page::write(directory, &[&file.scene], &tree.branches.iter().collect::<Vec<_>>(), &[]));
     if let Err(error) = written {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
@@ -160,6 +183,7 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
     let points = &computed.branch.points;
     let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
+    warn_of_accuracy(computed, &name);
     let time = began.elapsed().as_secs_f64();
     let line = format!("{name}{} points in {time:.2} s; ended{at}: {}", points.len(), end.message);
     if end.complete {
@@ -168,6 +192,16 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
         say!("warning: the computation ended early. {line}");
         Status::EndedEarly
     }
+}
+
+/// Says where the accuracy was not reached: the points are there, and each has its estimate.
+fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
+    let Some(reached) = computed.accuracy.filter(|reached| reached.points_beyond > 0) else { return };
+    let (beyond, all, [_, most]) = (reached.points_beyond, computed.branch.points.len(), reached.harmonics);
+    say!(
+        "warning: {name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
+        reached.largest_estimate
+    );
 }
 
 /// An error of the study, at the key of the scene that it is about.
@@ -181,6 +215,14 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             say!("{}", file.error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"]));
             return Status::Wrong;
         }
+        StudyError::Timestep(TimestepError::TooManyModes { most, .. }) => {
+            let (key, help) =
+                ("method.held_modes", "the modes left out answer statically; or take fewer `structure.elements`");
+            let label = format!("expected `held_modes` in this table: a whole number from 1 to {most}");
+            say!("{}", file.error_at(key, &chain(error), &label, &[help]));
+            return Status::Wrong;
+        }
+        StudyError::NotEven => "method.symmetry",
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",

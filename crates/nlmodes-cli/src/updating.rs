@@ -8,7 +8,7 @@ use nlmodes::updating::{FrequencyTarget, UpdatingError, update_parameters};
 use thiserror::Error as ThisError;
 
 use crate::Status;
-use crate::assemble::{redistribution, structural_model};
+use crate::assemble::{element_model, redistribution};
 use crate::config::SceneFile;
 use crate::config::scene::{Scene, UpdatedParameter, Updating, UpdatingDone};
 use crate::run::chain;
@@ -69,7 +69,8 @@ fn update(scene: &Scene, updating: &Updating) -> Result<Scene, UpdatingError<Tri
 
 /// Lowest linear frequencies of the scene, Hz, with the contact mass as its method has it.
 fn frequencies(scene: &Scene, count: usize) -> Result<Vec<f64>, Box<dyn Error>> {
-    let model = structural_model(scene)?;
+    // Imposed frequencies would not change with the parameters.
+    let model = element_model(scene)?;
     let redistributed = match redistribution(scene).filter(|_| !model.contacts().is_empty()) {
         Some(rule) => Some(rule.redistribute(&model)?),
         None => None,

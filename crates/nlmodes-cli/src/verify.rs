@@ -1,7 +1,7 @@
 //! `nlmodes-cli verify`: one period of the full, unfiltered structure from a computed point.
 
-mod error;
-mod results;
+pub(crate) mod error;
+pub(crate) mod results;
 mod text;
 
 use std::f64::consts::TAU;
@@ -66,16 +66,23 @@ struct Exact {
 
 fn verify(point: &Point) -> Result<Found, TimestepError> {
     let mut dynamics = ContactDynamics::new(point.model.clone())?;
-    let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
+    let state = match &point.start {
+        Some(displacement) => dynamics.state(displacement, &vec![0.0; displacement.len()])?,
+        None => dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?,
+    };
     let verification = Verification::new(&mut dynamics, &state, TAU / point.omega)?;
     let modes = dynamics.n_modes();
     let exact = (modes <= MOST_MODES && point.is_even()).then(|| exact(dynamics, &state, point));
     Ok(Found { modes, verification, exact })
 }
 
-fn exact(dynamics: ContactDynamics, state: &ModalState, point: &Point) -> Result<Exact, TimestepError> {
+fn exact(mut dynamics: ContactDynamics, state: &ModalState, point: &Point) -> Result<Exact, TimestepError> {
     let omega = point.omega;
-    let energy = dynamics.averaged_kinetic_energy(&point.coefficients, omega)?;
+    let energy = match point.start {
+        // The coefficients leave out what lies beyond the last harmonic.
+        Some(_) => PeriodicMotion::new(&mut dynamics, state.clone(), omega)?.kinetic_energy,
+        None => dynamics.averaged_kinetic_energy(&point.coefficients, omega)?,
+    };
     let mut shooting = Shooting::new(dynamics, ShootingScales { omega, energy })?;
     let guess = shooting.unknowns(state, omega);
     let motion = shooting.motion_near(&guess, 0.0)?;

@@ -11,13 +11,14 @@ use std::time::Instant;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::experiment::records::write_record;
+use nlmodes::modal::ModalBranch;
 use nlmodes::report::ReportError;
 use nlmodes::rig::{RigError, VirtualTest};
-use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel};
+use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::Status;
 use crate::command::print;
-use crate::config::scene::{KeptRecords, TestScene};
+use crate::config::scene::{BackboneMethod, KeptRecords, TestScene};
 use crate::config::{SceneFile, number};
 use crate::run::chain;
 use bench::Rig;
@@ -39,49 +40,61 @@ pub fn run(file: &SceneFile<TestScene>, quiet: bool) -> Status {
     if !quiet {
         say!("{}", summary::model(scene, &rig));
     }
-    let levels = match levels(scene, &rig, quiet) {
-        Ok(levels) => levels,
-        Err(Stopped::Rig(error)) => return refuse_rig(file, &error),
-        Err(Stopped::Record(error)) => {
+    let (levels, mut wrong) = match levels(scene, &rig, quiet) {
+        Ok(TestRun { levels, failure: None }) => (levels, Vec::new()),
+        Ok(TestRun { levels, failure: Some(error) }) if levels.is_empty() => return refuse_rig(file, &error),
+        Ok(TestRun { levels, failure: Some(error) }) => {
+            let (done, all) = (levels.len(), scene.schedule.levels.len());
+            let reason = format!("the test ended after {done} of {all} levels: {}", chain(&error));
+            (levels, vec![reason])
+        }
+        Err(error) => {
             say!("error: {error}");
             return Status::EndedEarly;
         }
     };
-    let backbone = scene.backbone.map(|wanted| backbone::compute(&rig, wanted, scene.settings.mode));
-    let (computed, failed) = match backbone {
-        Some(Ok(computed)) => (Some(computed), false),
-        Some(Err(error)) => {
-            say!("warning: the backbone was not computed: {}", chain(error.as_ref()));
-            (None, true)
-        }
-        None => (None, false),
-    };
-    let settled = levels.iter().filter(|level| is_good(level)).count();
-    let n = levels.len();
-    if let Err(error) = results::write(scene, &rig, levels, computed.as_ref(), began.elapsed()) {
+    let computed = backbones(scene, &rig, &mut wrong);
+    let (n, settled) = (levels.len(), levels.iter().filter(|level| is_good(level)).count());
+    if settled < n {
+        wrong.push(format!("{} of {n} levels did not settle, or gave no modal point; the table says why", n - settled));
+    }
+    if let Err(error) = results::write(scene, &rig, levels, &computed, &wrong, began.elapsed()) {
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
-    if settled < n {
-        say!("warning: {} of {n} levels did not settle, or gave no modal point; the table says why", n - settled);
-    }
+    wrong.iter().for_each(|reason| say!("warning: {reason}"));
     if !quiet {
         print(&format!("Results in {}", scene.output_directory.display()));
     }
-    if settled < n || failed { Status::EndedEarly } else { Status::Done }
+    if wrong.is_empty() { Status::Done } else { Status::EndedEarly }
+}
+
+/// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not complete.
+fn backbones(scene: &TestScene, rig: &Rig, wrong: &mut Vec<String>) -> Vec<(BackboneMethod, ModalBranch)> {
+    let Some(wanted) = &scene.backbone else { return Vec::new() };
+    let mut computed = Vec::new();
+    for &method in &wanted.methods {
+        match backbone::compute(scene, rig, wanted, method) {
+            Ok(branch) => {
+                if !branch.end.complete {
+                    wrong.push(format!("the backbone ({}) ended early: {}", branch.label, branch.end.message));
+                }
+                computed.push((method, branch));
+            }
+            Err(error) => {
+                wrong.push(format!("the backbone by {} was not computed: {}", method.name(), chain(error.as_ref())));
+            }
+        }
+    }
+    computed
 }
 
 fn is_good(level: &TestLevel) -> bool {
     level.outcome.findings.is_empty() && level.extraction.is_ok()
 }
 
-/// Why there are no levels.
-enum Stopped {
-    Rig(RigError),
-    Record(String),
-}
-
-fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<Vec<TestLevel>, Stopped> {
+/// The levels, or why a record could not be kept.
+fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<TestRun, String> {
     let test = VirtualTest {
         rig: rig.bench.setup(&rig.reduction),
         settings: rig.control.clone(),
@@ -95,7 +108,7 @@ fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<Vec<TestLevel>, S
         ..scene.settings.clone()
     };
     let (mut count, mut failure) = (0, None);
-    let levels = virtual_test::run(&test, &settings, |level| {
+    let run = virtual_test::run(&test, &settings, |level| {
         count += 1;
         if !quiet {
             say!("{}", line(scene, count, level));
@@ -104,10 +117,7 @@ fn levels(scene: &TestScene, rig: &Rig, quiet: bool) -> Result<Vec<TestLevel>, S
             failure = keep(scene, count, level).err();
         }
     });
-    match failure {
-        Some(failure) => Err(Stopped::Record(failure)),
-        None => levels.map_err(Stopped::Rig),
-    }
+    failure.map_or(Ok(run), Err)
 }
 
 /// What is said about a level as soon as it is recorded.

@@ -1,8 +1,8 @@
 //! What a user reads who made a mistake, word for word.
 //!
 //! Each scene in `tests/bad_scenes` is refused with the text that stands beside it in a file `.stderr`; each one in
-//! `tests/odd_scenes` is taken, with the warnings that stand beside it. `NLMODES_GOLDEN=write` writes these files anew: read them
-//! then as somebody would who just made the mistake. A first line `# arguments: …` adds arguments to the call.
+//! `tests/odd_scenes` is taken, with the warnings that stand beside it; `tests/likely_mistakes` has the mistakes
+//! that are made most. `NLMODES_GOLDEN=write` writes these files anew: read them then as somebody would who just made the mistake. A first line `# arguments: …` adds arguments to the call.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -14,15 +14,21 @@ type Outcome = Result<(), Box<dyn Error>>;
 
 #[test]
 fn mistakes_are_explained_word_for_word() -> Outcome {
-    compare_all("tests/bad_scenes", 2)
+    compare_all("tests/bad_scenes", |_| 2)
 }
 
 #[test]
 fn oddities_are_warned_of_word_for_word() -> Outcome {
-    compare_all("tests/odd_scenes", 0)
+    compare_all("tests/odd_scenes", |_| 0)
 }
 
-fn compare_all(directory: &str, status: i32) -> Outcome {
+/// What people do wrong first: an error ends it, a warning does not.
+#[test]
+fn likely_mistakes_are_explained_word_for_word() -> Outcome {
+    compare_all("tests/likely_mistakes", |said| if said.contains("error: ") { 2 } else { 0 })
+}
+
+fn compare_all(directory: &str, status: fn(&str) -> i32) -> Outcome {
     let mut scenes = Vec::new();
     for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(directory))? {
         scenes.push(entry?.path());
@@ -37,7 +43,7 @@ fn compare_all(directory: &str, status: i32) -> Outcome {
 }
 
 /// Checks one scene; `Some` text if what it says is not what is expected.
-fn compare(scene: &Path, status: i32) -> Result<Option<String>, Box<dyn Error>> {
+fn compare(scene: &Path, status: fn(&str) -> i32) -> Result<Option<String>, Box<dyn Error>> {
     let found = said_about(scene, status)?;
     let expected: PathBuf = scene.with_extension("stderr");
     if env::var("NLMODES_GOLDEN").is_ok_and(|mode| mode == "write") {
@@ -49,7 +55,7 @@ fn compare(scene: &Path, status: i32) -> Result<Option<String>, Box<dyn Error>> 
 }
 
 /// What `check` says on standard error about a copy of the scene in an empty directory, in which nothing must appear.
-fn said_about(scene: &Path, status: i32) -> Result<String, Box<dyn Error>> {
+fn said_about(scene: &Path, status: fn(&str) -> i32) -> Result<String, Box<dyn Error>> {
     let directory = tempfile::tempdir()?;
     let name = scene.file_name().ok_or("a scene without a name")?;
     fs::copy(scene, directory.path().join(name))?;
@@ -59,6 +65,7 @@ fn said_about(scene: &Path, status: i32) -> Result<String, Box<dyn Error>> {
     command.arg("check").arg(name).args(arguments.split_whitespace()).current_dir(directory.path());
     let output = command.output()?;
     let said = String::from_utf8(output.stderr)?;
+    let status = status(&said);
     assert_eq!(output.status.code(), Some(status), "{}: {said}", scene.display());
     assert_eq!(output.stdout.is_empty(), status != 0, "{}", scene.display());
     assert_eq!(fs::read_dir(directory.path())?.count(), 1, "{} wrote something", scene.display());

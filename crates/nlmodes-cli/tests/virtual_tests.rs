@@ -71,7 +71,13 @@ fn a_test_below_and_above_contact_gives_points_on_the_backbone() -> Outcome {
     });
     let nearest = crossings.map(|hz| (hz - number(above, "frequency_hz")).abs()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 0.1, "{nearest} Hz");
+    // Both backbones stand in the figure beside the measured points (Fig. 8 a).
+    let figure = fs::read_to_string(out.path().join("frequency_amplitude.svg"))?;
+    for label in ["measured", "computed: HBM, 20 harmonics", "computed: MS-HBM, rigid stop, 20 harmonics"] {
+        assert!(figure.contains(label), "{label}");
+    }
     let files = [
+        "backbone_ms-hbm.csv",
         "frequency_amplitude.svg",
         "frequency_contact.svg",
         "damping_amplitude.svg",
@@ -139,6 +145,109 @@ fn phase_resonance_of_the_linear_structure_is_where_the_other_modes_put_it() -> 
     assert!((number(point, "frequency_hz") - expected).abs() < 1e-5, "{} {expected}", point["frequency_hz"]);
     assert!((number(point, "damping") - 0.0019).abs() < 1e-6, "{}", point["damping"]);
     assert_eq!(point["drive_n"], "2.0");
+    Ok(())
+}
+
+#[test]
+fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
+    let out = tempfile::tempdir()?;
+    let path = out.path().join("rigid.toml");
+    // Measured frequencies by the keys of the test itself, as they may stand there too.
+    let (head, test) = rigid_test()?;
+    fs::write(&path, format!("{head}[virtual_test]\n{MEASURED}{test}"))?;
+    let results = out.path().join("results");
+    fs::create_dir_all(results.join("records"))?;
+    fs::write(results.join("records/notes.txt"), "not of the program")?;
+    for (format, tolerance) in [("uff", 1e-9), ("npy", 1e-9), ("wav", 1e-6)] {
+        let format_key = format!("virtual_test.records.format={format}");
+        let (status, said) = call(&["run"], &path, &results, &[&format_key])?;
+        assert_eq!(status, 0, "{said}");
+        let mut kept = Vec::new();
+        for entry in fs::read_dir(results.join("records"))? {
+            kept.push(entry?.file_name().to_string_lossy().into_owned());
+        }
+        kept.sort();
+        // Those of the formats before are gone, what the program did not write is not.
+        assert_eq!(kept, [format!("level-1.{format}"), "notes.txt".to_owned()]);
+        let measured = &rows(&results, "modal_points.csv")?[0];
+        assert!(number(measured, "peak_contact_force_n") > 5.0, "{format}");
+        let found = extracted(&results, format, &format!("{head}[structure.modes]\n{MEASURED}"))?;
+        for column in ["frequency_hz", "modal_amplitude", "damping", "pbmif", "peak_contact_force_n", "participation_2"]
+        {
+            let [found, expected] = [&found, measured].map(|row| number(row, column));
+            // Shapes of the elements and of the modal model differ by rounding, of which a small share has more.
+            let size = if column == "participation_2" { 1.0 } else { expected.abs() };
+            assert!((found - expected).abs() < tolerance * size, "{format}, {column}: {found}, {expected}");
+        }
+    }
+    Ok(())
+}
+
+const MEASURED: &str = "frequencies_hz = [40.10, 268.62, 758.26, 1371.82, 2427.72, 3508.31]\n\
+                        damping_ratios = [0.0019, 0.0076, 0.0005, 0.0017, 0.0010, 0.0014]\n";
+
+/// The structure of the scene, and a short test of it before a rigid stop.
+fn rigid_test() -> Result<(String, String), Box<dyn Error>> {
+    let text = fs::read_to_string(scene())?;
+    let (head, rest) = text.split_once("[structure.modes]").ok_or("no imposed modes")?;
+    let (_, test) = rest.split_once("[virtual_test]\n").ok_or("no test")?;
+    let (test, _) = test.split_once("[virtual_test.schedule]").ok_or("no schedule")?;
+    let lines = test.lines().filter(|line| !line.starts_with("stiffness_n_m"));
+    let test: String = lines.map(|line| format!("{line}\n")).collect();
+    let short = "[virtual_test.schedule]\nlevels_v = [1.0]\nrecord_s = 0.5\n[virtual_test.records]\n\
+                 [extraction]\nharmonics = 20\npbmif_harmonics = 100\n";
+    Ok((head.to_owned(), test + short))
+}
+
+/// The row of a kept record through `experiment extract`, with the modes of the structure and all channels in the order of the file.
+fn extracted(results: &Path, format: &str, structure: &str) -> Result<Row, Box<dyn Error>> {
+    let mut names = vec!["force_N", "x_drive_m", "v_drive_mps"];
+    names.extend(["a1_mps2", "a2_mps2", "a3_mps2", "a4_mps2", "a5_mps2", "a6_mps2"]);
+    names.extend(["x_stop_m", "v_stop_mps", "f_contact_N", "drive_phase"]);
+    let positions = [0.06298, 0.06298, 0.06298, 0.20, 0.31, 0.39, 0.48, 0.55, 0.59, 0.62975520, 0.62975520, 0.62975520];
+    let mut text = structure.to_owned();
+    text += &format!("[recording]\nfiles = [\"records/level-1.{format}\"]\nsample_rate_hz = 20000.0\n");
+    for (k, name) in names.iter().enumerate() {
+        let (quantity, role) = match (*name, k) {
+            ("force_N", _) => ("force", "excitation"),
+            ("f_contact_N", _) => ("force", "contact"),
+            ("drive_phase", _) => ("phase", "excitation-phase"),
+            (_, 1) => ("displacement", "drive-point"),
+            (_, 2) => ("velocity", "drive-point"),
+            (name, _) if name.starts_with('x') => ("displacement", "response"),
+            (name, _) if name.starts_with('v') => ("velocity", "response"),
+            _ => ("acceleration", "response"),
+        };
+        text += &format!("[[channel]]\nname = \"{name}\"\nquantity = \"{quantity}\"\nrole = \"{role}\"\n");
+        text += &positions.get(k).map_or_else(String::new, |x| format!("position_m = {x}\n"));
+    }
+    text += "[extraction]\nharmonics = 20\npbmif_harmonics = 100\n[stop]\nposition_m = 0.62975520\ngap_m = 1.03e-3\n";
+    fs::write(results.join("record.toml"), text)?;
+    let out = results.join("extracted");
+    let (status, said) = call(&["experiment", "extract"], &results.join("record.toml"), &out, &[])?;
+    assert_eq!(status, 0, "{format}: {said}");
+    Ok(rows(&out, "modal_points.csv")?.swap_remove(0))
+}
+
+#[test]
+fn a_backbone_that_ends_early_is_said_by_status_and_summary() -> Outcome {
+    let out = tempfile::tempdir()?;
+    let set = [
+        "virtual_test.schedule.levels_v=[0.75]",
+        SHORT[1],
+        "virtual_test.records.levels=[1]",
+        "virtual_test.backbone.harmonics=1",
+        "virtual_test.backbone.methods=[\"ms-hbm\"]",
+        "virtual_test.backbone.end_frequency_hz=1000",
+    ];
+    let (status, said) = call(&["run", "--quiet"], &scene(), out.path(), &set)?;
+    assert_eq!(status, 1, "{said}");
+    assert!(said.contains("warning: the backbone (computed: MS-HBM, rigid stop, 1 harmonic) ended early: "), "{said}");
+    let summary: Value = serde_json::from_str(&fs::read_to_string(out.path().join("summary.json"))?)?;
+    let reasons = summary["incomplete_because"].as_array().ok_or("no reasons")?;
+    assert_eq!((summary["complete"].as_bool(), reasons.len()), (Some(false), 1));
+    assert!(reasons[0].as_str().is_some_and(|reason| said.contains(reason)));
+    assert!(out.path().join("backbone_ms-hbm.csv").exists() && !out.path().join("backbone.csv").exists());
     Ok(())
 }
 

@@ -3,11 +3,21 @@
 use std::f64::consts::PI;
 
 use crate::ParametricSystem;
-use crate::circle::{Circle, ITERATIONS, SingularPlane, TRIALS};
 use crate::corrector::{Correction, Corrector, Surface, along, distance, dot};
+use crate::singular::SingularDirections;
+use crate::sphere::Sphere;
 
-/// Distance below which two arms are one: over the radius, and where rounding blurs them.
-const DISTINCT: (f64, f64) = (1e-3, 1e-7);
+/// Distance below which two arms are one: over the radius, and over the resolution of points.
+const DISTINCT: (f64, f64) = (1e-3, 100.0);
+
+/// Newton iterations permitted for one arm.
+const ITERATIONS: usize = 40;
+
+/// Steps tried, each half the one before: from where an interval of contact has just closed, Newton's full step may lead far away.
+const TRIALS: usize = 12;
+
+/// Most curves that are followed on one sphere.
+const MOST_CURVES: usize = 24;
 
 /// Solutions at the distance `radius` from `center`.
 #[derive(Debug, Clone)]
@@ -19,38 +29,40 @@ pub(crate) struct Arms {
 }
 
 impl Arms {
-    /// All arms around `center`, for a branch that came near `back`.
+    /// All arms around `center`, for a branch that came near `back`; `nesting` tells the sphere of a corner of a curve on another.
     ///
-    /// All arms of a crossing are tangent to the plane of the two right singular vectors of the Jacobian with the smallest singular
-    /// values, and at a corner that plane holds what is nearly free to move. So the equations are reduced to one, `μ(θ) = 0`, for
-    /// the angle θ in that plane (Lyapunov-Schmidt, on a circle): its changes of sign are the arms, be they smooth or not.
+    /// What is nearly free to move at `center` is a space of m dimensions, and on a small sphere there are m − 1 equations that its Jacobian
+    /// there hardly knows. With one of them given up the solutions on the sphere are curves through arms, and each curve that closes
+    /// passes an even number of them. So curves are followed from each arm that is found, each of these equations given up in turn.
     pub fn around<S: ParametricSystem>(
         system: &mut S,
         corrector: &mut Corrector,
         center: &[f64],
         radius: f64,
+        nesting: usize,
         back: &[f64],
     ) -> Option<Self> {
         corrector.evaluate(system, center).ok()?;
-        let plane = SingularPlane::of(corrector.jacobian())?;
-        let mut own = Corrector::new(center.len() - 1, corrector.tolerance, ITERATIONS);
-        own.trials = TRIALS;
+        let free = SingularDirections::of(corrector.jacobian())?;
+        let (tolerance, resolution) = (corrector.tolerance, corrector.resolution);
+        let mut own = Corrector::new(center.len() - 1, tolerance, ITERATIONS);
+        (own.trials, own.resolution) = (TRIALS, resolution);
         let surface = Surface::Sphere { center: center.to_vec(), radius };
-        let back = own.correct(system, back, &surface).map_or_else(|_| back.to_vec(), |c| c.z);
-        let (guesses, spent) = Circle::new(system, corrector.tolerance, center, radius, &plane)
-            .roots(plane.angle(&outward(center, &back)));
-        let mut onward: Vec<Correction> = Vec::new();
-        for guess in guesses {
-            let Ok(arm) = own.correct(system, &guess, &surface) else { continue };
-            let known = onward.iter().map(|o| &o.z).chain([&back]);
-            if distance(&arm.z, &guess) < 0.3 * radius
-                && known.into_iter().all(|z| distance(z, &arm.z) > (DISTINCT.0 * radius).max(DISTINCT.1))
-            {
-                onward.push(arm);
+        let back = own.correct(system, back, &surface).ok()?;
+        let sphere = Sphere { center, radius, tolerance, resolution, nesting };
+        let mut search = Search { system, own, surface, sphere, arms: vec![back], spent: 0 };
+        if nesting > 0 {
+            search.along(&free.left[..free.left.len().min(2)]);
+        } else {
+            search.along(&free.left);
+            if search.arms.len() % 2 == 1 {
+                search.along(&mixed(&free.left));
             }
         }
-        corrector.evaluations += own.evaluations + spent;
-        Some(Self { back: outward(center, &back), onward })
+        corrector.evaluations += search.own.evaluations + search.spent;
+        let mut arms = search.arms.into_iter();
+        let back = outward(center, &arms.next()?.z);
+        Some(Self { back, onward: arms.collect() })
     }
 
     /// Index of the arm that continues the branch.
@@ -61,6 +73,62 @@ impl Arms {
         let mut directions = vec![self.back.clone()];
         directions.extend(self.onward.iter().map(|arm| outward(center, &arm.z)));
         best_partner(&directions).map(|k| k - 1)
+    }
+}
+
+/// Sums and differences of neighbours.
+fn mixed(left: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let half = 0.5_f64.sqrt();
+    let mix = |pair: &[Vec<f64>], sign: f64| pair[0].iter().zip(&pair[1]).map(|(a, b)| half * (a + sign * b)).collect();
+    left.windows(2).flat_map(|pair| [mix(pair, 1.0), mix(pair, -1.0)]).collect()
+}
+
+/// The arms of a sphere as they are found; the first one is the way back.
+struct Search<'a, S> {
+    system: &'a mut S,
+    own: Corrector,
+    surface: Surface,
+    sphere: Sphere<'a>,
+    arms: Vec<Correction>,
+    /// Evaluations by others than `own`.
+    spent: usize,
+}
+
+impl<S: ParametricSystem> Search<'_, S> {
+    /// Follows curves from all arms, with each of these equations given up in turn, until one more of them brings no arm that was not
+    /// known before. Arms that a curve has passed do not start another.
+    fn along(&mut self, left: &[Vec<f64>]) {
+        for left in left {
+            let before = self.arms.len();
+            let mut covered = Vec::new();
+            for _ in 0..MOST_CURVES {
+                let Some(a) = (0..self.arms.len()).find(|a| !covered.contains(a)) else { break };
+                covered.push(a);
+                let track = self.sphere.arms_along(self.system, &self.arms[a].z, left);
+                self.spent += track.evaluations;
+                for guess in track.arms {
+                    covered.extend(self.take(&guess));
+                }
+            }
+            let nothing_new = before > 1 && self.arms.len() == before;
+            if nothing_new || (self.sphere.nesting > 0 && self.arms.len() > 1) {
+                break;
+            }
+        }
+    }
+
+    /// Number of the arm near `guess`, if there is one.
+    fn take(&mut self, guess: &[f64]) -> Option<usize> {
+        let radius = self.sphere.radius;
+        let arm = self.own.correct(self.system, guess, &self.surface).ok()?;
+        let blurred = (DISTINCT.0 * radius).max(DISTINCT.1 * self.sphere.resolution);
+        if let Some(known) = self.arms.iter().position(|known| distance(&known.z, &arm.z) <= blurred) {
+            return Some(known);
+        }
+        (distance(&arm.z, guess) < 0.3 * radius).then(|| {
+            self.arms.push(arm);
+            self.arms.len() - 1
+        })
     }
 }
 

@@ -4,16 +4,13 @@ use nlmodes_linalg::DenseLu;
 
 use crate::ParametricSystem;
 use crate::arms::{Arms, outward};
-use crate::circle::SingularPlane;
 use crate::corrector::{Correction, Corrector, along, distance, dot};
 use crate::crossing::Choice;
+use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, StepSettings, reach, step};
 
-/// Second smallest over largest singular value above which a Jacobian has no other direction nearly free.
-pub(crate) const REGULAR: f64 = 1e-3;
-
-/// Shortest step towards a corner.
-const NEAREST: f64 = 1e-10;
+/// Shortest step towards a corner, over the shortest one elsewhere.
+const NEAREST: f64 = 1e-4;
 
 /// Most steps towards a corner.
 const APPROACH: usize = 24;
@@ -27,21 +24,22 @@ pub(crate) enum Passage {
     Crossing(Choice),
 }
 
-/// The way on from `foot`; `way_back` gives the point of the branch behind it at a distance.
+/// The way on from `foot`; `way_back` gives the point of the branch behind it at a distance, and `nesting` is zero but for curves on spheres.
 pub(crate) fn pass<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
+    nesting: usize,
     foot: &Foot,
     way_back: impl Fn(f64) -> Vec<f64>,
 ) -> Option<Passage> {
-    let next = across_boundary(system, corrector, settings, foot, REGULAR);
+    let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE);
     if let Some(next) = next.or_else(|| short_step(system, corrector, settings, foot)) {
         return Some(Passage::Corner(next));
     }
     let mut crossing = None;
-    for radius in radii(settings) {
-        let Some(arms) = Arms::around(system, corrector, &foot.z, radius, &way_back(radius)) else { continue };
+    for radius in radii(settings).take(if nesting > 0 { 1 } else { usize::MAX }) {
+        let Some(arms) = Arms::around(system, corrector, &foot.z, radius, nesting, &way_back(radius)) else { continue };
         // Of two arms, one is the way back and the other the way on, whatever happens in between; det [J; tᵀ] confirms it.
         if let [next] = arms.onward.as_slice()
             && next.orientation * foot.orientation > 0.0
@@ -80,7 +78,7 @@ pub(crate) fn crossing<S: ParametricSystem>(
 ) -> Option<Choice> {
     let radius = 10.0 * settings.min;
     let back = along(center, -radius, tangent);
-    let arms = Arms::around(system, corrector, center, radius, &back).filter(|arms| arms.onward.len() > 2)?;
+    let arms = Arms::around(system, corrector, center, radius, 0, &back).filter(|arms| arms.onward.len() > 2)?;
     let ahead = |k: &usize| dot(&outward(center, &arms.onward[*k].z), tangent);
     let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
     Some(Choice { z: center.to_vec(), back: arms.back, arms: arms.onward, own })
@@ -115,13 +113,13 @@ fn across_boundary<S: ParametricSystem>(
     regular: f64,
 ) -> Option<Correction> {
     corrector.evaluate(system, &foot.z).ok()?;
-    let here = SingularPlane::of(corrector.jacobian())?;
+    let here = SingularDirections::of(corrector.jacobian())?;
     corrector.evaluate(system, &along(&foot.z, 10.0 * settings.min, &foot.tangent)).ok()?;
-    let there = SingularPlane::of(corrector.jacobian())?;
+    let there = SingularDirections::of(corrector.jacobian())?;
     if system.pattern() == foot.pattern || here.ratio.min(there.ratio) < regular {
         return None;
     }
-    let mut tangent = there.right[0].clone();
+    let mut tangent = there.tangent.clone();
     let sign = DenseLu::factor(corrector.bordered_by(&tangent)).ok()?.determinant_sign();
     tangent.iter_mut().for_each(|t| *t *= sign * foot.orientation);
     let beyond = Foot { tangent, ..foot.clone() };
@@ -145,7 +143,7 @@ pub(crate) fn approach<S: ParametricSystem>(
 ) {
     let mut h = 0.5 * settings.min;
     for _ in 0..APPROACH {
-        if h < NEAREST {
+        if h < NEAREST * settings.min {
             break;
         }
         match step(system, corrector, settings, foot, h) {
@@ -155,4 +153,19 @@ pub(crate) fn approach<S: ParametricSystem>(
             _ => h *= 0.4,
         }
     }
+}
+
+/// The point of a branch about `radius` behind its foot, from its points and tangents, the latest first.
+pub(crate) fn way_back<'p>(
+    points: impl Iterator<Item = (Vec<f64>, &'p [f64])>,
+    foot: &'p Foot,
+    radius: f64,
+) -> Vec<f64> {
+    let inside = points.take_while(|(z, _)| distance(z, &foot.z) < 0.9 * radius).last();
+    let (z, tangent) = inside.unwrap_or_else(|| (foot.z.clone(), &foot.tangent));
+    // z − s t lies on the sphere: s² − 2 s t·d + d·d − r² = 0 with d = z − foot.
+    let d = along(&z, -1.0, &foot.z);
+    let on = dot(tangent, &d);
+    let s = on + (on * on - dot(&d, &d) + radius * radius).max(0.0).sqrt();
+    along(&z, -s, tangent)
 }

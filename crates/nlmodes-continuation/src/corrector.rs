@@ -75,6 +75,8 @@ pub struct Correction {
     pub iterations: usize,
     /// Smooth piece of the system at the point.
     pub pattern: u64,
+    /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where arms meet.
+    pub(crate) regularity: f64,
 }
 
 /// Why a correction was given up.
@@ -233,7 +235,8 @@ impl Corrector {
         let length = dot(&tangent, &tangent).sqrt();
         tangent.iter_mut().for_each(|t| *t /= length);
         let orientation = self.lu.determinant_sign();
-        Correction { z, tangent, orientation, residual, iterations, pattern: system.pattern() }
+        let (pattern, regularity) = (system.pattern(), self.lu.pivot_ratio());
+        Correction { z, tangent, orientation, residual, iterations, pattern, regularity }
     }
 }
 

@@ -8,6 +8,12 @@ const SIGNIFICANT: f64 = 1e-9;
 /// Distance below which events happen at one point.
 const COINCIDENT: f64 = 1e-8;
 
+/// How far ahead of a step the Jacobian may become singular, over the step, where it is looked whether it does so within.
+const DIP_AHEAD: f64 = 1.5;
+
+/// Regularity, over that at the ends of a step, below which it counts as vanishing within.
+const DIP_DEPTH: f64 = 0.3;
+
 /// Most changes of pattern looked for within a step.
 const MOST_CHANGES: usize = 8;
 
@@ -85,6 +91,48 @@ impl<S: ParametricSystem> Search<'_, S> {
     pub fn crossing(&mut self) -> Option<Located> {
         let sense = self.foot.orientation;
         let (s, point) = self.root(0.0, |c| sense * c.orientation)?;
+        Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
+    }
+
+    /// Where the Jacobian is closest to singular, if that is within the step and much closer than at both its ends; `before` is the
+    /// regularity of an earlier point and its distance from the foot.
+    ///
+    /// Where curves meet in an even number of free directions beyond the tangent, `det [J; tᵀ]` vanishes without a change of sign.
+    pub fn dip(&mut self, before: (f64, f64)) -> Option<Result<Located, &'static str>> {
+        let (behind, distance) = before;
+        let (here, there) = (self.foot.regularity, self.end.regularity);
+        if here * (distance + DIP_AHEAD * self.h) > behind * DIP_AHEAD * self.h {
+            return None;
+        }
+        let lost = "the point at which the Jacobian comes closest to singular could not be located";
+        let Ok(middle) = reach(self.system, self.corrector, self.foot, self.h * here / (here + there)) else {
+            return Some(Err(lost));
+        };
+        if middle.regularity > DIP_DEPTH * here.min(there) {
+            return None;
+        }
+        Some(self.lowest_regularity().ok_or(lost))
+    }
+
+    /// The point of least regularity, by golden sections.
+    fn lowest_regularity(&mut self) -> Option<Located> {
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        let (mut low, mut high) = (0.0, self.h);
+        let mut at = |s: f64| reach(self.system, self.corrector, self.foot, s).ok();
+        let (mut s, mut t) = (high - golden * (high - low), low + golden * (high - low));
+        let (mut left, mut right) = (at(s)?, at(t)?);
+        while high - low > COINCIDENT {
+            if left.regularity < right.regularity {
+                (high, t, right) = (t, s, left);
+                s = high - golden * (high - low);
+                left = at(s)?;
+            } else {
+                (low, s, left) = (s, t, right);
+                t = low + golden * (high - low);
+                right = at(t)?;
+            }
+        }
+        let (s, point) = if left.regularity < right.regularity { (s, left) } else { (t, right) };
         Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
     }
 

@@ -51,7 +51,6 @@
 
 mod arms;
 mod branch;
-mod circle;
 pub mod conformance;
 mod continuation;
 mod corner;
@@ -60,6 +59,8 @@ mod crossing;
 mod error;
 mod events;
 mod run;
+mod singular;
+mod sphere;
 mod step;
 mod system;
 mod tree;

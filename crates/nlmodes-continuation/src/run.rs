@@ -1,10 +1,10 @@
 use std::ops::ControlFlow;
 
-use crate::circle::SingularPlane;
 use crate::corner::{self, Passage};
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
+use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, reach, step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
 
@@ -19,6 +19,8 @@ pub(crate) struct Run<'a, S, F> {
     corrector: Corrector,
     branch: Branch,
     foot: Foot,
+    /// Regularity of the foot before, and its distance; `None` behind a corner.
+    before: Option<(f64, f64)>,
     folds: FoldWatch,
     /// What other branches have passed, and the number of this one among them.
     known: Option<(&'a mut Registry, usize)>,
@@ -44,7 +46,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             evaluations: 0,
             refused_steps: 0,
         };
-        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), folds, known: None }
+        Self { settings, system, observe, corrector, branch, foot: Foot::from(start), before: None, folds, known: None }
     }
 
     /// As branch `number` of several, which does not go where another has been.
@@ -102,7 +104,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let end = step(self.system, &mut self.corrector, &self.settings.step, &self.foot, h)?;
         if end.orientation * self.foot.orientation > 0.0 {
             let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(&end, h) };
-            return Ok((end, touched));
+            let passed = if touched.is_none() { self.passed_in_step(&end, h)? } else { touched };
+            return Ok((end, passed));
         }
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end: &end, h };
         let crossing = search.crossing().ok_or("the crossing that the step passes could not be located")?;
@@ -112,13 +115,24 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         }
     }
 
+    /// A crossing within a step that leaves the sign of `det [J; tᵀ]` as it was, for it has an even number of free directions beyond
+    /// the tangent. Where other curves only come close, the step is refused: it may have jumped across.
+    fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, String> {
+        let Some(before) = self.before.filter(|_| h > 10.0 * self.settings.step.min) else { return Ok(None) };
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let Some(dip) = search.dip(before) else { return Ok(None) };
+        let dip = dip?;
+        let choice = self.arms_at(&dip, end, h).ok_or("other curves are closer to the step than it is long")?;
+        Ok(Some((dip, choice)))
+    }
+
     /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
     /// `det [J; tᵀ]` as it was.
     fn touched_corner(&mut self, end: &Correction, h: f64) -> Option<Crossing> {
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         search.pattern_changes().into_iter().find_map(|mut change| {
             self.corrector.evaluate(self.system, &change.point.z).ok()?;
-            if SingularPlane::of(self.corrector.jacobian())?.ratio > corner::REGULAR {
+            if SingularDirections::of(self.corrector.jacobian())?.ratio > NEARLY_FREE {
                 return None;
             }
             change.kinds = vec![EventKind::BranchPoint];
@@ -138,8 +152,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
         corner::approach(self.system, &mut self.corrector, &self.settings.step, &mut self.foot);
         let (points, foot) = (&self.branch.points, &self.foot);
-        let way_back = |radius| way_back(points, foot, radius);
-        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, foot, way_back)?;
+        let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
+        let way_back = |radius| corner::way_back(latest(), foot, radius);
+        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, 0, foot, way_back)?;
         Some(self.go_through(passage))
     }
 
@@ -162,7 +177,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     fn leave_for(&mut self, next: &Correction, length: f64) -> ControlFlow<StopReason, f64> {
         self.folds.update(&next.tangent);
-        self.go_to(next, Vec::new()).map_continue(|()| length)
+        self.go_to(next, Vec::new())?;
+        self.before = None;
+        ControlFlow::Continue(length)
     }
 
     /// The arm on which the branch is to leave a crossing; `None` if that has been passed before.
@@ -194,8 +211,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             events.push(EventKind::PatternChange { from: foot.pattern, to: next.pattern });
         }
         let residual = self.corrector.evaluate(self.system, &foot.z).unwrap_or(f64::INFINITY);
-        let Foot { z, tangent, orientation, pattern } = foot.clone();
-        point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern }, events)
+        let Foot { z, tangent, orientation, pattern, regularity } = foot.clone();
+        point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern, regularity }, events)
     }
 
     /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
@@ -246,7 +263,10 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// Keeps a point from which the branch goes on.
     fn go_to(&mut self, c: &Correction, events: Vec<EventKind>) -> ControlFlow<StopReason> {
-        self.foot = Foot::from(c);
+        let foot = Foot::from(c);
+        let distance = distance(&foot.z, &self.foot.z);
+        self.before = (distance > 0.0).then_some((self.foot.regularity, distance));
+        self.foot = foot;
         let n = c.z.len() - 1;
         self.system.accepted(&c.z[..n], c.z[n]);
         self.keep(point(c, events))
@@ -327,17 +347,6 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         }
         Some(last)
     }
-}
-
-/// The point of the branch about `radius` behind its foot.
-fn way_back(points: &[BranchPoint], foot: &Foot, radius: f64) -> Vec<f64> {
-    let inside = points.iter().rev().take_while(|q| distance(&q.z(), &foot.z) < 0.9 * radius).last();
-    let (z, tangent) = inside.map_or((foot.z.clone(), &foot.tangent), |q| (q.z(), &q.tangent));
-    // z − s t lies on the sphere: s² − 2 s t·d + d·d − r² = 0 with d = z − foot.
-    let d = along(&z, -1.0, &foot.z);
-    let on = dot(tangent, &d);
-    let s = on + (on * on - dot(&d, &d) + radius * radius).max(0.0).sqrt();
-    along(&z, -s, tangent)
 }
 
 /// Unit vector between two, at this share of the way.

@@ -68,8 +68,8 @@ impl StepSettings {
     }
 }
 
-/// Distance that the end of a correction may be off.
-const SETTLED: f64 = 1e-7;
+/// Distance that the end of a correction may be off, over the Newton step below which it counts as settled.
+const SETTLED: f64 = 100.0;
 
 /// A point from which steps start.
 #[derive(Debug, Clone)]
@@ -78,11 +78,13 @@ pub(crate) struct Foot {
     pub tangent: Vec<f64>,
     pub orientation: f64,
     pub pattern: u64,
+    pub regularity: f64,
 }
 
 impl From<&Correction> for Foot {
     fn from(c: &Correction) -> Self {
-        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation: c.orientation, pattern: c.pattern }
+        let Correction { orientation, pattern, regularity, .. } = *c;
+        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation, pattern, regularity }
     }
 }
 
@@ -116,7 +118,7 @@ pub(crate) fn step<S: ParametricSystem>(
         return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
     }
     // An arc lies half its turn off its tangent; what lies further off may be another arm.
-    let sideways = moved > turn * h + 1e-6 * h + SETTLED;
+    let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution;
     if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
         let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
         check_middle(system, corrector, foot, h, &end, most.min(0.03 * h))?;

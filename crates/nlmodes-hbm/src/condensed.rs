@@ -176,12 +176,18 @@ pub(crate) struct ResidualMass {
     pub transfer: Mat<f64>,
     /// `K_LL⁻¹ M_LL Ψ + Σ_k φ_k g_k/λ_k²`, n_L × n_N: its share of `q_L,n` is `ν²` times that and `q_N,n`.
     pub shapes: Mat<f64>,
+    /// The next term, which is left out and serves to estimate the error: `S = Σ_k g_kᵀ g_k/λ_k³` over the modes that were not
+    /// computed, which is `Ψᵀ M_LL` times `shapes`; n_N × n_N.
+    pub next: Mat<f64>,
+    /// `K_NN⁻¹ S`: of the share of `T`, at least `ν⁴` times that is left out.
+    pub next_transfer: Mat<f64>,
 }
 
 impl ResidualMass {
     fn none(psi: &Mat<f64>) -> Self {
         let zero = Mat::zeros(psi.ncols(), psi.ncols());
-        Self { mass: zero.clone(), transfer: zero, shapes: Mat::zeros(psi.nrows(), psi.ncols()) }
+        let shapes = Mat::zeros(psi.nrows(), psi.ncols());
+        Self { mass: zero.clone(), transfer: zero.clone(), shapes, next: zero.clone(), next_transfer: zero }
     }
 
     fn new(
@@ -193,7 +199,7 @@ impl ResidualMass {
     ) -> Result<Self, HbmError> {
         let inertia = model.m_ll().as_ref() * psi;
         let mut mass = symmetric(&(psi.transpose() * &inertia));
-        let mut shapes = solve_held(model, inertia)?;
+        let mut shapes = solve_held(model, inertia.clone())?;
         for mode in modes {
             let weight = 1.0 / (mode.lambda * mode.lambda);
             for j in 0..mode.g.len() {
@@ -202,7 +208,9 @@ impl ResidualMass {
             }
         }
         let transfer = solve_columns(k_nn, &mass);
-        Ok(Self { mass, transfer, shapes })
+        let next = symmetric(&(inertia.transpose() * &shapes));
+        let next_transfer = solve_columns(k_nn, &next);
+        Ok(Self { mass, transfer, shapes, next, next_transfer })
     }
 }
 

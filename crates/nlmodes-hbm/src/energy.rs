@@ -40,6 +40,19 @@ impl KineticEnergy {
             self.d_nu2 += 0.25 * eta * eta + 0.5 * nu2 * eta * d_eta;
         }
         self.add_residual_mass(&structure.residual.mass, nu2, q);
+        if plane.with_next_term {
+            self.add_next_term(&structure.residual.next, nu2, q);
+        }
+    }
+
+    /// `ν⁴/2 qᵀ S q`, what follows in the series of the held modes that were not computed.
+    fn add_next_term(&mut self, next: &Mat<f64>, nu2: f64, q: &[f64]) {
+        for i in 0..q.len() {
+            let row: f64 = (0..q.len()).map(|j| next[(i, j)] * q[j]).sum();
+            self.value += 0.5 * nu2 * nu2 * q[i] * row;
+            self.d_nu2 += nu2 * q[i] * row;
+            self.d_q[i] += nu2 * nu2 * row;
+        }
     }
 
     /// `ν²/4 qᵀ R q` of the held modes that were not computed.

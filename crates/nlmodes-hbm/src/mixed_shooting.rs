@@ -65,7 +65,7 @@ pub struct MixedShooting<'s> {
     /// `dq_N/db`, row-major.
     dq_db: Vec<f64>,
     product: Vec<f64>,
-    plane: Plane,
+    pub(crate) plane: Plane,
     energy: KineticEnergy,
     anchor: Vec<f64>,
     /// While contacts stand back: the derivative of `q_N` by the share of that.
@@ -152,6 +152,17 @@ impl<'s> MixedShooting<'s> {
     /// Averaged kinetic energy at the parameter `p`, J.
     pub fn energy(&self, p: f64) -> f64 {
         self.scales.energy * p.exp()
+    }
+
+    /// An unknown vector, or a direction with the parameter at its end, of a problem on the same structure with another number of
+    /// harmonics as one of this problem: harmonics that it does not have are zero, those that this problem does not have are left out.
+    ///
+    /// # Panics
+    /// If `x` is shorter than the coefficients of `from`.
+    pub fn resized(&self, x: &[f64], from: RealSeries) -> Vec<f64> {
+        let (n, old) = (self.structure.n_contact_dofs(), from.width());
+        let coefficients = (0..n).flat_map(|d| from.resized(&x[d * old..(d + 1) * old], self.series()));
+        coefficients.chain(x[n * old..].iter().copied()).collect()
     }
 
     /// Contact pattern, coefficients of `q_N` and their derivative for the unknown vector `x`.

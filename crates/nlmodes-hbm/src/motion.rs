@@ -31,6 +31,7 @@ impl MixedShooting<'_> {
             kinetic_energy: kinetic,
             harmonic_energy,
             resonance: None,
+            stability: None,
             total_energy: kinetic + strain,
             modal_amplitude,
             peak: self.peak(fraction > 0.0),
@@ -38,6 +39,7 @@ impl MixedShooting<'_> {
             contact_intervals: intervals,
             peak_contact_force: self.peak_force(),
             residual,
+            error_estimate: None,
             events: Vec::new(),
         })
     }

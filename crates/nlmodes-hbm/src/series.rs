@@ -46,6 +46,18 @@ impl RealSeries {
         }
     }
 
+    /// Coefficients of a series with more harmonics, or fewer, of the same symmetry: those that both have, the others zero.
+    pub fn resized(&self, real: &[f64], to: RealSeries) -> Vec<f64> {
+        let mut other = vec![0.0; to.width()];
+        for n in 0..=self.n_harmonics.min(to.n_harmonics) {
+            other[n] = real[n];
+            if let (true, Some(from), Some(to)) = (n > 0, self.sine(n), to.sine(n)) {
+                other[to] = real[from];
+            }
+        }
+        other
+    }
+
     /// Matrix of "multiply by `χ(τ)`, keep the harmonics up to H" on the coefficients, from the averages
     /// `(1/2π) ∫ χ e^{−ikτ} dτ = C_k − i S_k`, k = 0 … 2H. Row-major, width × width.
     pub fn multiplication(&self, averages: &[Complex64], matrix: &mut [f64]) {

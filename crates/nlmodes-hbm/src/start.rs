@@ -144,8 +144,9 @@ impl LinearStart {
         let unit = free_position(structure, &shape);
         let set = ClosedSet::new(structure, &rest.closed)?;
         let w = structure.model.w();
-        let project =
-            |b: &[f64]| -> Vec<f64> { (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect() };
+        let project = |b: &[f64]| -> Vec<f64> {
+            (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
+        };
         let y_unit = project(&unit);
         let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
         let guards: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_rest)).collect();

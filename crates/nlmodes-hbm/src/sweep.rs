@@ -162,14 +162,7 @@ impl ContactSweep {
             let ends = [j, j + 1].map(|k| TAU * k as f64 / samples as f64);
             let wrapped = (j + 1) % samples;
             let slopes = |k: usize| (&self.y_t, &self.dy_t, k);
-            if tracer.is_quiet(
-                &self.sets,
-                current,
-                self.set_t[j + 1],
-                slopes(j),
-                slopes(wrapped),
-                ends[1] - ends[0],
-            ) {
+            if tracer.is_quiet(&self.sets, current, self.set_t[j + 1], slopes(j), slopes(wrapped), ends[1] - ends[0]) {
                 tracer.extend(current, ends[0], ends[1]);
                 continue;
             }

@@ -30,6 +30,8 @@ pub(crate) struct Plane {
     pub df: Vec<f64>,
     /// The modes that are kept apart: one, or all with the same frequency; empty for the mean.
     pub poles: Range<usize>,
+    /// Whether the modes that were not computed answer with the term in `ν⁴` too.
+    pub with_next_term: bool,
 }
 
 impl Plane {
@@ -43,6 +45,7 @@ impl Plane {
             f: zero.clone(),
             df: zero,
             poles: 0..0,
+            with_next_term: false,
         }
     }
 
@@ -108,6 +111,15 @@ impl Plane {
         write(&mut self.f, &structure.t0);
         write(&mut self.df, &structure.residual.transfer);
         self.f.iter_mut().zip(&self.df).for_each(|(f, slope)| *f += nu2 * slope);
+        if self.with_next_term {
+            for i in 0..n {
+                for j in 0..n {
+                    let next = structure.residual.next_transfer[(i, j)];
+                    self.f[i * n + j] += nu2 * nu2 * next;
+                    self.df[i * n + j] += 2.0 * nu2 * next;
+                }
+            }
+        }
         for (k, mode) in structure.modes.iter().enumerate() {
             let (value, slope) = if self.poles.contains(&k) {
                 (-1.0 / mode.lambda, 0.0)

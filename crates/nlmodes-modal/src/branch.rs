@@ -9,6 +9,31 @@ pub struct Coordinate {
     pub kind: String,
 }
 
+/// Stability of a periodic motion by its Floquet multipliers `μ`: a disturbance is `μ` times as large after each period.
+///
+/// Of a conservative system they come in pairs `μ`, `1/μ`, so that a motion is stable if and only if all lie on the unit circle; the
+/// double multiplier +1, along the motion and toward its neighbour of another energy, does not count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stability {
+    /// Whether all multipliers lie on the unit circle, but for rounding.
+    pub stable: bool,
+    /// The multiplier of largest magnitude: real and imaginary part, the latter not negative.
+    pub largest_multiplier: [f64; 2],
+}
+
+impl Stability {
+    /// Magnitude of the largest multiplier.
+    pub fn magnitude(&self) -> f64 {
+        self.largest_multiplier[0].hypot(self.largest_multiplier[1])
+    }
+
+    /// Its angle in the complex plane, degrees from 0 to 180: a motion that lost its stability at 0 did so at a fold or a branch point,
+    /// at 180 by a doubling of its period, and between by a collision of two pairs.
+    pub fn angle_deg(&self) -> f64 {
+        self.largest_multiplier[1].abs().atan2(self.largest_multiplier[0]).to_degrees()
+    }
+}
+
 /// One point of a nonlinear mode: a periodic motion with its modal quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalPoint {
@@ -22,6 +47,8 @@ pub struct ModalPoint {
     pub harmonic_energy: Vec<f64>,
     /// The internal resonance in which the motion takes part, if it does.
     pub resonance: Option<InternalResonance>,
+    /// Whether small disturbances of the motion grow, where that was found out.
+    pub stability: Option<Stability>,
     /// Kinetic and strain energy, J.
     pub total_energy: f64,
     /// Nonlinear modal amplitude `q̃` of eqs. (21), (22), m·√kg.
@@ -38,6 +65,8 @@ pub struct ModalPoint {
     pub peak_contact_force: f64,
     /// Norm of the scaled residual.
     pub residual: f64,
+    /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where one was made.
+    pub error_estimate: Option<f64>,
     /// What happened here: `grazing`, `fold`, `branch-point`, …
     pub events: Vec<String>,
 }

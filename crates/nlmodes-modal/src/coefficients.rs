@@ -45,6 +45,14 @@ impl HarmonicCoefficients {
         &mut self.values[d * width..(d + 1) * width]
     }
 
+    /// The harmonics up to `n_harmonics`; all where there are fewer.
+    pub fn truncated(&self, n_harmonics: usize) -> Self {
+        let mut kept = Self::zeros(self.n_coordinates, n_harmonics.min(self.n_harmonics));
+        let width = kept.n_harmonics + 1;
+        (0..self.n_coordinates).for_each(|d| kept.of_mut(d).copy_from_slice(&self.of(d)[..width]));
+        kept
+    }
+
     /// Value of coordinate `d` at the phase `tau = ωt` (rad).
     pub fn value(&self, d: usize, tau: f64) -> f64 {
         self.derivative(d, tau, 0)

@@ -39,7 +39,7 @@ mod resonance;
 mod restitution;
 
 pub use basis::HarmonicBasis;
-pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint};
+pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint, Stability};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};
 pub use contact_stiffness::ContactStiffness;

@@ -71,6 +71,9 @@ impl ModalPoint {
     /// Event of the first point behind a stretch of the branch that was left out.
     pub const RESUMED: &'static str = "resumed";
 
+    /// Event of a point beyond which the stability of the motion is another.
+    pub const STABILITY_CHANGE: &'static str = "stability-change";
+
     /// Event of the last point before a stretch of the branch that was left out.
     pub const TONGUE_FOOT: &'static str = "tongue-foot";
 
@@ -106,6 +109,7 @@ mod tests {
             kinetic_energy: energy,
             harmonic_energy: vec![0.0, energy * (1.0 - share), 0.0, energy * share],
             resonance,
+            stability: None,
             total_energy: 2.0 * energy,
             modal_amplitude: 1.0,
             fundamental: 1.0,
@@ -114,6 +118,7 @@ mod tests {
             contact_intervals: 0,
             peak_contact_force: 0.0,
             residual: 0.0,
+            error_estimate: None,
             events: events.iter().map(|e| (*e).to_owned()).collect(),
         }
     }

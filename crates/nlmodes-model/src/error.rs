@@ -119,6 +119,56 @@ pub enum ModelError {
         /// The motion that remains.
         motion: RigidMotion,
     },
+    /// An imposed frequency is not positive, or not above the one before.
+    #[error(
+        "imposed frequency {number} is {hz} Hz; expected more than {low} Hz, frequencies ascend",
+        number = .index + 1, hz = hertz(*.value), low = hertz(*.below)
+    )]
+    ImposedFrequency {
+        /// Its index.
+        index: usize,
+        /// The frequency, rad/s.
+        value: f64,
+        /// The one before, rad/s; zero for the first.
+        below: f64,
+    },
+    /// More frequencies are imposed than there are modes.
+    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} modes with motion of the kind '{kind}'", kind = .kind.name())]
+    TooManyImposed {
+        /// Frequencies.
+        wanted: usize,
+        /// Modes.
+        found: usize,
+        /// The kind of degree of freedom that they move.
+        kind: DofKind,
+    },
+    /// The last imposed frequency passes a mode that keeps its own, which would exchange their numbers.
+    #[error(
+        "the last imposed frequency, {imposed} Hz, is not below the next mode, which keeps its {next} Hz: impose one on that mode too",
+        imposed = hertz(*.imposed), next = hertz(*.next)
+    )]
+    ImposedAboveNext {
+        /// The imposed frequency, rad/s.
+        imposed: f64,
+        /// That of the next mode, rad/s.
+        next: f64,
+    },
+    /// A frequency is imposed on a rigid-body motion.
+    #[error("mode {mode} is a rigid-body motion: frequencies are imposed on structures that are held")]
+    ImposedOnRigidBody {
+        /// Number of the mode, from 1.
+        mode: usize,
+    },
+    /// Too many degrees of freedom for imposed frequencies.
+    #[error(
+        "imposed frequencies couple all degrees of freedom that their modes move: {dofs} of them, {limit} at most; take fewer elements"
+    )]
+    ImposedSize {
+        /// Degrees of freedom that the modes move.
+        dofs: usize,
+        /// Most of them.
+        limit: usize,
+    },
     /// A factorisation or eigenproblem failed.
     #[error("{what}")]
     Linalg {
@@ -135,4 +185,10 @@ impl ModelError {
     pub(crate) fn during(what: &'static str) -> impl FnOnce(LinalgError) -> Self {
         move |source| Self::Linalg { what, source }
     }
+}
+
+/// Hz to ten digits, of rad/s.
+fn hertz(omega: f64) -> f64 {
+    let hz = omega / std::f64::consts::TAU;
+    format!("{hz:.9e}").parse().unwrap_or(hz)
 }

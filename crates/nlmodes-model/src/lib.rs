@@ -18,6 +18,7 @@
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`held_modes`] |
+//! | `ω'_k`, `K'` | imposed frequencies, stiffness with them | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
@@ -44,6 +45,7 @@
 
 mod conserve;
 mod error;
+mod imposed;
 mod linear_modes;
 mod massless;
 mod redistribution;
@@ -54,6 +56,7 @@ mod test_chain;
 
 pub use conserve::Conserve;
 pub use error::ModelError;
+pub use imposed::{ImposedFrequencies, MAX_IMPOSED_DOFS};
 pub use linear_modes::{LinearModes, held_modes, linear_modes};
 pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};

@@ -15,7 +15,7 @@ pub use table::DataTable;
 
 use crate::ReportError;
 use crate::output::replace_file;
-use nlmodes_modal::{ModalBranch, TimeHistory};
+use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
 use serde::Serialize;
 use serde_json::Value;
 use std::io::Write;
@@ -37,7 +37,7 @@ type ContactMotion<'a> = dyn Fn(usize, usize, usize) -> Option<TimeHistory> + 'a
 
 /// `report.html`: one page about some branches, to be opened, shown and printed without a network.
 ///
-/// It shows frequency over energy and over modal amplitude, to zoom and to hover; the motion of the structure at a point
+/// It shows frequency over energy and over modal amplitude and the participation of linear modes, to zoom and to hover; the motion of the structure at a point
 /// that is chosen there; time histories; tables of events, internal resonances and ends; and whatever is added.
 /// Without JavaScript the same figures stand still. All texts are escaped, and a content security policy allows
 /// this page's own script and style alone.
@@ -61,7 +61,8 @@ pub struct HtmlReport<'a> {
     clamped: Vec<f64>,
     stops: Vec<StopLine>,
     contact_motion: Option<&'a ContactMotion<'a>>,
-    histories: Vec<(String, &'a TimeHistory)>,
+    histories: Vec<(String, Vec<&'a TimeHistory>)>,
+    participation: &'a [&'a [Participation]],
     tables: Vec<DataTable>,
     documents: Vec<(String, Value)>,
 }
@@ -78,6 +79,7 @@ impl<'a> HtmlReport<'a> {
             stops: Vec::new(),
             contact_motion: None,
             histories: Vec::new(),
+            participation: &[],
             tables: Vec::new(),
             documents: Vec::new(),
         }
@@ -116,9 +118,28 @@ impl<'a> HtmlReport<'a> {
     }
 
     /// With a time history of its own.
-    pub fn history(mut self, name: impl Into<String>, history: &'a TimeHistory) -> Self {
-        self.histories.push((name.into(), history));
+    pub fn history(self, name: impl Into<String>, history: &'a TimeHistory) -> Self {
+        self.histories(name, &[history])
+    }
+
+    /// With time histories over each other, named by their labels; the stop is that of the first.
+    pub fn histories(mut self, name: impl Into<String>, histories: &[&'a TimeHistory]) -> Self {
+        if !histories.is_empty() {
+            self.histories.push((name.into(), histories.to_vec()));
+        }
         self
+    }
+
+    /// With the participation of the lowest linear modes over the modal amplitude (Fig. 8 b): for each branch, that at each of its points.
+    pub fn participation(mut self, branches: &'a [&'a [Participation]]) -> Self {
+        self.participation = branches;
+        self
+    }
+
+    /// How many modes have a participation at all points of all branches.
+    fn participating_modes(&self) -> usize {
+        let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.factors.len());
+        if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
     }
 
     /// With a table more.
@@ -146,7 +167,7 @@ impl<'a> HtmlReport<'a> {
     ///
     /// # Errors
     /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist, [`ReportError::SeriesLength`] if a series
-    /// of a time history does not fit its time.
+    /// of a time history does not fit its time, or a branch has not as many participations as points.
     pub fn render(&self) -> Result<String, ReportError> {
         self.check_marks()?;
         let sections = self.sections()?;

@@ -7,6 +7,7 @@
 //! | item | writes | shows |
 //! | --- | --- | --- |
 //! | [`write_branch`], [`BranchWriter`] | `branch.csv` | a row a point: frequency, energies, amplitudes, contact, events |
+//! | [`write_starts`] | `starts.npz` | displacements from which exact motions start at rest |
 //! | [`write_harmonics`] | `harmonics.npz` | frequencies and complex Fourier coefficients, eq. (7), for NumPy |
 //! | [`write_summary`] | `summary.json` | any serialisable summary |
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
@@ -35,6 +36,7 @@
 //!     kinetic_energy: 0.25 * (omega_0 * amplitude).powi(2),
 //!     harmonic_energy: Vec::new(),
 //!     resonance: None,
+//!     stability: None,
 //!     total_energy: 0.5 * (omega_0 * amplitude).powi(2),
 //!     modal_amplitude: amplitude,
 //!     fundamental: amplitude,
@@ -43,6 +45,7 @@
 //!     contact_intervals: 1,
 //!     peak_contact_force: 0.0,
 //!     residual: 0.0,
+//!     error_estimate: None,
 //!     events: if amplitude == stop { vec!["grazing".into()] } else { Vec::new() },
 //! };
 //! let branch = ModalBranch {
@@ -87,4 +90,6 @@ pub use figure::{
     ParticipationFigure, StiffnessFigure,
 };
 pub use html::{DataTable, HtmlReport, StopLine};
-pub use table::{BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_summary};
+pub use table::{
+    BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_starts, write_summary,
+};

@@ -21,6 +21,11 @@ impl Stroke {
         Self { color, width, dash: Some("6 4") }
     }
 
+    /// Short dashes, for what is unstable.
+    pub const fn short_dashed(color: &'static str, width: f64) -> Self {
+        Self { color, width, dash: Some("3 3") }
+    }
+
     fn attributes(&self) -> String {
         let dash = self.dash.map(|dash| format!(r#" stroke-dasharray="{dash}""#)).unwrap_or_default();
         format!(r#"stroke="{}" stroke-width="{}"{dash}"#, self.color, self.width)

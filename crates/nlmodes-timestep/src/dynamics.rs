@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nlmodes_contact::{ContactBody, LcpWorkspace, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, multiply};
 use nlmodes_modal::HarmonicCoefficients;
-use nlmodes_model::{Contact, MasslessContactModel};
+use nlmodes_model::MasslessContactModel;
 use num_complex::Complex64;
 
 use crate::phase::{Coordinates, Phase, column, dot, transposed_product};
@@ -148,24 +148,15 @@ impl ContactDynamics {
         Ok(phase.energy(&phase.enter(&state.z, &state.v)))
     }
 
-    /// Index of linear mode `mode` (from 1) and the coordinate at which it touches a stop first, standing still.
-    pub(crate) fn grazing_amplitude(&self, mode: usize) -> Result<(usize, f64), TimestepError> {
-        let k = mode.wrapping_sub(1);
-        let highest = self.open.omega.last().copied().unwrap_or(0.0);
-        if self.open.omega.get(k).is_none_or(|ω| *ω <= 1e-7 * highest) {
-            return Err(TimestepError::NoGrazing { mode, why: "there is no such mode with a frequency" });
-        }
-        if self.model.contacts().iter().any(|c| c.gap <= 0.0) {
-            return Err(TimestepError::NoGrazing { mode, why: "a stop touches at rest" });
-        }
-        let shape = |c: &Contact| c.direction() * self.open.shapes[(c.dof, k)];
-        let largest = self.model.contacts().iter().fold(0.0_f64, |m, c| m.max(shape(c).abs()));
-        let moved = self.model.contacts().iter().filter(|c| shape(c).abs() > 1e-9 * largest);
-        let amplitudes = moved.map(|c| -c.gap / shape(c));
-        match amplitudes.min_by(|a, b| a.abs().total_cmp(&b.abs())) {
-            Some(amplitude) if amplitude.is_finite() => Ok((k, amplitude)),
-            _ => Err(TimestepError::NoGrazing { mode, why: "it does not move a contact" }),
-        }
+    /// Gaps per contact force at rest, with all modes yielding statically, c × c.
+    pub(crate) fn static_compliance(&self) -> Mat<f64> {
+        let a = self.body.matrix().a();
+        let contacts = self.model.contacts();
+        let shape = |i: usize, k: usize| contacts[i].direction() * self.open.shapes[(contacts[i].dof, k)];
+        Mat::from_fn(contacts.len(), contacts.len(), |i, j| {
+            let modes = (0..self.n_modes()).map(|k| shape(i, k) * shape(j, k) / self.open.lambda[k]);
+            a[(i, j)] + modes.sum::<f64>()
+        })
     }
 
     /// Accelerations in modal coordinates of the open structure.
@@ -255,7 +246,7 @@ impl ContactDynamics {
         self.phase(&closed)
     }
 
-    fn phase(&mut self, closed: &[bool]) -> Result<Arc<Phase>, TimestepError> {
+    pub(crate) fn phase(&mut self, closed: &[bool]) -> Result<Arc<Phase>, TimestepError> {
         if let Some(phase) = self.phases.get(closed) {
             return Ok(Arc::clone(phase));
         }

@@ -17,6 +17,16 @@ pub enum TimestepError {
         /// Most that are accepted.
         most: usize,
     },
+    /// More modes than shooting is sensible for.
+    #[error(
+        "shooting with {found} modes: at most {most} are sensible, since a point costs their number to the third power"
+    )]
+    TooManyModes {
+        /// Modes kept.
+        found: usize,
+        /// Most that are accepted.
+        most: usize,
+    },
     /// A vector does not belong to this structure.
     #[error("{what}: {found} where {expected} was expected")]
     Dimension {

@@ -45,21 +45,30 @@
 //! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and multipliers: A. H. Nayfeh, B. Balachandran,
 //! *Applied Nonlinear Dynamics*, Wiley 1995, doi:10.1002/9783527617548.
 
+mod contact_motion;
 mod dynamics;
 mod error;
 mod floquet;
+mod fourier;
 mod global_problem;
+mod grazing;
+mod mode_shooting;
 mod oscillation;
 mod phase;
+mod reduction;
 mod restrained;
 mod shooting;
 mod trajectory;
 mod verification;
 
+pub use contact_motion::ContactState;
 pub use dynamics::{ContactDynamics, MAX_DOFS};
 pub use error::TimestepError;
 pub use floquet::{Floquet, UNIT_CIRCLE};
 pub use global_problem::GlobalContactProblem;
+pub use grazing::GrazingState;
+pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
+pub use reduction::ReducedStructure;
 pub use shooting::{PeriodicMotion, Shooting, ShootingScales};
 pub use trajectory::{ClosedInterval, ModalState, Snapshot, Trajectory};
 pub use verification::Verification;

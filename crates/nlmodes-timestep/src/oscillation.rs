@@ -87,6 +87,27 @@ impl Oscillation<'_> {
         None
     }
 
+    /// `−f`.
+    pub fn negated(mut self) -> Self {
+        self.a.iter_mut().chain(&mut self.b).for_each(|x| *x = -*x);
+        self.constant = -self.constant;
+        self
+    }
+
+    /// Smallest value in `[0, end]`: samples, eight in the shortest period, then the zero of the slope beside the best one.
+    pub fn lowest(&self, end: f64) -> f64 {
+        let highest = self.omega.last().copied().unwrap_or(0.0);
+        let cells = 16 + (8.0 * highest * end / std::f64::consts::TAU).min(1e5) as usize;
+        let at = |j: usize| end * j as f64 / cells as f64;
+        let samples = (0..=cells).map(|j| (j, self.evaluate(at(j))[0]));
+        let Some((best, value)) = samples.min_by(|a, b| a.1.total_cmp(&b.1)) else { return f64::NAN };
+        let (from, to) = (at(best.saturating_sub(1)), at((best + 1).min(cells)));
+        if self.evaluate(from)[1] < 0.0 && self.evaluate(to)[1] > 0.0 {
+            return value.min(self.evaluate(self.root(1, from, to))[0]);
+        }
+        value
+    }
+
     fn judge(&self, from: f64, to: f64, bound: f64, noise: f64) -> Cell {
         let (m, r) = (0.5 * (from + to), 0.5 * (to - from));
         let [value, slope, curvature] = self.evaluate(m);

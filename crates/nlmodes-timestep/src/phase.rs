@@ -148,7 +148,21 @@ impl Phase {
 
     /// Guard `i` from now on.
     pub fn guard(&self, i: usize, at: &Coordinates) -> Oscillation<'_> {
-        let Row { coefficients, constant } = &self.guards[i];
+        self.motion_of(&self.guards[i], at)
+    }
+
+    /// Force of contact `i`, which is closed, from now on.
+    pub fn force_motion(&self, i: usize, at: &Coordinates) -> Oscillation<'_> {
+        self.motion_of(&self.forces[i], at)
+    }
+
+    /// Guard `i` at static equilibrium, and per unit of mode `k`.
+    pub fn guard_coefficients(&self, i: usize, k: usize) -> (f64, f64) {
+        (self.guards[i].constant, self.guards[i].coefficients[k])
+    }
+
+    fn motion_of(&self, row: &Row, at: &Coordinates) -> Oscillation<'_> {
+        let Row { coefficients, constant } = row;
         let times = |x: &[f64]| coefficients.iter().zip(x).map(|(r, x)| r * x).collect();
         Oscillation { lambda: &self.lambda, omega: &self.omega, a: times(&at.u), b: times(&at.v), constant: *constant }
     }

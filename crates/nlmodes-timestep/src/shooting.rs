@@ -5,7 +5,7 @@ use nlmodes_continuation::{Continuation, ContinuationError, Linearization, Param
 use nlmodes_linalg::Mat;
 
 use crate::phase::dot;
-use crate::{ContactDynamics, ModalState, TimestepError, Trajectory};
+use crate::{ContactDynamics, GrazingState, ModalState, TimestepError, Trajectory};
 
 /// What numbers near one mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,17 +73,25 @@ impl Shooting {
     /// with the unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a gap is not positive.
+    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a stop touches at rest.
     pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
-        let (k, amplitude) = dynamics.grazing_amplitude(mode)?;
-        let omega = dynamics.omega()[k];
-        let shooting = Self::new(dynamics, ShootingScales { omega, energy: 0.25 * (omega * amplitude).powi(2) })?;
-        let mut state = ModalState { z: vec![0.0; shooting.units.len()], v: vec![0.0; shooting.units.len()] };
-        state.z[k] = amplitude;
-        let x = shooting.unknowns(&state, omega);
-        let mut direction = vec![0.0; x.len() + 1];
-        (direction[k], direction[x.len()]) = (x[k], 2.0);
+        let (mut dynamics, k) = (dynamics, mode.wrapping_sub(1));
+        let Some(&omega) = dynamics.omega().get(k) else {
+            return Err(TimestepError::NoGrazing { mode, why: "there is no such mode with a frequency" });
+        };
+        let start = dynamics.grazing(omega)?;
+        let shooting = Self::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
+        let (x, direction) = shooting.start(&start);
         Ok((shooting, x, direction))
+    }
+
+    /// Unknown vector at grazing, and the direction of growing amplitude (m + 2).
+    pub fn start(&self, grazing: &GrazingState) -> (Vec<f64>, Vec<f64>) {
+        let x = self.unknowns(&grazing.state, grazing.omega);
+        let grows = grazing.amplitude.iter().zip(&self.units).map(|(z, unit)| z / unit);
+        // The energy goes with the square of the amplitude, the frequency stays.
+        let direction = grows.chain([0.0, 2.0]).collect();
+        (x, direction)
     }
 
     /// The structure.

@@ -60,7 +60,7 @@ impl Verification {
             displacement,
             velocity,
             energy_drift: energies.iter().fold(0.0_f64, |m, e| m.max((e / energy - 1.0).abs())),
-            n_intervals: intervals.len() - (0..n_contacts).filter(|&i| joins(&intervals, i, period)).count(),
+            n_intervals: n_intervals(&intervals, n_contacts, period),
             closed_share: (0..n_contacts).map(|i| share(&intervals, i, period)).collect(),
             peak_force: samples(&trajectory).flat_map(|s| s.forces).fold(0.0, f64::max),
             intervals,
@@ -83,13 +83,18 @@ fn gaps_over_peaks(trajectory: &Trajectory, translations: &[bool]) -> (f64, f64)
     (gap(&last.displacement, &first.displacement) / peaks.0, gap(&last.velocity, &first.velocity) / peaks.1)
 }
 
+/// Closed intervals a period, over all contacts: those at both ends joined.
+pub(crate) fn n_intervals(intervals: &[ClosedInterval], n_contacts: usize, period: f64) -> usize {
+    intervals.len() - (0..n_contacts).filter(|&i| joins(intervals, i, period)).count()
+}
+
 /// Whether the contact is closed at both ends of the period, by two intervals that are one.
 fn joins(intervals: &[ClosedInterval], contact: usize, period: f64) -> bool {
     let of = || intervals.iter().filter(|i| i.contact == contact);
     of().count() > 1 && of().any(|i| i.from == 0.0) && of().any(|i| i.to == period)
 }
 
-fn share(intervals: &[ClosedInterval], contact: usize, period: f64) -> f64 {
+pub(crate) fn share(intervals: &[ClosedInterval], contact: usize, period: f64) -> f64 {
     // An empty sum of floats is −0.
     intervals.iter().filter(|i| i.contact == contact).map(|i| (i.to - i.from) / period).sum::<f64>() + 0.0
 }

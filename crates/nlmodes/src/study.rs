@@ -1,23 +1,31 @@
 //! Whole studies: from a model to a branch of modal points.
 
+mod accuracy;
+mod adaptive;
 mod branch;
 mod compute;
+mod equal;
 mod error;
 mod events;
 mod homotopy;
 mod participation;
+mod periodic;
 mod points;
 mod prepare;
 mod resonances;
 mod settings;
 mod skip;
+mod stability;
 mod start;
 mod touching;
 mod trace;
 
+pub use accuracy::{Accuracy, AccuracyReached};
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree};
+pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;
+pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points};
-pub use settings::{BranchPointRule, BranchSettings, BranchStart, ResonanceRule};
+pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};

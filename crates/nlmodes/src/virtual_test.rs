@@ -207,20 +207,23 @@ impl TestLevel {
     }
 }
 
-/// Runs a test and extracts from each record as soon as it is there. `observe` sees each level.
-///
-/// # Errors
-/// Those of [`VirtualTest::run`].
-pub fn run(
-    test: &VirtualTest,
-    settings: &ExtractionSettings,
-    mut observe: impl FnMut(&TestLevel),
-) -> Result<Vec<TestLevel>, RigError> {
+/// What a test came to.
+#[derive(Debug)]
+pub struct TestRun {
+    /// The levels that were recorded.
+    pub levels: Vec<TestLevel>,
+    /// Why there are not as many as in the schedule.
+    pub failure: Option<RigError>,
+}
+
+/// Runs a test and extracts from each record as soon as it is there. `observe` sees each level. Where the motion cannot be followed any
+/// further, the levels before remain.
+pub fn run(test: &VirtualTest, settings: &ExtractionSettings, mut observe: impl FnMut(&TestLevel)) -> TestRun {
     let mut levels = Vec::with_capacity(test.schedule.levels.len());
-    test.run(|outcome| {
+    let outcome = test.run(|outcome| {
         let level = TestLevel { outcome: outcome.clone(), extraction: extract(&outcome.record, settings) };
         observe(&level);
         levels.push(level);
-    })?;
-    Ok(levels)
+    });
+    TestRun { levels, failure: outcome.err() }
 }

@@ -86,6 +86,27 @@ fn mixed_shooting_is_stiffer_than_harmonic_balance_by_two_percent_and_its_force_
 }
 
 #[test]
+fn a_solution_between_two_points_has_the_amplitude_of_the_other_method() {
+    let computed = study(hbm(), 2.0);
+    let points = &computed.branch.points;
+    // Neither of the points themselves, nor their mean: somewhere between the sixth and the seventh.
+    let amplitude = 0.3 * points[5].modal_amplitude + 0.7 * points[6].modal_amplitude;
+    let found = computed.at_amplitude(amplitude, points[5].omega).unwrap().unwrap();
+    assert!((found.point.modal_amplitude / amplitude - 1.0).abs() < 1e-9);
+    let range = points[5].omega.min(points[6].omega)..points[5].omega.max(points[6].omega);
+    assert!(range.contains(&found.point.omega), "{}", found.point.omega / TAU);
+    // It is on the branch: a branch that ends at its energy ends at its frequency and amplitude.
+    let other = study(hbm(), found.point.kinetic_energy / computed.grazing.energy);
+    let last = other.branch.points.last().unwrap();
+    assert!((found.point.omega / last.omega - 1.0).abs() < 1e-10);
+    assert!((amplitude / last.modal_amplitude - 1.0).abs() < 1e-8);
+    let history = computed.time_history_of(&found, 0, 400, "between").unwrap();
+    let peak = history.force.iter().fold(0.0_f64, |m, f| m.max(*f));
+    assert!((peak / last.peak_contact_force - 1.0).abs() < 1e-3, "{peak} {}", last.peak_contact_force);
+    assert!(computed.at_amplitude(10.0 * amplitude, points[5].omega).unwrap().is_none());
+}
+
+#[test]
 fn a_stiffer_spring_brings_harmonic_balance_toward_mixed_shooting_on_the_same_masses() {
     let tips = |k: f64| MasslessContactModel::with_spring_tips(&beam(181.36e9, Some(k)), Some(&Drop)).unwrap();
     // At 2.3e6 N/m the tip's own stiffness, some 1e10 N/m, hardly matters: truncating the node changes nothing.

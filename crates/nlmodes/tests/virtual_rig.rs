@@ -9,7 +9,7 @@ use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::rig::{Exciter, Hold, ModalReduction, Schedule, Session, Shaker, VirtualTest};
+use nlmodes::rig::{Exciter, Hold, ModalReduction, RigError, Schedule, Session, Shaker, VirtualTest};
 use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::virtual_test::{self, Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use num_complex::Complex64;
@@ -131,6 +131,22 @@ fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
 }
 
 #[test]
+fn levels_before_one_that_fails_are_kept() {
+    let (bench, reduction) = bench(Exciter::IdealForce);
+    let hold = Hold { longest: 0.2, ..Hold::default() };
+    let test = VirtualTest {
+        rig: bench.setup(&reduction),
+        settings: loop_settings(),
+        force: FORCE,
+        response: DRIVE_DISPLACEMENT,
+        schedule: Schedule { hold, record: 0.2, ..Schedule::new(vec![1.0, f64::NAN, 2.0]) },
+    };
+    let run = virtual_test::run(&test, &ExtractionSettings::default(), |_| {});
+    assert_eq!((run.levels.len(), run.levels[0].outcome.level), (1, 1.0));
+    assert!(matches!(run.failure, Some(RigError::NotFinite { .. })), "{:?}", run.failure);
+}
+
+#[test]
 fn a_bench_is_tested_and_its_levels_are_extracted() {
     let (bench, reduction) = bench(Exciter::Shaker(Shaker::default()));
     let settings = ExtractionSettings {
@@ -146,7 +162,8 @@ fn a_bench_is_tested_and_its_levels_are_extracted() {
         response: DRIVE_DISPLACEMENT,
         schedule: Schedule::new(vec![0.75, 2.0]),
     };
-    let levels = virtual_test::run(&test, &settings, |_| {}).unwrap();
+    let virtual_test::TestRun { levels, failure } = virtual_test::run(&test, &settings, |_| {});
+    assert!(failure.is_none(), "{failure:?}");
     let points: Vec<_> = levels
         .iter()
         .map(|level| {

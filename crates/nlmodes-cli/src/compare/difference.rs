@@ -51,6 +51,7 @@ mod tests {
             kinetic_energy,
             harmonic_energy: Vec::new(),
             resonance: None,
+            stability: None,
             total_energy: 0.0,
             modal_amplitude: 0.0,
             fundamental: 0.0,
@@ -59,6 +60,7 @@ mod tests {
             contact_intervals: 0,
             peak_contact_force: 0.0,
             residual: 0.0,
+            error_estimate: None,
             events: Vec::new(),
         };
         ModalBranch {

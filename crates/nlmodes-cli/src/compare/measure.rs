@@ -33,8 +33,12 @@ pub fn branch(
 /// Largest `max(−g, −Aλ, |min(g, Aλ)|)` over the points of a branch and the instants of their periods, over the amplitude at
 /// grazing.
 pub fn largest_violation(computed: &ComputedBranch) -> Result<f64, StudyError> {
-    let mut problem = computed.problem()?;
-    computed.unknowns.iter().try_fold(0.0_f64, |worst, x| {
+    let Some(last) = computed.unknowns.len().checked_sub(1) else { return Ok(0.0) };
+    let (mut problem, mut width) = (computed.problem(last)?, computed.unknowns[last].len());
+    computed.unknowns.iter().enumerate().try_fold(0.0_f64, |worst, (point, x)| {
+        if x.len() != width {
+            (problem, width) = (computed.problem(point)?, x.len());
+        }
         let checked = problem.check_contact(x, INSTANTS)?;
         Ok(worst.max(checked.penetration).max(checked.tension).max(checked.complementarity))
     })

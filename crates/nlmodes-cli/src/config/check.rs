@@ -2,10 +2,13 @@
 
 mod contact;
 mod continuation;
+mod frequencies;
 mod method;
+mod modes;
 mod nodes;
 mod plausible;
 mod records;
+mod shooting;
 mod structure;
 mod updating;
 mod virtual_test;
@@ -18,7 +21,7 @@ use std::path::PathBuf;
 
 use crate::config::Findings;
 use crate::config::raw::{RawOutput, RawScene};
-use crate::config::scene::Scene;
+use crate::config::scene::{Scene, StabilityChoice};
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
@@ -42,6 +45,8 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref(), stem),
+        stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
+        warnings: Vec::new(),
     };
     plausible::warn(&scene, findings);
     Some(scene)

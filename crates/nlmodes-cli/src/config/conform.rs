@@ -3,7 +3,6 @@
 //! Whatever does not conform is reported and taken out, so that the rest can still be read and checked further.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 
 use serde_json::Value;
 use toml::Spanned;
@@ -14,10 +13,16 @@ use crate::config::{Findings, Problem, mistakes, unknown};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
 pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
-    let mut walk = Walk { root: Rule(schema), findings, meant: BTreeSet::new(), missing: Vec::new() };
+    let mut walk = Walk { root: Rule(schema), findings, missing: Vec::new(), missing_one: Vec::new() };
     walk.table(root, Rule(schema), "");
-    let Walk { meant, missing, .. } = walk;
-    for (path, rule) in missing.into_iter().filter(|(path, _)| !meant.contains(path)) {
+    let Walk { mut missing, missing_one, findings, .. } = walk;
+    // The first of several is the one that is asked for.
+    let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| findings.is_meant(path)));
+    missing.extend(first.filter_map(|keys| keys.into_iter().next()));
+    for (path, rule) in missing {
+        if findings.is_meant(&path) {
+            continue;
+        }
         let problem = mistakes::missing(&path, rule);
         findings.put(&path, problem, mistakes::missing_label(&path, rule));
     }
@@ -31,16 +36,21 @@ type Item<'d> = Spanned<DeValue<'d>>;
 struct Walk<'w, 'b, 'f> {
     root: Rule<'w>,
     findings: &'b mut Findings<'f>,
-    /// Paths that an unknown key was probably meant to be.
-    meant: BTreeSet<String>,
     /// Required keys that are not there.
     missing: Vec<(String, Rule<'w>)>,
+    /// Keys of which one is required and none is there.
+    missing_one: Vec<Vec<(String, Rule<'w>)>>,
 }
 
 impl<'w> Walk<'w, '_, '_> {
     fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
         let absent = rule.required().filter(|key| !table.contains_key(*key));
         self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
+        let alternatives = rule.one_required();
+        if !alternatives.iter().any(|key| table.contains_key(*key)) {
+            self.missing_one
+                .push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
+        }
         let written = std::mem::take(table);
         *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();
     }
@@ -59,7 +69,9 @@ impl<'w> Walk<'w, '_, '_> {
         }
         let guess = unknown::guess(name, path, self.root);
         self.findings.push(unknown::problem(name, path, table, &guess).at(key.span(), guess.label(path)));
-        self.meant.extend(guess.path(path));
+        if let Some(meant) = guess.path(path) {
+            self.findings.mean(meant);
+        }
         None
     }
 

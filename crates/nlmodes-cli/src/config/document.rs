@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::config::{Problem, Sources, render, set};
+use crate::config::{Problem, Sources, methods, render, set};
 
 /// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
 const MAX_SYNTAX_ERRORS: usize = 3;
@@ -28,18 +28,26 @@ pub struct Place {
 }
 
 impl Document {
-    /// Reads the text of the file and applies the overrides `key=value`. Problems go to `problems`; there is no table if the text
-    /// is not TOML.
+    /// Reads the text of the file and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
+    /// is left as the only one, `[method]`. Problems go to `problems`; there is no table if the text is not TOML.
     pub fn parse<'a>(
         name: &str,
         text: &'a str,
         overrides: &'a [String],
+        method: usize,
         problems: &mut Vec<Problem>,
     ) -> (Self, Option<Spanned<DeTable<'a>>>) {
         let (mut root, errors) = DeTable::parse_recoverable(text);
         problems.extend(syntax_problems(text, &errors));
         let mut sources = Sources::new(name, text);
-        for argument in overrides {
+        // `method.1.mode=2` is for one of several methods, `method.mode=2` for all of them.
+        let (of_one, of_all): (Vec<_>, Vec<_>) =
+            overrides.iter().partition(|argument| methods::is_for_one(argument, root.get_mut()));
+        for argument in of_one {
+            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+        }
+        problems.extend(methods::keep(root.get_mut(), method).err());
+        for argument in of_all {
             problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
         let mut places = BTreeMap::new();
@@ -108,7 +116,8 @@ fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
     }
     let more = shown.len().saturating_sub(MAX_SYNTAX_ERRORS);
     shown.truncate(MAX_SYNTAX_ERRORS);
-    let mut problems: Vec<Problem> = shown.iter().map(|error| syntax_problem(error.message(), place(error))).collect();
+    let mut problems: Vec<Problem> =
+        shown.iter().map(|error| syntax_problem(text, error.message(), place(error))).collect();
     if more > 0
         && let Some(last) = problems.last_mut()
     {
@@ -117,7 +126,12 @@ fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
     problems
 }
 
-fn syntax_problem(message: &str, place: Range<usize>) -> Problem {
+fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
+    if let Some(number) = decimal_comma(text, place.start) {
+        return Problem::error("a number is written with a decimal comma")
+            .at(place, "expected a decimal point")
+            .help(format!("write {number}"));
+    }
     let title = match message {
         "duplicate key" => "a key is given twice in the same table",
         _ => "the scene is not valid TOML",
@@ -130,4 +144,14 @@ fn syntax_problem(message: &str, place: Range<usize>) -> Problem {
         }
         _ => problem,
     }
+}
+
+/// The number around a comma between digits, with a point.
+fn decimal_comma(text: &str, at: usize) -> Option<String> {
+    let behind = text.get(at..)?.strip_prefix(',')?;
+    let is_part = |c: &char| c.is_ascii_digit() || *c == '_';
+    let whole: String = text.get(..at)?.chars().rev().take_while(is_part).collect();
+    let decimals: String = behind.chars().take_while(is_part).collect();
+    let number = format!("{}.{decimals}", whole.chars().rev().collect::<String>());
+    (!whole.is_empty() && !decimals.is_empty()).then_some(number)
 }

@@ -1,65 +1,90 @@
-//! A scene with several methods: one scene for each, with the same places.
+//! A scene with several methods, `[[method]]`: one scene for each, with the same places.
 
-/// Heading of one of several methods, and of the only one; both are of one length.
-const HEADINGS: (&str, &str) = ("[[method]]", " [method] ");
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
 
-/// The texts of the scenes with one method each; the text itself where there is no heading `[[method]]`.
+use crate::config::Problem;
+
+const KEY: &str = "method";
+
+/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take forever.
+pub const MAX_METHODS: usize = 100;
+
+/// Number of methods in the text of a scene: that of headings `[[method]]`, or 1.
+pub fn count(text: &str) -> usize {
+    let (mut root, _) = DeTable::parse_recoverable(text);
+    tables(root.get_mut()).map_or(1, |tables| tables.len().clamp(1, MAX_METHODS))
+}
+
+/// Leaves the method `number` of several as the only one.
 ///
-/// The tables of the other methods become spaces, so that every line and column stays where it is.
-pub fn split(text: &str) -> Vec<String> {
-    let count = text.split_inclusive('\n').filter(|line| is_method(line)).count();
-    if count == 0 {
-        return vec![text.to_owned()];
+/// # Errors
+/// A [`Problem`] if there are too many.
+pub fn keep(root: &mut DeTable<'_>, number: usize) -> Result<(), Problem> {
+    let Some(tables) = tables(root) else { return Ok(()) };
+    let too_many = tables.get(MAX_METHODS).map(|table| {
+        Problem::error(format!("the scene has {} methods", tables.len()))
+            .at(table.span(), format!("expected at most {MAX_METHODS} headings [[method]]"))
+    });
+    let kept =
+        tables.get_mut(number).map(|table| std::mem::replace(table, Spanned::new(0..0, DeValue::Boolean(false))));
+    if let (Some(kept), Some(method)) = (kept, root.get_mut(KEY)) {
+        *method = kept;
     }
-    (0..count).map(|number| only(text, number)).collect()
+    too_many.map_or(Ok(()), Err)
 }
 
-fn only(text: &str, number: usize) -> String {
-    let (mut seen, mut hidden) = (0, false);
-    let line = |line: &str| {
-        if is_method(line) {
-            hidden = seen != number;
-            seen += 1;
-        } else if line.trim_start().starts_with('[') {
-            hidden = false;
-        }
-        if hidden { line.chars().map(blank).collect() } else { line.replacen(HEADINGS.0, HEADINGS.1, 1) }
-    };
-    text.split_inclusive('\n').map(line).collect()
+/// Whether an argument `key=value` is for one of several methods: `method.1.mode=2`.
+pub fn is_for_one(argument: &str, root: &mut DeTable<'_>) -> bool {
+    let key = argument.split_once('=').map_or(argument, |(key, _)| key);
+    let mut parts = key.split('.').map(str::trim);
+    let numbered = parts.next() == Some(KEY) && parts.next().is_some_and(|part| part.parse::<usize>().is_ok());
+    numbered && tables(root).is_some()
 }
 
-fn is_method(line: &str) -> bool {
-    line.trim_start().starts_with(HEADINGS.0)
-}
-
-/// Spaces of the same number of bytes.
-fn blank(c: char) -> String {
-    if c == '\n' || c == '\r' { c.to_string() } else { " ".repeat(c.len_utf8()) }
+/// The methods, if they are a list of tables.
+fn tables<'t, 'd>(root: &'t mut DeTable<'d>) -> Option<&'t mut DeArray<'d>> {
+    match root.get_mut(KEY)?.get_mut() {
+        DeValue::Array(items) if !items.is_empty() && items.iter().all(|item| item.get_ref().is_table()) => Some(items),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const TEXT: &str =
-        "a = 1\n[[method]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
+    const TEXT: &str = "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
 
     #[test]
     fn each_method_has_a_scene_with_the_same_places() {
-        let found = split(TEXT);
-        assert_eq!(found.len(), 2);
-        for (text, kind) in found.iter().zip(["ms-hbm", "hbm"]) {
-            assert_eq!(text.len(), TEXT.len());
-            assert_eq!(text.find("kind"), TEXT.find(&format!("kind = \"{kind}\"")));
-            assert!(text.contains("[output]\nb = 2\n") && text.starts_with("a = 1\n"));
-            assert!(text.parse::<toml::Table>().unwrap()["method"]["kind"].as_str() == Some(kind));
+        assert_eq!(count(TEXT), 2);
+        for (number, kind) in ["ms-hbm", "hbm"].into_iter().enumerate() {
+            let (mut root, errors) = DeTable::parse_recoverable(TEXT);
+            assert!(errors.is_empty());
+            keep(root.get_mut(), number).unwrap();
+            let DeValue::Table(method) = root.get_ref()["method"].get_ref() else { panic!("no table") };
+            assert_eq!(&TEXT[method["kind"].span()], format!("\"{kind}\""));
+            assert_eq!(method.len(), 1);
+            assert_eq!(root.get_ref().len(), 3);
         }
     }
 
     #[test]
     fn a_scene_with_one_method_is_itself() {
-        let text = "[method]\nkind = \"hbm\"\n";
-        assert_eq!(split(text), [text]);
-        assert_eq!(split("[[method]]\nx = 1\n"), [" [method] \nx = 1\n"]);
+        for text in ["[method]\nkind = \"hbm\"\n", "method = []", "method = [1]", "a = 1"] {
+            assert_eq!(count(text), 1);
+            let (mut root, _) = DeTable::parse_recoverable(text);
+            keep(root.get_mut(), 0).unwrap();
+            let before = DeTable::parse_recoverable(text).0;
+            assert_eq!(format!("{root:?}"), format!("{before:?}"));
+        }
+    }
+
+    #[test]
+    fn a_million_methods_are_too_many() {
+        let text = "[[method]]\n".repeat(MAX_METHODS + 1);
+        assert_eq!(count(&text), MAX_METHODS);
+        assert!(keep(DeTable::parse_recoverable(&text).0.get_mut(), 0).is_err());
     }
 }

@@ -31,8 +31,31 @@ pub fn in_text(path: &str, text: &str, rule: Rule<'_>) -> Option<Problem> {
     let problem = Problem::error(format!("`{path}` cannot be \"{text}\""));
     Some(match nearest(text, choices) {
         Some(choice) => problem.help(format!("did you mean \"{choice}\"?")),
-        None => problem,
+        None => match elsewhere(text, &rule.choices()) {
+            Some(choice) => problem.help(format!("here it is called \"{choice}\"")),
+            None => problem,
+        },
     })
+}
+
+/// What is called so in other programs.
+const SYNONYMS: [(&str, &[&str]); 9] = [
+    ("clamped", &["fixed", "built-in", "encastre", "fix", "cantilever", "rigid"]),
+    ("pinned", &["hinged", "simply supported", "simply-supported", "supported", "simple"]),
+    ("sliding", &["roller", "guided"]),
+    ("transverse", &["vertical", "lateral", "bending", "y", "z", "deflection"]),
+    ("axial", &["longitudinal", "x", "horizontal"]),
+    ("positive", &["top", "up", "upper", "right", "above", "+"]),
+    ("negative", &["bottom", "down", "lower", "left", "below", "-"]),
+    ("rod", &["bar", "truss"]),
+    ("beam", &["timoshenko", "euler-bernoulli", "cantilever"]),
+];
+
+/// The permitted value that other programs call so.
+fn elsewhere<'c>(text: &str, choices: &[&'c str]) -> Option<&'c str> {
+    let text = text.trim().to_lowercase();
+    let meant = SYNONYMS.iter().filter(|(_, theirs)| theirs.contains(&text.as_str())).map(|(ours, _)| *ours);
+    meant.filter_map(|ours| choices.iter().copied().find(|choice| *choice == ours)).next()
 }
 
 /// A value of another kind than the schema has.

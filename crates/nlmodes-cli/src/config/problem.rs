@@ -1,5 +1,6 @@
 //! Something wrong with a scene, and where.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Whether the scene is refused.
@@ -66,4 +67,24 @@ impl Problem {
         self.help.push(help.into());
         self
     }
+}
+
+impl Problem {
+    /// In one line without its place: what is wrong, what was found there, what to do.
+    pub fn sentence(&self) -> String {
+        let label = self.place.as_ref().map(|mark| mark.label.as_str()).filter(|label| !label.is_empty());
+        let head = [Some(self.title.as_str()), label].into_iter().flatten().collect::<Vec<_>>().join(": ");
+        std::iter::once(head.as_str()).chain(self.help.iter().map(String::as_str)).collect::<Vec<_>>().join("; ")
+    }
+}
+
+/// Each of them once, in the order of the text, errors before warnings.
+pub fn each_once(mut problems: Vec<Problem>) -> Vec<Problem> {
+    let mut known = HashSet::new();
+    problems.retain(|problem| {
+        let place = problem.place.as_ref().map(|mark| (mark.range.clone(), mark.label.clone()));
+        known.insert((problem.title.clone(), place))
+    });
+    problems.sort_by_key(|problem| (problem.severity, problem.place.as_ref().map_or(0, |mark| mark.range.start)));
+    problems
 }

@@ -13,16 +13,18 @@ mod updating;
 mod virtual_test;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
-pub use method::RawMethod;
+pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
-pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
-pub use virtual_test::{RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest};
+pub use virtual_test::{
+    RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::config::scene::{Direction, Side};
+use crate::config::scene::{Direction, Side, StabilityChoice};
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -76,4 +78,7 @@ pub struct RawOutput {
     /// Directory of the result files, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,
+    /// For which points Floquet multipliers are computed
+    #[schemars(extend("default" = "auto"))]
+    pub stability: Option<StabilityChoice>,
 }

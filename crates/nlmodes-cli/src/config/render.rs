@@ -6,11 +6,39 @@ use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Origin, Render
 
 use crate::config::{Mark, Problem, Severity, Sources};
 
+/// Most problems that are shown: more are those of a file that is no scene.
+const MOST: usize = 40;
+/// Most letters of a title or a help, which may repeat what stands in the scene.
+const LONGEST: usize = 400;
+
 /// Problems as text, each with the lines that it is about.
 pub fn render(problems: &[Problem], sources: &Sources, colours: bool) -> String {
     let renderer = if colours { Renderer::styled() } else { Renderer::plain() };
-    let texts: Vec<String> = problems.iter().map(|problem| renderer.render(&[group(problem, sources)])).collect();
+    let shown = problems.iter().take(MOST).map(shortened);
+    let mut texts: Vec<String> = shown.map(|problem| renderer.render(&[group(&problem, sources)])).collect();
+    if problems.len() > MOST {
+        texts.push(format!("… and {} more", problems.len() - MOST));
+    }
     texts.join("\n\n")
+}
+
+/// The problem with its texts in readable lengths.
+fn shortened(problem: &Problem) -> Problem {
+    let mark = |mark: &Mark| Mark { range: mark.range.clone(), label: short(&mark.label) };
+    Problem {
+        severity: problem.severity,
+        title: short(&problem.title),
+        place: problem.place.as_ref().map(mark),
+        context: problem.context.iter().map(mark).collect(),
+        help: problem.help.iter().map(|help| short(help)).collect(),
+    }
+}
+
+fn short(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &text[..end]),
+        None => text.to_owned(),
+    }
 }
 
 /// Whether standard error is a terminal that wants colours: `NO_COLOR` is unset or empty, and `TERM` is not `dumb`.

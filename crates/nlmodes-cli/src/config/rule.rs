@@ -59,6 +59,11 @@ impl<'a> Rule<'a> {
         self.0.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
     }
 
+    /// Keys of which a table must have one.
+    pub fn one_required(self) -> Vec<&'a str> {
+        self.0.get("oneRequired").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
+    }
+
     /// Permitted values of a text, or nothing where any will do.
     pub fn choices(self) -> Vec<&'a str> {
         let listed = |key| self.0.get(key).and_then(Value::as_array).into_iter().flatten();

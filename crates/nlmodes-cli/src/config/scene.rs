@@ -5,9 +5,9 @@ mod records;
 mod virtual_test;
 
 pub use choices::{
-    AtBranchPoint, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection, InternalResonance,
-    LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat, Side, StructureKind,
-    Support, Switching, Symmetry, UpdatedParameter,
+    AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
+    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat,
+    Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use records::RecordScene;
@@ -37,6 +37,17 @@ pub struct Scene {
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// For which points Floquet multipliers are computed.
+    #[serde(default = "auto")]
+    pub stability: StabilityChoice,
+    /// What looks wrong with the scene, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// What a scene that was written before there was a choice means.
+fn auto() -> StabilityChoice {
+    StabilityChoice::Auto
 }
 
 /// Geometry, mesh, supports, material and section.
@@ -60,6 +71,19 @@ pub struct Structure {
     pub density: f64,
     /// Cross section, and with it the theory.
     pub section: Section,
+    /// Frequencies that are imposed on the lowest modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<ImposedModes>,
+}
+
+/// Frequencies of the lowest modes, as measured ones, in place of those of the elements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImposedModes {
+    /// The frequencies, Hz, ascending.
+    pub frequencies_hz: Vec<f64>,
+    /// Damping ratios of these modes, where they are known; nonlinear modes are conservative and do not use them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_ratios: Option<Vec<f64>>,
 }
 
 impl Structure {
@@ -153,6 +177,9 @@ pub struct Method {
     pub mode: usize,
     /// Number of harmonics beside the mean; the largest where several are asked for.
     pub harmonics: usize,
+    /// What chooses harmonics and held modes instead; `harmonics` is then the smallest number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// All numbers of harmonics for which a branch is computed, ascending.
     #[serde(default, skip_serializing_if = "is_single")]
     pub harmonics_list: Vec<usize>,
@@ -164,12 +191,21 @@ pub struct Method {
     pub mass_redistribution: MassRule,
     /// Solver of the contact problem.
     pub contact_solver: ContactSolver,
-    /// Stiffness of the stops that have none of their own, N/m; [`MethodKind::Hbm`] only.
+    /// Stiffness of the stops that have none of their own, N/m; not for [`MethodKind::MsHbm`].
     pub contact_stiffness: Option<f64>,
     /// Time symmetry that the motion is assumed to have.
     pub symmetry: Symmetry,
     /// Number of held modes that carry the dynamics; `None`: chosen by the program.
     pub held_modes: Option<usize>,
+}
+
+/// An accuracy by which harmonics and held modes are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Largest relative error of the frequency at the same energy.
+    pub error: f64,
+    /// Most harmonics.
+    pub max_harmonics: usize,
 }
 
 fn is_single(list: &[usize]) -> bool {

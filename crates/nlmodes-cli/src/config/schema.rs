@@ -1,5 +1,7 @@
 //! JSON schema of a scene: what `nlmodes-cli schema` prints, and what scenes are checked against.
 
+use std::sync::OnceLock;
+
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
@@ -8,24 +10,32 @@ use crate::config::raw::{RawRecordScene, RawScene, RawTestScene};
 
 /// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
-    schema_of::<RawScene>()
+    of_structure().clone()
 }
 
-/// JSON schema of a scene of measured records, in the same way.
-pub fn record_schema() -> Value {
-    schema_of::<RawRecordScene>()
+/// The schema of a scene of a structure, made once.
+pub fn of_structure() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawScene>)
 }
 
-/// JSON schema of a scene of a virtual test, in the same way.
-pub fn test_schema() -> Value {
-    schema_of::<RawTestScene>()
+/// The schema of a scene of measured records, in the same way.
+pub fn of_records() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawRecordScene>)
+}
+
+/// The schema of a scene of a virtual test, in the same way.
+pub fn of_test() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawTestScene>)
 }
 
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let (mut schema, records, tests) = (schema(), record_schema(), test_schema());
-    let kinds = [&schema, &records, &tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
-    for other in [&records, &tests] {
+    let (mut schema, records, tests) = (schema(), of_records(), of_test());
+    let kinds = [&schema, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
+    for other in [records, tests] {
         if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), other["properties"].as_object()) {
             for (key, rule) in more {
                 all.entry(key).or_insert_with(|| rule.clone());

@@ -19,12 +19,12 @@ const NEAR_CONTACT: f64 = 0.995;
 /// Periods of a time history.
 const PERIODS: f64 = 2.0;
 
-/// Writes frequency over modal amplitude (and over that of a computed branch), damping and mode indicator over modal amplitude, and the time histories at the stop.
+/// Writes frequency over modal amplitude (and over that of computed branches), damping and mode indicator over modal amplitude, and the time histories at the stop.
 pub fn write(
     directory: &Path,
     title: &str,
     outcomes: &[Outcome],
-    computed: Option<&ModalBranch>,
+    computed: &[&ModalBranch],
 ) -> Result<(), Box<dyn Error>> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
     frequency(directory, title, &found, computed)?;
@@ -46,22 +46,24 @@ fn frequency(
     directory: &Path,
     title: &str,
     found: &[&RecordExtraction],
-    computed: Option<&ModalBranch>,
+    computed: &[&ModalBranch],
 ) -> Result<(), Box<dyn Error>> {
     let points: Vec<ModalPoint> = found.iter().filter_map(|found| found.modal_point()).collect();
     let Some(first) = found.iter().find(|found| found.modal.is_some()) else { return Ok(()) };
     let positions = &first.positions;
     // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
-    let grazing = computed.and_then(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let starts =
+        computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let grazing = starts.reduce(f64::min);
     let in_contact: Vec<ModalPoint> =
         points.iter().filter(|point| grazing.is_some_and(|least| point.modal_amplitude >= least)).cloned().collect();
     frequency_figure(title, positions, points, computed)?.write(directory.join("frequency_amplitude.svg"))?;
     if !in_contact.is_empty() {
         // Without its event the axis does not go down to the linear mode at amplitude zero.
-        let mut close = computed.cloned();
-        let grazing = close.as_mut().and_then(|branch| branch.points.first_mut());
-        grazing.into_iter().for_each(|point| point.events.retain(|event| event != "grazing"));
-        let figure = frequency_figure(title, positions, in_contact, close.as_ref())?;
+        let mut close: Vec<ModalBranch> = computed.iter().map(|branch| (*branch).clone()).collect();
+        let starts = close.iter_mut().filter_map(|branch| branch.points.first_mut());
+        starts.for_each(|point| point.events.retain(|event| event != "grazing"));
+        let figure = frequency_figure(title, positions, in_contact, &close.iter().collect::<Vec<_>>())?;
         figure.write(directory.join("frequency_contact.svg"))?;
     }
     Ok(())
@@ -71,7 +73,7 @@ fn frequency_figure(
     title: &str,
     positions: &[f64],
     points: Vec<ModalPoint>,
-    computed: Option<&ModalBranch>,
+    computed: &[&ModalBranch],
 ) -> Result<Figure, Box<dyn Error>> {
     let coordinate = |position: &f64| Coordinate { position: *position, kind: "sensor".into() };
     let branch = ModalBranch {
@@ -82,7 +84,7 @@ fn frequency_figure(
         points,
         end: BranchEnd { reason: "records".into(), message: "all records".into(), complete: true },
     };
-    let branches: Vec<&ModalBranch> = std::iter::once(&branch).chain(computed).collect();
+    let branches: Vec<&ModalBranch> = std::iter::once(&branch).chain(computed.iter().copied()).collect();
     let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title);
     for k in 0..branch.points.len() {
         // More numbers than these would cover each other.

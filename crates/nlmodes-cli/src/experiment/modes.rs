@@ -6,7 +6,7 @@ use nlmodes::experiment::records::Channel;
 use nlmodes::modal::LinearModes;
 use nlmodes::model::linear_modes;
 
-use crate::assemble::Elements;
+use crate::assemble::{Elements, imposed};
 use crate::config::scene::Structure;
 
 /// Most modes that are taken.
@@ -17,8 +17,8 @@ const STILL: f64 = 1e-6;
 const SAME_PLACE: f64 = 1e-3;
 
 /// The lowest modes of the structure, with open contacts and all mass, at the positions of its motion sensors: as many as there are positions,
-/// six at most, but `mode` at least. Modes that move none of the sensors, as the axial ones of a beam, do not count. Their damping is
-/// unknown and zero.
+/// six at most, but `mode` at least. Modes that move none of the sensors, as the axial ones of a beam, do not count. Frequencies are those of
+/// `[structure.modes]` where it gives them, and so are damping ratios, which are unknown and zero elsewhere.
 ///
 /// # Errors
 /// What the structure or the eigenproblem has against it; positions outside the structure, or that cannot tell the modes apart.
@@ -27,6 +27,9 @@ pub fn at_sensors(structure: &Structure, channels: &[Channel], mode: usize) -> R
     let wanted = positions.len().min(MAX_MODES).max(mode);
     let elements = Elements::new(structure)?;
     let model = elements.assemble(&[])?;
+    let imposed = imposed(structure, &model, None)?;
+    let given = imposed.as_ref().map_or(&[] as &[usize], |imposed| &imposed.numbers).to_vec();
+    let model = imposed.map_or(model, |imposed| imposed.model);
     let modes = linear_modes(model.mass(), model.stiffness(), 2 * wanted)?;
     let mut sensors = Vec::new();
     for position in &positions {
@@ -45,7 +48,14 @@ pub fn at_sensors(structure: &Structure, channels: &[Channel], mode: usize) -> R
     let kept: Vec<usize> = (0..modes.omega.len()).filter(moves).take(wanted).collect();
     let shapes: Vec<Vec<f64>> = sensors.iter().map(|sensor| kept.iter().map(|k| shape(sensor, *k)).collect()).collect();
     let omegas: Vec<f64> = kept.iter().map(|k| modes.omega[*k]).collect();
-    Ok(LinearModes::new(&positions, &omegas, &vec![0.0; kept.len()], &shapes)?)
+    Ok(LinearModes::new(&positions, &omegas, &damping(structure, &given, &kept), &shapes)?)
+}
+
+/// Damping ratios of the modes `kept`, where frequencies are imposed on the modes `given`.
+fn damping(structure: &Structure, given: &[usize], kept: &[usize]) -> Vec<f64> {
+    let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_ref());
+    let of = |k: &usize| given.iter().position(|g| g == k).and_then(|i| ratios.and_then(|ratios| ratios.get(i)));
+    kept.iter().map(|k| of(k).copied().unwrap_or(0.0)).collect()
 }
 
 /// Positions of the motion sensors, each once, ascending.

@@ -14,6 +14,7 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
     let summary = json!({
         "title": scene.title,
         "version": env!("CARGO_PKG_VERSION"),
+        "warnings": scene.warnings,
         "records": outcomes.iter().map(record).collect::<Vec<_>>(),
     });
     write_summary(directory.join("summary.json"), &summary)

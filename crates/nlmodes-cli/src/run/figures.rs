@@ -12,7 +12,7 @@ use crate::config::scene::Scene;
 
 /// Linear modes whose participation is written, and shown.
 const LINEAR_MODES: usize = 6;
-const SHOWN_MODES: usize = 2;
+pub const SHOWN_MODES: usize = 2;
 
 /// Instants of a period in a time history.
 pub const HISTORY_SAMPLES: usize = 1000;

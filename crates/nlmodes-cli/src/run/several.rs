@@ -12,7 +12,7 @@ use crate::Status;
 use crate::config::SceneFile;
 use crate::config::scene::Scene;
 
-use super::{chain, figures, one_branch, page};
+use super::{chain, figures, histories, one_branch, page};
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -120,15 +120,21 @@ fn write(files: &[SceneFile], computed: &[ComputedBranch], rows: Vec<Branch>) ->
     let directory = &scene.output_directory;
     figures::remove(directory);
     let all: Vec<&ModalBranch> = computed.iter().map(|c| &c.branch).collect();
+    let branches: Vec<&ComputedBranch> = computed.iter().collect();
+    let references = histories::references(&branches)?;
     for (abscissa, name) in
         [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
     {
-        let figure = BranchFigure::new(abscissa, &all).title(&scene.title).render()?;
-        figure.write(directory.join(name))?;
+        let mut figure = BranchFigure::new(abscissa, &all).title(&scene.title);
+        for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
+            figure = figure.mark(0, reference.point, &reference.name);
+        }
+        figure.render()?.write(directory.join(name))?;
     }
-    figures::participation(directory, scene, &computed.iter().collect::<Vec<_>>())?;
+    figures::participation(directory, scene, &branches)?;
+    histories::write(directory, &references)?;
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &computed.iter().collect::<Vec<_>>())?;
+    page::write(directory, &scenes, &branches, &references)?;
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
     Ok(write_summary(directory.join("summary.json"), &summary)?)
 }

@@ -9,6 +9,7 @@ use nlmodes::report::{BranchWriter, ReportError};
 use nlmodes::study::BranchProgress;
 
 use super::progress::Progress;
+use super::starts::STARTS;
 use super::{figures, summary};
 
 /// Where the files of a branch are: the first one's in the output directory itself, the others' in folders of it.
@@ -77,7 +78,7 @@ impl<'a> Sink<'a> {
         let folders = (1..).map(|number| branch_directory(self.directory, number)).take_while(|folder| folder.is_dir());
         for folder in folders {
             // What cannot be removed cannot be overwritten either, which is said when it is.
-            ["branch.csv", "harmonics.npz", "participation.csv"]
+            ["branch.csv", "harmonics.npz", STARTS, "participation.csv"]
                 .iter()
                 .for_each(|name| drop(fs::remove_file(folder.join(name))));
             drop(fs::remove_dir(folder));

@@ -9,23 +9,31 @@ use nlmodes::modal::Tongue;
 use nlmodes::model::StructuralModel;
 use nlmodes::report::write_summary;
 use nlmodes::study::{ComputedBranch, ComputedTree};
+use nlmodes::timestep::UNIT_CIRCLE;
 use serde::Serialize;
 
 use super::sink::branch_directory;
+use super::starts::STARTS;
 use crate::config::scene::{MethodKind, Scene};
-use crate::modes::{LinearFrequencies, linear_frequencies};
+use crate::modes::{LinearFrequencies, linear_frequencies, modal_model};
 
 #[derive(Serialize)]
 struct Summary<'a> {
     program: &'static str,
     version: &'static str,
     scene: &'a Scene,
+    /// What the structure is, where frequencies are imposed on its modes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    model: Option<String>,
     linear_frequencies_hz: LinearFrequencies,
     grazing: GrazingPoint,
     method: MethodUsed,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<AccuracyUsed>,
     points: usize,
     events: Vec<EventAt<'a>>,
     internal_resonances: Vec<Resonance>,
+    stability: Stability,
     end: End<'a>,
     largest_residual: f64,
     evaluations: usize,
@@ -53,6 +61,40 @@ pub struct MethodUsed {
     largest_unfolding: Option<f64>,
 }
 
+/// What was chosen for an accuracy, and by which estimate.
+#[derive(Serialize)]
+struct AccuracyUsed {
+    asked: f64,
+    /// Of all points.
+    largest_error_estimate: f64,
+    largest_error_estimate_of_held_modes: f64,
+    reached: bool,
+    points_beyond: usize,
+    harmonics_min: usize,
+    harmonics_max: usize,
+    changes_of_harmonics: usize,
+    held_modes: usize,
+    held_modes_of: usize,
+}
+
+impl AccuracyUsed {
+    fn new(scene: &Scene, computed: &ComputedBranch) -> Option<Self> {
+        let (asked, reached) = (scene.method.accuracy?, computed.accuracy?);
+        Some(Self {
+            asked: asked.error,
+            largest_error_estimate: reached.largest_estimate,
+            largest_error_estimate_of_held_modes: reached.largest_held_modes_estimate,
+            reached: reached.points_beyond == 0,
+            points_beyond: reached.points_beyond,
+            harmonics_min: reached.harmonics[0],
+            harmonics_max: reached.harmonics[1],
+            changes_of_harmonics: reached.changes,
+            held_modes: computed.structure.n_held_modes(),
+            held_modes_of: computed.structure.model().linear_dofs().len(),
+        })
+    }
+}
+
 #[derive(Serialize)]
 struct EventAt<'a> {
     point: usize,
@@ -60,6 +102,41 @@ struct EventAt<'a> {
     frequency_hz: f64,
     energy_j: f64,
     energy_over_grazing: f64,
+}
+
+/// Floquet multipliers of the points of the branch.
+#[derive(Serialize)]
+struct Stability {
+    stable_points: usize,
+    unstable_points: usize,
+    unknown_points: usize,
+    /// Distance from the unit circle up to which a multiplier counts as lying on it.
+    tolerance: f64,
+    largest_multiplier: Option<f64>,
+    /// First and last point of each stretch without stability.
+    unstable: Vec<[usize; 2]>,
+}
+
+impl Stability {
+    fn new(computed: &ComputedBranch) -> Self {
+        let [stable_points, unstable_points, unknown_points] = computed.stability_counts();
+        let points = &computed.branch.points;
+        let mut unstable: Vec<[usize; 2]> = Vec::new();
+        for (i, _) in points.iter().enumerate().filter(|(_, p)| p.stability.is_some_and(|s| !s.stable)) {
+            match unstable.last_mut().filter(|stretch| stretch[1] + 1 == i) {
+                Some(stretch) => stretch[1] = i,
+                None => unstable.push([i, i]),
+            }
+        }
+        Self {
+            stable_points,
+            unstable_points,
+            unknown_points,
+            tolerance: UNIT_CIRCLE,
+            largest_multiplier: points.iter().filter_map(|p| Some(p.stability?.magnitude())).reduce(f64::max),
+            unstable,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -166,6 +243,7 @@ pub fn write(
         program: "nlmodes-cli",
         version: env!("CARGO_PKG_VERSION"),
         scene,
+        model: modal_model(&scene.structure),
         linear_frequencies_hz: linear_frequencies(scene, model)?,
         grazing: GrazingPoint {
             frequency_hz: computed.grazing.omega / TAU,
@@ -174,9 +252,11 @@ pub fn write(
             contact_amplitude_m: computed.grazing.amplitude(),
         },
         method: method_used(scene, computed),
+        accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
         events: events.collect(),
         internal_resonances: resonances(computed),
+        stability: Stability::new(computed),
         end: End { reason: &end.reason, message: &end.message, complete: end.complete },
         largest_residual: largest_residual(computed),
         evaluations: computed.evaluations,
@@ -193,8 +273,12 @@ pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
         name: match scene.method.kind {
             MethodKind::MsHbm => "mixed shooting-harmonic balance, massless contact nodes",
             MethodKind::Hbm => "harmonic balance, elastic stops, contact nodes in harmonics",
+            MethodKind::Shooting => "exact shooting, linear motion between located contact instants",
         },
         equations: match computed.largest_unfolding {
+            None if scene.method.kind == MethodKind::Shooting => {
+                "rest at the beginning and after half a period (motions even in time); harmonics.npz has the coefficients of the exact motion"
+            }
             None => "cosine coefficients only (motions even in time): square without a phase anchor",
             Some(_) => "full Fourier series with a phase anchor and an unfolding parameter",
         },
@@ -206,5 +290,5 @@ pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
 
 /// Removes summary and coefficients of an earlier run, which would not belong to the points of this one.
 pub fn remove(directory: &Path) {
-    ["summary.json", "harmonics.npz"].iter().for_each(|name| drop(std::fs::remove_file(directory.join(name))));
+    ["summary.json", "harmonics.npz", STARTS].iter().for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }

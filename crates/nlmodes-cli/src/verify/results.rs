@@ -10,9 +10,9 @@ use serde::Deserialize;
 
 use super::error::VerifyError;
 use crate::assemble::{contact_model, structural_model};
-use crate::config::scene::{Scene, Symmetry};
+use crate::config::scene::{MethodKind, Scene, Symmetry};
 use crate::lcp::archive::Archive;
-use crate::run::chain;
+use crate::run::{STARTS, chain};
 
 const SUMMARY: &str = "summary.json";
 const HARMONICS: &str = "harmonics.npz";
@@ -24,6 +24,8 @@ pub struct Point {
     pub model: MasslessContactModel,
     pub omega: f64,
     pub coefficients: HarmonicCoefficients,
+    /// Displacements at the beginning of an exact motion, which stands still there.
+    pub start: Option<Vec<f64>>,
     symmetry: Symmetry,
 }
 
@@ -67,11 +69,15 @@ impl Point {
         }
         let model = model(&scene)?;
         let (omega, coefficients) = read_point(&path, number, &model)?;
-        if coefficients.n_harmonics() != scene.method.harmonics {
+        if scene.method.accuracy.is_none() && coefficients.n_harmonics() != scene.method.harmonics {
             let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
             return Err(VerifyError::Foreign { what: "number of harmonics", found, expected });
         }
-        Ok(Self { number, title: scene.title, model, omega, coefficients, symmetry: scene.method.symmetry })
+        let start = match scene.method.kind {
+            MethodKind::Shooting => read_start(&directory.join(STARTS), number, &model)?,
+            MethodKind::MsHbm | MethodKind::Hbm => None,
+        };
+        Ok(Self { number, title: scene.title, model, omega, coefficients, start, symmetry: scene.method.symmetry })
     }
 
     /// Whether the structure stands still at the beginning of the period.
@@ -95,6 +101,27 @@ fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
 fn model(scene: &Scene) -> Result<MasslessContactModel, VerifyError> {
     let model = structural_model(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
     contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })
+}
+
+/// Displacements at the beginning of one point; `None` without the file, the motion then starts from its coefficients.
+fn read_start(path: &Path, number: usize, model: &MasslessContactModel) -> Result<Option<Vec<f64>>, VerifyError> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let found = Archive::open(path)?.array("displacement")?;
+    let n = model.dofs().len();
+    let row = match found.shape.as_slice() {
+        &[points, coordinates] if coordinates == n && number < points => &found.values[number * n..(number + 1) * n],
+        shape => {
+            let (found, expected) = (format!("{shape:?}"), format!("points × {n}"));
+            return Err(VerifyError::Foreign { what: "shape of `displacement` in starts.npz", found, expected });
+        }
+    };
+    if row.iter().any(|q| !q.is_finite()) {
+        let (found, expected) = ("not finite".into(), "a motion".into());
+        return Err(VerifyError::Foreign { what: "displacements of starts.npz", found, expected });
+    }
+    Ok(Some(row.to_vec()))
 }
 
 /// Frequency and coefficients of one point of the archive.

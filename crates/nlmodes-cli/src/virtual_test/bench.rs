@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 
 use nlmodes::experiment::phase_loop::{LoopSettings, Order, PhaseDetector, Resonance};
 use nlmodes::modal::LinearModes;
-use nlmodes::model::{ContactLaw, DofKind, Side};
+use nlmodes::model::{ContactLaw, Side};
 use nlmodes::rig::ModalReduction;
 use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
 
-use crate::assemble::Elements;
-use crate::config::scene::{self, LoopDetector, StructureKind, TestScene};
+use crate::assemble::{Elements, imposed, moving_kind};
+use crate::config::scene::{self, LoopDetector, TestScene};
 
 /// Start of the loop below the frequency of the mode, relative.
 const BELOW: f64 = 0.0025;
@@ -22,6 +22,8 @@ pub struct Rig {
     pub bench: Bench,
     /// The modes of the structure that are taken, and the flexibility of the others.
     pub reduction: ModalReduction,
+    /// Angular eigenfrequencies that the elements give these modes, rad/s.
+    pub of_elements: Vec<f64>,
     /// The modes at the sensors.
     pub modes: LinearModes,
     /// The loop.
@@ -47,10 +49,10 @@ impl Rig {
     pub fn new(scene: &TestScene) -> Result<Self, RigRefused> {
         let elements = Elements::new(&scene.structure).map_err(at("structure"))?;
         let model = elements.assemble(&[]).map_err(at("structure"))?;
-        let kind = match scene.structure.kind() {
-            StructureKind::Rod => DofKind::Axial,
-            StructureKind::Beam => DofKind::Deflection,
-        };
+        let imposed = imposed(&scene.structure, &model, None).map_err(at("structure.modes.frequencies_hz"))?;
+        let own = imposed.as_ref().map_or_else(Vec::new, |imposed| imposed.own.clone());
+        let model = imposed.map_or(model, |imposed| imposed.model);
+        let kind = moving_kind(scene.structure.kind());
         let count = scene.damping_ratios.len();
         let reduction = ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), kind, count)
             .map_err(at("virtual_test.damping_ratios"))?;
@@ -64,6 +66,8 @@ impl Rig {
             Some(frequencies) => frequencies.iter().map(|hz| TAU * hz).collect(),
             None => reduction.omega().to_vec(),
         };
+        let beyond = reduction.omega().iter().skip(own.len());
+        let of_elements = own.iter().take(count).chain(beyond).copied().collect();
         let bench = Bench {
             omega,
             damping_ratios: scene.damping_ratios.clone(),
@@ -77,7 +81,7 @@ impl Rig {
         };
         let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;
         let control = control(scene, &bench);
-        Ok(Self { bench, reduction, modes, control })
+        Ok(Self { bench, reduction, of_elements, modes, control })
     }
 }
 

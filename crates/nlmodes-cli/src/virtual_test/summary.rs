@@ -15,9 +15,9 @@ use crate::config::scene::{TestScene, TestStop};
 /// What `check` says.
 pub fn summary(scene: &TestScene) -> String {
     let row = |name: &str, text: String| format!("  {name:<12}{text}");
-    let modes = match &scene.frequencies_hz {
+    let modes = match scene.given_frequencies() {
         Some(frequencies) => {
-            format!("{} at {} Hz, imposed on the structure's shapes", frequencies.len(), list(frequencies))
+            format!("{}; {} Hz imposed on the structure's shapes", scene.damping_ratios.len(), list(frequencies))
         }
         None => format!("{} of the structure", scene.damping_ratios.len()),
     };
@@ -26,9 +26,12 @@ pub fn summary(scene: &TestScene) -> String {
         0 => "no accelerometers".into(),
         n => format!("{n} accelerometers"),
     };
-    let backbone = scene.backbone.map_or_else(
+    let backbone = scene.backbone.as_ref().map_or_else(
         || "not computed".into(),
-        |b| format!("computed with {} harmonics, up to {} Hz", b.harmonics, number(b.end_hz)),
+        |b| {
+            let methods: Vec<&str> = b.methods.iter().map(|method| method.name()).collect();
+            format!("computed with {} harmonics by {}, up to {} Hz", b.harmonics, methods.join(", "), number(b.end_hz))
+        },
     );
     let records = scene.records.as_ref().map_or_else(
         || "not kept".into(),
@@ -90,9 +93,9 @@ fn list(values: &[f64]) -> String {
 
 /// What the model is, in a line: nobody should take it for the finite-element structure.
 pub fn model(scene: &TestScene, rig: &Rig) -> String {
-    let (own, taken) = (hertz(rig.reduction.omega()), hertz(&rig.bench.omega));
+    let (own, taken) = (hertz(&rig.of_elements), hertz(&rig.bench.omega));
     let first = format!("modal model: {} modes of the structure", taken.len());
-    if scene.frequencies_hz.is_none() {
+    if scene.given_frequencies().is_none() {
         return format!("{first}, {} Hz", rounded(&own));
     }
     format!("{first} with given frequencies, {} Hz, instead of its own, {} Hz", rounded(&taken), rounded(&own))
@@ -129,18 +132,22 @@ pub fn json(
     scene: &TestScene,
     rig: &Rig,
     levels: Vec<Value>,
-    backbone: Option<&ModalBranch>,
+    backbones: &[&ModalBranch],
+    wrong: &[String],
     wall_time: Duration,
 ) -> Value {
     let bench = &rig.bench;
-    let backbone = backbone.map(|branch| {
-        json!({
-            "label": branch.label,
-            "points": branch.points.len(),
-            "end": branch.end.message,
-            "complete": branch.end.complete,
+    let backbones: Vec<Value> = backbones
+        .iter()
+        .map(|branch| {
+            json!({
+                "label": branch.label,
+                "points": branch.points.len(),
+                "end": branch.end.message,
+                "complete": branch.end.complete,
+            })
         })
-    });
+        .collect();
     json!({
         "program": "nlmodes-cli",
         "version": env!("CARGO_PKG_VERSION"),
@@ -149,8 +156,8 @@ pub fn json(
         "model": model(scene, rig),
         "modes": {
             "frequencies_hz": hertz(&bench.omega),
-            "frequencies_are_given": scene.frequencies_hz.is_some(),
-            "frequencies_of_the_structure_hz": hertz(rig.reduction.omega()),
+            "frequencies_are_given": scene.given_frequencies().is_some(),
+            "frequencies_of_the_structure_hz": hertz(&rig.of_elements),
             "damping_ratios": bench.damping_ratios,
             "drive_shape": rig.reduction.shape(&bench.drive.weights),
             "drive_residual_flexibility_m_n": rig.reduction.residual(&bench.drive.weights),
@@ -164,8 +171,12 @@ pub fn json(
         "sample_rate_hz": scene.sample_rate,
         "seed": scene.seed,
         "loop": scene.control,
+        "warnings": scene.warnings,
         "levels": levels,
-        "backbone": backbone,
+        "backbone": backbones.first(),
+        "backbones": backbones,
+        "complete": wrong.is_empty(),
+        "incomplete_because": wrong,
         "wall_time_s": wall_time.as_secs_f64(),
     })
 }

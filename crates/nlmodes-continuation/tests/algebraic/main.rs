@@ -5,4 +5,5 @@ mod crossings;
 mod ends;
 mod samples;
 mod smooth;
+mod three_free;
 mod trees;

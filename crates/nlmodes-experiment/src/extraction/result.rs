@@ -107,6 +107,7 @@ impl RecordExtraction {
             kinetic_energy: modal.kinetic_energy.value,
             harmonic_energy: modal.harmonic_energy.clone(),
             resonance: None,
+            stability: None,
             total_energy: f64::NAN,
             modal_amplitude: modal.amplitude.value,
             fundamental: self.motion.of(last)[1].norm(),
@@ -115,6 +116,7 @@ impl RecordExtraction {
             contact_intervals: contact.map_or(0, |contact| contact.intervals_per_period.round() as usize),
             peak_contact_force: contact.map_or(f64::NAN, |contact| contact.peak_force.value),
             residual: f64::NAN,
+            error_estimate: None,
             events: vec![],
         })
     }

@@ -109,15 +109,14 @@ impl<'a> BranchFigure<'a> {
     }
 
     fn curves(&self) -> impl Iterator<Item = Curve> {
-        let resumed = |_: &ModalPoint, next: &ModalPoint| !next.has_event(ModalPoint::RESUMED);
         let branches = self.branches.iter().enumerate();
-        branches.flat_map(move |(index, branch)| branch.points.chunk_by(resumed).map(move |piece| (index, piece))).map(
-            |(index, piece)| Curve {
-                class: "branch",
+        branches.flat_map(move |(index, branch)| {
+            pieces(&branch.points).map(move |(piece, state)| Curve {
+                class: state.class(),
                 points: piece.iter().map(|point| self.place(point)).collect(),
-                stroke: branch_stroke(index),
-            },
-        )
+                stroke: state.stroke(index),
+            })
+        })
     }
 
     /// A dashed line for each tongue that was left out, from foot to foot.
@@ -191,8 +190,73 @@ impl<'a> BranchFigure<'a> {
         let branches = self.branches.iter().enumerate();
         let branches = branches.map(|(index, branch)| entry(branch_stroke(index), &branch.label));
         let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
-        branches.chain(linear).chain(events.legend()).collect()
+        let states = self.branches.iter().flat_map(|branch| &branch.points).map(State::of).collect::<Vec<_>>();
+        let unstable =
+            states.contains(&State::Unstable).then(|| entry(Stroke::short_dashed(palette::INK, 2.0), "unstable"));
+        let judged = states.iter().any(|state| *state != State::Unknown);
+        let unknown = judged && states.contains(&State::Unknown);
+        let unknown = unknown.then(|| entry(Stroke::solid(palette::INK, 0.9), "stability unknown"));
+        branches.chain(linear).chain(unstable).chain(unknown).chain(events.legend()).collect()
     }
+}
+
+/// What is known about the stability of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Stable,
+    Unstable,
+    Unknown,
+    /// Of no point of the branch anything is known.
+    NotJudged,
+}
+
+impl State {
+    fn of(point: &ModalPoint) -> Self {
+        match point.stability {
+            Some(stability) if stability.stable => Self::Stable,
+            Some(_) => Self::Unstable,
+            None => Self::Unknown,
+        }
+    }
+
+    fn class(self) -> &'static str {
+        match self {
+            Self::Stable | Self::NotJudged => "branch",
+            Self::Unstable => "branch unstable",
+            Self::Unknown => "branch stability-unknown",
+        }
+    }
+
+    /// Solid where stable, dashed where unstable, as usual; thin where unknown beside points that are known.
+    fn stroke(self, index: usize) -> Stroke {
+        match self {
+            Self::Stable | Self::NotJudged => branch_stroke(index),
+            Self::Unstable => Stroke::short_dashed(palette::curve(index), 2.0),
+            Self::Unknown => Stroke::solid(palette::curve(index), 0.9),
+        }
+    }
+}
+
+/// Stretches of a branch of the same stability, without gaps between them but for those that were left out.
+///
+/// The stretch up to a change ends at its point, with which the next one begins.
+fn pieces(points: &[ModalPoint]) -> impl Iterator<Item = (&[ModalPoint], State)> {
+    let judged = points.iter().any(|point| point.stability.is_some());
+    let state = move |point: &ModalPoint| if judged { State::of(point) } else { State::NotJudged };
+    let (mut found, mut start) = (Vec::new(), 0);
+    for (i, pair) in points.windows(2).enumerate() {
+        let end = i + 1;
+        if pair[1].has_event(ModalPoint::RESUMED) {
+            found.push((&points[start..end], state(&points[start])));
+            start = end;
+        } else if state(&pair[0]) != state(&pair[1]) {
+            // A curve of one state reaches to the point at which the other begins.
+            found.push((&points[start..=end], state(&points[start])));
+            start = end;
+        }
+    }
+    found.extend(points.get(start).map(|first| (&points[start..], state(first))));
+    found.into_iter()
 }
 
 fn branch_stroke(index: usize) -> Stroke {

@@ -2,13 +2,14 @@
 
 use crate::chart::{Key, LegendEntry, Shape};
 
-const KNOWN: [(&str, Shape, &str); 6] = [
+const KNOWN: [(&str, Shape, &str); 7] = [
     ("grazing", Shape::Circle, "#f0e442"),
     ("fold", Shape::Triangle, "#ffffff"),
     ("branch-point", Shape::Square, "#56b4e9"),
     ("kink", Shape::Diamond, "#cc79a7"),
     ("frequency-fold", Shape::Pentagon, "#ffffff"),
     ("contact-change", Shape::TriangleDown, "#e69f00"),
+    ("stability-change", Shape::Star, "#d55e00"),
 ];
 const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
 const FURTHER_FILLS: [&str; 2] = ["#009e73", "#bbbbbb"];

@@ -55,12 +55,17 @@ struct BranchData {
     shares: Vec<Vec<f64>>,
     events: BTreeMap<usize, Vec<String>>,
     resonance: BTreeMap<usize, String>,
+    /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point where it is known.
+    unstable: Vec<usize>,
+    multiplier: BTreeMap<usize, f64>,
     /// Points that do not come from the one before.
     resumed: Vec<usize>,
     /// Point at the end of the branch at which the linear mode ends.
     grazing: Option<usize>,
     /// Point and name of each tongue.
     tongues: Vec<(usize, String)>,
+    /// Participation of each linear mode; none where it is not known.
+    participation: Vec<Vec<f64>>,
     motion: Option<MotionData>,
 }
 
@@ -79,7 +84,7 @@ impl Data {
             branches: (0..report.branches.len()).map(|index| BranchData::new(report, index)).collect(),
             marks: report.marks.clone(),
             event_symbols: symbols.all().map(symbol).collect(),
-            histories: report.histories.iter().map(|(name, history)| HistoryData::new(name, history)).collect(),
+            histories: report.histories.iter().filter_map(|(name, all)| HistoryData::of_all(name, all)).collect(),
             colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING },
         }
     }
@@ -103,6 +108,7 @@ impl BranchData {
         let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
         let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(ModalPoint::RESUMED));
         let tongues = tongues(points).into_iter();
+        let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
         Self {
             label: branch.label.clone(),
             color: palette::curve(index),
@@ -119,9 +125,12 @@ impl BranchData {
             shares: points.iter().map(shares).collect(),
             events: with_events.map(|(i, point)| (i, point.events.clone())).collect(),
             resonance: resonant.collect(),
+            unstable: judged().filter(|(_, s)| !s.stable).map(|(i, _)| i).collect(),
+            multiplier: judged().map(|(i, s)| (i, rounded(s.magnitude(), 7))).collect(),
             resumed: resumed.map(|(i, _)| i).collect(),
             grazing: grazing(branch),
             tongues: tongues.map(|t| (if t.skipped { t.start } else { t.tip }, t.resonance.to_string())).collect(),
+            participation: participation(report, index),
             motion: MotionData::new(report, index, &stops(report, branch)),
         }
     }
@@ -144,6 +153,11 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
     let first = branch.contact_coordinate.zip(branch.stop);
     let line = |(coordinate, position): (usize, f64)| StopLine { coordinate, position, positive: position >= 0.0 };
     first.map(line).into_iter().collect()
+}
+
+fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Vec<f64>> {
+    let of = |mode: usize| report.participation[index].iter().map(|p| rounded(p.factors[mode], 8)).collect();
+    (0..report.participating_modes()).map(of).collect()
 }
 
 fn shares(point: &ModalPoint) -> Vec<f64> {

@@ -11,6 +11,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/symbol.js"),
     include_str!("page/chart.js"),
     include_str!("page/branches.js"),
+    include_str!("page/participation.js"),
     include_str!("page/histories.js"),
     include_str!("page/motion.js"),
     include_str!("page/start.js"),
@@ -18,7 +19,7 @@ const SCRIPT: &str = concat!(
 
 /// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
 const STYLE_HASH: &str = "QS9rSVDL/16IHEyce/QPWALhl9i1mzKLdB7Y7D+XuGQ=";
-const SCRIPT_HASH: &str = "jWuMfwUNLxVYTNBJQxrAindlciQ+Tz/a6UZK95wgBQ4=";
+const SCRIPT_HASH: &str = "gqMgZLV4lSv99aRT/WLk9qB2sRmjPMpE4kJrKrnvoj8=";
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
     let policy = format!(

@@ -2,6 +2,7 @@
 
 use super::knots::knots;
 use super::number::rounded;
+use crate::palette;
 use nlmodes_modal::TimeHistory;
 use serde::Serialize;
 
@@ -19,10 +20,22 @@ pub(super) struct HistoryData {
     stop: f64,
     /// Time, and whether touching begins.
     instants: Vec<(f64, bool)>,
+    label: String,
+    color: Option<&'static str>,
+    /// Those drawn over it.
+    others: Vec<HistoryData>,
 }
 
 impl HistoryData {
-    pub fn new(name: &str, history: &TimeHistory) -> Self {
+    /// The first of these histories, with the others drawn over it; none of none.
+    pub fn of_all(name: &str, all: &[&TimeHistory]) -> Option<Self> {
+        let mut curves = all.iter().enumerate().map(|(index, history)| Self::new(name, history, index));
+        let first = curves.next()?;
+        Some(Self { others: curves.collect(), ..first })
+    }
+
+    /// As the curve number `index` of a figure; the first has the colour of the text.
+    fn new(name: &str, history: &TimeHistory, index: usize) -> Self {
         let thin = thinned(history);
         let short = |values: Vec<f64>| values.into_iter().map(|value| rounded(value, 6)).collect();
         Self {
@@ -34,6 +47,9 @@ impl HistoryData {
             force: short(thin.force),
             stop: thin.stop,
             instants: thin.instants.iter().map(|instant| (rounded(instant.time, 8), instant.touching)).collect(),
+            label: history.label.clone(),
+            color: (index > 0).then(|| palette::curve(index)),
+            others: Vec::new(),
         }
     }
 }

@@ -122,7 +122,8 @@ pub(super) fn shown(
 /// The points whose motion the page holds: all of them, or some at even steps and those with an event or a name.
 fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_stops: usize) -> Vec<usize> {
     let points = &report.branches[index].points;
-    let (n, n_harmonics) = (points.len(), points.first().map_or(0, |point| point.coefficients.n_harmonics()));
+    let (n, n_harmonics) =
+        (points.len(), points.iter().map(|point| point.coefficients.n_harmonics()).max().unwrap_or(0));
     let contacts = if report.contact_motion.is_some() { n_stops } else { 0 };
     let bytes = 10 * n_stations * (n_harmonics + 1) + 1000 * contacts;
     let most = (BUDGET / report.branches.len().max(1) / bytes.max(1)).clamp(POINTS.0, POINTS.1);

@@ -6,10 +6,10 @@ use super::number::{hertz, significant};
 use super::table::{DataTable, cell, point_cell};
 use super::{HtmlReport, data, document};
 use crate::ReportError;
-use crate::figure::{Abscissa, BranchFigure, Figure, HistoryFigure, stroboscope};
+use crate::figure::{Abscissa, BranchFigure, Figure, HistoryFigure, ParticipationFigure, stroboscope};
 use crate::stations;
 use crate::svg::escape;
-use nlmodes_modal::{ModalPoint, tongues};
+use nlmodes_modal::{ModalPoint, TimeHistory, tongues};
 
 const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve for its values; \
     click to see that motion. With the keyboard: arrows, Enter, + − 0.";
@@ -28,6 +28,7 @@ impl HtmlReport<'_> {
         let all = vec![
             section("overview", "", self.overview()),
             section("branches", "The nonlinear mode", self.branch_figures()),
+            section("participations", "Participation of linear modes", self.participation_figure()?),
             section("moving", "Motion", self.motion_figure()),
             section("histories", "Time histories", self.history_figures()?),
             section("tables", "Tables", self.all_tables()),
@@ -53,6 +54,19 @@ impl HtmlReport<'_> {
             figure = figure.mark(*branch, *point, name);
         }
         figure.render().map_or_else(|_| String::new(), |figure| boxed(title, &figure, &format!("id=\"{id}\"")))
+    }
+
+    fn participation_figure(&self) -> Result<String, ReportError> {
+        let modes = self.participating_modes();
+        if modes == 0 {
+            return Ok(String::new());
+        }
+        let pairs: Vec<_> = self.branches.iter().copied().zip(self.participation.iter().copied()).collect();
+        match ParticipationFigure::new(&pairs, modes).render() {
+            Ok(figure) => Ok(boxed("Participation over modal amplitude", &figure, "id=\"participation\"")),
+            Err(ReportError::NothingToDraw { .. }) => Ok(String::new()),
+            Err(error) => Err(error),
+        }
     }
 
     fn motion_figure(&self) -> String {
@@ -87,9 +101,9 @@ impl HtmlReport<'_> {
 
     fn history_figures(&self) -> Result<String, ReportError> {
         let mut boxes = String::new();
-        for (index, (name, history)) in self.histories.iter().enumerate() {
-            let thin = thinned(history);
-            match HistoryFigure::new(&[&thin]).with_acceleration().render() {
+        for (index, (name, histories)) in self.histories.iter().enumerate() {
+            let thin: Vec<TimeHistory> = histories.iter().map(|history| thinned(history)).collect();
+            match HistoryFigure::new(&thin.iter().collect::<Vec<_>>()).with_acceleration().render() {
                 Ok(figure) => boxes += &boxed(name, &figure, &format!("data-history=\"{index}\"")),
                 Err(ReportError::NothingToDraw { .. }) => {}
                 Err(error) => return Err(error),

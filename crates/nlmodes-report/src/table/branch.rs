@@ -7,7 +7,7 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; 13] = [
+pub const BRANCH_COLUMNS: [&str; 18] = [
     "point",
     "frequency_hz",
     "energy_j",
@@ -21,11 +21,17 @@ pub const BRANCH_COLUMNS: [&str; 13] = [
     "residual",
     "event",
     "resonance",
+    "stable",
+    "largest_multiplier",
+    "multiplier_angle_deg",
+    "harmonics",
+    "error_estimate",
 ];
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
 ///
-/// Numbers are the shortest that read back as the same double; events are joined by spaces. A file of that name is
+/// Numbers are the shortest that read back as the same double; events are joined by spaces. The stability is empty where it was not
+/// found out, the angle of the multiplier where the motion is stable. A file of that name is
 /// replaced at once, never half.
 ///
 /// # Errors
@@ -121,6 +127,11 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         number(point.residual),
         point.events.join(" "),
         point.resonance.map_or_else(String::new, |resonance| resonance.to_string()),
+        point.stability.map_or_else(String::new, |s| s.stable.to_string()),
+        point.stability.map_or_else(String::new, |s| number(s.magnitude())),
+        point.stability.filter(|s| !s.stable).map_or_else(String::new, |s| number(s.angle_deg())),
+        point.coefficients.n_harmonics().to_string(),
+        point.error_estimate.map_or_else(String::new, number),
     ]
 }
 

@@ -12,12 +12,12 @@ use std::path::Path;
 /// | array | shape | type |
 /// | --- | --- | --- |
 /// | `omega` | points | float64, rad/s |
-/// | `coefficients` | points × coordinates × (harmonics + 1) | complex128, eq. (7) |
+/// | `coefficients` | points × coordinates × (harmonics + 1) | complex128, eq. (7); zero where a point has fewer harmonics |
 /// | `dof_position_m` | coordinates | float64 |
 /// | `dof_kind` | coordinates | Unicode text |
 ///
 /// # Errors
-/// [`ReportError::CoefficientShape`] if the points do not fit into one array, [`ReportError::Io`] if the file cannot
+/// [`ReportError::CoefficientShape`] if a point has not the coordinates of the branch, [`ReportError::Io`] if the file cannot
 /// be written.
 pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
     let width = common_width(branch)?;
@@ -34,13 +34,13 @@ pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(
     })
 }
 
-/// Harmonics + 1, the same for all points; 1 for a branch without points.
+/// Harmonics + 1 of the point that has most; 1 for a branch without points.
 fn common_width(branch: &ModalBranch) -> Result<usize, ReportError> {
-    let width = branch.points.first().map_or(1, |point| point.coefficients.n_harmonics() + 1);
+    let width = branch.points.iter().map(|point| point.coefficients.n_harmonics() + 1).max().unwrap_or(1);
     let expected = (branch.coordinates.len(), width);
     for (index, point) in branch.points.iter().enumerate() {
         let found = (point.coefficients.n_coordinates(), point.coefficients.n_harmonics() + 1);
-        if found != expected {
+        if found.0 != expected.0 {
             return Err(ReportError::CoefficientShape { point: index, found, expected });
         }
     }
@@ -58,13 +58,14 @@ fn write_coefficients<W: Write + Seek>(
     let mut array = options.default_dtype().shape(&shape).begin_nd()?;
     for point in &branch.points {
         for d in 0..n_coordinates {
-            array.extend(point.coefficients.of(d).iter().copied())?;
+            let own = point.coefficients.of(d).iter().copied();
+            array.extend(own.chain(std::iter::repeat(Complex64::default())).take(width))?;
         }
     }
     array.finish()
 }
 
-fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
+pub(super) fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
     let options = archive.array::<f64>(name, Default::default())?;
     let mut array = options.default_dtype().shape(&[values.len() as u64]).begin_nd()?;
     array.extend(values.iter().copied())?;

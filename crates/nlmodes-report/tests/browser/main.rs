@@ -8,7 +8,7 @@ mod driver;
 mod samples;
 
 use driver::Browser;
-use nlmodes_modal::{ModalBranch, TimeHistory};
+use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
 use nlmodes_report::{DataTable, HtmlReport};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -52,15 +52,26 @@ fn branches() -> [ModalBranch; 2] {
     [exact, samples::looped(200)]
 }
 
+/// Participation of two modes.
+fn participation(branch: &ModalBranch) -> Vec<Participation> {
+    let shares = |k: usize| vec![1.0 - 1e-3 * k as f64, 1e-4 * k as f64];
+    let of = |k: usize| Participation { factors: shares(k), quadrature: vec![0.0; 2], harmonics: 1..=3 };
+    (0..branch.points.len()).map(of).collect()
+}
+
 /// The page in a folder that lasts as long as the first value.
 fn page() -> (TempDir, std::path::PathBuf) {
     let [exact, looped] = branches();
     let (all, history) = ([&exact, &looped], samples::history("stop", 2.3e6));
+    let softer = samples::history("softer stop", 2.3e5);
+    let factors = [participation(&exact), participation(&looped)];
+    let factors = factors.each_ref().map(Vec::as_slice);
     let mut table = DataTable::new("Linear <frequencies>", &["mode", "Hz"]);
     table.rows.push(vec!["1".into(), "60.0".into()]);
     let report =
         HtmlReport::new(TITLE, &all).line("three harmonics").clamped_at(&[0.0]).contact_motion(&contact_motion);
-    let report = report.mark(0, 30, "P1").history("P1 <i>", &history).table(table);
+    let report =
+        report.mark(0, 30, "P1").histories("P1 <i>", &[&history, &softer]).participation(&factors).table(table);
     let report = report.document("Scene", &serde_json::json!({ "title": TITLE, "length": 20.0 })).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
@@ -111,13 +122,18 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
     assert_eq!(browser.text("return document.querySelector('h1').textContent"), TITLE);
     assert_eq!(browser.number("return document.querySelectorAll('img, iframe, link, object').length"), 0.0);
     assert_eq!(browser.number("return document.querySelectorAll('script').length"), 2.0);
-    for figure in ["#energy", "#amplitude", "#motion", "#contact", "[data-history]"] {
+    for figure in ["#energy", "#amplitude", "#participation", "#motion", "#contact", "[data-history]"] {
         let lines = format!("return document.querySelectorAll('{figure} svg polyline').length");
         assert!(browser.number(&lines) >= 1.0, "{figure}");
         let area = format!(
             "const r = document.querySelector('{figure} svg').getBoundingClientRect(); return r.width * r.height"
         );
         assert!(browser.number(&area) > 40_000.0, "{figure}");
+    }
+    // Two branches in each of two panels; two histories in each of four.
+    for (figure, curves) in [("#participation", 4.0), ("[data-history]", 8.0)] {
+        let lines = format!("return document.querySelectorAll('{figure} svg polyline.curve').length");
+        assert!(browser.number(&lines) >= curves, "{figure}");
     }
     // The still figures give way to those that move.
     assert_eq!(

@@ -1,5 +1,5 @@
 use crate::{checked, of_class, points, samples, texts};
-use nlmodes_modal::ModalBranch;
+use nlmodes_modal::{ModalBranch, Stability};
 use nlmodes_report::{Abscissa, BranchFigure, ReportError};
 
 const BOTH: [Abscissa; 2] = [Abscissa::Energy, Abscissa::ModalAmplitude];
@@ -152,4 +152,25 @@ fn long_names_and_control_characters_stay_within_a_well_formed_picture() {
     let document = checked(&figure);
     let title = document.descendants().find(|node| node.text() == Some(title.as_str())).unwrap();
     assert!(title.attribute("font-size").unwrap().parse::<f64>().unwrap() < 5.0);
+}
+
+#[test]
+fn unstable_stretches_are_dashed_and_begin_where_the_stable_ones_end() {
+    let mut branch = samples::looped(9);
+    for (i, point) in branch.points.iter_mut().enumerate() {
+        let unstable = (3..6).contains(&i);
+        let largest_multiplier = if unstable { [-1.5, 0.0] } else { [1.0, 0.0] };
+        point.stability = (i != 8).then_some(Stability { stable: !unstable, largest_multiplier });
+    }
+    let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
+    let document = checked(&figure);
+    let count = |class: &str| of_class(&document, class).iter().map(|curve| points(*curve).len()).collect::<Vec<_>>();
+    // Points 0 to 3, 6 to 8; 3 to 6; 8 is not known.
+    assert_eq!(count("branch unstable"), [4]);
+    assert_eq!(count("branch stability-unknown"), [1]);
+    assert_eq!(count("branch"), [4, 3]);
+    let dashed = of_class(&document, "branch unstable")[0];
+    assert!(dashed.attribute("stroke-dasharray").is_some());
+    let texts = texts(&document);
+    assert!(["unstable", "stability unknown"].iter().all(|name| texts.iter().any(|text| text == name)), "{texts:?}");
 }

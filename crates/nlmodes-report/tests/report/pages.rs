@@ -1,5 +1,5 @@
 use crate::samples;
-use nlmodes_modal::ModalBranch;
+use nlmodes_modal::{ModalBranch, Participation};
 use nlmodes_report::{DataTable, HtmlReport, ReportError};
 use roxmltree::Document;
 
@@ -105,6 +105,53 @@ fn long_branch_keeps_points_with_events_and_a_sensible_size() {
     assert!(moving.len() < 400 && [0, 1234, 1777, 2999].iter().all(|k| moving.contains(&(*k).into())));
     assert_eq!(data["branches"][0]["frequency"].as_array().unwrap().len(), 3000);
     assert!(page.len() < 4_000_000, "{}", page.len());
+}
+
+/// Participation of two modes, one of which has its sign changed at each point.
+fn participation(branch: &ModalBranch) -> Vec<Participation> {
+    let of = |k: usize| Participation {
+        factors: vec![1.0 - 1e-3 * k as f64, if k.is_multiple_of(2) { 1e-3 } else { -1e-3 } * k as f64],
+        quadrature: vec![0.0; 2],
+        harmonics: 1..=3,
+    };
+    (0..branch.points.len()).map(of).collect()
+}
+
+#[test]
+fn participation_has_a_panel_a_mode_and_a_curve_a_branch() {
+    let (first, second) = (samples::rod(12, 3), samples::looped(20));
+    let (all, factors) = ([&first, &second], [participation(&first), participation(&second)]);
+    let slices = factors.each_ref().map(Vec::as_slice);
+    let page = HtmlReport::new("rod", &all).participation(&slices).render().unwrap();
+    let text = markup(&page);
+    let document = Document::parse(&text).unwrap();
+    let section = document.descendants().find(|node| node.attribute("id") == Some("participations")).unwrap();
+    let curves = section.descendants().filter(|node| node.attribute("class") == Some("participation"));
+    assert_eq!(curves.count(), 4);
+    let found = data(&page)["branches"][1]["participation"][1].clone();
+    assert_eq!((found[4].as_f64(), found[5].as_f64(), found.as_array().unwrap().len()), (Some(4e-3), Some(-5e-3), 20));
+    // Left out where it is not given for each branch, refused where it is not given for each point.
+    let one = HtmlReport::new("rod", &all).participation(&slices[..1]).render().unwrap();
+    assert!(!one.contains("id=\"participations\""));
+    let short = [slices[0], &slices[1][1..]];
+    let error = HtmlReport::new("rod", &all).participation(&short).render().unwrap_err();
+    assert!(matches!(error, ReportError::SeriesLength { found: 19, expected: 20, .. }), "{error}");
+}
+
+#[test]
+fn histories_over_each_other_share_a_figure() {
+    let branch = samples::rod(12, 3);
+    let (hard, soft) = (samples::history("hard", 2.3e6), samples::history("soft", 2.3e5));
+    let all = [&branch];
+    let report = HtmlReport::new("rod", &all).histories("P1", &[&hard, &soft]).histories("none", &[]);
+    let page = report.history("P2", &soft).render().unwrap();
+    let histories = data(&page)["histories"].clone();
+    assert_eq!(histories.as_array().unwrap().len(), 2);
+    let (shared, alone) = (&histories[0], &histories[1]);
+    assert_eq!((shared["label"].as_str(), shared["others"][0]["label"].as_str()), (Some("hard"), Some("soft")));
+    assert!(shared["color"].is_null() && shared["others"][0]["color"].is_string());
+    assert_eq!((alone["name"].as_str(), alone["others"].as_array().unwrap().len()), (Some("P2"), 0));
+    assert_eq!(page.matches("class=\"history\"").count(), 3 * 4);
 }
 
 #[test]

@@ -41,6 +41,7 @@ fn point(amplitude: f64, coordinates: &[Coordinate], n_harmonics: usize) -> Moda
         kinetic_energy: 0.5 * energy,
         harmonic_energy: Vec::new(),
         resonance: None,
+        stability: None,
         total_energy: energy,
         modal_amplitude: tip[1].norm() * MASS.sqrt(),
         fundamental: tip[1].re,
@@ -49,6 +50,7 @@ fn point(amplitude: f64, coordinates: &[Coordinate], n_harmonics: usize) -> Moda
         contact_intervals: usize::from(amplitude > STOP),
         peak_contact_force: 0.1 + amplitude / 3.0,
         residual: 1.234_567_890_123_456_7e-13,
+        error_estimate: None,
         events: Vec::new(),
     }
 }

@@ -1,4 +1,5 @@
 use crate::samples;
+use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_report::{BRANCH_COLUMNS, BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
 use npyz::npz::NpzArchive;
 use num_complex::Complex64;
@@ -8,7 +9,8 @@ use std::process::Command;
 use tempfile::tempdir;
 
 const HEADER: &str = "point,frequency_hz,energy_j,total_energy_j,modal_amplitude,fundamental_m,peak_m,contact_fraction,\
-                      contact_intervals,peak_contact_force_n,residual,event,resonance";
+                      contact_intervals,peak_contact_force_n,residual,event,resonance,\
+                      stable,largest_multiplier,multiplier_angle_deg,harmonics,error_estimate";
 
 #[test]
 fn branch_reads_back_bit_for_bit() {
@@ -118,14 +120,26 @@ fn branch_without_points_is_an_empty_archive() {
 }
 
 #[test]
-fn points_of_different_shape_are_refused_by_name() {
+fn fewer_harmonics_are_padded_and_other_coordinates_refused_by_name() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("harmonics.npz");
     let mut branch = samples::rod(3, 1);
     branch.points[2].coefficients = samples::rod(1, 4).points[0].coefficients.clone();
-    let error = write_harmonics(&path, &branch).unwrap_err();
-    assert!(matches!(error, ReportError::CoefficientShape { point: 2, found: (80, 5), expected: (80, 2) }), "{error}");
-    assert!(!path.exists());
+    write_harmonics(&path, &branch).unwrap();
+    let mut archive = NpzArchive::open(&path).unwrap();
+    let array = archive.by_name("coefficients").unwrap().unwrap();
+    assert_eq!(array.shape(), [3, 80, 5]);
+    let all = array.into_vec::<Complex64>().unwrap();
+    for (point, row) in branch.points.iter().zip(all.chunks(80 * 5)) {
+        let own = point.coefficients.n_harmonics() + 1;
+        assert_eq!(row[7 * 5..7 * 5 + own], *point.coefficients.of(7));
+        assert!(row[7 * 5 + own..8 * 5].iter().all(|q| *q == Complex64::default()));
+    }
+    branch.points[2].coefficients = HarmonicCoefficients::zeros(3, 4);
+    let other = folder.path().join("other.npz");
+    let error = write_harmonics(&other, &branch).unwrap_err();
+    assert!(matches!(error, ReportError::CoefficientShape { point: 2, found: (3, 5), expected: (80, 5) }), "{error}");
+    assert!(!other.exists());
 }
 
 #[test]

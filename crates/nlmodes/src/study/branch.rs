@@ -5,10 +5,11 @@ use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
+use nlmodes_timestep::ModeShooting;
 
-use super::prepare::problem;
+use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
-use super::{BranchSettings, StudyError};
+use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -31,6 +32,8 @@ pub struct ComputedBranch {
     pub contact_iterations: usize,
     /// Steps that were tried and refused.
     pub refused_steps: usize,
+    /// What became of the accuracy that was asked for, if one was.
+    pub accuracy: Option<AccuracyReached>,
     pub(super) settings: BranchSettings,
 }
 
@@ -78,7 +81,7 @@ impl ComputedBranch {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, StudyError> {
-        let mut problem = self.problem()?;
+        let mut problem = periodic(&self.structure, &self.settings_at(point), &self.grazing)?;
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
@@ -100,6 +103,11 @@ impl ComputedBranch {
         self.evaluations += other.evaluations;
         self.contact_iterations += other.contact_iterations;
         self.refused_steps += other.refused_steps;
+        if let (Some(own), Some(other)) = (&mut self.accuracy, other.accuracy) {
+            own.changes += other.changes;
+            own.largest_held_modes_estimate = own.largest_held_modes_estimate.max(other.largest_held_modes_estimate);
+        }
+        self.review_accuracy();
         self
     }
 
@@ -108,12 +116,61 @@ impl ComputedBranch {
         tongues(&self.branch.points)
     }
 
-    /// The periodic problem, to evaluate points of the branch again.
+    /// The settings with the harmonics of a point, which an accuracy has chosen.
+    pub(super) fn settings_at(&self, point: usize) -> BranchSettings {
+        let mut settings = self.settings.clone();
+        if settings.accuracy.is_some() {
+            settings.harmonics = self.branch.points[point].coefficients.n_harmonics();
+        }
+        settings
+    }
+
+    /// Counts the points of the branch, and names it by their harmonics, where an accuracy was asked for.
+    pub(super) fn review_accuracy(&mut self) {
+        let (Some(reached), Some(wanted)) = (&mut self.accuracy, self.settings.accuracy) else { return };
+        let points = &self.branch.points;
+        let estimates = || points.iter().filter_map(|p| p.error_estimate);
+        reached.largest_estimate = estimates().fold(0.0, f64::max);
+        reached.points_beyond = estimates().filter(|e| *e > wanted.error).count();
+        let harmonics = || points.iter().map(|p| p.coefficients.n_harmonics());
+        reached.harmonics = [harmonics().min().unwrap_or(0), harmonics().max().unwrap_or(0)];
+        if self.origin.is_none() && self.settings.label.is_empty() {
+            let [few, most] = reached.harmonics;
+            let plain = plural(self.settings.harmonics);
+            let range = if few == most { plural(few) } else { format!("{few} to {most} harmonics") };
+            self.branch.label = self.branch.label.replacen(&plain, &range, 1);
+        }
+    }
+
+    /// The periodic problem in harmonics with those of a point, to evaluate it again.
+    ///
+    /// # Errors
+    /// [`StudyError::NotHarmonic`] for a branch by shooting; else as [`super::compute_branch`].
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
+            BranchMethod::Shooting => Err(StudyError::NotHarmonic),
+        }
+    }
+
+    /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
     ///
     /// # Errors
     /// [`StudyError`], as [`super::compute_branch`].
-    pub fn problem(&self) -> Result<MixedShooting<'_>, StudyError> {
-        problem(&self.structure, &self.settings, &self.grazing)
+    pub fn exact(&self) -> Result<Option<ModeShooting>, StudyError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => Ok(None),
+            BranchMethod::Shooting => exact(self.structure.model(), &self.settings, &self.grazing).map(Some),
+        }
+    }
+
+    /// Points that are stable, unstable, and of unknown stability.
+    pub fn stability_counts(&self) -> [usize; 3] {
+        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.map(|s| s.stable) == wanted).count();
+        [count(Some(true)), count(Some(false)), count(None)]
     }
 }
 
@@ -132,12 +189,14 @@ pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoin
     }
 }
 
-/// Name of a branch in legends.
-pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) -> String {
+/// Name of a branch in legends; `modes` are those of its structure that move a contact.
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, modes: usize) -> String {
     if !settings.label.is_empty() {
         return settings.label.clone();
     }
-    let plural = if settings.harmonics == 1 { "" } else { "s" };
+    if settings.method == BranchMethod::Shooting {
+        return format!("shooting, {modes} mode{}", if modes == 1 { "" } else { "s" });
+    }
     let sampled = match settings.switching {
         Switching::Exact => String::new(),
         Switching::Sampled { samples } => format!(", {samples} samples"),
@@ -146,13 +205,18 @@ pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates) 
         ContactCoordinates::Nodes => "MS-HBM",
         ContactCoordinates::SpringTips => "HBM",
     };
-    format!("{method}, {} harmonic{plural}{sampled}", settings.harmonics)
+    format!("{method}, {}{sampled}", plural(settings.harmonics))
+}
+
+/// `1 harmonic`, `2 harmonics`, …
+fn plural(harmonics: usize) -> String {
+    format!("{harmonics} harmonic{}", if harmonics == 1 { "" } else { "s" })
 }
 
 /// Why a branch of so many points ended, in words.
 pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) -> BranchEnd {
     let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
-    let (start, settings) = (tracer.grazing, tracer.settings);
+    let (start, settings) = (tracer.grazing, &tracer.settings);
     let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
     let (reason, message, complete) = match stop {
         StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {

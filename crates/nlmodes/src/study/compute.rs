@@ -2,15 +2,17 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nlmodes_continuation::TreeBranch;
+use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
+use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::prepare::{check_window, condense, linear_start};
+use super::prepare::{check_window, condense, exact, linear_start, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
-use super::trace::{First, Found, Tracer};
-use super::{BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
+use super::trace::{First, Found, Shown, Tracer};
+use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
@@ -39,7 +41,7 @@ pub fn compute_branch(
 }
 
 /// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact nodes are massless,
-/// by conventional HBM where it was made with spring tips.
+/// by conventional HBM where it was made with spring tips, or either exactly by shooting.
 ///
 /// # Errors
 /// [`StudyError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -48,31 +50,72 @@ pub fn compute_tree(
     settings: &BranchSettings,
     mut observe: impl FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<ComputedTree, StudyError> {
-    let structure = Arc::new(condense(model, settings)?);
-    let start = linear_start(&structure, settings)?;
+    let (mut settings, fewest, mut at_least) = (settings.clone(), settings.harmonics, 0);
+    if let Some(accuracy) = settings.accuracy {
+        settings.harmonics = first_harmonics(accuracy, fewest);
+    }
+    loop {
+        match with_modes(&model, &settings, fewest, at_least, &mut observe)? {
+            WithModes::Done(tree) => return Ok(tree),
+            WithModes::TooFew(modes) => at_least = 2 * modes,
+        }
+        // Where nothing more is wanted, the next point will tell.
+        let _ = observe(BranchProgress::Withdrawn { branch: 0, kept: 0 });
+    }
+}
+
+/// What comes of a number of held modes.
+enum WithModes {
+    Done(ComputedTree),
+    /// So many do not reach the accuracy.
+    TooFew(usize),
+}
+
+fn with_modes(
+    model: &MasslessContactModel,
+    settings: &BranchSettings,
+    fewest: usize,
+    at_least: usize,
+    observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
+) -> Result<WithModes, StudyError> {
+    if settings.method == BranchMethod::Shooting {
+        shooting_modes(model, settings)?;
+    }
+    let structure = Arc::new(condense(model.clone(), settings, at_least)?);
+    let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
-    let mut tracer = Tracer::new(&structure, &start, settings)?;
+    let mut tracer = Tracer::new(&structure, &start, settings, fewest)?;
     let seed = seed(&structure, settings, &start, &tracer.problem)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
     let start_event = if from_grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
-        (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, &mut observe)?,
+        (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
         (_, ResonanceRule::Skip) => {
-            let (found, end) = skip::follow(&mut tracer, seed, start_event, &mut observe)?;
+            let (found, end) = skip::follow(&mut tracer, seed, start_event, observe)?;
             (vec![Traced { found, end, origin: None }], 0)
         }
-        (_, ResonanceRule::Follow) => (vec![one(&mut tracer, &seed, start_event, &mut observe)?], 0),
+        (_, ResonanceRule::Follow) => (vec![one(&mut tracer, &seed, start_event, observe)?], 0),
     };
+    if tracer.too_few_modes {
+        return Ok(WithModes::TooFew(structure.n_held_modes()));
+    }
     let branches = traced.into_iter().enumerate().map(|(number, traced)| {
         let Traced { found, end, origin } = traced;
         let name = if number == 0 {
-            label(settings, structure.model().contact_coordinates())
+            label(settings, structure.model().contact_coordinates(), structure.modes().len())
         } else {
             format!("branch {number}")
         };
         let unknowns: Vec<Vec<f64>> = found.unknowns;
-        let unfolding = unknowns.iter().filter_map(|x| tracer.problem.unfolding(x)).map(f64::abs);
-        ComputedBranch {
+        // δ is the last unknown, whatever the number of harmonics.
+        let free = settings.symmetry == Symmetry::None && settings.method == BranchMethod::HarmonicBalance;
+        let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
+        let accuracy = settings.accuracy.map(|_| AccuracyReached {
+            largest_held_modes_estimate: found.largest_held_modes_error,
+            changes: found.changes,
+            ..AccuracyReached::default()
+        });
+        let mut computed = ComputedBranch {
             largest_unfolding: unfolding.reduce(f64::max),
             branch: modal_branch(&tracer, name, found.points, end),
             structure: Arc::clone(&structure),
@@ -80,13 +123,29 @@ pub fn compute_tree(
             origin,
             unknowns,
             evaluations: found.evaluations,
-            contact_iterations: tracer.problem.contact_iterations(),
+            contact_iterations: tracer.contact_iterations(),
             refused_steps: found.refused_steps,
+            accuracy,
             settings: settings.clone(),
-        }
+        };
+        computed.review_accuracy();
+        computed
     });
     let branches = branches.collect();
-    Ok(ComputedTree { branches, not_followed })
+    Ok(WithModes::Done(ComputedTree { branches, not_followed }))
+}
+
+/// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.
+fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
+    match settings.method {
+        BranchMethod::HarmonicBalance => linear_start(structure, settings),
+        BranchMethod::Shooting => {
+            let start = grazing(structure, settings.mode)?;
+            let problem = exact(structure.model(), settings, &start)?;
+            let own = problem.grazing();
+            Ok(Grazing { omega: own.omega, energy: own.energy, ..start })
+        }
+    }
 }
 
 /// A branch before it is given its name and its structure.
@@ -103,9 +162,17 @@ fn one(
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<Traced, StudyError> {
     let (mut count, limit) = (0, tracer.settings.max_points);
-    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |point| {
-        observe(BranchProgress::Found { branch: 0, point })?;
-        count += 1;
+    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |shown| {
+        match shown {
+            Shown::Point(point) => {
+                observe(BranchProgress::Found { branch: 0, point })?;
+                count += 1;
+            }
+            Shown::Withdrawn(kept) => {
+                observe(BranchProgress::Withdrawn { branch: 0, kept })?;
+                count = kept;
+            }
+        }
         if count < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     })?;
     let end = branch_end(&stop, tracer, found.points.len());

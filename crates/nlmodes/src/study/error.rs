@@ -1,7 +1,10 @@
 use nlmodes_contact::LcpError;
 use nlmodes_continuation::ContinuationError;
 use nlmodes_hbm::HbmError;
+use nlmodes_timestep::TimestepError;
 use thiserror::Error;
+
+use super::PeriodicError;
 
 /// Why a study has no result.
 #[derive(Debug, Error)]
@@ -13,9 +16,18 @@ pub enum StudyError {
     /// The periodic problem.
     #[error(transparent)]
     Hbm(#[from] HbmError),
+    /// Exact integration.
+    #[error(transparent)]
+    Timestep(#[from] TimestepError),
     /// The continuation.
     #[error(transparent)]
-    Continuation(#[from] ContinuationError<HbmError>),
+    Continuation(#[from] ContinuationError<PeriodicError>),
+    /// Shooting was asked for with a setting that it does not have.
+    #[error("shooting finds motions that are even in time; others need harmonic balance")]
+    NotEven,
+    /// What was asked for exists for harmonic balance only.
+    #[error("the points of this branch are exact motions: they have no equations in harmonics")]
+    NotHarmonic,
     /// The backbone does not lead to the starting frequency.
     #[error("no point of the backbone was found at {hz} Hz: {reason}")]
     NoStart {
@@ -48,4 +60,13 @@ pub enum StudyError {
         /// Upper end of the window, Hz.
         high_hz: f64,
     },
+}
+
+impl From<PeriodicError> for StudyError {
+    fn from(error: PeriodicError) -> Self {
+        match error {
+            PeriodicError::Harmonics(error) => Self::Hbm(error),
+            PeriodicError::Exact(error) => Self::Timestep(error),
+        }
+    }
 }

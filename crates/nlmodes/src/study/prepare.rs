@@ -4,22 +4,34 @@ use std::f64::consts::TAU;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, grazing_opened};
+use nlmodes_hbm::{
+    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
+};
 use nlmodes_model::MasslessContactModel;
+use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
 
-use super::{BranchPointRule, BranchSettings, BranchStart, StudyError};
+use super::periodic::Periodic;
+use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, StudyError};
 
 /// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
 const MIN_ENERGY_RATIO: f64 = 1e-3;
 
+/// Of so many modes of a beam at least one moves a contact: the others are held apart by its direction.
+const HIDDEN_MODES: usize = 3;
+
 /// Up to this size all modes of the held structure are used.
 const ALL_HELD_MODES: usize = 400;
 
+/// The structure with the held modes that the settings ask for, where an accuracy chooses them with `at_least` so many.
 pub(super) fn condense(
     model: MasslessContactModel,
     settings: &BranchSettings,
+    at_least: usize,
 ) -> Result<CondensedStructure, StudyError> {
     let size = model.linear_dofs().len();
+    if let Some(accuracy) = settings.accuracy {
+        return super::accuracy::condense(model, settings, accuracy, at_least);
+    }
     if let Some(count) = settings.held_modes {
         return Ok(CondensedStructure::new(model, count)?);
     }
@@ -65,27 +77,63 @@ pub(super) fn within_window(settings: &BranchSettings, start_hz: f64) -> Result<
     }
 }
 
+/// The periodic problem of the method.
+pub(super) fn periodic<'s>(
+    structure: &'s CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+) -> Result<Periodic<'s>, StudyError> {
+    Ok(match settings.method {
+        BranchMethod::HarmonicBalance => Periodic::Harmonics(Box::new(problem(structure, settings, start)?)),
+        BranchMethod::Shooting => Periodic::Exact(Box::new(exact(structure.model(), settings, start)?)),
+    })
+}
+
+/// The exact problem on the held modes that are to be kept.
+pub(super) fn exact(
+    model: &MasslessContactModel,
+    settings: &BranchSettings,
+    start: &Grazing,
+) -> Result<ModeShooting, StudyError> {
+    if settings.symmetry == Symmetry::None {
+        return Err(StudyError::NotEven);
+    }
+    let reduced = ReducedStructure::new(model.clone(), shooting_modes(model, settings)?)?;
+    Ok(ModeShooting::new(reduced, start.omega, settings.harmonics)?)
+}
+
+/// The held modes to be computed: those asked for, or all.
+pub(super) fn shooting_modes(model: &MasslessContactModel, settings: &BranchSettings) -> Result<usize, StudyError> {
+    let count = settings.held_modes.unwrap_or_else(|| model.linear_dofs().len());
+    if count > HIDDEN_MODES * MAX_SHOOTING_MODES {
+        return Err(TimestepError::TooManyModes { found: count, most: MAX_SHOOTING_MODES }.into());
+    }
+    Ok(count)
+}
+
 pub(super) fn problem<'s>(
     structure: &'s CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
 ) -> Result<MixedShooting<'s>, StudyError> {
     let solver = solver_by_name(&settings.contact_solver)?;
-    let own = MixedShootingSettings {
-        harmonics: settings.harmonics,
-        symmetry: settings.symmetry,
-        switching: settings.switching,
-    };
-    Ok(MixedShooting::new(structure, own, start.scales(), solver.as_ref())?)
+    Ok(MixedShooting::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
 }
 
-pub(super) fn continuation(
+pub(super) fn estimator<'s>(
+    structure: &'s CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    problem: &MixedShooting,
-    dim: usize,
-) -> Continuation {
-    let frequency = problem.frequency_index();
+) -> Result<TruncationEstimator<'s>, StudyError> {
+    let solver = solver_by_name(&settings.contact_solver)?;
+    Ok(TruncationEstimator::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
+}
+
+fn harmonic_settings(settings: &BranchSettings) -> MixedShootingSettings {
+    MixedShootingSettings { harmonics: settings.harmonics, symmetry: settings.symmetry, switching: settings.switching }
+}
+
+pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency: usize, dim: usize) -> Continuation {
     let max = settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let mut bounds = vec![Bound { coordinate: dim, min: MIN_ENERGY_RATIO.ln(), max }];
     if let Some([low, high]) = settings.frequency_hz {

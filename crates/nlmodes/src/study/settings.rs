@@ -1,6 +1,8 @@
 use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{Switching, Symmetry};
 
+use super::Accuracy;
+
 /// Where a branch begins, and which way it goes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum BranchStart {
@@ -45,15 +47,43 @@ pub enum ResonanceRule {
     Skip,
 }
 
+/// How the periodic motions are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BranchMethod {
+    /// In harmonics: MS-HBM, or conventional HBM for a model with spring tips.
+    #[default]
+    HarmonicBalance,
+    /// Exactly, by shooting; motions that are even in time only.
+    Shooting,
+}
+
+/// For which points Floquet multipliers are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StabilityRule {
+    /// For all points of shooting, and for those in harmonics of structures of up to 16 modes.
+    #[default]
+    Auto,
+    /// For all points; of structures with more than 200 modes by the lowest ones.
+    Always,
+    /// For none.
+    Never,
+}
+
 /// What is computed, and how far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BranchSettings {
     /// Name of the branch in legends; made from the method where empty.
     pub label: String,
+    /// How the periodic motions are computed. Default harmonic balance.
+    pub method: BranchMethod,
     /// Number of the linear mode, from 1. Default 1.
     pub mode: usize,
-    /// Highest harmonic `N_h`. Default 5.
+    /// Highest harmonic `N_h`; with shooting, up to which the coefficients of the exact motion are given. Default 5.
     pub harmonics: usize,
+    /// Accuracy by which harmonics are chosen along the branch, with `harmonics` of them at least, and held modes; for harmonic balance
+    /// with exact switching, and not together with [`BranchPointRule::All`], whose branches keep the harmonics with which they begin.
+    /// Default none: `harmonics` holds.
+    pub accuracy: Option<Accuracy>,
     /// Which motions are admitted. Default even in time.
     pub symmetry: Symmetry,
     /// How the instants of contact are treated. Default exact.
@@ -77,6 +107,8 @@ pub struct BranchSettings {
     pub max_branches: usize,
     /// Whether the tongues of internal resonances are followed. Default yes.
     pub internal_resonance: ResonanceRule,
+    /// For which points Floquet multipliers are computed. Default where that is cheap.
+    pub stability: StabilityRule,
     /// Most points, of all branches together. Default 5000.
     pub max_points: usize,
     /// Steps of the continuation.
@@ -87,8 +119,10 @@ impl Default for BranchSettings {
     fn default() -> Self {
         Self {
             label: String::new(),
+            method: BranchMethod::HarmonicBalance,
             mode: 1,
             harmonics: 5,
+            accuracy: None,
             symmetry: Symmetry::Even,
             switching: Switching::Exact,
             contact_solver: "active-set".to_owned(),
@@ -100,6 +134,7 @@ impl Default for BranchSettings {
             at_branch_point: BranchPointRule::Stay,
             max_branches: 20,
             internal_resonance: ResonanceRule::Follow,
+            stability: StabilityRule::Auto,
             max_points: 5000,
             step: StepSettings::default(),
         }

@@ -8,7 +8,7 @@ use nlmodes_modal::{BranchEnd, InternalResonance, ModalPoint};
 
 use super::branch::branch_end;
 use super::start::{Seed, Target, heading, refined};
-use super::trace::{First, Found, Tracer};
+use super::trace::{First, Found, Shown, Tracer};
 use super::{BranchProgress, StudyError};
 
 /// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less than half of that.
@@ -41,7 +41,15 @@ pub(super) fn follow(
     let mut stretch = 0;
     loop {
         let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
-        let (segment, stop) = tracer.trace(&seed, None, first, |point| {
+        let before = all.points.len();
+        let (segment, stop) = tracer.trace(&seed, None, first, |shown| {
+            let point = match shown {
+                Shown::Point(point) => point,
+                Shown::Withdrawn(kept) => {
+                    count = before + kept;
+                    return observe(BranchProgress::Withdrawn { branch: 0, kept: count });
+                }
+            };
             resonance = point.resonance;
             if resonance.is_some() {
                 return ControlFlow::Break(());
@@ -118,7 +126,7 @@ fn resume(
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
             return Ok(Behind::Window);
         }
-        let seed = match refined(tracer.structure, tracer.settings, tracer.grazing, Target::Frequency(hz), upward) {
+        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, Target::Frequency(hz), upward) {
             Ok(seed) => seed,
             Err(error @ StudyError::NoStart { .. }) => {
                 why = error.to_string();
@@ -149,7 +157,8 @@ fn back_to_foot(
     let bound = Bound { coordinate: tracer.frequency(), min, max };
     let back = Seed { direction: seed.direction.iter().map(|d| -d).collect(), ..seed.clone() };
     let mut resonant = false;
-    let (mut found, _) = tracer.trace(&back, Some(bound), First::Plain, |point| {
+    let (mut found, _) = tracer.trace(&back, Some(bound), First::Plain, |shown| {
+        let Shown::Point(point) = shown else { return ControlFlow::Continue(()) };
         resonant = point.resonance.is_some();
         let turned = point.events.iter().any(|e| e == "frequency-fold");
         if resonant || turned { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

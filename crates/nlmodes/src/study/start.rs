@@ -2,19 +2,24 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Branch, ParametricSystem, StopReason};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, RealSeries};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
+use nlmodes_modal::ModalPoint;
 
 use super::homotopy;
-use super::prepare::{continuation, problem, within_window};
+use super::periodic::Periodic;
+use super::prepare::{continuation, periodic, problem, within_window};
 use super::touching::beginning;
 use super::trace::Tracer;
-use super::{BranchSettings, BranchStart, StudyError};
+use super::{BranchMethod, BranchSettings, BranchStart, StudyError};
 
 /// Most points on the way to a start.
 const APPROACH: usize = 1000;
 
 /// Numbers of harmonics from which a refinement begins, in the order in which they are tried.
 pub(super) const FEW: [usize; 4] = [1, 2, 3, 5];
+
+/// Harmonics, at least, of a point from which an exact motion is sought.
+const BEFORE_SHOOTING: usize = 20;
 
 /// Points after which a branch has shown which way its frequency goes.
 const HEADING: usize = 8;
@@ -25,6 +30,27 @@ pub(super) struct Seed {
     pub x: Vec<f64>,
     pub p: f64,
     pub direction: Vec<f64>,
+    /// Number of harmonics of `x`, or of the exact motion.
+    pub harmonics: usize,
+}
+
+/// Where frequency and parameter stand in `z = (x, p)`.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    frequency: usize,
+    dim: usize,
+}
+
+impl From<&MixedShooting<'_>> for Place {
+    fn from(problem: &MixedShooting<'_>) -> Self {
+        Self { frequency: problem.frequency_index(), dim: problem.dim() }
+    }
+}
+
+impl From<&Periodic<'_>> for Place {
+    fn from(problem: &Periodic<'_>) -> Self {
+        Self { frequency: problem.frequency_index(), dim: problem.dim() }
+    }
 }
 
 /// Where on the backbone a branch begins.
@@ -38,10 +64,10 @@ pub(super) enum Target {
 
 impl Target {
     /// The coordinate of `z = (x, p)` that it fixes, and its value.
-    fn coordinate(self, problem: &MixedShooting, start: &Grazing) -> (usize, f64) {
+    fn coordinate(self, place: Place, start: &Grazing) -> (usize, f64) {
         match self {
-            Self::Frequency(hz) => (problem.frequency_index(), hz * TAU / start.omega),
-            Self::Energy(ratio) => (problem.dim(), ratio.ln()),
+            Self::Frequency(hz) => (place.frequency, hz * TAU / start.omega),
+            Self::Energy(ratio) => (place.dim, ratio.ln()),
         }
     }
 
@@ -68,21 +94,25 @@ pub(super) fn seed(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    problem: &MixedShooting,
+    problem: &Periodic,
 ) -> Result<Seed, StudyError> {
     let (target, upward) = match settings.start {
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
-            let seed = beginning(structure, settings, start)?;
+            let seed = beginning(problem, settings, start)?;
             if start.touches_at_rest() {
                 within_window(settings, problem.omega(&seed.x) / TAU)?;
             }
             return Ok(seed);
         }
     };
-    match on_backbone(structure, settings, start, target) {
-        Ok((x, p, _)) => Ok(Seed { x, p, direction: along(problem, start, target, upward) }),
+    let mut other = periodic(structure, settings, start)?;
+    match on_backbone(&mut other, settings, start, target) {
+        Ok((x, p)) => {
+            let direction = along(problem.into(), start, target, upward);
+            Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+        }
         Err(_) => refined(structure, settings, start, target, upward),
     }
 }
@@ -97,8 +127,21 @@ pub(super) fn refined(
     upward: bool,
 ) -> Result<Seed, StudyError> {
     let mut failure = None;
-    for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
-        match refined_from(structure, settings, start, target, upward, first) {
+    let harmonic = BranchSettings {
+        method: BranchMethod::HarmonicBalance,
+        harmonics: match settings.method {
+            BranchMethod::HarmonicBalance => settings.harmonics,
+            BranchMethod::Shooting => settings.harmonics.max(BEFORE_SHOOTING),
+        },
+        ..settings.clone()
+    };
+    for first in FEW.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
+        let found = refined_from(structure, &harmonic, start, target, upward, first);
+        let found = found.and_then(|(seed, point)| match settings.method {
+            BranchMethod::HarmonicBalance => Ok(seed),
+            BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point),
+        });
+        match found {
             Err(error @ (StudyError::NoStart { .. } | StudyError::NoStartAtEnergy { .. })) => {
                 failure.get_or_insert(error);
             }
@@ -108,6 +151,35 @@ pub(super) fn refined(
     Err(failure.unwrap_or_else(|| target.not_found("no number of harmonics leads there".to_owned())))
 }
 
+/// The exact motion beside a point in harmonics, with the same frequency or energy.
+fn exact_seed(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    target: Target,
+    upward: bool,
+    point: &ModalPoint,
+) -> Result<Seed, StudyError> {
+    let mut problem = super::prepare::exact(structure.model(), settings, start)?;
+    let (mut x, mut p) = problem.unknowns(&point.coefficients, point.omega)?;
+    let mut problem = Periodic::Exact(Box::new(problem));
+    let (coordinate, value) = target.coordinate((&problem).into(), start);
+    // What the reduction changes of the grazing changes what the target is.
+    match target {
+        Target::Frequency(_) => x[coordinate] = value,
+        Target::Energy(_) => p = value,
+    }
+    let guess: Vec<f64> = x.into_iter().chain([p]).collect();
+    let direction = along((&problem).into(), start, target, true);
+    let (x, p) = one_point(settings, start, &mut problem, &guess, &direction)
+        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step))
+        .ok_or_else(|| {
+            target.not_found("Newton's method does not lead from harmonics to an exact motion".to_owned())
+        })?;
+    let direction = along((&problem).into(), start, target, upward);
+    Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+}
+
 fn refined_from(
     structure: &CondensedStructure,
     settings: &BranchSettings,
@@ -115,37 +187,42 @@ fn refined_from(
     target: Target,
     upward: bool,
     first: usize,
-) -> Result<Seed, StudyError> {
+) -> Result<(Seed, ModalPoint), StudyError> {
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
-    let (mut x, mut p, mut series) = on_backbone(structure, &coarse, start, target)?;
+    let coarse_problem = problem(structure, &coarse, start)?;
+    let mut series = coarse_problem.series();
+    let (mut x, mut p) = on_backbone(&mut Periodic::Harmonics(Box::new(coarse_problem)), &coarse, start, target)?;
     for harmonics in ladder(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
-        let mut problem = self::problem(structure, &step, start)?;
-        let guess = embed(&x, series, problem.series(), start.mean.len(), problem.dim());
-        let direction = along(&problem, start, target, true);
+        let problem = self::problem(structure, &step, start)?;
+        let finer = problem.series();
+        let guess = problem.resized(&x, series);
+        let direction = along((&problem).into(), start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
-        let (coordinate, _) = target.coordinate(&problem, start);
+        let (coordinate, _) = target.coordinate((&problem).into(), start);
+        let mut problem = Periodic::Harmonics(Box::new(problem));
         let corrected = one_point(&step, start, &mut problem, &guess, &direction)
             .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
-        series = problem.series();
+        series = finer;
         (x, p) = corrected;
     }
-    let problem = self::problem(structure, settings, start)?;
-    Ok(Seed { x, p, direction: along(&problem, start, target, upward) })
+    let mut problem = self::problem(structure, settings, start)?;
+    let point = problem.modal_point(&x, 0.0)?;
+    let direction = along((&problem).into(), start, target, upward);
+    Ok((Seed { x, p, direction, harmonics: settings.harmonics }, point))
 }
 
 /// The point at the target to which the branch leads from grazing.
 fn on_backbone(
-    structure: &CondensedStructure,
+    problem: &mut Periodic,
     settings: &BranchSettings,
     start: &Grazing,
     target: Target,
-) -> Result<(Vec<f64>, f64, RealSeries), StudyError> {
-    let mut problem = problem(structure, settings, start)?;
-    let dim = problem.dim();
-    let (coordinate, value) = target.coordinate(&problem, start);
-    let mut method = continuation(settings, start, &problem, dim);
+) -> Result<(Vec<f64>, f64), StudyError> {
+    let place = Place::from(&*problem);
+    let (coordinate, value) = target.coordinate(place, start);
+    let mut method = continuation(settings, start, place.frequency, place.dim);
     method.bounds.truncate(1); // the energy
     let (min, max) = if value > target.at_grazing() { (f64::NEG_INFINITY, value) } else { (value, f64::INFINITY) };
     match target {
@@ -153,12 +230,11 @@ fn on_backbone(
         Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
     }
     method.max_points = APPROACH;
-    let Seed { x, direction, .. } = beginning(structure, settings, start)?;
-    let Branch { mut points, stop, .. } =
-        method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
+    let Seed { x, direction, .. } = beginning(problem, settings, start)?;
+    let Branch { mut points, stop, .. } = method.run(problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
         (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
-            Ok((last.x, last.p, problem.series()))
+            Ok((last.x, last.p))
         }
         (_, last) => {
             let (omega, p) = last.map_or((start.omega, 0.0), |point| (problem.omega(&point.x), point.p));
@@ -175,11 +251,11 @@ pub(super) fn heading(tracer: &Tracer, seed: &Seed) -> Result<bool, StudyError> 
         return Ok(upward);
     }
     let coarse = BranchSettings { harmonics: 1, start: BranchStart::Grazing, ..tracer.settings.clone() };
-    let mut problem = problem(tracer.structure, &coarse, tracer.grazing)?;
-    let dim = problem.dim();
-    let mut method = continuation(&coarse, tracer.grazing, &problem, dim);
+    let coarse = BranchSettings { method: BranchMethod::HarmonicBalance, ..coarse };
+    let mut problem = periodic(tracer.structure, &coarse, tracer.grazing)?;
+    let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
     method.max_points = HEADING;
-    let Seed { x, direction, .. } = beginning(tracer.structure, &coarse, tracer.grazing)?;
+    let Seed { x, direction, .. } = beginning(&problem, &coarse, tracer.grazing)?;
     let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
@@ -192,27 +268,10 @@ pub(super) fn ladder(first: usize, last: usize) -> Vec<usize> {
     steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
 }
 
-/// The same motion with more harmonics, the new ones zero.
-pub(super) fn embed(x: &[f64], from: RealSeries, to: RealSeries, n_contact_dofs: usize, dim: usize) -> Vec<f64> {
-    let (old, new) = (from.width(), to.width());
-    let mut larger = vec![0.0; dim];
-    for d in 0..n_contact_dofs {
-        for n in 0..=from.n_harmonics {
-            larger[d * new + n] = x[d * old + n];
-            if let (true, Some(sine), Some(target)) = (n > 0, from.sine(n), to.sine(n)) {
-                larger[d * new + target] = x[d * old + sine];
-            }
-        }
-    }
-    let (tail, larger_tail) = (n_contact_dofs * old, n_contact_dofs * new);
-    larger[larger_tail..].copy_from_slice(&x[tail..]);
-    larger
-}
-
 /// Unit vector along the coordinate that the target fixes.
-fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
-    let mut direction = vec![0.0; problem.dim() + 1];
-    direction[target.coordinate(problem, start).0] = if upward { 1.0 } else { -1.0 };
+fn along(place: Place, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
+    let mut direction = vec![0.0; place.dim + 1];
+    direction[target.coordinate(place, start).0] = if upward { 1.0 } else { -1.0 };
     direction
 }
 
@@ -220,11 +279,11 @@ fn along(problem: &MixedShooting, start: &Grazing, target: Target, upward: bool)
 pub(super) fn one_point(
     settings: &BranchSettings,
     start: &Grazing,
-    problem: &mut MixedShooting,
+    problem: &mut Periodic,
     z: &[f64],
     direction: &[f64],
 ) -> Option<(Vec<f64>, f64)> {
-    let mut method = continuation(settings, start, problem, problem.dim());
+    let mut method = continuation(settings, start, problem.frequency_index(), problem.dim());
     method.max_points = 1;
     let (p, x) = z.split_last()?;
     let branch = method.run(problem, x, *p, direction, |_| ControlFlow::Continue(())).ok()?;

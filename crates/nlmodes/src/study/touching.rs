@@ -7,25 +7,26 @@ use nlmodes_continuation::{Bound, Continuation, ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
 
 use super::homotopy;
+use super::periodic::Periodic;
 use super::prepare::problem;
-use super::start::{FEW, Seed, embed, ladder, one_point};
+use super::start::{FEW, Seed, ladder, one_point};
 use super::{BranchSettings, StudyError};
 
 /// Most points on the way from contacts that stand back to contacts that touch.
 const MOST: usize = 1000;
 
 /// The linear mode that just touches; where contacts touch at rest, the motion before them at the energy of the start.
-pub(super) fn beginning(
-    structure: &CondensedStructure,
-    settings: &BranchSettings,
-    start: &Grazing,
-) -> Result<Seed, StudyError> {
-    if start.touches_at_rest() {
-        return before_touching_contacts(structure, settings, start);
+pub(super) fn beginning(problem: &Periodic, settings: &BranchSettings, start: &Grazing) -> Result<Seed, StudyError> {
+    match problem.harmonics() {
+        Some(harmonic) if start.touches_at_rest() => {
+            let harmonics = harmonic.series().n_harmonics;
+            before_touching_contacts(harmonic.structure(), &BranchSettings { harmonics, ..settings.clone() }, start)
+        }
+        _ => {
+            let (x, direction) = problem.start(start);
+            Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
+        }
     }
-    let problem = problem(structure, settings, start)?;
-    let (series, dim) = (problem.series(), problem.dim());
-    Ok(Seed { x: start.unknowns(series, dim), p: 0.0, direction: start.direction(series, dim) })
 }
 
 /// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with more and more.
@@ -50,24 +51,26 @@ fn refined_from(
     start: &Grazing,
     first: usize,
 ) -> Result<Seed, StudyError> {
-    let (mut x, mut series) =
-        close(structure, &BranchSettings { harmonics: first, ..settings.clone() }, start)?;
+    let (mut x, mut series) = close(structure, &BranchSettings { harmonics: first, ..settings.clone() }, start)?;
     for harmonics in ladder(first, settings.harmonics) {
         let finer = BranchSettings { harmonics, ..settings.clone() };
-        let mut problem = problem(structure, &finer, start)?;
+        let problem = problem(structure, &finer, start)?;
         let (next, dim) = (problem.series(), problem.dim());
-        let guess: Vec<f64> = embed(&x, series, next, start.mean.len(), dim).into_iter().chain([0.0]).collect();
+        let guess: Vec<f64> = problem.resized(&x, series).into_iter().chain([0.0]).collect();
+        let mut problem = Periodic::Harmonics(Box::new(problem));
         let mut energy = vec![0.0; dim + 1];
         energy[dim] = 1.0;
         let corrected = one_point(&finer, start, &mut problem, &guess, &energy)
             .or_else(|| homotopy::solve(&mut problem, &guess, dim, &finer.step));
         let Some((found, _)) = corrected else {
-            return Err(StudyError::NoStartTouching { reason: format!("Newton's method fails with {harmonics} harmonics") });
+            return Err(StudyError::NoStartTouching {
+                reason: format!("Newton's method fails with {harmonics} harmonics"),
+            });
         };
         (x, series) = (found, next);
     }
     let direction = growing(&x, series, start);
-    Ok(Seed { x, p: 0.0, direction })
+    Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
 }
 
 /// The motion to which that before contacts that stand back leads as they are closed.
@@ -84,13 +87,16 @@ fn close(
     direction[dim] = -1.0;
     let mut closing = problem.closing(&start.opening);
     let x = start.unknowns(series, dim);
-    let branch = method.run(&mut closing, &x, 1.0, &direction, |_| ControlFlow::Continue(()))?;
+    let branch = method
+        .run(&mut closing, &x, 1.0, &direction, |_| ControlFlow::Continue(()))
+        .map_err(|error| StudyError::NoStartTouching { reason: error.to_string() })?;
     match (branch.stop, branch.points.into_iter().next_back()) {
         (StopReason::Bound { value: 0.0, .. }, Some(last)) => Ok((last.x, series)),
         (stop, last) => {
             let (share, omega) = last.map_or((1.0, 1.0), |q| (q.p * q.p, q.x[frequency]));
             let hz = omega * start.omega / TAU;
-            let reason = format!("with gaps made smaller, the way ends at {share:.3} of the first, at {hz:.4} Hz ({stop:?})");
+            let reason =
+                format!("with gaps made smaller, the way ends at {share:.3} of the first, at {hz:.4} Hz ({stop:?})");
             Err(StudyError::NoStartTouching { reason })
         }
     }

@@ -73,11 +73,34 @@ fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
         mesh.elements(),
     );
     let problem = if at > length {
-        Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)))
+        let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+        perhaps_millimetres(Problem::error(title), at, length)
     } else {
-        Problem::error(format!("`{path}` is not at a node of the mesh"))
+        let problem = Problem::error(format!("`{path}` is not at a node of the mesh"));
+        match elements_with_a_node(mesh, at) {
+            Some(n) => problem.help(format!("a node lies there with structure.elements = {n}")),
+            None => problem,
+        }
     };
     findings.put(&path, problem, label);
+}
+
+/// The next number of elements with which a node of an even mesh lies at the position, if it is not far.
+fn elements_with_a_node(mesh: &Mesh, at: f64) -> Option<usize> {
+    let (now, part) = (mesh.elements(), at / mesh.length());
+    let lengths = mesh.element_lengths();
+    let even = lengths.iter().all(|length| (length / lengths[0] - 1.0).abs() < 1e-9);
+    let fits = |n: &usize| (part * *n as f64 - (part * *n as f64).round()).abs() < 1e-9 * *n as f64;
+    (now + 1..=4 * now).find(|n| even && fits(n))
+}
+
+/// Adds what to write if a position beyond the end of the structure is one in millimetres.
+pub fn perhaps_millimetres(problem: Problem, at: f64, length: f64) -> Problem {
+    let metres = at * 1e-3;
+    if metres > length || at < 10.0 * length {
+        return problem;
+    }
+    problem.help(format!("if {} mm is meant, write {}", number(at), number(metres)))
 }
 
 /// Whether the node of the contact is free to move in its direction.

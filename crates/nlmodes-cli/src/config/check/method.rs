@@ -1,10 +1,17 @@
+use super::shooting;
 use crate::config::check::nodes::free_dofs;
-use crate::config::raw::{RawMethod, RawScene};
-use crate::config::scene::{Contact, ContactSolver, MassRule, Method, MethodKind, Support, Switching, Symmetry};
+use crate::config::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawScene};
+use crate::config::scene::{
+    Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
+    Symmetry,
+};
 use crate::config::{Findings, Problem};
 
 /// Fewest samples a period where the scene does not say.
 const MIN_DEFAULT_SAMPLES: usize = 256;
+
+/// Fewest harmonics that an accuracy chooses where the scene does not say.
+const FEWEST: usize = 2;
 
 pub fn check(
     method: &RawMethod,
@@ -16,12 +23,20 @@ pub fn check(
     let mass_rule = mass_rule(method, kind, findings);
     let stiffness = stiffness(method, scene, kind, findings);
     let samples = samples(method, findings);
+    let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, findings) };
     let mode = method.mode.map_or(1, |mode| mode as usize);
     check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
+    if kind == MethodKind::Shooting {
+        shooting::check(method, findings);
+        let is_rod = scene.structure.as_ref().is_some_and(|s| s.kind == Some(StructureKind::Rod));
+        let all = modes(scene, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
+    }
     Some(Method {
         kind,
         mode,
         harmonics: most_harmonics(method)?,
+        accuracy,
         harmonics_list: harmonics_list(method),
         switching: method.switching.unwrap_or(Switching::Exact),
         samples: samples?,
@@ -35,7 +50,7 @@ pub fn check(
 
 fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> MassRule {
     let default = match kind {
-        MethodKind::MsHbm => MassRule::Drop,
+        MethodKind::MsHbm | MethodKind::Shooting => MassRule::Drop,
         MethodKind::Hbm => MassRule::None,
     };
     let rule = method.mass_redistribution.unwrap_or(default);
@@ -54,7 +69,17 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
     let contacts = scene.contact.as_deref().unwrap_or_default();
     let each_has_its_own =
         !contacts.is_empty() && (0..contacts.len()).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
+    let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
     match kind {
+        MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
+            let problem = Problem::error("contact nodes that keep their mass need elastic stops");
+            let problem = problem.help("mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            findings.put(
+                path,
+                problem,
+                "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
+            );
+        }
         MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
             let problem = Problem::error(format!("`{path}` is missing"));
             let problem = problem.help("hbm needs elastic stops; method.kind = \"ms-hbm\" takes rigid ones");
@@ -66,16 +91,56 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
         }
         MethodKind::MsHbm if findings.has(path) => {
             let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "only method.kind = \"hbm\" uses it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
+            findings.put(path, problem, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
         }
         _ => {}
     }
-    method.contact_stiffness_n_m.filter(|_| kind == MethodKind::Hbm)
+    method.contact_stiffness_n_m.filter(|_| kind != MethodKind::MsHbm)
 }
 
-/// The numbers of harmonics, ascending, each once.
+/// The accuracy, with what it cannot stand together with.
+fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Accuracy> {
+    let path = "method.max_harmonics";
+    let Some(error) = method.accuracy else {
+        if findings.has(path) && !findings.has("method.accuracy") {
+            let problem = Problem::warning(format!("`{path}` has no effect"));
+            findings.put(path, problem, "only `accuracy` chooses a number of harmonics");
+        }
+        return None;
+    };
+    let max_harmonics = method.max_harmonics.unwrap_or(DEFAULT_MAX_HARMONICS) as usize;
+    let list = harmonics_list(method);
+    if list.len() > 1 {
+        let problem = Problem::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
+        let problem =
+            problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
+        findings.put("method.harmonics", problem, "expected a single number beside `accuracy`");
+    } else if let Some(fewest) = list.first().filter(|fewest| **fewest > max_harmonics) {
+        let problem = Problem::error("`method.harmonics` is more than `method.max_harmonics`");
+        findings.put("method.harmonics", problem, format!("found {fewest}, expected at most {max_harmonics}"));
+    }
+    if method.switching == Some(Switching::Sampled) {
+        let problem = Problem::error("`method.accuracy` does not see the error of sampling");
+        let problem = problem.help("leave `switching` out: exact instants have no such error and cost less");
+        findings.put("method.switching", problem, "expected \"exact\" beside `accuracy`");
+    }
+    let all = scene.continuation.as_ref().and_then(|c| c.at_branch_point) == Some(AtBranchPoint::All);
+    if all {
+        let path = "continuation.at_branch_point";
+        let problem = Problem::error("`method.accuracy` cannot follow all arms of branch points");
+        let problem =
+            problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
+        findings.put(path, problem, "found \"all\" beside `method.accuracy`");
+    }
+    Some(Accuracy { error, max_harmonics })
+}
+
+/// The numbers of harmonics, ascending, each once; the smallest that an accuracy may choose where only that is given.
 fn harmonics_list(method: &RawMethod) -> Vec<usize> {
     let mut list: Vec<usize> = method.harmonics.iter().flatten().map(|h| *h as usize).collect();
+    if method.harmonics.is_none() && method.accuracy.is_some() {
+        list.push(FEWEST.min(method.max_harmonics.map_or(FEWEST, |most| most as usize)));
+    }
     list.sort_unstable();
     list.dedup();
     list
@@ -112,7 +177,7 @@ fn modes(scene: &RawScene, kind: MethodKind, mass_rule: MassRule, contacts: &[Co
     places.dedup();
     let held = dofs.saturating_sub(places.len());
     let free = if mass_rule == MassRule::None { dofs } else { held };
-    Some([free, if kind == MethodKind::Hbm { free } else { held }])
+    Some([free, if kind == MethodKind::Hbm || mass_rule == MassRule::None { free } else { held }])
 }
 
 fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {

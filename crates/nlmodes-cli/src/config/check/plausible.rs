@@ -1,16 +1,31 @@
 //! Values that are possible, but look like slips: of units mostly.
 
+mod material;
+mod section;
+mod stop;
+mod test;
+mod window;
+
+pub use test::{damping, warn as warn_of_test};
+
 use crate::config::rule::number;
-use crate::config::scene::{Contact, Scene, Section, Structure, Support};
+use crate::config::scene::{Scene, Section, Structure, Support};
 use crate::config::{Findings, Problem};
 
+/// Structures that are longer are rare, m.
+const LONG: f64 = 100.0;
+
 pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
-    stiffness(scene.structure.youngs_modulus, findings);
-    density(scene.structure.density, findings);
-    slenderness(&scene.structure, findings);
-    rigid_body(&scene.structure, findings);
+    let before = findings.count();
+    structure(&scene.structure, findings);
+    let sound = findings.count() == before;
     for (i, contact) in scene.contacts.iter().enumerate() {
-        gap(i, contact, &scene.structure, findings);
+        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, &scene.structure, findings);
+        stop::stiffness(i, contact, &scene.structure, findings);
+    }
+    // With a slip in the structure its frequencies are wrong too.
+    if sound {
+        window::warn(scene, findings);
     }
     if scene.contacts.is_empty() && !findings.has("contact") {
         let problem = Problem::warning("the structure has no stop").help("stops stand under headings [[contact]]");
@@ -18,30 +33,37 @@ pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
     }
 }
 
-fn stiffness(modulus: f64, findings: &mut Findings<'_>) {
-    let path = "structure.material.youngs_modulus_pa";
-    let meant =
-        |factor: f64, unit: &str| format!("if {} {unit} is meant, write {}", number(modulus), number(modulus * factor));
-    let hint = match modulus {
-        m if m < 2e3 => meant(1e9, "GPa"),
-        m if m < 1e6 => meant(1e6, "MPa (N/mm²)"),
-        m if m > 2e12 => "diamond has 1.2e12 Pa, steel 2.1e11 Pa".into(),
-        _ => return,
-    };
-    let softness = if modulus < 1e6 { "softer than rubber" } else { "stiffer than diamond" };
-    let problem = Problem::warning(format!("`{path}` is {softness}")).help(hint);
-    findings.put(path, problem, format!("{} Pa", number(modulus)));
+pub fn structure(structure: &Structure, findings: &mut Findings<'_>) {
+    rigid_body(structure, findings);
+    let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_deref());
+    damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), findings);
+    if is_dimensionless(structure) {
+        return;
+    }
+    material::warn(structure, findings);
+    if !section::warn(structure, findings) {
+        slenderness(structure, findings);
+    }
+    length(structure.length, findings);
 }
 
-fn density(density: f64, findings: &mut Findings<'_>) {
-    let path = "structure.material.density_kg_m3";
-    let (than, hint) = match density {
-        d if d < 30.0 => ("lighter than foam", format!("if {} g/cm³ is meant, write {}", number(d), number(d * 1e3))),
-        d if d > 3e4 => ("heavier than any solid", "osmium has 2.26e4 kg/m³, steel 7.85e3 kg/m³".into()),
-        _ => return,
-    };
-    let problem = Problem::warning(format!("`{path}` is {than}")).help(hint);
-    findings.put(path, problem, format!("{} kg/m³", number(density)));
+/// Whether the scene is written in units of its own, as `EA = ρA = 1`: then nothing can be said about sizes.
+fn is_dimensionless(structure: &Structure) -> bool {
+    (structure.youngs_modulus, structure.density) == (1.0, 1.0)
+}
+
+/// `if 210 GPa is meant, write 2.1e11`
+fn meant(value: f64, unit: &str, factor: f64) -> String {
+    format!("if {} {unit} is meant, write {}", number(value), number(value * factor))
+}
+
+fn length(length: f64, findings: &mut Findings<'_>) {
+    let path = "structure.length_m";
+    if length > LONG {
+        let problem = Problem::warning(format!("`{path}` is very long"))
+            .help(format!("{}; all lengths of a scene are in m", meant(length, "mm", 1e-3)));
+        findings.put(path, problem, format!("{} m", number(length)));
+    }
 }
 
 fn slenderness(structure: &Structure, findings: &mut Findings<'_>) {
@@ -60,18 +82,5 @@ fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
         let problem = Problem::warning("the structure is held nowhere")
             .help("its first modes are rigid-body motions at 0 Hz; start = \"clamped\" would hold it");
         findings.put("structure.start", problem, "free, as is the end");
-    }
-}
-
-fn gap(i: usize, contact: &Contact, structure: &Structure, findings: &mut Findings<'_>) {
-    if contact.gap.abs() > structure.length {
-        let path = format!("contact.{i}.gap_m");
-        let size = if contact.gap > 0.0 {
-            "longer than the structure"
-        } else {
-            "pressed in by more than the structure's length"
-        };
-        let label = format!("{} m, beside a length of {} m", number(contact.gap), number(structure.length));
-        findings.put(&path, Problem::warning(format!("`{path}` is {size}")).help("gaps are in m"), label);
     }
 }

@@ -21,6 +21,9 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
     let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, findings));
     let settings = settings(raw, modes, findings);
     let structure = raw.structure.as_ref().and_then(|structure| super::structure::check(structure, findings));
+    if let Some(structure) = &structure {
+        super::plausible::structure(structure, findings);
+    }
     one_source_of_modes(raw, findings);
     let recording = raw.recording.as_ref()?;
     let files = recording.files.clone()?;
@@ -37,6 +40,7 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
         structure,
         settings: settings?,
         output_directory: super::output_directory(raw.output.as_ref(), stem),
+        warnings: Vec::new(),
     })
 }
 
@@ -147,6 +151,7 @@ fn linear_modes(raw: &RawLinearModes, findings: &mut Findings<'_>) -> Option<Lin
     let shapes = raw.shapes.as_ref()?;
     let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f).collect();
     let damping = raw.damping_ratios.clone().unwrap_or_else(|| vec![0.0; omegas.len()]);
+    super::plausible::damping("linear_modes.damping_ratios", &damping, findings);
     match table(positions, shapes, omegas.len(), damping.len(), findings) {
         Some(rows) => given(positions, &omegas, &damping, shapes, rows, findings),
         None => None,

@@ -7,6 +7,7 @@ const SHEAR_FACTOR: f64 = 5.0 / 6.0;
 
 pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structure> {
     let section = section(raw, findings);
+    let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
     let material = raw.material.as_ref()?;
     Some(Structure {
         length: raw.length_m?,
@@ -18,6 +19,10 @@ pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structur
         youngs_modulus: material.youngs_modulus_pa?,
         density: material.density_kg_m3?,
         section: section?,
+        modes: match modes {
+            Some(modes) => Some(modes?),
+            None => None,
+        },
     })
 }
 

@@ -5,11 +5,12 @@ use nlmodes::rig::{Exciter, Hold, Schedule, Shaker};
 use nlmodes::virtual_test::BenchNoise;
 
 use crate::config::raw::{
-    RawExciter, RawExtraction, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+    RawBackbone, RawExciter, RawExtraction, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
 };
 use crate::config::rule::number;
 use crate::config::scene::{
-    Backbone, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop, TestScene, TestStop,
+    Backbone, BackboneMethod, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop,
+    TestScene, TestStop,
 };
 use crate::config::{Findings, Problem};
 
@@ -18,6 +19,8 @@ const LAG_DEG: f64 = 90.0;
 const BACKBONE_HARMONICS: u32 = 20;
 /// Most samples of a record: a slip of a unit should not fill the memory.
 const MAX_SAMPLES: f64 = 1e7;
+/// Most samples of a whole test, some hours of computing.
+const MAX_TEST_SAMPLES: f64 = 1e9;
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Option<TestScene> {
@@ -25,7 +28,8 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
     let test = raw.virtual_test.as_ref()?;
     let length = raw.structure.as_ref().and_then(|structure| structure.length_m);
     positions(test, length, findings);
-    let modes = modes(test, findings);
+    let damping_ratios = damping_ratios(raw, findings);
+    let modes = modes(raw, damping_ratios.as_deref(), findings);
     let exciter = exciter(test.exciter.as_ref(), findings);
     let schedule = test.schedule.as_ref().zip(exciter).and_then(|(raw, exciter)| schedule(raw, exciter, findings));
     let settings = settings(raw.extraction.as_ref(), modes, findings);
@@ -50,15 +54,16 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
     };
     let backbone = match &test.backbone {
         Some(raw) => Some(Backbone {
+            methods: methods(raw, findings)?,
             harmonics: raw.harmonics.unwrap_or(BACKBONE_HARMONICS) as usize,
             end_hz: raw.end_frequency_hz?,
         }),
         None => None,
     };
-    Some(TestScene {
+    let scene = TestScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
-        damping_ratios: test.damping_ratios.clone()?,
+        damping_ratios: damping_ratios?,
         frequencies_hz: test.frequencies_hz.clone(),
         drive: test.drive_m?,
         accelerometers: test.accelerometers_m.clone().unwrap_or_default(),
@@ -73,7 +78,27 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         backbone,
         settings: settings?,
         output_directory: super::output_directory(raw.output.as_ref(), stem),
-    })
+        warnings: Vec::new(),
+    };
+    super::plausible::warn_of_test(&scene, findings);
+    duration(&scene, findings);
+    Some(scene)
+}
+
+/// The longest that the test can take, over all levels.
+fn duration(scene: &TestScene, findings: &mut Findings<'_>) {
+    let schedule = &scene.schedule;
+    let level = schedule.ramp + schedule.hold.longest + schedule.record;
+    let samples = level * schedule.levels.len() as f64 * scene.sample_rate;
+    // Also what is not finite.
+    let sound = samples <= MAX_TEST_SAMPLES;
+    if !sound {
+        let problem = Problem::error(format!("the test may take {} samples", number(samples))).help(
+            "lower `longest_hold_s`, `ramp_s`, `record_s`, the number of levels or `virtual_test.sample_rate_hz`",
+        );
+        let label = format!("expected at most {} samples over all levels", number(MAX_TEST_SAMPLES));
+        findings.put("virtual_test.schedule", problem, label);
+    }
 }
 
 /// Everything on the bench stands beside the structure.
@@ -87,6 +112,7 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
         if x.is_some_and(|x| x > length) {
             let problem =
                 Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)));
+            let problem = super::contact::perhaps_millimetres(problem, x.unwrap_or(0.0), length);
             let label =
                 format!("found {}, expected a number from 0 to {}, in m", findings.written(&path), number(length));
             findings.put(&path, problem, label);
@@ -94,22 +120,51 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
     }
 }
 
+/// Each method once.
+fn methods(raw: &RawBackbone, findings: &mut Findings<'_>) -> Option<Vec<BackboneMethod>> {
+    let methods = raw.methods.clone().unwrap_or_else(|| vec![BackboneMethod::Hbm]);
+    if let Some(k) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
+        let path = "virtual_test.backbone.methods";
+        let problem = Problem::error(format!("`{path}` names \"{}\" twice", methods[k].name()));
+        findings.put(path, problem, "expected each once");
+        return None;
+    }
+    Some(methods)
+}
+
+/// Those of the test, or of the structure's imposed modes.
+fn damping_ratios(raw: &RawTestScene, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
+    const PATH: &str = "virtual_test.damping_ratios";
+    let own = raw.virtual_test.as_ref().and_then(|test| test.damping_ratios.clone());
+    let imposed = raw.structure.as_ref().and_then(|structure| structure.modes.as_ref());
+    let found = own.or_else(|| imposed.and_then(|modes| modes.damping_ratios.clone()));
+    let is_written = findings.has(PATH) || findings.has("structure.modes.damping_ratios");
+    if found.is_none() && !is_written && !findings.has_misspelt("damping_ratios") {
+        let problem = Problem::error(format!("`{PATH}` is missing"));
+        let problem = problem.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
+        findings.put(PATH, problem, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");
+    }
+    found
+}
+
 /// The number of modes, if frequencies and damping ratios agree on it.
-fn modes(test: &RawVirtualTest, findings: &mut Findings<'_>) -> Option<usize> {
-    let modes = test.damping_ratios.as_ref()?.len();
+fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, findings: &mut Findings<'_>) -> Option<usize> {
+    let (modes, test) = (damping_ratios?.len(), raw.virtual_test.as_ref()?);
     let Some(frequencies) = &test.frequencies_hz else { return Some(modes) };
     let path = "virtual_test.frequencies_hz";
+    if raw.structure.as_ref().is_some_and(|structure| structure.modes.is_some()) {
+        let problem = Problem::error("the frequencies of the modes are given twice");
+        let problem =
+            problem.help("those below [structure.modes] hold for the test and for what is computed beside it");
+        findings.put(path, problem, "found beside [structure.modes]");
+        return None;
+    }
     if frequencies.len() != modes {
         let problem = Problem::error("`virtual_test` has not one damping ratio for each frequency");
         findings.put(path, problem, format!("found {}, expected {modes}, one a damping ratio", frequencies.len()));
         return None;
     }
-    if let Some(k) = (1..modes).find(|&k| frequencies[k] <= frequencies[k - 1]) {
-        let problem = Problem::error(format!("`{path}` does not ascend"));
-        findings.put(&format!("{path}.{k}"), problem, format!("expected more than {} Hz", number(frequencies[k - 1])));
-        return None;
-    }
-    Some(modes)
+    super::modes::ascends(frequencies, path, findings).then_some(modes)
 }
 
 /// The exciter, if its kind is one.

@@ -5,6 +5,8 @@ use crate::config::scene::{MassMatrix, StructureKind, Support};
 
 /// Most elements that a scene may ask for.
 pub const MAX_ELEMENTS: u32 = 1_000_000;
+/// Most modes with imposed frequencies.
+const MAX_MODES: u32 = 1000;
 
 /// Geometry, mesh and supports.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -37,6 +39,20 @@ pub struct RawStructure {
     /// Cross section of the structure
     #[schemars(required)]
     pub section: Option<RawSection>,
+    /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
+    pub modes: Option<RawModes>,
+}
+
+/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes stay.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawModes {
+    /// The frequencies, ascending from the lowest mode, with contacts open and the contact mass as `method` has it
+    #[schemars(required, inner(range(min = 1e-9)), length(min = 1, max = MAX_MODES), extend("unit" = "Hz"))]
+    pub frequencies_hz: Option<Vec<f64>>,
+    /// Damping ratios of these modes, for a virtual test; nonlinear modes are conservative
+    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_MODES))]
+    pub damping_ratios: Option<Vec<f64>>,
 }
 
 /// A linear elastic material.

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::config::raw::method::MAX_HARMONICS;
 use crate::config::raw::{RawExtraction, RawOutput, RawStructure};
-use crate::config::scene::{ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
+use crate::config::scene::{BackboneMethod, ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
 
 /// Most modes, sensors or levels.
 const MAX_LIST: u32 = 1000;
@@ -33,10 +33,11 @@ pub struct RawTestScene {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawVirtualTest {
-    /// Damping ratios of the lowest modes, one a mode; so many modes are taken
-    #[schemars(required, inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
+    /// Damping ratios of the lowest modes, one a mode; so many modes are taken. Default: `structure.modes.damping_ratios`
+    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
-    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: the structure's own
+    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: those of the structure, with
+    /// `structure.modes` imposed
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
     pub frequencies_hz: Option<Vec<f64>>,
     /// Where the exciter pushes, and the loop measures
@@ -211,6 +212,9 @@ pub struct RawKeptRecords {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBackbone {
+    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements before a rigid stop
+    #[schemars(length(min = 1, max = 2), extend("default" = ["hbm"]))]
+    pub methods: Option<Vec<BackboneMethod>>,
     /// Number of harmonics
     #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = 20))]
     pub harmonics: Option<u32>,

@@ -13,6 +13,10 @@ macro_rules! choices {
         }
 
         impl $name {
+            /// All of them.
+            #[allow(dead_code, reason = "few enums are gone through")]
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
             /// As it is written in a scene.
             pub fn name(self) -> &'static str {
                 match self {
@@ -95,6 +99,24 @@ choices! {
         MsHbm = "ms-hbm",
         /// Harmonic balance with elastic stops of `contact_stiffness_n_m`
         Hbm = "hbm",
+        /// Exact shooting, with massless contact nodes, or with contact nodes that keep their mass on elastic stops
+        Shooting = "shooting",
+    }
+    /// Method for the backbone beside a virtual test.
+    BackboneMethod {
+        /// Mixed shooting-harmonic balance before a rigid stop
+        MsHbm = "ms-hbm",
+        /// Harmonic balance of the rig's modes and stop
+        Hbm = "hbm",
+    }
+    /// For which points Floquet multipliers are computed.
+    StabilityChoice {
+        /// For all points of shooting, and for those in harmonics of structures of up to 16 modes
+        Auto = "auto",
+        /// For all points
+        Always = "always",
+        /// For none
+        Never = "never",
     }
     /// How the instants of touching and leaving are found.
     Switching {

@@ -22,4 +22,6 @@ pub struct RecordScene {
     pub settings: ExtractionSettings,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// What looks wrong with the scene, in words.
+    pub warnings: Vec<String>,
 }

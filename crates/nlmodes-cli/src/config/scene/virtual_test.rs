@@ -5,7 +5,7 @@ use nlmodes::rig::{Exciter, Schedule};
 use nlmodes::virtual_test::BenchNoise;
 use serde::Serialize;
 
-use super::{LoopDetector, RecordFormat, Side, Structure};
+use super::{BackboneMethod, LoopDetector, RecordFormat, Side, Structure};
 
 /// A test of a structure on a virtual rig: plain values in SI units, every default filled in.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +44,16 @@ pub struct TestScene {
     pub settings: ExtractionSettings,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// What looks wrong with the scene, in words.
+    pub warnings: Vec<String>,
+}
+
+impl TestScene {
+    /// Frequencies that are imposed on the lowest modes, Hz: those of the test, or of `[structure.modes]`.
+    pub fn given_frequencies(&self) -> Option<&[f64]> {
+        let imposed = self.structure.modes.as_ref().map(|modes| &modes.frequencies_hz);
+        self.frequencies_hz.as_ref().or(imposed).map(Vec::as_slice)
+    }
 }
 
 /// The stop of a virtual test.
@@ -82,9 +92,11 @@ pub struct KeptRecords {
     pub levels: Option<Vec<usize>>,
 }
 
-/// The backbone that is computed beside the test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// The backbones that are computed beside the test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Backbone {
+    /// One for each of these methods.
+    pub methods: Vec<BackboneMethod>,
     /// Number of harmonics.
     pub harmonics: usize,
     /// Frequency at which it ends, Hz.

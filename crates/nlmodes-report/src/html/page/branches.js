@@ -18,6 +18,10 @@ function facts(branch, index) {
   ];
   if (branch.events[index]) rows.push(["event", branch.events[index].join(", ").replaceAll("-", " ")]);
   if (branch.resonance[index]) rows.push(["internal resonance", branch.resonance[index]]);
+  if (branch.multiplier[index] !== undefined) {
+    const state = branch.unstable.includes(index) ? "unstable" : "stable";
+    rows.push(["stability", `${state}, largest Floquet multiplier ${significant(branch.multiplier[index], 7)}`]);
+  }
   return rows;
 }
 
@@ -40,7 +44,12 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
   const shapes = Object.fromEntries(DATA.eventSymbols.map(entry => [entry.name, entry]));
   DATA.branches.forEach((branch, key) => {
     const [x, y] = [branch[column], branch.frequency];
-    curves.push({ key, x, y, color: branch.color, breaks: new Set(branch.resumed) });
+    // What leaves an unstable point is drawn by itself, dashed.
+    const unstable = branch.unstable.filter(index => index + 1 < x.length && !branch.resumed.includes(index + 1));
+    curves.push({ key, x, y, color: branch.color, breaks: new Set([...branch.resumed, ...unstable.map(index => index + 1)]) });
+    for (const [from, to] of stretches(unstable)) {
+      curves.push({ key, x: x.slice(from, to + 2), y: y.slice(from, to + 2), color: branch.color, dash: "3 3", describes: false });
+    }
     const thin = { key, color: branch.color, width: 1.2, dash: "6 4", describes: false };
     for (const index of branch.resumed) if (index > 0) curves.push({ ...thin, x: [x[index - 1], x[index]], y: [y[index - 1], y[index]] });
     for (const [index, names] of Object.entries(branch.events)) {
@@ -61,6 +70,17 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
     name, x: { label, kind, view }, panels: [{ label: "frequency in Hz", kind: "linear", curves, symbols }], height: 330, zoomY: true,
     describe: describePoint, onHover, onChoose,
   };
+}
+
+/// First and last of each run of numbers that follow each other.
+function stretches(numbers) {
+  const found = [];
+  for (const number of numbers) {
+    const last = found[found.length - 1];
+    if (last && last[1] + 1 === number) last[1] = number;
+    else found.push([number, number]);
+  }
+  return found;
 }
 
 /// The linear mode below grazing: a dashed line, for which the view is made wider.
@@ -101,6 +121,11 @@ function legend(box, charts) {
     line(entry, "currentColor", "6 4");
     html(entry, "span", {}, "linear mode");
   }
+  if (DATA.branches.some(branch => branch.unstable.length > 0)) {
+    const entry = html(list, "span");
+    line(entry, "currentColor", "3 3");
+    html(entry, "span", {}, "unstable");
+  }
   for (const { name, shape, fill: color } of DATA.eventSymbols) {
     const entry = html(list, "span");
     symbol(sample(entry), shape, 14, 7, color);
@@ -108,14 +133,15 @@ function legend(box, charts) {
   }
 }
 
-/// Both figures; what is hovered or chosen in one is so in the other.
-function branchFigures(boxes, legendBox, onChoose) {
+/// Both figures, and that of the participation if there is one; what is hovered or chosen in one is so in the others.
+function branchFigures(boxes, participationBox, legendBox, onChoose) {
   const charts = [];
   const onHover = found => charts.forEach(chart => {
     if (!chart.tip.hidden && found) return;
     chart.hover(found && { key: found.key, index: found.index }, false);
   });
   boxes.forEach((box, k) => charts.push(new Chart(box, branchSpec(k ? AMPLITUDE : ENERGY, onHover, onChoose))));
+  if (participationBox) charts.push(new Chart(participationBox, participationSpec(onHover, onChoose)));
   legend(legendBox, charts);
   return charts;
 }

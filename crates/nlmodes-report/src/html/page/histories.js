@@ -11,22 +11,26 @@ function thousands(symbol, most) {
   return { symbol: power ? `10${raised(power)} ${symbol}` : symbol, perSi: 10 ** -power };
 }
 
-/// history: { time, displacement, …, stop, instants: [[time, touching], …] }; a series that is missing has no panel.
+/// history: { time, displacement, …, stop, instants: [[time, touching], …], label, color, others }; a series that is missing has no panel.
+/// The others are histories that are drawn over it.
 function historySpec(name, history, height) {
-  const clock = fine("s", largest(history.time));
-  const time = history.time.map(t => t * clock.perSi);
+  const all = [history, ...(history.others || [])];
+  const clock = fine("s", Math.max(...all.map(one => largest(one.time))));
+  const times = all.map(one => one.time.map(t => t * clock.perSi));
   const panels = SERIES.filter(([series]) => history[series]).map(([series, symbolName, choice]) => {
-    const values = history[series];
+    const values = all.flatMap(one => one[series]);
     const withStop = series === "displacement" ? values.concat(history.stop) : values;
     const unit = choice(symbolName, largest(withStop));
-    const y = values.map(value => (value === null ? null : value * unit.perSi));
     const word = series === "force" ? "contact force" : series;
     const panel = { label: `${word} in ${unit.symbol}`, kind: "linear", unit: unit.symbol, word, symbols: [], levels: [] };
-    panel.curves = [{ key: series, x: time, y, color: "currentColor", width: 1.8 }];
+    panel.curves = all.map((one, number) => {
+      const y = one[series].map(value => (value === null ? null : value * unit.perSi));
+      return { key: series + number, number, x: times[number], y, color: one.color || "currentColor", width: 1.8 };
+    });
     if (series === "displacement") {
       if (history.stop !== null) panel.levels.push({ y: history.stop * unit.perSi, class: "stop" });
-      for (const [t, touching] of history.instants) {
-        const at = { x: t * clock.perSi, y: interpolated(history.time, values, t) * unit.perSi };
+      for (const [one, t, touching] of all.flatMap(one => one.instants.map(instant => [one, ...instant]))) {
+        const at = { x: t * clock.perSi, y: interpolated(one.time, one[series], t) * unit.perSi };
         const look = touching ? { shape: "circle", fill: DATA.colors.touching, title: "touching" }
           : { shape: "square", fill: DATA.colors.leaving, title: "leaving" };
         panel.symbols.push({ ...at, ...look });
@@ -34,11 +38,22 @@ function historySpec(name, history, height) {
     }
     return panel;
   });
-  const describe = (_, index) => [
-    `${name}: time ${significant(time[index], 5)} ${clock.symbol}`,
-    ...panels.map(panel => `${panel.word}: ${significant(panel.curves[0].y[index], 5)} ${panel.unit}`),
+  const describe = ({ number }, index) => [
+    `${all.length > 1 ? all[number].label : name}: time ${significant(times[number][index], 5)} ${clock.symbol}`,
+    ...panels.map(panel => `${panel.word}: ${significant(panel.curves[number].y[index], 5)} ${panel.unit}`),
   ];
   return { name, x: { label: `time in ${clock.symbol}`, kind: "linear", room: 0 }, panels, height, alongX: true, describe, clock };
+}
+
+/// Names of histories that lie over each other.
+function curveNames(box, history) {
+  const list = html(box, "div", { class: "legend" });
+  for (const { color, label } of [history, ...history.others]) {
+    const entry = html(list, "span");
+    const sample = svg(entry, "svg", { width: 28, height: 14, viewBox: "0 0 28 14", "aria-hidden": "true" });
+    svg(sample, "line", { x1: 2, x2: 26, y1: 7, y2: 7, stroke: color || "currentColor", "stroke-width": 2.4 });
+    html(entry, "span", {}, label);
+  }
 }
 
 function interpolated(time, values, t) {

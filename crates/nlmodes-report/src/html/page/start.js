@@ -7,7 +7,7 @@ function begin() {
   document.documentElement.classList.add("live");
   const boxes = [byId("energy"), byId("amplitude")].filter(Boolean);
   let chosen = null;
-  const charts = boxes.length ? branchFigures(boxes, byId("legend"), (key, index) => choose(key, index)) : [];
+  const charts = boxes.length ? branchFigures(boxes, byId("participation"), byId("legend"), (key, index) => choose(key, index)) : [];
   const motion = byId("motion") && new Motion(byId("motion"), byId("controls"));
 
   function choose(key, index) {
@@ -42,6 +42,7 @@ function begin() {
   walk(byId("walk"), () => chosen, choose);
   for (const box of document.querySelectorAll("[data-history]")) {
     const history = DATA.histories[Number(box.dataset.history)];
+    if (history.others.length) curveNames(box, history);
     new Chart(box, historySpec(history.name, history, 130));
   }
   for (const button of document.querySelectorAll("button[data-point]")) {

@@ -1,0 +1,147 @@
+//! The estimated error of points against the true one, by exact shooting, as tables.
+//!
+//! `cargo run --release -p nlmodes-benchmarks --example accuracy [harmonics|modes]`; without an argument both.
+
+use std::ops::ControlFlow;
+
+use nlmodes::contact::solver_by_name;
+use nlmodes::continuation::{Continuation, ParametricSystem};
+use nlmodes::fem::MassMatrix;
+use nlmodes::hbm::{
+    CondensedStructure, MixedShooting, MixedShootingSettings, RealSeries, Switching, Symmetry, TruncationEstimator,
+    grazing,
+};
+use nlmodes::modal::ModalPoint;
+use nlmodes::model::MasslessContactModel;
+use nlmodes::study::{BranchSettings, BranchStart, StabilityRule, compute_branch};
+use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
+use nlmodes_benchmarks::{Failure, beam, rod};
+
+/// Harmonics of the solution from which the exact motion is sought.
+const FINE: usize = 60;
+
+fn main() -> Result<(), Failure> {
+    let wanted = std::env::args().nth(1);
+    let has = |name: &str| wanted.as_ref().is_none_or(|w| w == name);
+    if has("harmonics") {
+        header("N_h");
+        let numbers = [2, 3, 4, 6, 8, 10, 14, 20, 28];
+        for elements in [2, 10, 100] {
+            let (name, model) = (format!("rod, {elements} elements"), rod(elements, MassMatrix::Consistent)?);
+            for ratio in [1.5, 3.0, 8.0] {
+                row_each(&name, &model, ratio, &numbers, &[])?;
+            }
+        }
+        for ratio in [1.2, 2.0, 4.0] {
+            row_each("beam", &beam()?, ratio, &numbers, &[])?;
+        }
+    }
+    if has("modes") {
+        header("held modes");
+        for ratio in [1.5, 3.0, 8.0] {
+            row_each("rod, 100 elements", &rod(100, MassMatrix::Consistent)?, ratio, &[], &[6, 8, 12, 16, 24, 32, 48])?;
+        }
+    }
+    Ok(())
+}
+
+fn header(number: &str) {
+    println!(
+        "\n| structure | energy | {number} | error | estimate | estimate/error | motion |\n|{}",
+        " ---: |".repeat(7)
+    );
+}
+
+/// A solution at a fixed parameter, with its tangent.
+struct Solution {
+    series: RealSeries,
+    x: Vec<f64>,
+    p: f64,
+    tangent: Vec<f64>,
+}
+
+fn settings(harmonics: usize) -> MixedShootingSettings {
+    MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact }
+}
+
+/// Newton's method with the parameter kept.
+fn settle(structure: &CondensedStructure, harmonics: usize, from: &Solution) -> Option<(Solution, ModalPoint)> {
+    let start = grazing(structure, 1).ok()?;
+    let solver = solver_by_name("active-set").ok()?;
+    let mut problem = MixedShooting::new(structure, settings(harmonics), start.scales(), solver.as_ref()).ok()?;
+    let x = problem.resized(&from.x, from.series);
+    let mut across = vec![0.0; problem.dim() + 1];
+    across[problem.dim()] = 1.0;
+    let method = Continuation { max_points: 1, ..Continuation::default() };
+    let branch = method.run(&mut problem, &x, from.p, &across, |_| ControlFlow::Continue(())).ok()?;
+    let point = branch.points.into_iter().next()?;
+    let modal = problem.modal_point(&point.x, point.residual).ok()?;
+    Some((Solution { series: problem.series(), x: point.x, p: point.p, tangent: point.tangent }, modal))
+}
+
+/// The solutions of one energy with these harmonics, or with these held modes.
+fn row_each(
+    name: &str,
+    model: &MasslessContactModel,
+    ratio: f64,
+    harmonics: &[usize],
+    modes: &[usize],
+) -> Result<(), Failure> {
+    let start = BranchStart::Energy { ratio, upward: true };
+    let wanted = BranchSettings {
+        harmonics: FINE,
+        start,
+        max_points: 1,
+        stability: StabilityRule::Never,
+        ..BranchSettings::default()
+    };
+    let fine = compute_branch(model.clone(), &wanted, |_| ControlFlow::Continue(()))?;
+    let series = RealSeries { symmetry: Symmetry::Even, n_harmonics: FINE };
+    let mut from = Solution { series, x: fine.unknowns[0].clone(), p: ratio.ln(), tangent: Vec::new() };
+    for &n in harmonics.iter().rev() {
+        match settle(&fine.structure, n, &from) {
+            Some((own, point)) => {
+                tell(name, ratio, n, model, &fine.structure, &own, &point)?;
+                from = own;
+            }
+            None => println!("| {name} | {ratio} | {n} | no solution near | | | |"),
+        }
+    }
+    for &m in modes {
+        let structure = CondensedStructure::new(model.clone(), m)?;
+        if let Some((own, point)) = settle(&structure, (m / 2).min(FINE), &from) {
+            tell(name, ratio, m, model, &structure, &own, &point)?;
+        }
+    }
+    Ok(())
+}
+
+/// A row: the error against the exact motion of the same energy to which shooting leads from the solution, and its estimate.
+fn tell(
+    name: &str,
+    ratio: f64,
+    number: usize,
+    model: &MasslessContactModel,
+    structure: &CondensedStructure,
+    own: &Solution,
+    point: &ModalPoint,
+) -> Result<(), Failure> {
+    let dynamics = ContactDynamics::new(model.clone())?;
+    let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
+    let scales = ShootingScales { omega: point.omega, energy: point.kinetic_energy };
+    let mut shooting = Shooting::new(dynamics, scales)?;
+    let guess = shooting.unknowns(&state, point.omega);
+    let Ok(exact) = shooting.motion_near(&guess, 0.0) else {
+        println!("| {name} | {ratio} | {number} | no exact motion near | | | |");
+        return Ok(());
+    };
+    let solver = solver_by_name("active-set")?;
+    let start = grazing(structure, 1)?;
+    let wanted = settings(own.series.n_harmonics);
+    let mut estimator = TruncationEstimator::new(structure, wanted, start.scales(), solver.as_ref())?;
+    let estimate = estimator.estimate(&own.x, own.p, &own.tangent);
+    let error = (point.omega / exact.omega - 1.0).abs();
+    let (found, motion) = (estimate.frequency, estimate.motion);
+    println!("| {name} | {ratio} | {number} | {error:.1e} | {found:.1e} | {:.2} | {motion:.1e} |", found / error);
+    Ok(())
+}

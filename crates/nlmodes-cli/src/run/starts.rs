@@ -1,0 +1,23 @@
+//! `starts.npz`: where the exact motions of a branch by shooting start.
+
+use std::error::Error;
+use std::path::Path;
+
+use nlmodes::report::write_starts;
+use nlmodes::study::ComputedBranch;
+
+use super::sink::branch_directory;
+
+/// Name of the file.
+pub const STARTS: &str = "starts.npz";
+
+/// Writes the file of each branch by shooting, from which `verify` can start the motions again without loss.
+pub fn write(directory: &Path, all: &[ComputedBranch]) -> Result<(), Box<dyn Error>> {
+    for (number, computed) in all.iter().enumerate() {
+        let Some(mut problem) = computed.exact()? else { continue };
+        let rows = computed.unknowns.iter().map(|x| problem.first_displacement(x)).collect::<Result<Vec<_>, _>>()?;
+        let omega: Vec<f64> = computed.branch.points.iter().map(|point| point.omega).collect();
+        write_starts(branch_directory(directory, number).join(STARTS), &omega, &rows)?;
+    }
+    Ok(())
+}

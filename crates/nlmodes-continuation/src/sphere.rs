@@ -1,0 +1,246 @@
+//! Arms on a small sphere, found along curves on which all equations but one hold.
+
+use crate::corner::{Passage, pass, way_back};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
+use crate::events::Search;
+use crate::step::{Foot, step};
+use crate::{Linearization, ParametricSystem, StepSettings};
+
+/// Distance over the radius, and Newton step, to which points of such a curve are known at best.
+const RESOLUTION: f64 = 1e-7;
+
+/// Shortest step over the resolution.
+const SHORTEST: f64 = 10.0;
+
+/// Longest step, rad.
+const LONGEST: f64 = 0.15;
+
+/// Step down to which it is looked whether μ has two zeros within, rad.
+const CLOSEST: f64 = 2e-3;
+
+/// Most steps, refused ones included, and length of a curve, rad.
+const MOST: (usize, f64) = (400, 40.0);
+
+/// Depth of spheres around corners of curves on spheres.
+const NESTED: usize = 1;
+
+/// A small sphere, and how well points near its center are known.
+#[derive(Debug, Clone)]
+pub(crate) struct Sphere<'a> {
+    pub center: &'a [f64],
+    pub radius: f64,
+    /// Residual, largest entry, at which a point counts as found.
+    pub tolerance: f64,
+    /// Newton step below which a point counts as settled.
+    pub resolution: f64,
+    /// Number of spheres around corners of whose curves this one is.
+    pub nesting: usize,
+}
+
+/// `R(c + r ζ)/r + μ u = 0`, `|ζ| = 1`: n + 1 equations for the n + 1 entries of ζ, with the parameter μ.
+///
+/// Its solutions are curves on the sphere, whatever the number of directions is in which `R` leaves the center nearly free to move;
+/// where μ vanishes, they meet an arm.
+struct Relaxed<'a, E> {
+    system: &'a mut (dyn ParametricSystem<Error = E> + 'a),
+    inner: Linearization,
+    sphere: &'a Sphere<'a>,
+    /// `u`, a unit vector.
+    left: &'a [f64],
+}
+
+impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
+    type Error = E;
+
+    fn dim(&self) -> usize {
+        self.left.len() + 1
+    }
+
+    fn linearize(&mut self, zeta: &[f64], mu: f64, out: &mut Linearization) -> Result<(), E> {
+        let n = self.left.len();
+        let z = self.sphere.point(zeta);
+        self.system.linearize(&z[..n], z[n], &mut self.inner)?;
+        for i in 0..n {
+            out.residual[i] = self.inner.residual[i] / self.sphere.radius + mu * self.left[i];
+            (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
+            out.jacobian[(i, n + 1)] = self.left[i];
+        }
+        out.residual[n] = 0.5 * (dot(zeta, zeta) - 1.0);
+        (0..=n).for_each(|j| out.jacobian[(n, j)] = zeta[j]);
+        out.jacobian[(n, n + 1)] = 0.0;
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.system.pattern()
+    }
+}
+
+/// What a curve on the sphere passed.
+#[derive(Debug, Default)]
+pub(crate) struct Track {
+    /// Points near its arms, without the one from which it started.
+    pub arms: Vec<Vec<f64>>,
+    /// Evaluations spent.
+    pub evaluations: usize,
+}
+
+impl Sphere<'_> {
+    fn point(&self, zeta: &[f64]) -> Vec<f64> {
+        self.center.iter().zip(zeta).map(|(c, d)| c + self.radius * d).collect()
+    }
+
+    /// Follows the curve that leaves the arm `from` while the equation in the direction `left` is given up: all around, or where
+    /// that does not succeed, both ways as far as it goes.
+    pub fn arms_along<S: ParametricSystem>(&self, system: &mut S, from: &[f64], left: &[f64]) -> Track {
+        let n = left.len();
+        let mut relaxed = Relaxed { system, inner: Linearization::new(n), sphere: self, left };
+        let resolution = (self.resolution / self.radius).max(RESOLUTION);
+        let min = SHORTEST * resolution;
+        let settings = StepSettings {
+            initial: min,
+            min,
+            arm: 1e-2,
+            max: LONGEST,
+            checked_turn: 0.3,
+            tolerance: self.tolerance / self.radius,
+            ..StepSettings::default()
+        };
+        let mut corrector = Corrector::new(n + 1, settings.tolerance, 2 * settings.max_iterations);
+        corrector.resolution = resolution;
+        let mut track = Track::default();
+        if let Some(start) = self.start(&mut relaxed, &mut corrector, from) {
+            let mut walk = Walk { system: &mut relaxed, corrector: &mut corrector, settings, nesting: self.nesting };
+            if !walk.follow(&start, 1.0, &mut track.arms) {
+                walk.follow(&start, -1.0, &mut track.arms);
+            }
+        }
+        track.arms.iter_mut().for_each(|zeta| *zeta = self.point(&zeta[..=n]));
+        track.evaluations = corrector.evaluations;
+        track
+    }
+
+    /// The arm as a point of the curve, with the tangent of that.
+    fn start<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        corrector: &mut Corrector,
+        from: &[f64],
+    ) -> Option<Correction> {
+        let zeta = from.iter().zip(self.center).map(|(z, c)| (z - c) / self.radius);
+        let start: Vec<f64> = zeta.chain([0.0]).collect();
+        let on_arm = Surface::Plane(Hyperplane::fixing(start.len() - 1, 0.0, start.len()));
+        corrector.correct(system, &start, &on_arm).ok().filter(|c| distance(&c.z, &start) < 0.1)
+    }
+}
+
+/// A curve on a sphere being followed.
+struct Walk<'w, S> {
+    system: &'w mut S,
+    corrector: &'w mut Corrector,
+    settings: StepSettings,
+    nesting: usize,
+}
+
+impl<S: ParametricSystem> Walk<'_, S> {
+    /// Whether the curve came back to its start.
+    fn follow(&mut self, start: &Correction, sense: f64, arms: &mut Vec<Vec<f64>>) -> bool {
+        let mut foot = Foot::from(start);
+        turn(&mut foot, sense);
+        let first = foot.clone();
+        let mut passed = vec![foot.clone()];
+        let (mut h, mut length) = (self.settings.initial, 0.0);
+        for _ in 0..MOST.0 {
+            let end = match step(self.system, self.corrector, &self.settings, &foot, h) {
+                Ok(end) if h > CLOSEST && may_dip(&foot, &end) => {
+                    h = (0.3 * h).max(CLOSEST);
+                    continue;
+                }
+                Ok(end) => end,
+                Err(_) if h > self.settings.min => {
+                    h = (0.3 * h).max(self.settings.min);
+                    continue;
+                }
+                Err(_) => {
+                    let Some(end) = self.around_corner(&foot, &passed) else { return false };
+                    end
+                }
+            };
+            if length > 0.0 {
+                arms.extend(self.arm_between(&foot, &end));
+            }
+            let taken = distance(&foot.z, &end.z);
+            length += taken;
+            if closes(&first, &foot, &end, taken) {
+                return true;
+            }
+            if length > MOST.1 {
+                return false;
+            }
+            let next = if taken < h { taken } else { h * if end.iterations <= 3 { 2.0 } else { 1.0 } };
+            h = next.clamp(self.settings.min, self.settings.max);
+            foot = Foot::from(&end);
+            passed.push(foot.clone());
+        }
+        false
+    }
+
+    /// The point between two at which μ vanishes, if it changes its sign.
+    fn arm_between(&mut self, foot: &Foot, end: &Correction) -> Option<Vec<f64>> {
+        let last = foot.z.len() - 1;
+        let (from, to) = (foot.z[last], end.z[last]);
+        if from * to > 0.0 || from == 0.0 {
+            return None;
+        }
+        let h = dot(&end.z, &foot.tangent) - dot(&foot.z, &foot.tangent);
+        let mut search = Search { system: &mut *self.system, corrector: &mut *self.corrector, foot, end, h };
+        let located = if h > 0.0 { search.root(0.0, |c| from.signum() * c.z[last]) } else { None };
+        let share = from / (from - to);
+        Some(located.map_or_else(|| along_chord(&foot.z, &end.z, share), |(_, c)| c.z))
+    }
+
+    /// The first point beyond a corner of the curve.
+    fn around_corner(&mut self, foot: &Foot, passed: &[Foot]) -> Option<Correction> {
+        if self.nesting >= NESTED {
+            return None;
+        }
+        let points = || passed.iter().rev().map(|q| (q.z.clone(), q.tangent.as_slice()));
+        let back = |radius| way_back(points(), foot, radius);
+        match pass(self.system, self.corrector, &self.settings, self.nesting + 1, foot, back)? {
+            Passage::Corner(end) => Some(end),
+            Passage::Crossing(choice) => choice.arms.get(choice.own).cloned(),
+        }
+    }
+}
+
+fn along_chord(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    from.iter().zip(to).map(|(f, t)| f + share * (t - f)).collect()
+}
+
+fn turn(foot: &mut Foot, sense: f64) {
+    foot.tangent.iter_mut().for_each(|t| *t *= sense);
+    foot.orientation *= sense;
+}
+
+/// Whether μ, which has the same sign at both ends, may vanish twice in between: its two tangents meet on the other side of zero.
+fn may_dip(foot: &Foot, end: &Correction) -> bool {
+    let last = foot.z.len() - 1;
+    let (a, b) = (foot.z[last], end.z[last]);
+    let h = distance(&foot.z, &end.z);
+    let (down, up) = (foot.tangent[last] * a.signum(), end.tangent[last] * a.signum());
+    if a * b <= 0.0 || down >= 0.0 || up <= 0.0 {
+        return false;
+    }
+    // |a| + down s = |b| − up (h − s)
+    let s = ((b.abs() - up * h - a.abs()) / (down - up)).clamp(0.0, h);
+    a.abs() + down * s <= 0.0
+}
+
+/// Whether a step of this length passes the start in the direction in which that was left.
+fn closes(first: &Foot, foot: &Foot, end: &Correction, length: f64) -> bool {
+    let ahead = |z: &[f64]| dot(z, &first.tangent) - dot(&first.z, &first.tangent);
+    ahead(&foot.z) < 0.0
+        && ahead(&end.z) >= 0.0
+        && distance(&end.z, &first.z) < 2.0 * length
+        && dot(&end.tangent, &first.tangent) > 0.5
+}

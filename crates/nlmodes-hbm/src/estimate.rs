@@ -1,0 +1,158 @@
+use nlmodes_contact::LcpSolver;
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_linalg::{DenseLu, Mat};
+
+use crate::energy::inner;
+use crate::series::RealSeries;
+use crate::{CondensedStructure, Grazing, HbmError, MixedShooting, MixedShootingSettings, Scales};
+
+/// Estimated errors of a solution of [`MixedShooting`] that come from what its series leave out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TruncationError {
+    /// Relative error of the frequency at the same averaged kinetic energy; where energy or frequency hardly change along the
+    /// branch, more generally the distance between the branches in the plane of `ln ω` and `ln E_av`. Infinite where no solution of
+    /// the larger problem is near.
+    pub frequency: f64,
+    /// The share of it that comes from the held modes left out.
+    pub held_modes: f64,
+    /// Relative error of `b(t)`, root mean square over a period, across the branch.
+    pub motion: f64,
+}
+
+impl TruncationError {
+    const UNKNOWN: Self = Self { frequency: f64::INFINITY, held_modes: f64::INFINITY, motion: f64::INFINITY };
+}
+
+/// Estimates what harmonics and held modes left out change, by one step of Newton's method on a larger problem.
+///
+/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and of the held modes that were not computed also the next term of
+/// their share of `T`, with `S = Σ_{k>m} g_kᵀ g_k/λ_k³`, which needs no further mode:
+///
+/// ```text
+/// Σ_{k>m} ν²/(λ_k (λ_k − ν²)) h_k g_k = ν² K_NN⁻¹ R + ν⁴ K_NN⁻¹ S + …        between ν⁴ K_NN⁻¹ S and 1/(1 − ν²/λ_m) times that
+/// [J; tᵀ] δ = [−R; 0]     at the solution, with tangent t, seen as one of the larger problem
+/// e = |δ_ω t_p − δ_p t_ω| / √(t_ω² + t_p²)                                    in ln ω and p = ln E_av
+/// ```
+///
+/// Frequency and energy are stationary: their error is of the order of the square of that of the motion. So where `e` is less than the
+/// square of the relative change of `b`, as where it happens to change its sign, that square is the estimate.
+///
+/// As the error falls with about the fifth power of `N_h`, the larger problem counts as exact; the step of Newton's method, which
+/// neglects only squares of the error, is the error with its sign turned. Where an internal resonance that the solution does not
+/// know stands in the way, `[J; tᵀ]` is nearly singular and the estimate large.
+pub struct TruncationEstimator<'s> {
+    structure: &'s CondensedStructure,
+    coarse: RealSeries,
+    fine: MixedShooting<'s>,
+    at: Linearization,
+    bordered: Mat<f64>,
+    lu: DenseLu,
+}
+
+impl CondensedStructure {
+    /// A guess, before any solution is known, for the share of the held modes left out in the relative error of the frequency `omega`
+    /// (rad/s) with these harmonics.
+    ///
+    /// At the amplitude of grazing, `q_N` is taken to have harmonics `n⁻²`, as a motion whose velocity jumps. Then by Rayleigh's principle
+    /// `|δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)`, over `1 − ν²/λ_m` for the terms that follow. Infinite where
+    /// the modes end below the highest harmonic.
+    pub fn held_modes_error(&self, start: &Grazing, omega: f64, harmonics: usize) -> f64 {
+        let Some(last) = self.modes().last() else { return f64::INFINITY };
+        let remainder = 1.0 - (harmonics as f64 * omega).powi(2) / last.lambda;
+        let (q, next) = (&start.fundamental, &self.residual.next);
+        let form: f64 = (0..q.len()).map(|i| (0..q.len()).map(|j| q[i] * next[(i, j)] * q[j]).sum::<f64>()).sum();
+        let error = harmonics as f64 * omega.powi(4) * form.abs() / (8.0 * start.energy) / remainder;
+        if remainder > 0.0 { error } else { f64::INFINITY }
+    }
+}
+
+impl<'s> TruncationEstimator<'s> {
+    /// For solutions of the problem with these settings and scales.
+    ///
+    /// # Errors
+    /// As [`MixedShooting::new`].
+    pub fn new(
+        structure: &'s CondensedStructure,
+        settings: MixedShootingSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let coarse = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
+        let harmonics = (2 * settings.harmonics + 1).max(settings.harmonics + 6);
+        let fine = MixedShooting::new(structure, MixedShootingSettings { harmonics, ..settings }, scales, solver)?;
+        let n = fine.dim();
+        let (at, bordered) = (Linearization::new(n), Mat::zeros(n + 1, n + 1));
+        Ok(Self { structure, coarse, fine, at, bordered, lu: DenseLu::default() })
+    }
+
+    /// The errors of the solution `x` at the parameter `p` with the tangent (n + 1) of its branch.
+    pub fn estimate(&mut self, x: &[f64], p: f64, tangent: &[f64]) -> TruncationError {
+        self.try_estimate(x, p, tangent).unwrap_or(TruncationError::UNKNOWN)
+    }
+
+    /// `None` where the larger problem has no step of Newton's method.
+    fn try_estimate(&mut self, x: &[f64], p: f64, tangent: &[f64]) -> Option<TruncationError> {
+        let (z, tangent) = (self.fine.resized(x, self.coarse), self.fine.resized(tangent, self.coarse));
+        self.fine.accepted(&z, p);
+        let harmonics = self.step(&z, p, &tangent)?;
+        let frequency = self.across(&harmonics, &z, &tangent);
+        let held_modes = self.held_modes(&z, p, &harmonics, &tangent)?;
+        let coefficients = self.fine.frequency_index();
+        let length = |v: &[f64]| self.mean_square(&v[..coefficients]).sqrt();
+        let motion = length(&harmonics) / length(&z).max(f64::MIN_POSITIVE);
+        let harmonics = frequency.abs().max(motion * motion);
+        let error = TruncationError { frequency: harmonics + held_modes, held_modes, motion };
+        error.frequency.is_finite().then_some(error)
+    }
+
+    /// Newton's step `δ` without the term of the held modes.
+    fn step(&mut self, z: &[f64], p: f64, tangent: &[f64]) -> Option<Vec<f64>> {
+        self.fine.plane.with_next_term = false;
+        self.fine.linearize(z, p, &mut self.at).ok()?;
+        let n = z.len();
+        for j in 0..=n {
+            (0..n).for_each(|i| self.bordered[(i, j)] = self.at.jacobian[(i, j)]);
+            self.bordered[(n, j)] = tangent[j];
+        }
+        self.lu.refactor(&self.bordered).ok()?;
+        Some(self.solve())
+    }
+
+    fn solve(&self) -> Vec<f64> {
+        let mut delta: Vec<f64> = self.at.residual.iter().map(|r| -r).chain([0.0]).collect();
+        self.lu.solve_in_place(&mut delta);
+        delta
+    }
+
+    /// What the next term of the held modes that were not computed changes, at most.
+    fn held_modes(&mut self, z: &[f64], p: f64, without: &[f64], tangent: &[f64]) -> Option<f64> {
+        let all = self.structure.n_held_modes() >= self.structure.model().linear_dofs().len();
+        let Some(last) = self.structure.modes().last().filter(|_| !all) else { return Some(0.0) };
+        self.fine.plane.with_next_term = true;
+        self.fine.linearize(z, p, &mut self.at).ok()?;
+        let with = self.solve();
+        let change: Vec<f64> = with.iter().zip(without).map(|(a, b)| a - b).collect();
+        let highest = self.coarse.n_harmonics as f64 * self.fine.omega(z);
+        let remainder = 1.0 - highest * highest / last.lambda;
+        (remainder > 0.0).then(|| self.across(&change, z, tangent).abs() / remainder)
+    }
+
+    /// Signed distance of `δ` from the tangent in the plane of `ln ω` and the parameter.
+    fn across(&self, delta: &[f64], z: &[f64], tangent: &[f64]) -> f64 {
+        let (k, p) = (self.fine.frequency_index(), z.len());
+        let (d_omega, t_omega) = (delta[k] / z[k], tangent[k] / z[k]);
+        let length = t_omega.hypot(tangent[p]);
+        // Where neither changes along the branch, as on the tip of a tongue, every direction is across.
+        if length < 1e-9 {
+            return d_omega.hypot(delta[p]);
+        }
+        (d_omega * tangent[p] - delta[p] * t_omega) / length
+    }
+
+    /// `Σ_d ⟨b_d²⟩` of coefficients.
+    fn mean_square(&self, coefficients: &[f64]) -> f64 {
+        let width = self.fine.series().width();
+        let mean = |row: &[f64]| row[0] * row[0] + 0.5 * inner(&row[1..], &row[1..]);
+        coefficients.chunks(width).map(mean).sum()
+    }
+}

@@ -1,0 +1,71 @@
+use nlmodes_modal::HarmonicCoefficients;
+use num_complex::Complex64;
+
+use crate::Trajectory;
+use crate::trajectory::Segment;
+
+/// Below this phase a mode counts as a drift.
+const STILL: f64 = 1e-7;
+
+impl Trajectory {
+    /// Fourier coefficients of all degrees of freedom, eqs. (7), (14), with the trajectory as one period:
+    /// `q_n = (2/T) ∫ q e^{−inωt} dt`, half of that for `n = 0`.
+    ///
+    /// The integrals over the stretches between contact instants have closed forms, so that the coefficients are exact however few there are.
+    pub fn harmonics(&self, n_harmonics: usize) -> HarmonicCoefficients {
+        let n = self.segments.first().map_or(0, |s| s.phase.offset.len());
+        let mut all = HarmonicCoefficients::zeros(n, n_harmonics);
+        let period = self.duration();
+        for segment in &self.segments {
+            for harmonic in 0..=n_harmonics {
+                let nu = std::f64::consts::TAU * harmonic as f64 / period;
+                let scale = if harmonic == 0 { 1.0 } else { 2.0 } / period;
+                segment.add_harmonic(nu, scale, |d, share| all.of_mut(d)[harmonic] += share);
+            }
+        }
+        (0..n).for_each(|d| all.of_mut(d)[0].im = 0.0);
+        all
+    }
+}
+
+impl Segment {
+    /// `scale ∫ q e^{−iνt} dt` of each degree of freedom over the stretch.
+    fn add_harmonic(&self, nu: f64, scale: f64, mut add: impl FnMut(usize, Complex64)) {
+        let (phase, length) = (&self.phase, self.to - self.from);
+        let shift = scale * Complex64::cis(-nu * self.from);
+        let u: Vec<Complex64> = (0..phase.omega.len())
+            .map(|k| shift * modal_integral(phase.omega[k], self.start.u[k], self.start.v[k], nu, length))
+            .collect();
+        let still = shift * exponential_integral(-nu, length);
+        for (d, offset) in phase.offset.iter().enumerate() {
+            let sum: Complex64 = u.iter().enumerate().map(|(k, u)| u * phase.shapes[(d, k)]).sum();
+            add(d, sum + still * *offset);
+        }
+    }
+}
+
+/// `∫₀ᴸ (u cos ωs + v sin(ωs)/ω) e^{−iνs} ds`.
+fn modal_integral(omega: f64, u: f64, v: f64, nu: f64, length: f64) -> Complex64 {
+    if omega * length < STILL {
+        return u * exponential_integral(-nu, length) + v * drift_integral(nu, length);
+    }
+    let amplitude = 0.5 * Complex64::new(u, -v / omega);
+    amplitude * exponential_integral(omega - nu, length) + amplitude.conj() * exponential_integral(-omega - nu, length)
+}
+
+/// `∫₀ᴸ e^{iαs} ds = L e^{iαL/2} sin(αL/2)/(αL/2)`.
+fn exponential_integral(alpha: f64, length: f64) -> Complex64 {
+    let half = 0.5 * alpha * length;
+    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
+    length * sinc * Complex64::cis(half)
+}
+
+/// `∫₀ᴸ s e^{−iνs} ds`.
+fn drift_integral(nu: f64, length: f64) -> Complex64 {
+    let phase = nu * length;
+    if phase < 1e-3 {
+        // Series: the closed form below has lost half of its digits there.
+        return length * length * Complex64::new(0.5 - phase * phase / 8.0, -phase / 3.0);
+    }
+    (Complex64::cis(-phase) * Complex64::new(1.0, phase) - 1.0) / (nu * nu)
+}

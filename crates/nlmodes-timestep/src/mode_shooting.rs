@@ -1,0 +1,252 @@
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+
+use crate::phase::dot;
+use crate::verification::{n_intervals, share};
+use crate::{
+    Floquet, GrazingState, ModalState, PeriodicMotion, ReducedStructure, Shooting, ShootingScales, TimestepError,
+};
+
+/// Most held modes with which a branch is followed by shooting: a point costs their number to the third power.
+pub const MAX_SHOOTING_MODES: usize = 200;
+
+/// Harmonics up to which the energy of a motion is told apart, whatever number is kept of its coefficients.
+const MOST_HARMONICS: usize = 64;
+
+/// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a [`ReducedStructure`], begun at
+/// grazing. A system for continuation.
+#[derive(Debug)]
+pub struct ModeShooting {
+    structure: ReducedStructure,
+    shooting: Shooting,
+    start: GrazingState,
+    harmonics: usize,
+}
+
+impl ModeShooting {
+    /// The nonlinear mode that begins with the linear mode whose angular frequency is next to `omega` (rad/s); the coefficients
+    /// of its motions are given up to harmonic `harmonics` at least.
+    ///
+    /// # Errors
+    /// [`TimestepError::TooManyModes`]; what [`ContactDynamics::grazing`](crate::ContactDynamics::grazing) reports.
+    pub fn new(structure: ReducedStructure, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
+        if structure.n_kept_modes() > MAX_SHOOTING_MODES {
+            let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
+            return Err(TimestepError::TooManyModes { found, most });
+        }
+        let mut dynamics = structure.dynamics()?;
+        let start = dynamics.grazing(omega)?;
+        let shooting = Shooting::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
+        Ok(Self { structure, shooting, start, harmonics })
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &ReducedStructure {
+        &self.structure
+    }
+
+    /// Where the nonlinear mode begins, in the coordinates of the reduced structure.
+    pub fn grazing(&self) -> &GrazingState {
+        &self.start
+    }
+
+    /// The equations.
+    pub fn shooting(&mut self) -> &mut Shooting {
+        &mut self.shooting
+    }
+
+    /// Unknown vector at grazing, where the parameter is zero, and the direction of growing amplitude (m + 2).
+    pub fn start(&self) -> (Vec<f64>, Vec<f64>) {
+        self.shooting.start(&self.start)
+    }
+
+    /// Index of the frequency in the unknown vector.
+    pub fn frequency_index(&self) -> usize {
+        self.shooting.frequency_index()
+    }
+
+    /// Angular frequency of the unknown vector `x`, rad/s.
+    pub fn omega(&self, x: &[f64]) -> f64 {
+        self.shooting.omega(x)
+    }
+
+    /// Unknown vector and parameter of a motion of the full structure that is given by its Fourier coefficients, taken as even in time.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`] if it has other coordinates than the full structure; [`TimestepError::NotPositive`] for its energy.
+    pub fn unknowns(&mut self, motion: &HarmonicCoefficients, omega: f64) -> Result<(Vec<f64>, f64), TimestepError> {
+        let displacement: Vec<f64> = (0..motion.n_coordinates()).map(|d| motion.value(d, 0.0)).collect();
+        let reduced = self.structure.project(&displacement)?;
+        let still = vec![0.0; reduced.len()];
+        let state = self.shooting.dynamics().state(&reduced, &still)?;
+        let mut energy = 0.0;
+        for n in 1..=motion.n_harmonics() {
+            let part: Vec<f64> = (0..motion.n_coordinates()).map(|d| motion.of(d)[n].re).collect();
+            let y = self.structure.project(&part)?;
+            energy += 0.25 * (n as f64 * omega).powi(2) * self.structure.inertia(&y);
+        }
+        if !(energy.is_finite() && energy > 0.0) {
+            return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
+        }
+        Ok((self.shooting.unknowns(&state, omega), (energy / self.start.energy).ln()))
+    }
+
+    /// The motion with the unknowns `x`, over one period.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
+        self.shooting.motion(x)
+    }
+
+    /// Floquet multipliers of the motion with the unknowns `x`.
+    ///
+    /// # Errors
+    /// What [`Floquet::new`] reports.
+    pub fn floquet(&mut self, x: &[f64]) -> Result<Floquet, TimestepError> {
+        let motion = self.shooting.motion(x)?;
+        Floquet::new(self.shooting.dynamics(), &motion)
+    }
+
+    /// Displacements of all degrees of freedom of the full structure at the beginning of the motion with the unknowns `x`, where
+    /// it stands still.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::displacement_and_velocity`](crate::ContactDynamics::displacement_and_velocity) reports.
+    pub fn first_displacement(&mut self, x: &[f64]) -> Result<Vec<f64>, TimestepError> {
+        let state = self.shooting.state(x);
+        let (q, _) = self.shooting.dynamics().displacement_and_velocity(&state)?;
+        Ok(self.structure.expand(&q))
+    }
+
+    /// The point with the unknowns `x`, as a nonlinear mode with its modal quantities.
+    ///
+    /// Its coefficients are exact and go as far as harmonics of the motion can be resonant with a mode, 64 at most and those asked for at
+    /// least; its energies are those of the exact motion, with all harmonics.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, TimestepError> {
+        let motion = self.shooting.motion(x)?;
+        let trajectory = &motion.trajectory;
+        let reduced = even(trajectory.harmonics(self.highest_harmonic(motion.omega)));
+        let harmonic_energy = self.harmonic_energy(&reduced, motion.omega)?;
+        let coefficients = self.expand(&reduced);
+        let modal_amplitude = self.structure.inertia(&harmonic(&reduced, 1)).sqrt();
+        let full = self.structure.full();
+        let contact = full.contacts()[0];
+        let intervals = trajectory.closed_intervals();
+        let period = trajectory.duration();
+        let forces: Vec<f64> = (0..full.contacts().len()).map(|i| trajectory.peak_force(i)).collect();
+        let touches = intervals.iter().any(|i| i.contact == 0);
+        Ok(ModalPoint {
+            omega: motion.omega,
+            fundamental: coefficients.of(contact.dof)[1].re,
+            coefficients,
+            kinetic_energy: motion.kinetic_energy,
+            harmonic_energy,
+            resonance: None,
+            stability: None,
+            total_energy: motion.total_energy,
+            modal_amplitude,
+            peak: match touches {
+                true => contact.gap + contact.law.compliance() * forces[0],
+                false => contact.gap - trajectory.smallest_gap(0),
+            },
+            contact_fraction: share(&intervals, 0, period),
+            contact_intervals: n_intervals(&intervals, forces.len(), period),
+            peak_contact_force: forces.iter().copied().fold(0.0, f64::max),
+            residual,
+            error_estimate: None,
+            events: Vec::new(),
+        })
+    }
+
+    /// Motion and force of contact `contact` over one period of the motion with the unknowns `x`, at `samples` equidistant instants
+    /// and the end of the period.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    ///
+    /// # Panics
+    /// If there is no such contact.
+    pub fn time_history(
+        &mut self,
+        x: &[f64],
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, TimestepError> {
+        let trajectory = self.shooting.motion(x)?.trajectory;
+        let of = self.structure.full().contacts()[contact];
+        let time: Vec<f64> = (0..=samples).map(|j| trajectory.duration() * j as f64 / samples as f64).collect();
+        let states: Vec<_> = time.iter().map(|t| trajectory.contact_state(contact, *t)).collect();
+        // Where the contact is closed, its stop has yielded by its own compliance.
+        let beyond = |order: usize| -> Vec<f64> {
+            states.iter().map(|s| of.side.sign() * (of.law.compliance() * s.force[order] - s.gap[order])).collect()
+        };
+        let stop = of.side.sign() * of.gap;
+        Ok(TimeHistory {
+            label: label.to_owned(),
+            displacement: beyond(0).into_iter().map(|q| stop + q).collect(),
+            velocity: beyond(1),
+            acceleration: beyond(2),
+            force: states.iter().map(|s| s.force[0]).collect(),
+            time,
+            stop,
+            instants: trajectory.contact_instants(contact),
+        })
+    }
+
+    /// The harmonics of a motion that can meet a mode of the structure.
+    fn highest_harmonic(&mut self, omega: f64) -> usize {
+        let highest = self.shooting.dynamics().omega().last().copied().unwrap_or(omega);
+        self.harmonics.max(((1.2 * highest / omega).ceil() as usize).min(MOST_HARMONICS))
+    }
+
+    fn harmonic_energy(&mut self, reduced: &HarmonicCoefficients, omega: f64) -> Result<Vec<f64>, TimestepError> {
+        let dynamics = self.shooting.dynamics();
+        let of = |n: usize| {
+            let q = harmonic(reduced, n);
+            let ModalState { z, .. } = dynamics.state(&q, &vec![0.0; q.len()])?;
+            Ok(0.25 * (n as f64 * omega).powi(2) * dot(&z, &z))
+        };
+        (0..=reduced.n_harmonics()).map(of).collect()
+    }
+
+    fn expand(&self, reduced: &HarmonicCoefficients) -> HarmonicCoefficients {
+        let mut all = HarmonicCoefficients::zeros(self.structure.full().dofs().len(), reduced.n_harmonics());
+        for n in 0..=reduced.n_harmonics() {
+            let full = self.structure.expand(&harmonic(reduced, n));
+            full.iter().enumerate().for_each(|(d, q)| all.of_mut(d)[n].re = *q);
+        }
+        all
+    }
+}
+
+/// Without what rounding leaves of the sines.
+fn even(mut motion: HarmonicCoefficients) -> HarmonicCoefficients {
+    (0..motion.n_coordinates()).for_each(|d| motion.of_mut(d).iter_mut().for_each(|q| q.im = 0.0));
+    motion
+}
+
+/// The cosines of harmonic `n`.
+fn harmonic(motion: &HarmonicCoefficients, n: usize) -> Vec<f64> {
+    (0..motion.n_coordinates()).map(|d| motion.of(d)[n].re).collect()
+}
+
+impl ParametricSystem for ModeShooting {
+    type Error = TimestepError;
+
+    fn dim(&self) -> usize {
+        self.shooting.dim()
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), TimestepError> {
+        self.shooting.linearize(x, p, out)
+    }
+
+    fn pattern(&self) -> u64 {
+        self.shooting.pattern()
+    }
+}

@@ -1,0 +1,242 @@
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
+use nlmodes_model::{
+    Contact, ContactCoordinates, ContactLaw, Dof, DofKind, Drop, LinearModes, MasslessContactModel, StructuralModel,
+    held_modes,
+};
+
+use crate::dynamics::solve_columns;
+use crate::phase::{column, product, transposed_product};
+use crate::{ContactDynamics, TimestepError};
+
+/// Relative difference below which two held frequencies count as one.
+const REPEATED: f64 = 1e-10;
+
+/// Mass of the static shapes that the kept modes leave over, relative, below which nothing is left over.
+const NOTHING: f64 = 1e-13;
+
+/// A structure with massless contacts, reduced to its lowest modes with the contacts held, with static correction.
+///
+/// ```text
+/// q_L = B y ,   B = [φ_1 … φ_m, χ] ,   ÿ + Bᵀ K_LL B y + Bᵀ K_LN q_N = 0 ,   Bᵀ M_LL B = I
+/// K_NN q_N + K_NL B y = W λ                                                                       massless contacts (13)
+/// ```
+///
+/// `χ`, one column a contact coordinate, is what the kept modes leave over of the static shapes `Ψ = −K_LL⁻¹ K_LN`, made orthogonal to them.
+/// So the static stiffness is that of the full structure, and its mass up to `ν²`, as in mixed shooting-harmonic balance, while the contacts
+/// stay massless: this is a structure with massless contacts itself. Where all modes are kept it is the full structure. Modes that
+/// leave the contacts at rest (the axial family of a beam under a transverse stop) stay at rest and are left out.
+#[derive(Debug, Clone)]
+pub struct ReducedStructure {
+    full: MasslessContactModel,
+    model: MasslessContactModel,
+    /// `B`, n_L × m; `None` where all modes are kept: nothing was reduced.
+    basis: Option<Mat<f64>>,
+    kept: usize,
+    available: usize,
+}
+
+impl ReducedStructure {
+    /// Keeps the lowest `count` held modes, of these the ones that move a contact, and the static correction.
+    ///
+    /// # Errors
+    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot be computed;
+    /// [`TimestepError::Linalg`].
+    pub fn new(full: MasslessContactModel, count: usize) -> Result<Self, TimestepError> {
+        let n_l = full.linear_dofs().len();
+        let mut psi = -full.k_ln();
+        full.factor_k_ll()?.solve_many(&mut psi);
+        let k_nn =
+            DenseLu::factor(full.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
+        let mut held = held_modes(&full, count.min(n_l))?;
+        separate_repeated(&mut held, &full, &k_nn)?;
+        let g = held.shapes.transpose() * full.k_ln();
+        let h = solve_columns(&k_nn, &g.transpose().to_owned());
+        let (n_n, available) = (full.k_nn().nrows(), held.omega.len());
+        let t0 = solve_columns(&k_nn, &(full.k_ln().transpose() * &psi));
+        let scale = (0..n_n).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let moves = |k: &usize| {
+            let strength: f64 = (0..n_n).map(|d| g[(*k, d)] * h[(d, *k)]).sum();
+            strength > 1e-20 * scale * held.omega[*k].powi(2)
+        };
+        let kept: Vec<usize> = (0..available).filter(moves).collect();
+        if kept.len() == n_l {
+            return Ok(Self { model: full.clone(), full, basis: None, kept: n_l, available });
+        }
+        let shapes = Mat::from_fn(n_l, kept.len(), |i, k| held.shapes[(i, kept[k])]);
+        let (correction, own) = match available < n_l {
+            true => static_correction(&full, &shapes, psi)?,
+            false => (Mat::zeros(n_l, 0), Vec::new()),
+        };
+        let lambda: Vec<f64> = kept.iter().map(|&k| held.omega[k] * held.omega[k]).chain(own).collect();
+        let basis = Mat::from_fn(n_l, lambda.len(), |i, k| match k.checked_sub(kept.len()) {
+            Some(r) => correction[(i, r)],
+            None => shapes[(i, k)],
+        });
+        let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()))?;
+        Ok(Self { full, model, basis: Some(basis), kept: kept.len(), available })
+    }
+
+    /// The structure that was reduced.
+    pub fn full(&self) -> &MasslessContactModel {
+        &self.full
+    }
+
+    /// The reduced structure: its degrees of freedom are `y`, then `q_N`.
+    pub fn model(&self) -> &MasslessContactModel {
+        &self.model
+    }
+
+    /// Modes kept, with those of the static correction.
+    pub fn n_modes(&self) -> usize {
+        self.model.linear_dofs().len()
+    }
+
+    /// Held modes kept.
+    pub fn n_kept_modes(&self) -> usize {
+        self.kept
+    }
+
+    /// Held modes computed, with those that leave the contacts at rest.
+    pub fn n_held_modes(&self) -> usize {
+        self.available
+    }
+
+    /// The reduced structure for exact integration.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::new`] reports.
+    pub fn dynamics(&self) -> Result<ContactDynamics, TimestepError> {
+        ContactDynamics::new(self.model.clone())
+    }
+
+    /// Displacements or velocities of all degrees of freedom of the full structure, from those of the reduced one.
+    pub fn expand(&self, reduced: &[f64]) -> Vec<f64> {
+        let Some(basis) = &self.basis else { return reduced.to_vec() };
+        let (y, q_n) = reduced.split_at(self.n_modes());
+        let mut all = vec![0.0; self.full.dofs().len()];
+        if self.full.contact_coordinates() == ContactCoordinates::Nodes {
+            self.full.contact_dofs().iter().zip(q_n).for_each(|(&dof, q)| all[dof] = *q);
+        }
+        self.full.linear_dofs().iter().zip(product(basis, y)).for_each(|(&dof, q)| all[dof] = q);
+        all
+    }
+
+    /// Displacements or velocities of the reduced structure, from those of all degrees of freedom of the full one; those of its contact
+    /// coordinates follow statically and are left at zero.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`].
+    pub fn project(&self, full: &[f64]) -> Result<Vec<f64>, TimestepError> {
+        let expected = self.full.dofs().len();
+        if full.len() != expected {
+            return Err(TimestepError::Dimension { what: "displacements", expected, found: full.len() });
+        }
+        let Some(basis) = &self.basis else { return Ok(full.to_vec()) };
+        let q_l: Vec<f64> = self.full.linear_dofs().iter().map(|&dof| full[dof]).collect();
+        let mut inertia = vec![0.0; q_l.len()];
+        multiply(self.full.m_ll(), &q_l, &mut inertia);
+        let contacts = std::iter::repeat_n(0.0, self.full.k_nn().nrows());
+        Ok(transposed_product(basis, &inertia).into_iter().chain(contacts).collect())
+    }
+
+    /// `yᵀ y`: twice the kinetic energy of velocities of the reduced structure.
+    pub(crate) fn inertia(&self, reduced: &[f64]) -> f64 {
+        bilinear(reduced, self.model.mass(), reduced)
+    }
+}
+
+/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span what the modes `φ` leave over of the static shapes, and their `χᵀ K χ`.
+fn static_correction(
+    full: &MasslessContactModel,
+    modes: &Mat<f64>,
+    psi: Mat<f64>,
+) -> Result<(Mat<f64>, Vec<f64>), TimestepError> {
+    let failed = TimestepError::during("static correction of the held modes");
+    let n_n = psi.ncols();
+    let whole = (0..n_n).map(|d| bilinear(column(&psi, d), full.m_ll(), column(&psi, d))).fold(0.0, f64::max);
+    let mut rest = psi;
+    // Twice: what rounding leaves of the modes is as large as what is left over.
+    for _ in 0..2 {
+        rest = &rest - modes * (modes.transpose() * times(full.m_ll(), &rest));
+    }
+    let (mass, turn) = symmetric_eigen(&gram(full.m_ll(), &rest)).map_err(&failed)?;
+    let left: Vec<usize> = (0..n_n).filter(|&r| mass[r] > NOTHING * whole).collect();
+    let turn = Mat::from_fn(n_n, left.len(), |i, r| turn[(i, left[r])] / mass[left[r]].sqrt());
+    let unit = &rest * &turn;
+    let (lambda, turn) = symmetric_eigen(&gram(full.k_ll(), &unit)).map_err(&failed)?;
+    Ok((&unit * &turn, lambda))
+}
+
+/// `Xᵀ A X`, symmetric.
+fn gram(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    let product = x.transpose() * times(a, x);
+    Mat::from_fn(x.ncols(), x.ncols(), |i, j| 0.5 * (product[(i, j)] + product[(j, i)]))
+}
+
+/// `A X`.
+fn times(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    let mut all = Mat::zeros(x.nrows(), x.ncols());
+    let mut one = vec![0.0; x.nrows()];
+    for k in 0..x.ncols() {
+        multiply(a, column(x, k), &mut one);
+        all.col_mut(k).iter_mut().zip(&one).for_each(|(a, x)| *a = *x);
+    }
+    all
+}
+
+/// `M = diag(I, 0)` and the arrow `K` of kept modes and contact coordinates, with `g = Bᵀ K_LN`.
+fn reduced_model(
+    full: &MasslessContactModel,
+    lambda: &[f64],
+    g: &Mat<f64>,
+) -> Result<MasslessContactModel, TimestepError> {
+    let statics = full.k_nn();
+    let (m, n_n) = (lambda.len(), statics.nrows());
+    let failed = TimestepError::during("matrices of the reduced structure");
+    let unit: Vec<_> = (0..m).map(|k| (k, k, 1.0)).collect();
+    let mut entries: Vec<_> = lambda.iter().enumerate().map(|(k, λ)| (k, k, *λ)).collect();
+    for d in 0..n_n {
+        (0..m).for_each(|k| entries.extend([(k, m + d, g[(k, d)]), (m + d, k, g[(k, d)])]));
+        entries.extend((0..n_n).map(|e| (m + d, m + e, 0.5 * (statics[(d, e)] + statics[(e, d)]))));
+    }
+    let mass = sparse_from_triplets(m + n_n, m + n_n, &unit).map_err(&failed)?;
+    let stiffness = sparse_from_triplets(m + n_n, m + n_n, &entries).map_err(&failed)?;
+    // A kept mode is not at any node; what it is called here is seen by nobody.
+    let mode = |k: usize| Dof { node: k, position: 0.0, kind: DofKind::Deflection };
+    let nodes = full.contact_dofs().iter().map(|&dof| full.dofs()[dof]);
+    let dofs = (0..m).map(mode).chain(nodes).collect();
+    Ok(MasslessContactModel::new(&StructuralModel::new(mass, stiffness, dofs, contacts(full, m))?, &Drop)?)
+}
+
+/// The contacts at the coordinates of the reduced structure; the tip of a contact spring meets a rigid wall.
+fn contacts(full: &MasslessContactModel, m: usize) -> Vec<Contact> {
+    let place = |(i, contact): (usize, &Contact)| match full.contact_coordinates() {
+        ContactCoordinates::Nodes => {
+            let d = full.contact_dofs().binary_search(&contact.dof).unwrap_or_else(|place| place);
+            Contact { dof: m + d, ..*contact }
+        }
+        ContactCoordinates::SpringTips => Contact { dof: m + i, law: ContactLaw::Rigid, ..*contact },
+    };
+    full.contacts().iter().enumerate().map(place).collect()
+}
+
+/// Among modes with the same frequency (equal spans between contacts), chooses those of which only as many as there are contact
+/// coordinates move these.
+fn separate_repeated(held: &mut LinearModes, full: &MasslessContactModel, k_nn: &DenseLu) -> Result<(), TimestepError> {
+    let mut first = 0;
+    while first < held.omega.len() {
+        let limit = held.omega[first] * (1.0 + REPEATED);
+        let same = held.omega[first..].iter().take_while(|omega| **omega <= limit).count();
+        if same > 1 {
+            let shapes = held.shapes.subcols(first, same).to_owned();
+            let g = shapes.transpose() * full.k_ln();
+            let strength = &g * solve_columns(k_nn, &g.transpose().to_owned());
+            let strength = Mat::from_fn(same, same, |i, j| 0.5 * (strength[(i, j)] + strength[(j, i)]));
+            let (_, turn) =
+                symmetric_eigen(&strength).map_err(TimestepError::during("modes with the same frequency"))?;
+            held.shapes.subcols_mut(first, same).copy_from(&shapes * turn);
+        }
+        first += same;
+    }
+    Ok(())
+}

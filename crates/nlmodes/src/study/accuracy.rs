@@ -1,0 +1,234 @@
+//! How many harmonics and held modes an accuracy takes.
+
+use std::f64::consts::TAU;
+
+use nlmodes_hbm::{CondensedStructure, TruncationError};
+use nlmodes_model::MasslessContactModel;
+
+use super::{BranchSettings, StudyError};
+
+/// An accuracy that is asked for, by which harmonics are chosen along the branch, and held modes before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Largest relative error of the frequency at the same energy that harmonics and held modes left out may cause;
+    /// [`TruncationError::frequency`](nlmodes_hbm::TruncationError).
+    pub error: f64,
+    /// Most harmonics. Where they do not suffice the branch goes on with them, and says so.
+    pub max_harmonics: usize,
+}
+
+/// What became of an [`Accuracy`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AccuracyReached {
+    /// Largest estimate over all points, [`TruncationError::frequency`](nlmodes_hbm::TruncationError).
+    pub largest_estimate: f64,
+    /// The largest share of the held modes in an estimate.
+    pub largest_held_modes_estimate: f64,
+    /// Points whose estimate is larger than what was asked for.
+    pub points_beyond: usize,
+    /// Changes of the number of harmonics along the branch.
+    pub changes: usize,
+    /// Smallest and largest number of harmonics of a point.
+    pub harmonics: [usize; 2],
+}
+
+/// Share of the permitted error that the harmonics may cause; the rest is for the held modes.
+const OF_HARMONICS: f64 = 0.7;
+
+/// Share of the permitted error at which a new number of harmonics aims.
+const AIM: f64 = 0.25;
+
+/// Order of convergence by which a new number of harmonics is chosen; see `docs/accuracy.md`.
+const ORDER: f64 = 5.0;
+
+/// Largest growth of the number of harmonics at once.
+const GROWTH: f64 = 1.6;
+
+/// Fewer harmonics are tried only if they are at most this share of those in use.
+const WORTH_LESS: f64 = 0.75;
+
+/// Points that fewer harmonics must have sufficed for, by their estimate, before they are tried.
+const PATIENCE: usize = 5;
+
+/// Points after a failed trial of fewer harmonics before the next one.
+const AFTER_FAILURE: usize = 25;
+
+/// Harmonics and error of the two-element rod, from which the first number is extrapolated.
+const KNOWN: (f64, f64) = (5.0, 5.6e-6);
+
+/// What is done after a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Decision {
+    /// The point counts.
+    Keep,
+    /// It counts, and the branch goes on from it with fewer harmonics.
+    Fewer(usize),
+    /// It does not; the branch goes on from the one before it with more harmonics.
+    More(usize),
+    /// It counts although its error is too large: there are no more harmonics.
+    Limit,
+    /// The modes of the held structure do not suffice.
+    Modes,
+}
+
+/// Chooses the number of harmonics from the estimates along a branch.
+#[derive(Debug, Clone)]
+pub(super) struct Control {
+    accuracy: Accuracy,
+    fewest: usize,
+    /// Whether held modes can be added.
+    more_modes: bool,
+    harmonics: usize,
+    /// Points in a row for which fewer harmonics would have sufficed, and the largest number that one of them needs.
+    easy: (usize, usize),
+    /// Points until fewer harmonics may be tried.
+    pause: usize,
+    /// Whether the number was lowered last.
+    lowered: bool,
+    /// Points for which the number stays, since no solution with another one was found.
+    stays: usize,
+}
+
+impl Control {
+    pub fn new(accuracy: Accuracy, fewest: usize, more_modes: bool) -> Self {
+        Self { accuracy, fewest, more_modes, harmonics: fewest, easy: (0, 0), pause: 0, lowered: false, stays: 0 }
+    }
+
+    /// The branch goes on with another number of harmonics.
+    pub fn changed(&mut self, harmonics: usize) {
+        if harmonics > self.harmonics && self.lowered {
+            self.pause = AFTER_FAILURE;
+        }
+        self.lowered = harmonics < self.harmonics;
+        self.harmonics = harmonics;
+        self.easy = (0, 0);
+    }
+
+    /// The number is not lowered for some points.
+    pub fn pause(&mut self) {
+        self.pause = AFTER_FAILURE;
+    }
+
+    /// No solution with another number of harmonics was found here.
+    pub fn stay(&mut self) {
+        (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);
+    }
+
+    pub fn decide(&mut self, error: &TruncationError) -> Decision {
+        let harmonics = self.harmonics;
+        if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
+            return Decision::Modes;
+        }
+        let own = error.frequency - error.held_modes;
+        let needed = self.needed(own);
+        // Not a number where both are infinite.
+        if !(own <= OF_HARMONICS * self.accuracy.error) {
+            self.stays = self.stays.saturating_sub(1);
+            if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
+                let within = error.frequency <= self.accuracy.error;
+                return if within { Decision::Keep } else { Decision::Limit };
+            }
+            let most = (GROWTH * harmonics as f64).ceil() as usize;
+            return Decision::More(
+                needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics),
+            );
+        }
+        self.pause = self.pause.saturating_sub(1);
+        if self.pause > 0 || needed as f64 > WORTH_LESS * harmonics as f64 || needed < self.fewest {
+            self.easy = (0, 0);
+            return Decision::Keep;
+        }
+        self.easy = (self.easy.0 + 1, self.easy.1.max(needed));
+        if self.easy.0 < PATIENCE { Decision::Keep } else { Decision::Fewer(self.easy.1) }
+    }
+
+    /// Harmonics with which the error would be what is aimed at, were it to fall with a power of their number.
+    fn needed(&self, error: f64) -> usize {
+        let factor = (error / (AIM * self.accuracy.error)).powf(1.0 / ORDER);
+        let needed = (self.harmonics as f64 * factor).ceil();
+        if needed.is_finite() { (needed as usize).max(self.fewest) } else { usize::MAX }
+    }
+}
+
+/// The number of harmonics with which a branch begins.
+pub(super) fn first_harmonics(accuracy: Accuracy, fewest: usize) -> usize {
+    let (harmonics, error) = KNOWN;
+    let guess = harmonics * (error / (AIM * accuracy.error)).powf(1.0 / ORDER);
+    (guess.ceil() as usize).clamp(fewest, accuracy.max_harmonics.max(fewest))
+}
+
+/// The structure with as many held modes as the accuracy takes by a guess for the motion's higher harmonics, and at least these.
+pub(super) fn condense(
+    model: MasslessContactModel,
+    settings: &BranchSettings,
+    accuracy: Accuracy,
+    at_least: usize,
+) -> Result<CondensedStructure, StudyError> {
+    let size = model.linear_dofs().len();
+    if let Some(count) = settings.held_modes {
+        return Ok(CondensedStructure::new(model, count)?);
+    }
+    let mut count = at_least.max(2 * settings.harmonics);
+    loop {
+        let structure = CondensedStructure::new(model.clone(), count.min(size))?;
+        if count >= size {
+            return Ok(structure);
+        }
+        let start = super::prepare::linear_start(&structure, settings)?;
+        let omega = settings.frequency_hz.map_or(1.2 * start.omega, |w| (w[1] * TAU).min(1.5 * start.omega));
+        let error = structure.held_modes_error(&start, omega, settings.harmonics);
+        if error <= (1.0 - OF_HARMONICS) * accuracy.error {
+            return Ok(structure);
+        }
+        count += count.div_ceil(3);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control(harmonics: usize) -> Control {
+        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, true);
+        control.changed(harmonics);
+        control
+    }
+
+    fn error(frequency: f64, held_modes: f64) -> TruncationError {
+        TruncationError { frequency, held_modes, motion: 0.0 }
+    }
+
+    #[test]
+    fn more_harmonics_where_the_error_is_too_large_up_to_the_limit() {
+        assert_eq!(control(10).decide(&error(6e-7, 0.0)), Decision::Keep);
+        // 8e-6 over 2.5e-7 is two to the fifth: twice as many, but not at once.
+        assert_eq!(control(10).decide(&error(8e-6, 0.0)), Decision::More(16));
+        assert_eq!(control(10).decide(&error(8e-7, 0.0)), Decision::More(13));
+        assert_eq!(control(39).decide(&error(f64::INFINITY, 0.0)), Decision::More(40));
+        assert_eq!(control(40).decide(&error(1e-3, 0.0)), Decision::Limit);
+    }
+
+    #[test]
+    fn fewer_harmonics_only_where_they_have_sufficed_for_long() {
+        let mut control = control(20);
+        let small = error(2.5e-7 / 32.0, 0.0);
+        for _ in 1..PATIENCE {
+            assert_eq!(control.decide(&small), Decision::Keep);
+        }
+        assert_eq!(control.decide(&small), Decision::Fewer(10));
+        control.changed(10);
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::More(16));
+        control.changed(16);
+        for _ in 1..AFTER_FAILURE {
+            assert_eq!(control.decide(&error(1e-12, 0.0)), Decision::Keep);
+        }
+    }
+
+    #[test]
+    fn held_modes_are_added_where_they_can_be() {
+        assert_eq!(control(10).decide(&error(6e-7, 5e-7)), Decision::Modes);
+        let mut given = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, false);
+        given.changed(10);
+        assert_eq!(given.decide(&error(6e-7, 5e-7)), Decision::Keep);
+    }
+}

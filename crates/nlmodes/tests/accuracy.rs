@@ -1,0 +1,156 @@
+//! Harmonics and held modes chosen for an accuracy, against the exact motion and against much finer computations.
+
+use std::ops::ControlFlow;
+
+use nlmodes::contact::solver_by_name;
+use nlmodes::continuation::{Continuation, ParametricSystem};
+use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::hbm::{
+    CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
+};
+use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::study::{Accuracy, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
+use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
+
+fn rod(elements: usize) -> MasslessContactModel {
+    let rod = Rod {
+        material: Material::new(1.0, 1.0).unwrap(),
+        area: 1.0,
+        mesh: Mesh::uniform(1.0, elements).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    let stop = Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0);
+    MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
+}
+
+fn beam() -> MasslessContactModel {
+    let beam = Beam {
+        material: Material::new(181.36e9, 7730.0).unwrap().with_poissons_ratio(0.3).unwrap(),
+        section: Section::rectangle(0.012, 0.020).unwrap(),
+        mesh: Mesh::graded(0.629_755_20, 21, 9.195_853_6).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    let stop = Stop::rigid(0.629_755_20, Direction::Transverse, Side::Positive, 1.03e-3);
+    MasslessContactModel::new(&beam.assemble(&[stop]).unwrap(), &Drop).unwrap()
+}
+
+fn settings(error: f64, max_energy_ratio: f64) -> BranchSettings {
+    BranchSettings {
+        harmonics: 2,
+        accuracy: Some(Accuracy { error, max_harmonics: 60 }),
+        max_energy_ratio: Some(max_energy_ratio),
+        stability: StabilityRule::Never,
+        ..BranchSettings::default()
+    }
+}
+
+fn compute(model: &MasslessContactModel, settings: &BranchSettings) -> ComputedBranch {
+    compute_branch(model.clone(), settings, |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn harmonics(branch: &ComputedBranch) -> Vec<usize> {
+    branch.branch.points.iter().map(|p| p.coefficients.n_harmonics()).collect()
+}
+
+/// Relative error of the frequency against the exact motion of the same energy, over the estimate, at a point.
+fn against_exact(model: &MasslessContactModel, branch: &ComputedBranch, point: usize) -> (f64, f64) {
+    let point = &branch.branch.points[point];
+    let dynamics = ContactDynamics::new(model.clone()).unwrap();
+    let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0).unwrap();
+    let scales = ShootingScales { omega: point.omega, energy: point.kinetic_energy };
+    let mut shooting = Shooting::new(dynamics, scales).unwrap();
+    let guess = shooting.unknowns(&state, point.omega);
+    let exact = shooting.motion_near(&guess, 0.0).unwrap().omega;
+    ((point.omega / exact - 1.0).abs(), point.error_estimate.unwrap())
+}
+
+#[test]
+fn the_estimate_is_the_error_of_the_two_element_rod() {
+    let model = rod(2);
+    for (accuracy, expected) in [(1e-3, 2..=4), (1e-5, 4..=8), (1e-7, 9..=20), (1e-9, 20..=45)] {
+        let branch = compute(&model, &settings(accuracy, 8.0));
+        let points = &branch.branch.points;
+        assert!(branch.branch.end.complete && points.len() > 20, "{}", branch.branch.end.message);
+        let used = harmonics(&branch);
+        let most = used.iter().max().unwrap();
+        assert!(expected.contains(most), "{accuracy:e}: {used:?}");
+        // Grazing itself is exact, and rounding bounds what can be compared.
+        for k in (1..points.len()).filter(|k| k % 5 == 0) {
+            let (error, estimate) = against_exact(&model, &branch, k);
+            assert!(error < accuracy, "{accuracy:e}, point {k}: {error:e}");
+            assert!(estimate < accuracy, "{accuracy:e}, point {k}: {estimate:e}");
+            let ratio = estimate / error;
+            assert!(
+                error < 1e-12 || (0.3..10.0).contains(&ratio),
+                "{accuracy:e}, point {k}: {estimate:e} for {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn harmonics_change_along_the_branch_of_the_beam_at_the_same_energy() {
+    let model = beam();
+    let branch = compute(&model, &BranchSettings { frequency_hz: Some([39.0, 41.5]), ..settings(1e-5, 6.0) });
+    let points = &branch.branch.points;
+    assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
+    let reached = branch.accuracy.unwrap();
+    assert!(reached.changes > 0 && reached.harmonics[0] < reached.harmonics[1], "{reached:?}");
+    assert_eq!(reached.points_beyond, 0, "{reached:?}");
+    let changes: Vec<usize> = (1..points.len()).filter(|&k| points[k].has_event("harmonics")).collect();
+    assert_eq!(changes.len(), reached.changes);
+    for k in changes {
+        let (before, after) = (&points[k - 1], &points[k]);
+        assert_ne!(before.coefficients.n_harmonics(), after.coefficients.n_harmonics());
+        assert!((after.kinetic_energy / before.kinetic_energy - 1.0).abs() < 1e-9, "point {k}");
+        assert!((after.omega / before.omega - 1.0).abs() < 1e-5, "point {k}");
+        assert!(!after.has_event("harmonics-unproven"), "point {k}");
+    }
+    for k in [points.len() / 3, points.len() / 2, points.len() - 1] {
+        let (error, estimate) = against_exact(&model, &branch, k);
+        assert!(error < 1e-5 && estimate < 1e-5, "point {k}: {estimate:e} for {error:e}");
+    }
+}
+
+#[test]
+fn few_held_modes_carry_a_rod_of_2000_elements() {
+    let model = rod(2000);
+    let start = BranchStart::Energy { ratio: 4.0, upward: true };
+    let wanted = BranchSettings { start, max_points: 2, ..settings(1e-5, 10.0) };
+    let branch = compute(&model, &wanted);
+    let (kept, point) = (branch.structure.n_held_modes(), &branch.branch.points[0]);
+    assert!(kept < 200, "{kept}");
+    // The same harmonics with ten times as many modes.
+    let n = point.coefficients.n_harmonics();
+    let fine = CondensedStructure::new(model, 10 * kept).unwrap();
+    let begin = grazing(&fine, 1).unwrap();
+    let solver = solver_by_name("active-set").unwrap();
+    let method = MixedShootingSettings { harmonics: n, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let mut problem = MixedShooting::new(&fine, method, begin.scales(), solver.as_ref()).unwrap();
+    let mut energy = vec![0.0; problem.dim() + 1];
+    energy[problem.dim()] = 1.0;
+    let continuation = Continuation { max_points: 1, ..Continuation::default() };
+    let p = (point.kinetic_energy / begin.energy).ln();
+    let found = continuation.run(&mut problem, &branch.unknowns[0], p, &energy, |_| ControlFlow::Continue(())).unwrap();
+    let error = (problem.omega(&found.points[0].x) / point.omega - 1.0).abs();
+    assert!(error < 1e-5, "{error:e}");
+    // And the estimate of these modes alone is that difference.
+    let begin = grazing(&branch.structure, 1).unwrap();
+    let mut estimator = TruncationEstimator::new(&branch.structure, method, begin.scales(), solver.as_ref()).unwrap();
+    let estimate = estimator.estimate(&branch.unknowns[0], p, &found.points[0].tangent).held_modes;
+    assert!((0.3..10.0).contains(&(estimate / error)), "{estimate:e} for {error:e}");
+}
+
+#[test]
+fn too_few_harmonics_are_said_and_do_not_end_the_branch() {
+    let wanted = BranchSettings { accuracy: Some(Accuracy { error: 1e-8, max_harmonics: 6 }), ..settings(1e-8, 5.0) };
+    let branch = compute(&rod(2), &wanted);
+    assert_eq!(branch.branch.end.reason, "max-energy");
+    assert!(branch.branch.points.iter().any(|p| p.has_event("accuracy-limit")));
+    let reached = branch.accuracy.unwrap();
+    assert!(reached.points_beyond > 10 && reached.largest_estimate > 1e-8 && reached.harmonics[1] == 6, "{reached:?}");
+}

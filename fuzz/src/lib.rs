@@ -1,0 +1,12 @@
+//! What nlmodes reads from files that nobody has vouched for, one function of bytes for each reader.
+//!
+//! A reader may refuse what it gets; it must not panic, hang, or take memory that the input does not pay for.
+
+pub mod corpus;
+pub mod mutation;
+mod readers;
+
+pub use readers::{Scratch, Target, target};
+
+/// Names of all targets.
+pub const TARGETS: [&str; 9] = ["scene", "record-scene", "test-scene", "csv", "uff", "wav", "npy", "lcp", "results"];
