@@ -39,7 +39,7 @@ pub fn follow(model: MasslessContactModel, settings: &BranchSettings) -> Result<
         ControlFlow::Continue(())
     })?;
     let cpu = cpu_seconds() - began;
-    let mut problem = computed.problem()?;
+    let mut problem = computed.problem(0)?;
     let step = computed.unknowns.len().div_ceil(CHECKED);
     let mut violation = 0.0_f64;
     for x in computed.unknowns.iter().step_by(step).chain(computed.unknowns.last()) {

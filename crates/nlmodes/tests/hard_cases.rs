@@ -67,7 +67,7 @@ fn try_follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> Resu
 fn follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> ComputedBranch {
     let computed = try_follow(model, ratio, harmonics).unwrap();
     assert_eq!(computed.branch.end.reason, "max-energy", "{}", computed.branch.end.message);
-    let mut problem = computed.problem().unwrap();
+    let mut problem = computed.problem(0).unwrap();
     for (point, x) in computed.branch.points.iter().zip(&computed.unknowns) {
         assert!(point.residual <= 1e-10, "{:e}", point.residual);
         assert!(problem.check_contact(x, 64).unwrap().complementarity < 1e-9);
@@ -97,8 +97,8 @@ fn before_a_stop_that_touches_the_frequency_is_that_of_two_half_periods_at_every
             assert!((point.omega / (2.0 * stiff / (1.0 + stiff)) - 1.0).abs() < 1e-9, "{k_c}: {}", point.omega);
         }
         assert_eq!(computed.branch.points[0].events, ["start"]);
-        // Nothing else gives an energy: that of the start is 1 J.
-        assert!((computed.branch.points[0].kinetic_energy - 1.0).abs() < 1e-12);
+        // Nothing else gives an energy: that of the start is 1 J, up to the residual that counts as none.
+        assert!((computed.branch.points[0].kinetic_energy - 1.0).abs() < 1e-10);
     }
     // The rod of two elements before a rigid stop: ω² = 6 off it, 12 at it.
     let model = chain(&[1.0 / 3.0, 0.0], &[2.0, 2.0], vec![Contact::rigid(1, Side::Positive, 0.0)]);
@@ -140,7 +140,8 @@ fn a_pressed_beam_gets_off_its_stop_in_few_points() {
     let points = &computed.branch.points;
     // (5000 points did not leave the held mode when lengths were scaled by what moves a contact that is held.)
     assert!(points.len() < 400, "{}", points.len());
-    assert_eq!(points[0].contact_fraction, 1.0);
+    // Where the force vanishes for an instant, rounding of 1e-14 opens the contact for its root.
+    assert!(points[0].contact_fraction > 1.0 - 1e-6, "{}", points[0].contact_fraction);
     // Softer than held, stiffer than before a stop that just touches.
     let flat = last_hz(&follow(beam(20, &[(1.0, Side::Positive, 0.0)]), 1.1, 5));
     let [first, last] = [points[0].omega / TAU, last_hz(&computed)];
