@@ -46,7 +46,7 @@ fn main() -> Result<(), Failure> {
 fn study(case: &Case) -> Result<Vec<Measurement>, Failure> {
     let reference = Reference::new(case)?;
     println!("\n## {}\n\n{}", case.title, reference.describe());
-    let mut measured = vec![shooting(case, &reference)?];
+    let mut measured: Vec<Measurement> = shooting(&reference)?.into_iter().collect();
     measured.extend(exact(case, &reference)?);
     measured.extend(sampled(case, &reference)?);
     measured.extend(harmonic_balance(case, &reference)?);

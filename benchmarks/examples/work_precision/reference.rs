@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes::contact::solver_by_name;
-use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
 use nlmodes::study::{BranchSettings, BranchStart, compute_branch};
@@ -20,7 +20,12 @@ pub const INSTANTS: usize = 1 << 10;
 /// An exact periodic motion.
 pub struct Reference {
     pub model: MasslessContactModel,
-    pub motion: PeriodicMotion,
+    /// The exact motion; where none lies beside the truncated ones, the reference is MS-HBM with the harmonics of the seed.
+    pub motion: Option<PeriodicMotion>,
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+    /// Averaged kinetic energy, J.
+    pub kinetic_energy: f64,
     /// Energy at grazing, J, and frequency there, rad/s.
     pub grazing: (f64, f64),
     /// Displacements of all degrees of freedom at equidistant instants.
@@ -47,11 +52,19 @@ impl Reference {
                 }
             }
         }
+        if case.with_truncated_reference {
+            let ladder = case.frequencies.iter().find_map(|f| Self::climb(case, *f).ok());
+            return ladder.map_or(Err(last), |ladder| ladder.truncated(case));
+        }
         Err(last)
     }
 
-    /// On the backbone with few harmonics, then at the same frequency with many, then exactly.
     fn at(case: &Case, frequency: f64) -> Result<Self, Failure> {
+        Self::climb(case, frequency)?.exact()
+    }
+
+    /// On the backbone with few harmonics, then at the same frequency with many.
+    fn climb(case: &Case, frequency: f64) -> Result<Ladder, Failure> {
         let model = MasslessContactModel::new(&case.model, &Drop)?;
         let structure = CondensedStructure::new(model.clone(), usize::MAX)?;
         let start = grazing(&structure, 1)?;
@@ -72,6 +85,70 @@ impl Reference {
             }
             (z, width) = (found.z, harmonics);
         }
+        Ok(Ladder { model, structure, start, z, width })
+    }
+
+    pub fn describe(&self) -> String {
+        let ratio = self.kinetic_energy / self.grazing.0;
+        format!(
+            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of contact over one period, \
+             the first contact closed in {:.2} % of it; largest multiplier {}; residual of the shooting equations {:.1e}",
+            self.omega / TAU,
+            self.omega / self.grazing.1,
+            self.intervals,
+            100.0 * self.contact_share,
+            self.stability.map_or_else(|| "unknown".to_owned(), |m| format!("{m:.6}")),
+            self.residual,
+        )
+    }
+
+    /// Logarithm of the energy over that at grazing: the parameter of all methods.
+    pub fn parameter(&self) -> f64 {
+        (self.kinetic_energy / self.grazing.0).ln()
+    }
+
+    /// Unknowns of `structure` with these harmonics for the exact motion, and its parameter.
+    pub fn unknowns(&self, structure: &CondensedStructure, harmonics: usize) -> Result<Vec<f64>, Failure> {
+        let (model, start) = (structure.model(), grazing(structure, 1)?);
+        let k_nn = DenseLu::factor(model.k_nn())?;
+        let n = structure.n_contact_dofs();
+        let positions: Vec<Vec<f64>> = self.displacements.iter().map(|q| free_position(model, &k_nn, q)).collect();
+        let cosine = |d: usize, n: usize| {
+            let phase = |j: usize| TAU * ((n * j) % INSTANTS) as f64 / INSTANTS as f64;
+            let sum: f64 = positions.iter().enumerate().map(|(j, b)| b[d] * phase(j).cos()).sum();
+            sum * if n == 0 { 1.0 } else { 2.0 } / INSTANTS as f64 / start.scales().length
+        };
+        let mut z: Vec<f64> =
+            (0..n).flat_map(|d| (0..=harmonics).map(move |m| (d, m))).map(|(d, m)| cosine(d, m)).collect();
+        z.extend([self.omega / start.omega, (self.kinetic_energy / start.energy).ln()]);
+        Ok(z)
+    }
+
+    /// Relative error in the L2 norm of a displacement of the first contact over the period.
+    pub fn displacement_error(&self, displacement: impl Fn(usize) -> f64) -> f64 {
+        let dof = self.model.contacts()[0].dof;
+        let (mut error, mut size) = (0.0, 0.0);
+        for (j, exact) in self.displacements.iter().enumerate() {
+            error += (displacement(j) - exact[dof]).powi(2);
+            size += exact[dof].powi(2);
+        }
+        f64::sqrt(error / size)
+    }
+}
+
+/// The point with the harmonics of the seed.
+struct Ladder {
+    model: MasslessContactModel,
+    structure: CondensedStructure,
+    start: Grazing,
+    z: Vec<f64>,
+    width: usize,
+}
+
+impl Ladder {
+    /// The exact motion from there.
+    fn exact(self) -> Result<Reference, Failure> {
+        let Self { model, structure, start, z, width } = self;
         let point = problem(&structure, width, Switching::Exact, "active-set")?.modal_point(&z[..z.len() - 1], 0.0)?;
         let dynamics = ContactDynamics::new(model.clone())?;
         let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
@@ -91,7 +168,7 @@ impl Reference {
         let intervals = motion.trajectory.closed_intervals();
         let contact_share = intervals.iter().filter(|i| i.contact == 0).map(|i| i.to - i.from).sum::<f64>() / period;
         let at = |j: usize| motion.trajectory.at(period * j as f64 / INSTANTS as f64).displacement;
-        Ok(Self {
+        Ok(Reference {
             displacements: (0..INSTANTS).map(at).collect(),
             mean_force: mean_force(&motion),
             residual: found.residual,
@@ -99,56 +176,41 @@ impl Reference {
             contact_share,
             stability,
             grazing: (start.energy, start.omega),
-            motion,
+            omega: motion.omega,
+            kinetic_energy: motion.kinetic_energy,
+            motion: Some(motion),
             model,
         })
     }
 
-    pub fn describe(&self) -> String {
-        let ratio = self.motion.kinetic_energy / self.grazing.0;
-        format!(
-            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of contact over one period, \
-             the first contact closed in {:.2} % of it; largest multiplier {}; residual of the shooting equations {:.1e}",
-            self.motion.omega / TAU,
-            self.motion.omega / self.grazing.1,
-            self.intervals,
-            100.0 * self.contact_share,
-            self.stability.map_or_else(|| "unknown".to_owned(), |m| format!("{m:.6}")),
-            self.residual,
-        )
-    }
-
-    /// Logarithm of the energy over that at grazing: the parameter of all methods.
-    pub fn parameter(&self) -> f64 {
-        (self.motion.kinetic_energy / self.grazing.0).ln()
-    }
-
-    /// Unknowns of `structure` with these harmonics for the exact motion, and its parameter.
-    pub fn unknowns(&self, structure: &CondensedStructure, harmonics: usize) -> Result<Vec<f64>, Failure> {
-        let (model, start) = (structure.model(), grazing(structure, 1)?);
-        let k_nn = DenseLu::factor(model.k_nn())?;
-        let n = structure.n_contact_dofs();
-        let positions: Vec<Vec<f64>> = self.displacements.iter().map(|q| free_position(model, &k_nn, q)).collect();
-        let cosine = |d: usize, n: usize| {
-            let phase = |j: usize| TAU * ((n * j) % INSTANTS) as f64 / INSTANTS as f64;
-            let sum: f64 = positions.iter().enumerate().map(|(j, b)| b[d] * phase(j).cos()).sum();
-            sum * if n == 0 { 1.0 } else { 2.0 } / INSTANTS as f64 / start.scales().length
-        };
-        let mut z: Vec<f64> =
-            (0..n).flat_map(|d| (0..=harmonics).map(move |m| (d, m))).map(|(d, m)| cosine(d, m)).collect();
-        z.extend([self.motion.omega / start.omega, (self.motion.kinetic_energy / start.energy).ln()]);
-        Ok(z)
-    }
-
-    /// Relative error in the L2 norm of a displacement of the first contact over the period.
-    pub fn displacement_error(&self, displacement: impl Fn(usize) -> f64) -> f64 {
-        let dof = self.model.contacts()[0].dof;
-        let (mut error, mut size) = (0.0, 0.0);
-        for (j, exact) in self.displacements.iter().enumerate() {
-            error += (displacement(j) - exact[dof]).powi(2);
-            size += exact[dof].powi(2);
+    /// The point itself as the reference; contacts where they are without filtering.
+    fn truncated(self, case: &Case) -> Result<Reference, Failure> {
+        let Self { model, structure, start, z, width } = self;
+        let x = &z[..z.len() - 1];
+        let mut problem = problem(&structure, width, Switching::Exact, "active-set")?;
+        let point = problem.modal_point(x, 0.0)?;
+        let phase = |j: usize| TAU * j as f64 / INSTANTS as f64;
+        let n = point.coefficients.n_coordinates();
+        let at = |j: usize| (0..n).map(|d| point.coefficients.value(d, phase(j))).collect();
+        let mut displacements: Vec<Vec<f64>> = (0..INSTANTS).map(at).collect();
+        for (contact, of) in model.contacts().iter().enumerate() {
+            let history = problem.time_history(x, contact, INSTANTS, "")?;
+            displacements.iter_mut().zip(&history.displacement).for_each(|(q, at)| q[of.dof] = *at);
         }
-        f64::sqrt(error / size)
+        println!("({}: the reference is MS-HBM with {width} harmonics)", case.slug);
+        Ok(Reference {
+            displacements,
+            mean_force: problem.mean_forces().iter().sum(),
+            residual: 0.0,
+            intervals: point.contact_intervals,
+            contact_share: point.contact_fraction,
+            stability: None,
+            grazing: (start.energy, start.omega),
+            omega: point.omega,
+            kinetic_energy: point.kinetic_energy,
+            motion: None,
+            model,
+        })
     }
 }
 

@@ -10,6 +10,8 @@ use crate::methods::{Measurement, Method};
 
 type ErrorOf = fn(&Measurement) -> f64;
 
+type Selects = fn(&Method) -> bool;
+
 const ERRORS: [(&str, &str, ErrorOf); 3] = [
     ("displacement", "displacement of the contact, L2", |m| m.displacement),
     ("frequency", "frequency", |m| m.frequency),
@@ -41,7 +43,7 @@ pub fn print(case: &Case, all: &[Measurement]) {
             digits.iter().map(|d| format!(" {d:.0e} |")).collect::<String>().trim_end_matches('|')
         );
         println!("| --- |{}", " ---: |".repeat(digits.len()));
-        let kinds: [(&str, fn(&Method) -> bool); 4] = [
+        let kinds: [(&str, Selects); 4] = [
             ("MS-HBM, exact switching", |m| *m == Method::Exact),
             ("MS-HBM, sampled", |m| matches!(m, Method::Sampled { .. })),
             ("conventional HBM", |m| matches!(m, Method::HarmonicBalance { .. })),
@@ -101,7 +103,7 @@ pub fn figures(case: &Case, all: &[Measurement], folder: &Path) -> Result<(), Fa
     all.iter().for_each(|m| {
         let thinned = match m.method {
             Method::Sampled { samples } => [64, 1024, 16384].contains(&samples),
-            Method::HarmonicBalance { stiffness } => (stiffness.log10().round() as i32) % 2 == 0 && stiffness > 10.0,
+            Method::HarmonicBalance { stiffness } => [2, 4].contains(&(stiffness.log10().round() as i32)),
             Method::Shooting | Method::Exact => true,
         };
         if thinned && !methods.contains(&m.method) {

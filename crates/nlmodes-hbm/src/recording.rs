@@ -64,5 +64,5 @@ fn recorded(model: &MasslessContactModel) -> Vec<usize> {
     let stride = all.len().div_ceil(MAX_RECORDED / 2);
     let last = all.iter().map(|d| d.node).max().unwrap_or(0);
     let is_contact = |i: usize| model.contacts().iter().any(|c| c.dof == i);
-    (0..all.len()).filter(|&i| all[i].node % stride == 0 || all[i].node == last || is_contact(i)).collect()
+    (0..all.len()).filter(|&i| all[i].node.is_multiple_of(stride) || all[i].node == last || is_contact(i)).collect()
 }

@@ -68,7 +68,7 @@ impl ContactSweep {
         let (c, h) = (structure.n_contacts(), series.n_harmonics);
         let samples = match switching {
             // Where nothing can happen between two samples is proven cell by cell: their number decides the cost, not the result.
-            Switching::Exact => (4 * (h + 1)).next_power_of_two().max(32),
+            Switching::Exact => (3 * (h + 1)).next_power_of_two().max(32),
             Switching::Sampled { samples } => samples,
         };
         let needed = 2 * h + 1;

@@ -100,7 +100,7 @@ impl Plane {
         let f = sums.t0[0] + nu2 * (slope + static_response * self.sums.s1[0]) - mode.s / mode.lambda;
         let df = slope + static_response * self.sums.s2[0];
         let below = usize::from(mode.lambda < nu2);
-        let sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (passed + below).is_multiple_of(2) { 1.0 } else { -1.0 };
         let delta = mode.lambda - nu2;
         let inverse = 1.0 / (delta * delta + mode.s * mode.s).sqrt();
         let (alpha, beta) = (sign * delta * inverse, sign * mode.s * inverse);
@@ -115,7 +115,7 @@ impl Plane {
         let (n, modes) = (structure.n_contact_dofs(), &structure.modes);
         let below = self.poles.clone().filter(|&p| modes[p].lambda < nu2).count();
         // Each pole passed turns the sign of det(I − T …); with those of δ it keeps its own.
-        let mut sign = if (passed + below) % 2 == 0 { 1.0 } else { -1.0 };
+        let mut sign = if (passed + below).is_multiple_of(2) { 1.0 } else { -1.0 };
         identity(&mut self.a, n);
         for number in 0..n * n {
             (self.da[number], self.b[number], self.db[number]) = (0.0, 0.0, 0.0);
