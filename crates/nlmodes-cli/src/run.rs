@@ -253,6 +253,7 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
         StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
+        StudyError::NoStartTouching { .. } => "contact.0.gap_m",
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
         StudyError::Contact(_) => "method.contact_solver",
@@ -261,8 +262,13 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
     };
     let status = refuse(file, path, error);
     // Where Newton's method fails the scene is not to blame.
-    let unlucky =
-        matches!(error, StudyError::NoStart { .. } | StudyError::NoStartAtEnergy { .. } | StudyError::Continuation(_));
+    let unlucky = matches!(
+        error,
+        StudyError::NoStart { .. }
+            | StudyError::NoStartAtEnergy { .. }
+            | StudyError::NoStartTouching { .. }
+            | StudyError::Continuation(_)
+    );
     if unlucky { Status::EndedEarly } else { status }
 }
 

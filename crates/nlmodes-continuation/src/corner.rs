@@ -33,7 +33,8 @@ pub(crate) fn pass<S: ParametricSystem>(
     foot: &Foot,
     way_back: impl Fn(f64) -> Vec<f64>,
 ) -> Option<Passage> {
-    if let Some(next) = across_boundary(system, corrector, settings, foot, NEARLY_FREE) {
+    let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE);
+    if let Some(next) = next.or_else(|| short_step(system, corrector, settings, foot)) {
         return Some(Passage::Corner(next));
     }
     let mut crossing = None;
@@ -81,6 +82,23 @@ pub(crate) fn crossing<S: ParametricSystem>(
     let ahead = |k: &usize| dot(&outward(center, &arms.onward[*k].z), tangent);
     let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
     Some(Choice { z: center.to_vec(), back: arms.back, arms: arms.onward, own })
+}
+
+/// Shares of the shortest step with which a corner is tried.
+const SHORT: [f64; 3] = [1e-1, 1e-2, 1e-3];
+
+/// A step below the shortest onto the next smooth piece, that passes all tests: what looks like a corner may be a tight bend, of a
+/// contact that is far stiffer than what moves it.
+fn short_step<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+) -> Option<Correction> {
+    SHORT.into_iter().find_map(|share| {
+        let end = step(system, corrector, settings, foot, share * settings.min).ok()?;
+        (end.orientation * foot.orientation > 0.0 && end.pattern != foot.pattern).then_some(end)
+    })
 }
 
 /// The first point on the next smooth piece, where neither piece is near a crossing.

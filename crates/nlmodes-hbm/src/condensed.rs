@@ -1,6 +1,6 @@
 use nlmodes_contact::{ContactBody, LcpMatrix};
 use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
-use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
+use nlmodes_model::{ContactCoordinates, LinearModes, MasslessContactModel, held_modes};
 
 use crate::HbmError;
 use crate::held_sums::HeldSums;
@@ -63,7 +63,7 @@ impl CondensedStructure {
     /// Reduces `model` with its lowest `n_modes` held modes, all of them where there are fewer.
     ///
     /// # Errors
-    /// [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
+    /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
         let psi = static_shapes(&model)?;
         let mut held = held_modes(&model, n_modes)?;
@@ -71,6 +71,7 @@ impl CondensedStructure {
             .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
         let coupling = model.k_ln().transpose() * &psi;
         let t0 = solve_columns(&k_nn, &(-coupling));
+        refuse_stiff_springs(&model, &t0)?;
         let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
         let body = ContactBody::new(model.w().clone(), solve_columns(&k_nn, model.w()), gaps.clone())
             .and_then(|body| body.with_stop_compliance(&model.stop_compliance()))
@@ -144,6 +145,24 @@ impl CondensedStructure {
     /// Number of contacts c.
     pub fn n_contacts(&self) -> usize {
         self.gaps.len()
+    }
+}
+
+/// Largest stiffness of a contact spring over the static stiffness of the structure behind it. The force is `k_c` times a small difference of
+/// displacements, which has lost as many digits as this ratio has: with 1e9 Newton's method does not settle to seven any more.
+const STIFFEST: f64 = 5e8;
+
+/// Contact springs beside which the stiffness of the structure is lost in rounding: equations of harmonic balance in which any motion
+/// would pass for a solution.
+fn refuse_stiff_springs(model: &MasslessContactModel, t0: &Mat<f64>) -> Result<(), HbmError> {
+    if model.contact_coordinates() == ContactCoordinates::Nodes || model.rigid_motion().is_some() {
+        return Ok(());
+    }
+    // The spring in series with the structure: T_0 = 1 − 1/(1 + k_c/k).
+    let ratio = |d: usize| 1.0 / (1.0 - t0[(d, d)]).max(f64::EPSILON);
+    match (0..t0.nrows()).find(|&d| ratio(d) > STIFFEST) {
+        Some(contact) => Err(HbmError::ContactTooStiff { contact, ratio: ratio(contact), most: STIFFEST }),
+        None => Ok(()),
     }
 }
 

@@ -77,6 +77,19 @@ pub enum HbmError {
         #[source]
         source: LcpError,
     },
+    /// Conventional harmonic balance with a contact spring so stiff that rounding takes the place of the structure's own stiffness.
+    #[error(
+        "the spring of contact {contact} is {ratio:.0e} times as stiff as the structure behind it: harmonic balance with a contact \
+         stiffness is possible up to {most:.0e}; a rigid stop (ms-hbm) has no such limit"
+    )]
+    ContactTooStiff {
+        /// Index of the contact.
+        contact: usize,
+        /// Contact stiffness over the static stiffness of the structure at the contact.
+        ratio: f64,
+        /// Largest ratio.
+        most: f64,
+    },
     /// The contact compliance cannot be used.
     #[error("the contact compliance")]
     Compliance(#[source] LcpError),

@@ -62,6 +62,7 @@
 //! (2016) 297-314.
 
 mod closed_set;
+mod closing;
 mod condensed;
 mod energy;
 mod error;
@@ -80,6 +81,7 @@ mod switching;
 mod transfer;
 mod trigonometric;
 
+pub use closing::Closing;
 pub use condensed::{CondensedStructure, HeldMode};
 pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
@@ -88,5 +90,5 @@ pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Sc
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;
 pub use series::{RealSeries, Symmetry};
-pub use start::{Grazing, grazing};
+pub use start::{Grazing, grazing, grazing_opened};
 pub use sweep::{ContactInterval, Switching};

@@ -2,6 +2,7 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_linalg::Mat;
 
+use crate::closing::Opening;
 use crate::energy::KineticEnergy;
 use crate::series::{RealSeries, Symmetry};
 use crate::sweep::{ContactSweep, Switching};
@@ -55,11 +56,11 @@ pub struct Scales {
 ///
 /// Unknown vector: `b/length` (n_N × width, one degree of freedom after the other, [`RealSeries`]), `ω/omega`, and δ.
 pub struct MixedShooting<'s> {
-    structure: &'s CondensedStructure,
+    pub(crate) structure: &'s CondensedStructure,
     settings: MixedShootingSettings,
     pub(crate) scales: Scales,
     pub(crate) sweep: ContactSweep,
-    b: Vec<f64>,
+    pub(crate) b: Vec<f64>,
     pub(crate) q: Vec<f64>,
     /// `dq_N/db`, row-major.
     dq_db: Vec<f64>,
@@ -69,6 +70,8 @@ pub struct MixedShooting<'s> {
     pub(crate) plane: Plane,
     energy: KineticEnergy,
     anchor: Vec<f64>,
+    /// While contacts stand back: the derivative of `q_N` by the share of that.
+    pub(crate) opening: Option<Opening>,
 }
 
 impl<'s> MixedShooting<'s> {
@@ -105,6 +108,7 @@ impl<'s> MixedShooting<'s> {
             plane: Plane::new(n),
             energy: KineticEnergy::new(n),
             anchor,
+            opening: None,
         })
     }
 
@@ -194,6 +198,7 @@ impl<'s> MixedShooting<'s> {
             let row = &self.dq_db[i * size..(i + 1) * size];
             self.q[i] += crate::energy::inner(row, &self.b);
         }
+        self.open_contacts();
         Ok(())
     }
 
@@ -228,6 +233,10 @@ impl<'s> MixedShooting<'s> {
                     slope += unfolding * plane.db[d * n + e] * factor * self.b[e * width + other];
                     entries[e * width + other] += unfolding * rotate;
                 }
+            }
+            if let Some(opening) = &self.opening {
+                let moved = (0..n).map(|e| plane.b[d * n + e] * opening.dq[e * width + m]).sum::<f64>();
+                out.jacobian[(row, out.residual.len())] = -moved * scale;
             }
             out.residual[row] = (value + unfolding * turn) * scale;
             out.jacobian[(row, size)] = slope * nu.d_omega * self.scales.omega * scale;
@@ -267,7 +276,8 @@ impl<'s> MixedShooting<'s> {
         let unit = self.scales.length / energy;
         entries.iter_mut().for_each(|r| *r *= unit);
         out.jacobian[(row, size)] = totals.d_omega * self.scales.omega / energy;
-        out.jacobian[(row, out.residual.len())] = -1.0;
+        out.jacobian[(row, out.residual.len())] =
+            self.opening.as_ref().map_or(-1.0, |opening| crate::energy::inner(gradient_q, &opening.dq) / energy);
         Ok(())
     }
 

@@ -7,6 +7,12 @@ use crate::energy::inner;
 use crate::series::RealSeries;
 use crate::{CondensedStructure, HbmError, Scales};
 
+/// Motion of a contact, over the largest motion, below which a mode does not move it.
+const NO_MOTION: f64 = 1e-9;
+
+/// Guard at rest, over the largest gap, below which a contact touches without force.
+const ROUNDING: f64 = 1e-12;
+
 /// A linear mode at the amplitude at which the state of a contact is about to change: where the nonlinear mode begins.
 ///
 /// With open contacts that is the amplitude of first touch; a contact that is pressed at rest counts as held, and its force
@@ -25,13 +31,28 @@ pub struct Grazing {
     pub mean: Vec<f64>,
     /// Amplitude of `b` in phase with the mode, m, n_N; the contact grazes at τ = 0.
     pub fundamental: Vec<f64>,
+    /// What a length near one means for the contacts, m.
+    pub length: f64,
+    /// By how much contacts that touch at rest stand back, m, c: so far that the mode just touches them. Zero for all others, and from
+    /// [`grazing`].
+    pub opening: Vec<f64>,
 }
 
 impl Grazing {
     /// Scales with which the problem has numbers near one.
     pub fn scales(&self) -> Scales {
-        let length = self.fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-        Scales { length, omega: self.omega, energy: self.energy }
+        Scales { length: self.length, omega: self.omega, energy: self.energy }
+    }
+
+    /// Largest amplitude of `b`, m.
+    pub fn amplitude(&self) -> f64 {
+        self.fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()))
+    }
+
+    /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and [`MixedShooting::closing`](crate::MixedShooting::closing)
+    /// leads to it from here.
+    pub fn touches_at_rest(&self) -> bool {
+        self.opening.iter().any(|o| *o > 0.0)
     }
 
     /// Scaled unknowns of [`crate::MixedShooting`] at grazing, where `p = 0`.
@@ -63,69 +84,119 @@ impl Grazing {
 /// # Errors
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`] or [`HbmError::TouchesAtRest`].
 pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, HbmError> {
-    let rest = Rest::of(structure)?;
-    let modes = modes_at_rest(structure, &rest, mode)?;
-    if mode == 0 || mode > modes.omega.len() {
-        return Err(HbmError::NoSuchMode { mode, available: modes.omega.len() });
+    let start = LinearStart::of(structure, mode)?;
+    match start.touching.first() {
+        Some(&contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.gaps[contact] }),
+        None => {
+            let (contact, amplitude) = start.first_change().ok_or_else(|| start.never_touches())?;
+            Ok(start.at(contact, amplitude, vec![0.0; structure.n_contacts()]))
+        }
     }
-    let omega = modes.omega[mode - 1];
-    if !(omega.is_finite() && omega * omega > 1e-12 * structure.modes.first().map_or(0.0, |m| m.lambda)) {
-        return Err(HbmError::RigidBodyMode { mode });
-    }
-    let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
-    let unit = free_position(structure, &shape);
-    let set = ClosedSet::new(structure, &rest.closed)?;
-    let (contact, amplitude) = first_change(structure, &set, &rest, &unit, mode, omega, &shape)?;
-    let energy = 0.25 * omega * omega * amplitude * amplitude;
-    let fundamental = unit.iter().map(|b| amplitude * b).collect();
-    Ok(Grazing { mode, omega, energy, contact, mean: rest.b, fundamental })
 }
 
-/// The contact whose guard reaches zero first as the mode grows, and the amplitude that takes it there at τ = 0.
-fn first_change(
-    structure: &CondensedStructure,
-    set: &ClosedSet,
-    rest: &Rest,
-    unit: &[f64],
+/// As [`grazing`], also where contacts touch at rest without force: these stand back by [`Grazing::opening`].
+///
+/// The motion has half the amplitude at which another contact would change its state, and where there is no such contact the averaged
+/// kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied by any positive number.
+///
+/// # Errors
+/// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`] or [`HbmError::NeverTouches`].
+pub fn grazing_opened(structure: &CondensedStructure, mode: usize, energy: f64) -> Result<Grazing, HbmError> {
+    let start = LinearStart::of(structure, mode)?;
+    let Some(&contact) = start.touching.first() else { return grazing(structure, mode) };
+    let amplitude = start.first_change().map_or(2.0 * energy.sqrt() / start.omega, |(_, a)| 0.5 * a.abs());
+    let mut opening = vec![0.0; structure.n_contacts()];
+    start.touching.iter().for_each(|&i| opening[i] = amplitude * start.slopes[i].abs());
+    let toward = -amplitude * start.slopes[contact].signum();
+    Ok(start.at(contact, toward, opening))
+}
+
+/// A linear mode about rest, before its amplitude is chosen.
+struct LinearStart {
     mode: usize,
     omega: f64,
-    shape: &[f64],
-) -> Result<(usize, f64), HbmError> {
-    let w = structure.model.w();
-    let project =
-        |b: &[f64]| -> Vec<f64> { (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect() };
-    let y_unit = project(unit);
-    let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
-    let largest = structure.model.dofs().iter().zip(shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
-    let largest = largest.fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
-    let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
-    let ratio = slopes.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / largest;
-    if ratio < 1e-9 {
-        return Err(HbmError::NeverTouches { mode, frequency_hz: omega / std::f64::consts::TAU, ratio });
+    rest: Rest,
+    /// `b` of the mass-normalised mode.
+    unit: Vec<f64>,
+    /// Guard of each contact at rest, and by the mass-normalised mode.
+    guards: Vec<f64>,
+    slopes: Vec<f64>,
+    /// Contacts that the mode moves.
+    moving: Vec<usize>,
+    /// Those of them that touch at rest without force.
+    touching: Vec<usize>,
+    /// Largest motion at a contact over the largest motion.
+    ratio: f64,
+}
+
+impl LinearStart {
+    fn of(structure: &CondensedStructure, mode: usize) -> Result<Self, HbmError> {
+        let rest = Rest::of(structure)?;
+        let modes = modes_at_rest(structure, &rest, mode)?;
+        if mode == 0 || mode > modes.omega.len() {
+            return Err(HbmError::NoSuchMode { mode, available: modes.omega.len() });
+        }
+        let omega = modes.omega[mode - 1];
+        if !(omega.is_finite() && omega * omega > 1e-12 * structure.modes.first().map_or(0.0, |m| m.lambda)) {
+            return Err(HbmError::RigidBodyMode { mode });
+        }
+        let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
+        let unit = free_position(structure, &shape);
+        let set = ClosedSet::new(structure, &rest.closed)?;
+        let w = structure.model.w();
+        let project = |b: &[f64]| -> Vec<f64> {
+            (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
+        };
+        let y_unit = project(&unit);
+        let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
+        let guards: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_rest)).collect();
+        let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
+        let largest = structure.model.dofs().iter().zip(&shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
+        let largest = largest.fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
+        let ratio = slopes.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / largest;
+        let moving: Vec<usize> = (0..w.ncols()).filter(|&i| slopes[i].abs() > NO_MOTION * largest).collect();
+        let touching = moving.iter().copied().filter(|&i| !rest.closed[i] && guards[i].abs() <= rest.noise).collect();
+        let start = Self { mode, omega, rest, unit, guards, slopes, moving, touching, ratio };
+        if ratio < NO_MOTION { Err(start.never_touches()) } else { Ok(start) }
     }
-    let moving = (0..w.ncols()).filter(|&i| slopes[i].abs() > 1e-9 * largest);
-    let amplitude = |i: usize| -set.guard_value(i, &y_rest) / slopes[i];
-    let Some(contact) = moving.min_by(|&i, &j| amplitude(i).abs().total_cmp(&amplitude(j).abs())) else {
-        return Err(HbmError::NeverTouches { mode, frequency_hz: omega / std::f64::consts::TAU, ratio });
-    };
-    let found = amplitude(contact);
-    if found == 0.0 {
-        return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps[contact] });
+
+    fn never_touches(&self) -> HbmError {
+        HbmError::NeverTouches { mode: self.mode, frequency_hz: self.omega / std::f64::consts::TAU, ratio: self.ratio }
     }
-    Ok((contact, found))
+
+    /// The contact, none that touches at rest, whose guard reaches zero first as the mode grows, and the amplitude that takes it there
+    /// at τ = 0.
+    fn first_change(&self) -> Option<(usize, f64)> {
+        let amplitude = |i: usize| -self.guards[i] / self.slopes[i];
+        let others = self.moving.iter().copied().filter(|i| !self.touching.contains(i));
+        others.map(|i| (i, amplitude(i))).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+
+    fn at(self, contact: usize, amplitude: f64, opening: Vec<f64>) -> Grazing {
+        let energy = 0.25 * self.omega * self.omega * amplitude * amplitude;
+        let fundamental: Vec<f64> = self.unit.iter().map(|b| amplitude * b).collect();
+        let largest = fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
+        // A contact that presses hardly moves `b` before it opens: what it moves then is what this energy does to the structure.
+        let length = largest.max(2.0 * (energy * self.rest.compliance).sqrt());
+        Grazing { mode: self.mode, omega: self.omega, energy, contact, mean: self.rest.b, fundamental, length, opening }
+    }
 }
 
 /// The structure at rest, pressed against the stops whose gaps are negative.
 struct Rest {
     closed: Vec<bool>,
     b: Vec<f64>,
+    /// Largest static compliance of the structure at a pressed contact, m/N; zero where none is pressed.
+    compliance: f64,
+    /// Guards up to this, m, are zero.
+    noise: f64,
 }
 
 impl Rest {
     fn of(structure: &CondensedStructure) -> Result<Self, HbmError> {
         let (c, n) = (structure.n_contacts(), structure.n_contact_dofs());
         if structure.gaps.iter().all(|g| *g >= 0.0) {
-            return Ok(Self { closed: vec![false; c], b: vec![0.0; n] });
+            return Ok(Self { closed: vec![false; c], b: vec![0.0; n], compliance: 0.0, noise: 0.0 });
         }
         // q_0 = (K_NN (I − T_0))⁻¹ W λ: the whole structure yields, not only the contact node.
         let system = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 } - structure.t0[(i, j)]);
@@ -148,9 +219,14 @@ impl Rest {
             .and_then(|solver| solver.workspace(&compliance))
             .and_then(|mut workspace| workspace.solve(&structure.gaps, &mut closed, &mut lambda))
             .map_err(HbmError::Compliance)?;
+        let noise = ROUNDING * structure.gaps.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let a = compliance.a();
+        // A force that is nothing but rounding does not hold a contact.
+        (0..c).for_each(|i| closed[i] &= a[(i, i)] * lambda[i] > noise);
+        let softest = (0..c).filter(|i| closed[*i]).fold(0.0_f64, |m, i| m.max(a[(i, i)]));
         let q: Vec<f64> = (0..n).map(|d| (0..c).map(|i| q[(d, i)] * lambda[i]).sum()).collect();
         let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
-        Ok(Self { closed, b })
+        Ok(Self { closed, b, compliance: softest, noise })
     }
 }
 

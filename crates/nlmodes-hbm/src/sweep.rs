@@ -43,6 +43,8 @@ pub(crate) struct ContactSweep {
     pub spectra: Vec<(usize, Vec<Complex64>)>,
     /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
     pub y: Vec<Vec<Complex64>>,
+    /// By how much each contact stands back from its gap, m.
+    pub opening: Vec<f64>,
     /// Iterations of the contact solver so far, over all its problems.
     pub iterations: usize,
     switching: Switching,
@@ -80,6 +82,7 @@ impl ContactSweep {
             intervals: Vec::new(),
             spectra: Vec::new(),
             y: vec![vec![zero; h + 1]; c],
+            opening: vec![0.0; c],
             iterations: 0,
             switching,
             workspace: solver.workspace(structure.body.matrix()).map_err(HbmError::Compliance)?,
@@ -131,7 +134,7 @@ impl ContactSweep {
         let mut of_dof = vec![Complex64::default(); self.series.n_harmonics + 1];
         for (i, y) in self.y.iter_mut().enumerate() {
             y.fill(Complex64::default());
-            y[0].re = structure.gaps[i];
+            y[0].re = structure.gaps[i] + self.opening[i];
             for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
                 self.series.to_complex(&b[d * width..(d + 1) * width], &mut of_dof);
                 y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
@@ -168,28 +171,22 @@ impl ContactSweep {
         let samples = self.basis.n_samples();
         let cells = if self.series.symmetry == Symmetry::Even { samples / 2 } else { samples };
         let mut tracer = Tracer::new(&self.y);
+        let mut current = self.set_t[0];
         for j in 0..cells {
             let ends = [j, j + 1].map(|k| TAU * k as f64 / samples as f64);
             let wrapped = (j + 1) % samples;
             let slopes = |k: usize| (&self.y_t, &self.dy_t, k);
-            if tracer.is_quiet(
-                &self.sets,
-                self.set_t[j],
-                self.set_t[j + 1],
-                slopes(j),
-                slopes(wrapped),
-                ends[1] - ends[0],
-            ) {
-                tracer.extend(self.set_t[j], ends[0], ends[1]);
+            if tracer.is_quiet(&self.sets, current, self.set_t[j + 1], slopes(j), slopes(wrapped), ends[1] - ends[0]) {
+                tracer.extend(current, ends[0], ends[1]);
                 continue;
             }
-            let (from, to) = (self.set_t[j], self.set_t[j + 1]);
+            let (from, to) = (current, self.set_t[j + 1]);
             let (workspace, lambda, iterations) = (&mut self.workspace, &mut self.lambda, &mut self.iterations);
             let mut solve = |tau: f64, y: &[f64], closed: &mut [bool]| {
                 let solved = workspace.solve(y, closed, lambda);
                 solved.map(|s| *iterations += s.iterations).map_err(|source| HbmError::Contact { tau, source })
             };
-            tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
+            current = tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
         }
         self.intervals = tracer.intervals;
         self.integrate();

@@ -25,13 +25,21 @@ pub(crate) struct Tracer<'a> {
     y: &'a [Vec<Complex64>],
     pub intervals: Vec<ContactInterval>,
     guard: Trigonometric,
+    /// Largest rounding of `guard`: relative to what it is made of, for what is left may be nothing but rounding (redundant contacts).
+    noise: f64,
     curvature: Vec<f64>,
+    /// `Σ_n |y_n|` of each contact.
+    sizes: Vec<f64>,
 }
+
+/// Rounding of a sum, over the sum of the magnitudes.
+const NOISE: f64 = 64.0 * f64::EPSILON;
 
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
         let curvature = y.iter().map(|z| bound(z, 2)).collect();
-        Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature }
+        let sizes = y.iter().map(|z| z.iter().map(|z| z.norm()).sum()).collect();
+        Self { y, intervals: Vec::new(), guard: Trigonometric::default(), noise: 0.0, curvature, sizes }
     }
 
     /// Appends a stretch with the contacts of `set` closed.
@@ -77,7 +85,7 @@ impl<'a> Tracer<'a> {
         solve: &mut Solve,
         ends: [f64; 2],
         at_ends: [usize; 2],
-    ) -> Result<(), HbmError> {
+    ) -> Result<usize, HbmError> {
         let (mut tau, mut set) = (ends[0], at_ends[0]);
         let mut found: Vec<ContactInterval> = Vec::new();
         for _ in 0..2 * self.y.len() + 4 {
@@ -88,10 +96,11 @@ impl<'a> Tracer<'a> {
             set = sets.find(structure, &closed)?;
             tau = instant;
         }
-        if set == at_ends[1] {
+        // Where contacts are redundant several sets give the same motion, and the solver may have found another one.
+        if set == at_ends[1] || self.fits(sets.get(set), ends[1]) {
             found.push(ContactInterval { from: tau, to: ends[1], set });
             found.iter().filter(|i| i.to > i.from).for_each(|i| self.extend(i.set, i.from, i.to));
-            return Ok(());
+            return Ok(set);
         }
         self.bisect(structure, sets, solve, ends, at_ends)
     }
@@ -104,19 +113,35 @@ impl<'a> Tracer<'a> {
         solve: &mut Solve,
         ends: [f64; 2],
         at_ends: [usize; 2],
-    ) -> Result<(), HbmError> {
+    ) -> Result<usize, HbmError> {
         let middle = 0.5 * (ends[0] + ends[1]);
         if ends[1] - ends[0] < FINEST || at_ends[0] == at_ends[1] {
             self.extend(at_ends[0], ends[0], middle);
             self.extend(at_ends[1], middle, ends[1]);
-            return Ok(());
+            return Ok(at_ends[1]);
         }
-        let y: Vec<f64> = self.y.iter().map(|z| Trigonometric { z: z.clone() }.evaluate(middle)[0]).collect();
+        let y = self.y_at(middle);
         let mut closed = sets.get(at_ends[0]).closed.clone();
         solve(middle, &y, &mut closed)?;
         let set = sets.find(structure, &closed)?;
-        self.cell(structure, sets, solve, [ends[0], middle], [at_ends[0], set])?;
+        let set = self.cell(structure, sets, solve, [ends[0], middle], [at_ends[0], set])?;
         self.cell(structure, sets, solve, [middle, ends[1]], [set, at_ends[1]])
+    }
+
+    fn y_at(&self, tau: f64) -> Vec<f64> {
+        self.y.iter().map(|z| Trigonometric { z: z.clone() }.evaluate(tau)[0]).collect()
+    }
+
+    /// Whether no guard of `set` is negative at `tau`, but for rounding.
+    fn fits(&self, set: &ClosedSet, tau: f64) -> bool {
+        let y = self.y_at(tau);
+        (0..y.len()).all(|i| set.guard_value(i, &y) >= -self.noise_of(set, i))
+    }
+
+    fn noise_of(&self, set: &ClosedSet, contact: usize) -> f64 {
+        let c = self.y.len();
+        let row = &set.guard[contact * c..(contact + 1) * c];
+        NOISE * row.iter().zip(&self.sizes).map(|(g, size)| g.abs() * size).sum::<f64>()
     }
 
     /// The first guard of `set` that turns negative after `from`, and its contact.
@@ -125,7 +150,7 @@ impl<'a> Tracer<'a> {
         for contact in 0..self.y.len() {
             self.form_guard(set, contact);
             let end = first.map_or(to, |(tau, _)| tau);
-            if let Some(tau) = falls_below_zero(&self.guard, from, end) {
+            if let Some(tau) = falls_below_zero(&self.guard, self.noise, from, end) {
                 first = Some((tau, contact));
             }
         }
@@ -134,6 +159,7 @@ impl<'a> Tracer<'a> {
 
     fn form_guard(&mut self, set: &ClosedSet, contact: usize) {
         let c = self.y.len();
+        self.noise = self.noise_of(set, contact);
         self.guard.z.clear();
         self.guard.z.resize(self.y[0].len(), Complex64::default());
         for (weight, y) in set.guard[contact * c..(contact + 1) * c].iter().zip(self.y) {
@@ -145,8 +171,12 @@ impl<'a> Tracer<'a> {
 }
 
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
-fn falls_below_zero(f: &Trigonometric, from: f64, to: f64) -> Option<f64> {
-    search(f, [f.bound(2), f.bound(3)], Instant::of(f, from), Instant::of(f, to))
+fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option<f64> {
+    // A gap that stays zero while another contact is closed is rounding and nothing else.
+    if f.bound(0) <= noise {
+        return None;
+    }
+    search(f, noise, [f.bound(2), f.bound(3)], Instant::of(f, from), Instant::of(f, to))
 }
 
 /// An instant with the value of a function there and its first two derivatives.
@@ -164,25 +194,24 @@ impl Instant {
 
 /// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
 /// in which it rises, falls and rises again would otherwise hide a short contact.
-fn search(f: &Trigonometric, bounds: [f64; 2], from: Instant, to: Instant) -> Option<f64> {
+fn search(f: &Trigonometric, noise: f64, bounds: [f64; 2], from: Instant, to: Instant) -> Option<f64> {
     let width = to.tau - from.tau;
     if from.f[0].min(to.f[0]) > width * width / 8.0 * bounds[0] {
         return None;
     }
     if width < SHORTEST {
-        return falls_below_zero_once(f, from, to);
+        return falls_below_zero_once(f, noise, from, to);
     }
     let middle = Instant::of(f, 0.5 * (from.tau + to.tau));
     if middle.f[2].abs() > 0.5 * width * bounds[1] {
-        return falls_below_zero_once(f, from, to);
+        return falls_below_zero_once(f, noise, from, to);
     }
-    search(f, bounds, from, middle).or_else(|| search(f, bounds, middle, to))
+    search(f, noise, bounds, from, middle).or_else(|| search(f, noise, bounds, middle, to))
 }
 
 /// [`falls_below_zero`] where `f` is convex or concave.
-fn falls_below_zero_once(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+fn falls_below_zero_once(f: &Trigonometric, noise: f64, from: Instant, to: Instant) -> Option<f64> {
     let (left, right) = (from.f, to.f);
-    let noise = 64.0 * f64::EPSILON * f.bound(0);
     if left[0] < -noise {
         // The caller's set does not fit at its own beginning: leave it to bisection.
         return None;
@@ -227,9 +256,9 @@ mod tests {
     fn a_dip_behind_a_rise_is_found_wherever_the_stretch_begins() {
         let f = rises_falls_and_rises();
         for from in [0.0, 0.001, 0.005, 0.02, 0.029] {
-            let found = falls_below_zero(&f, from, 0.098).unwrap();
+            let found = falls_below_zero(&f, NOISE, from, 0.098).unwrap();
             assert!((found - 0.03_f64.asin()).abs() < 1e-14, "{from}: {found}");
         }
-        assert_eq!(falls_below_zero(&f, 0.051, 0.098), None);
+        assert_eq!(falls_below_zero(&f, NOISE, 0.051, 0.098), None);
     }
 }

@@ -146,6 +146,11 @@ impl MasslessContactModel {
         RigidMotion::of_held(&self.stiffness, &self.dofs, &self.nonlinear)
     }
 
+    /// A rigid-body motion of the structure with its contacts free.
+    pub fn rigid_motion(&self) -> Option<RigidMotion> {
+        RigidMotion::of_held(&self.stiffness, &self.dofs, &[])
+    }
+
     /// Cholesky factor of `K_LL`.
     ///
     /// # Errors

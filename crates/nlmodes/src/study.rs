@@ -17,6 +17,7 @@ mod settings;
 mod skip;
 mod stability;
 mod start;
+mod touching;
 mod trace;
 
 pub use accuracy::{Accuracy, AccuracyReached};

@@ -251,7 +251,7 @@ pub fn write(
             frequency_hz: computed.grazing.omega / TAU,
             energy_j: computed.grazing.energy,
             contact: computed.grazing.contact,
-            contact_amplitude_m: computed.grazing.scales().length,
+            contact_amplitude_m: computed.grazing.amplitude(),
         },
         method: method_used(scene, computed),
         accuracy: AccuracyUsed::new(scene, computed),

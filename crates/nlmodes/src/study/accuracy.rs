@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes_hbm::{CondensedStructure, TruncationError, grazing};
+use nlmodes_hbm::{CondensedStructure, TruncationError};
 use nlmodes_model::MasslessContactModel;
 
 use super::{BranchSettings, StudyError};
@@ -174,7 +174,7 @@ pub(super) fn condense(
         if count >= size {
             return Ok(structure);
         }
-        let start = grazing(&structure, settings.mode)?;
+        let start = super::prepare::linear_start(&structure, settings)?;
         let omega = settings.frequency_hz.map_or(1.2 * start.omega, |w| (w[1] * TAU).min(1.5 * start.omega));
         let error = structure.held_modes_error(&start, omega, settings.harmonics);
         if error <= (1.0 - OF_HARMONICS) * accuracy.error {

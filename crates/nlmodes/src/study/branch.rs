@@ -218,12 +218,13 @@ fn plural(harmonics: usize) -> String {
 pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) -> BranchEnd {
     let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
     let (start, settings) = (tracer.grazing, &tracer.settings);
+    let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
     let (reason, message, complete) = match stop {
         StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
-            ("max-energy", format!("the energy reached {:.6} times that at grazing", value.exp()), true)
+            ("max-energy", format!("the energy reached {:.6} times that at {reference}", value.exp()), true)
         }
         StopReason::Bound { coordinate, value } if *coordinate == dim => {
-            ("min-energy", format!("the energy fell to {:.1e} of that at grazing", value.exp()), true)
+            ("min-energy", format!("the energy fell to {:.1e} of that at {reference}", value.exp()), true)
         }
         StopReason::Bound { coordinate, value } if *coordinate == frequency => {
             ("frequency-window", format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)

@@ -8,7 +8,7 @@ use nlmodes_model::MasslessContactModel;
 
 use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::prepare::{check_window, condense, exact, shooting_modes};
+use super::prepare::{check_window, condense, exact, linear_start, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Shown, Tracer};
@@ -100,7 +100,8 @@ fn with_modes(
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
     let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
-    let start_event = if settings.start == BranchStart::Grazing { "grazing" } else { "start" };
+    let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
+    let start_event = if from_grazing { "grazing" } else { "start" };
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
         (_, ResonanceRule::Skip) => {
@@ -150,10 +151,10 @@ fn with_modes(
 
 /// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.
 fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
-    let start = grazing(structure, settings.mode)?;
     match settings.method {
-        BranchMethod::HarmonicBalance => Ok(start),
+        BranchMethod::HarmonicBalance => linear_start(structure, settings),
         BranchMethod::Shooting => {
+            let start = grazing(structure, settings.mode)?;
             let problem = exact(structure.model(), settings, &start)?;
             let own = problem.grazing();
             Ok(Grazing { omega: own.omega, energy: own.energy, ..start })

@@ -44,6 +44,12 @@ pub enum StudyError {
         /// How far it leads.
         reason: String,
     },
+    /// The way to motions before contacts that touch at rest is lost.
+    #[error("contacts touch at rest, and no motion before them was found: {reason}")]
+    NoStartTouching {
+        /// Where the way ends.
+        reason: String,
+    },
     /// The branch would begin outside of the frequency window.
     #[error("the branch starts at {start_hz:.6} Hz, outside of the frequency window {low_hz} to {high_hz} Hz")]
     StartOutsideWindow {

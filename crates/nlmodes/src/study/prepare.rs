@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
 use nlmodes_hbm::{
-    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing,
+    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
@@ -43,7 +43,7 @@ pub(super) fn condense(
     loop {
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
         let top = settings.frequency_hz.map(|w| w[1] * TAU);
-        let top = top.map_or_else(|| grazing(&structure, settings.mode).map(|g| 2.0 * g.omega), Ok)?;
+        let top = top.map_or_else(|| Ok(2.0 * linear_start(&structure, settings)?.omega), Ok::<f64, StudyError>)?;
         let highest = structure.modes().last().map_or(0.0, |m| m.lambda.sqrt());
         if count >= size || highest > 20.0 * settings.harmonics as f64 * top {
             return Ok(structure);
@@ -52,12 +52,23 @@ pub(super) fn condense(
     }
 }
 
+/// Where the nonlinear mode begins, or from where that is sought if contacts touch at rest.
+pub(super) fn linear_start(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
+    Ok(grazing_opened(structure, settings.mode, settings.reference_energy)?)
+}
+
 pub(super) fn check_window(settings: &BranchSettings, start: &Grazing) -> Result<(), StudyError> {
     let start_hz = match settings.start {
+        // Before contacts that touch at rest the frequency is not known yet.
+        BranchStart::Grazing if start.touches_at_rest() => return Ok(()),
         BranchStart::Grazing => start.omega / TAU,
         BranchStart::Frequency { hz, .. } => hz,
         BranchStart::Energy { .. } => return Ok(()),
     };
+    within_window(settings, start_hz)
+}
+
+pub(super) fn within_window(settings: &BranchSettings, start_hz: f64) -> Result<(), StudyError> {
     match settings.frequency_hz {
         Some([low_hz, high_hz]) if !(low_hz..=high_hz).contains(&start_hz) => {
             Err(StudyError::StartOutsideWindow { start_hz, low_hz, high_hz })

@@ -94,6 +94,9 @@ pub struct BranchSettings {
     pub held_modes: Option<usize>,
     /// Averaged kinetic energy over that at grazing at which the branch ends. Default none.
     pub max_energy_ratio: Option<f64>,
+    /// Averaged kinetic energy, J, that stands for that at grazing where nothing else gives one: the first contacts touch at rest, and there
+    /// are no others. Default 1 J.
+    pub reference_energy: f64,
     /// Frequency window, Hz, outside of which the branch ends. Default none.
     pub frequency_hz: Option<[f64; 2]>,
     /// Where it begins. Default grazing.
@@ -125,6 +128,7 @@ impl Default for BranchSettings {
             contact_solver: "active-set".to_owned(),
             held_modes: None,
             max_energy_ratio: None,
+            reference_energy: 1.0,
             frequency_hz: None,
             start: BranchStart::Grazing,
             at_branch_point: BranchPointRule::Stay,

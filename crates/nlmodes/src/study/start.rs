@@ -7,7 +7,8 @@ use nlmodes_modal::ModalPoint;
 
 use super::homotopy;
 use super::periodic::Periodic;
-use super::prepare::{continuation, periodic, problem};
+use super::prepare::{continuation, periodic, problem, within_window};
+use super::touching::beginning;
 use super::trace::Tracer;
 use super::{BranchMethod, BranchSettings, BranchStart, StudyError};
 
@@ -15,7 +16,7 @@ use super::{BranchMethod, BranchSettings, BranchStart, StudyError};
 const APPROACH: usize = 1000;
 
 /// Numbers of harmonics from which a refinement begins, in the order in which they are tried.
-const FEW: [usize; 4] = [1, 2, 3, 5];
+pub(super) const FEW: [usize; 4] = [1, 2, 3, 5];
 
 /// Harmonics, at least, of a point from which an exact motion is sought.
 const BEFORE_SHOOTING: usize = 20;
@@ -100,8 +101,11 @@ pub(super) fn seed(
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
-            let (x, direction) = problem.start(start);
-            return Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics });
+            let seed = beginning(problem, settings, start, log)?;
+            if start.touches_at_rest() {
+                within_window(settings, problem.omega(&seed.x) / TAU)?;
+            }
+            return Ok(seed);
         }
     };
     let mut other = periodic(structure, settings, start)?;
@@ -231,7 +235,7 @@ fn on_backbone(
         Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
     }
     method.max_points = APPROACH;
-    let (x, direction) = problem.start(start);
+    let Seed { x, direction, .. } = beginning(problem, settings, start, log)?;
     let Branch { mut points, stop, .. } =
         method.run_with_log(problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
@@ -257,8 +261,8 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, StudyErr
     let mut problem = periodic(tracer.structure, &coarse, tracer.grazing)?;
     let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
     method.max_points = HEADING;
-    let (x, direction) = problem.start(tracer.grazing);
     let log = &mut *tracer.log;
+    let Seed { x, direction, .. } = beginning(&problem, &coarse, tracer.grazing, log)?;
     let branch = method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
@@ -266,7 +270,7 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, StudyErr
 }
 
 /// Numbers of harmonics on the way from `first` to `last`.
-fn ladder(first: usize, last: usize) -> Vec<usize> {
+pub(super) fn ladder(first: usize, last: usize) -> Vec<usize> {
     let steps = std::iter::successors(Some(first), |h| Some(h + h.div_ceil(2))).skip(1);
     steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
 }
