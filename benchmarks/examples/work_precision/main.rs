@@ -35,7 +35,9 @@ fn main() -> Result<(), Failure> {
         for m in &measured {
             writeln!(csv, "{},{}", case.slug, m.row())?;
         }
-        tables::figures(case, &measured, &folder)?;
+        if let Err(error) = tables::figures(case, &measured, &folder) {
+            println!("({}: {error})", case.slug);
+        }
     }
     let name = wanted.map_or_else(|| "work_precision.csv".to_owned(), |name| format!("work_precision_{name}.csv"));
     std::fs::write(folder.join(name), csv)?;
