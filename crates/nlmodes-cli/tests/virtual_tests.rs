@@ -223,7 +223,7 @@ fn extracted(results: &Path, format: &str, structure: &str) -> Result<Row, Box<d
     }
     text += "[extraction]\nharmonics = 20\npbmif_harmonics = 100\n[stop]\nposition_m = 0.62975520\ngap_m = 1.03e-3\n";
     fs::write(results.join("record.toml"), text)?;
-    let out = results.join("extracted");
+    let out = results.join(format!("extracted_{format}"));
     let (status, said) = call(&["experiment", "extract"], &results.join("record.toml"), &out, &[])?;
     assert_eq!(status, 0, "{format}: {said}");
     Ok(rows(&out, "modal_points.csv")?.swap_remove(0))
