@@ -148,8 +148,8 @@ fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
     }
     let mut found = Vec::new();
     differences("", &known["scenes"], scenes, &mut found);
-    if over == Over::Resumed {
-        // More points may be asked for.
+    if over == Over::Resumed && !asks_for_fewer_points(&known["scenes"], scenes) {
+        // More points may be asked for; with fewer, some that were found would be lost.
         found.retain(|(key, _)| !key.ends_with("continuation.max_points"));
     }
     if found.is_empty() {
@@ -161,6 +161,21 @@ fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
         text += &format!("\n  … and {} more", found.len() - MAX_SHOWN);
     }
     Some(text)
+}
+
+/// Whether some limit of points is lower than it was.
+fn asks_for_fewer_points(known: &Value, wanted: &Value) -> bool {
+    match (known, wanted) {
+        (Value::Object(known), Value::Object(wanted)) => wanted.iter().any(|(key, wanted)| match known.get(key) {
+            Some(known) if key == "max_points" => wanted.as_u64() < known.as_u64(),
+            Some(known) => asks_for_fewer_points(known, wanted),
+            None => false,
+        }),
+        (Value::Array(known), Value::Array(wanted)) => {
+            known.iter().zip(wanted).any(|(known, wanted)| asks_for_fewer_points(known, wanted))
+        }
+        _ => false,
+    }
 }
 
 /// What the directory says of its results; `None` where it has none.

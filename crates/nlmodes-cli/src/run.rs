@@ -16,6 +16,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use nlmodes::hbm::HbmError;
+use nlmodes::modal::ModalPoint;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
@@ -212,13 +213,27 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
     let end = &computed.branch.end;
     warn_of_accuracy(computed, &name);
     let time = began.elapsed().as_secs_f64();
-    let line = format!("{name}{} points in {time:.2} s; ended{at}: {}", points.len(), end.message);
+    let advice = advice(computed).unwrap_or_default();
+    let line = format!("{name}{} points in {time:.2} s; ended{at}: {}{advice}", points.len(), end.message);
     if end.complete {
         if quiet { Status::Done } else { print(&line) }
     } else {
         say!("warning: the computation ended early. {line}");
         Status::EndedEarly
     }
+}
+
+/// What to do where a branch did not end where it was meant to.
+fn advice(computed: &ComputedBranch) -> Option<String> {
+    let end = &computed.branch.end;
+    if end.reason == "max-points" {
+        return Some("; with a higher continuation.max_points, --resume goes on".to_owned());
+    }
+    if computed.branch.points.iter().any(|point| point.has_event(ModalPoint::RESUMED)) {
+        return None;
+    }
+    let resonance = computed.branch.points.last()?.resonance.as_ref()?;
+    Some(format!(", on the tongue {resonance} (continuation.internal_resonance = \"skip\" leaves it out)"))
 }
 
 /// Says where the accuracy was not reached: the points are there, and each has its estimate.

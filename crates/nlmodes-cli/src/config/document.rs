@@ -152,6 +152,30 @@ fn decimal_comma(text: &str, at: usize) -> Option<String> {
     let is_part = |c: &char| c.is_ascii_digit() || *c == '_';
     let whole: String = text.get(..at)?.chars().rev().take_while(is_part).collect();
     let decimals: String = behind.chars().take_while(is_part).collect();
-    let number = format!("{}.{decimals}", whole.chars().rev().collect::<String>());
+    let number =
+        format!("{}.{decimals}{}", whole.chars().rev().collect::<String>(), exponent(&behind[decimals.len()..]));
     (!whole.is_empty() && !decimals.is_empty()).then_some(number)
+}
+
+/// The power of ten with which the text begins, as `e-3`; nothing if there is none.
+fn exponent(text: &str) -> &str {
+    let Some(power) = text.strip_prefix(['e', 'E']) else { return "" };
+    let signed = power.strip_prefix(['+', '-']).unwrap_or(power);
+    let digits = signed.chars().take_while(char::is_ascii_digit).count();
+    if digits == 0 { "" } else { &text[..text.len() - signed.len() + digits] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_comma_keeps_sign_and_size() {
+        let number = |text: &str| decimal_comma(text, text.find(',').unwrap_or(0));
+        assert_eq!(number("gap_m = 1,5e-3").as_deref(), Some("1.5e-3"));
+        assert_eq!(number("gap_m = 1,0E+2 # m").as_deref(), Some("1.0E+2"));
+        assert_eq!(number("gap_m = 20,25").as_deref(), Some("20.25"));
+        assert_eq!(number("gap_m = 1,5e").as_deref(), Some("1.5"));
+        assert_eq!(number("a = [1, 2]"), None);
+    }
 }

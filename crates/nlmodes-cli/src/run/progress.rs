@@ -97,7 +97,7 @@ impl Progress {
             bar.finish_and_clear();
         }
         if self.repeated > 0 && (self.plain || self.bar.is_some()) {
-            say!("{} points of an interrupted run were taken over", self.repeated);
+            say!("{} points were there and were taken over", self.repeated);
         }
     }
 
