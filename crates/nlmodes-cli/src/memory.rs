@@ -3,6 +3,8 @@
 use std::fs;
 use std::str::FromStr;
 
+use nlmodes::hbm::MAX_RECORDED;
+
 use crate::config::SceneFile;
 use crate::config::scene::{RecordScene, Scene, Switching, Symmetry, TestScene};
 
@@ -106,7 +108,7 @@ impl Needs {
         Self {
             structure: PROGRAM + BYTES_OF_A_DOF * dofs + modes,
             problem: 8.0 * JACOBIAN_COPIES * unknowns * unknowns + 8.0 * samples * (2.0 * width + 4.0 * contacts),
-            point: 16.0 * dofs * (harmonics + 1.0) + 16.0 * unknowns + BYTES_OF_A_POINT,
+            point: 16.0 * dofs.min(MAX_RECORDED as f64) * (harmonics + 1.0) + 16.0 * unknowns + BYTES_OF_A_POINT,
         }
     }
 
