@@ -1,28 +1,22 @@
 //! Harmonics and held modes chosen for an accuracy, against the exact motion and against much finer computations.
 
+mod support;
+
 use std::ops::ControlFlow;
 
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Continuation, ParametricSystem};
-use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::hbm::{
     CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
 };
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::study::{Accuracy, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
+use support::unit_rod;
 
 fn rod(elements: usize) -> MasslessContactModel {
-    let rod = Rod {
-        material: Material::new(1.0, 1.0).unwrap(),
-        area: 1.0,
-        mesh: Mesh::uniform(1.0, elements).unwrap(),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    let stop = Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0);
-    MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
+    unit_rod(elements, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0)])
 }
 
 fn beam() -> MasslessContactModel {

@@ -1,29 +1,24 @@
 //! Structures of which modal points hold some degrees of freedom only.
 
+mod support;
+
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
-use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes::fem::{Direction, Stop};
 use nlmodes::hbm::MAX_RECORDED;
-use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::model::Side;
 use nlmodes::study::{BranchSettings, compute_branch};
+use support::unit_rod;
 
 const ELEMENTS: usize = 6000;
 
 #[test]
 fn a_long_rod_is_recorded_at_some_nodes_and_its_modal_quantities_count_all() {
-    let rod = Rod {
-        material: Material::new(1.0, 1.0).unwrap(),
-        area: 1.0,
-        mesh: Mesh::uniform(1.0, ELEMENTS).unwrap(),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
     // Not at the end, so that the contact is no node that would be recorded anyway.
     let at = 4999.0 / ELEMENTS as f64;
     let stop = Stop::rigid(at, Direction::Axial, Side::Positive, 0.5);
-    let model = MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap();
+    let model = unit_rod(ELEMENTS, &[stop]);
     let settings = BranchSettings { harmonics: 3, max_points: 3, ..BranchSettings::default() };
     let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
     let (branch, structure) = (&computed.branch, &computed.structure);

@@ -1,25 +1,15 @@
 //! Branches by exact shooting, and the stability of points, through the facade.
 
+mod support;
+
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{ModalPoint, Stability};
-use nlmodes::model::{Drop, MasslessContactModel, Side};
+use nlmodes::model::{MasslessContactModel, Side};
 use nlmodes::study::{BranchMethod, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
-
-/// Clamped-free rod with `EA = ρA = L = 1`, consistent mass, that of the stops' nodes dropped.
-fn rod(elements: usize, stops: &[Stop]) -> MasslessContactModel {
-    let rod = Rod {
-        material: Material::new(1.0, 1.0).unwrap(),
-        area: 1.0,
-        mesh: Mesh::uniform(1.0, elements).unwrap(),
-        mass_matrix: MassMatrix::Consistent,
-        start: Support::Clamped,
-        end: Support::Free,
-    };
-    MasslessContactModel::new(&rod.assemble(stops).unwrap(), &Drop).unwrap()
-}
+use support::unit_rod as rod;
 
 fn tip() -> Stop {
     Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0)

@@ -29,6 +29,19 @@ pub fn rod(elements: usize, mass_matrix: MassMatrix) -> MasslessContactModel {
     MasslessContactModel::new(&rod.assemble(&[stop]).unwrap(), &Drop).unwrap()
 }
 
+/// Clamped-free rod with `EA = ρA = L = 1`, consistent mass, that of the stops' nodes dropped.
+pub fn unit_rod(elements: usize, stops: &[Stop]) -> MasslessContactModel {
+    let rod = Rod {
+        material: Material::new(1.0, 1.0).unwrap(),
+        area: 1.0,
+        mesh: Mesh::uniform(1.0, elements).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    MasslessContactModel::new(&rod.assemble(stops).unwrap(), &Drop).unwrap()
+}
+
 /// The beam of Section 4 with its contact mass.
 pub fn beam(youngs_modulus: f64) -> StructuralModel {
     let beam = Beam {
