@@ -162,12 +162,15 @@ impl<'a> BranchFigure<'a> {
     fn event_symbols(&self, events: &mut EventSymbols) -> Vec<Symbol> {
         let points = self.branches.iter().flat_map(|branch| &branch.points).filter(|point| self.is_visible(point));
         let pairs = points.flat_map(|point| point.events.iter().map(move |event| (point, event)));
-        pairs
+        let mut found: Vec<(usize, Symbol)> = pairs
             .map(|(point, event)| {
                 let (shape, fill) = events.of(event);
-                Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None }
+                let symbol = Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None };
+                (EventSymbols::layer(event), symbol)
             })
-            .collect()
+            .collect();
+        found.sort_by_key(|(layer, _)| *layer);
+        found.into_iter().map(|(_, symbol)| symbol).collect()
     }
 
     fn mark_symbols(&self) -> Result<Vec<Symbol>, ReportError> {
