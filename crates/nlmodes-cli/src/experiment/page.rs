@@ -12,7 +12,7 @@ use super::Outcome;
 use super::figures::{Drawn, measured};
 use crate::config::number;
 
-/// Most records whose time histories and contact forces are on the page: the last ones, which a test with rising levels drives hardest.
+/// Most records whose time histories and contact forces are on the page: those with the largest forces.
 const SHOWN: usize = 4;
 
 /// Writes the page. `lines` stand below the title, `wrong` is what keeps the test from being complete.
@@ -45,9 +45,8 @@ pub fn write(
     for line in lines {
         report = report.line(line);
     }
-    let number_of = |drawn: &&Drawn| number_in(&drawn.file);
-    let last = figures.iter().filter_map(|drawn| number_of(&drawn)).max().unwrap_or(0);
-    for drawn in figures.iter().filter(|drawn| number_of(drawn).is_none_or(|k| k + SHOWN > last)) {
+    let shown = hardest(&found);
+    for drawn in figures.iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k))) {
         // The page draws that one itself, to zoom.
         if drawn.file != "frequency_amplitude.svg" || own.is_none() {
             report = report.figure(&drawn.heading, drawn.figure.clone());
@@ -55,6 +54,15 @@ pub fn write(
     }
     report = report.table(points(outcomes)).table(findings(outcomes));
     Ok(report.write(directory.join("report.html"))?)
+}
+
+/// Numbers, from 1, of the records with the largest contact forces.
+fn hardest(found: &[&RecordExtraction]) -> Vec<usize> {
+    let force = |found: &RecordExtraction| found.contact.as_ref().map_or(0.0, |contact| contact.peak_force.value);
+    let mut numbers: Vec<usize> = (1..=found.len()).collect();
+    numbers.sort_by(|a, b| force(found[b - 1]).total_cmp(&force(found[a - 1])));
+    numbers.truncate(SHOWN);
+    numbers
 }
 
 /// The number of the record in `history_7.svg` or `contact_7.svg`.

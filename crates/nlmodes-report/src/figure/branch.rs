@@ -58,10 +58,11 @@ impl<'a> BranchFigure<'a> {
     /// a mark on a point that does not exist.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let mut events = EventSymbols::default();
-        let mut symbols = self.event_symbols(&mut events);
-        symbols.extend(self.mark_symbols()?);
         let (x, y) = self.scales()?;
+        // Dots that only carry names lie below what happens there.
+        let mut symbols = self.mark_symbols()?;
         symbols.extend(self.tongue_symbols(x, y));
+        symbols.extend(self.event_symbols(&mut events));
         let lines = self.linear_modes(x.ends().0);
         let legend = self.legend(!lines.is_empty(), &events);
         let curves = lines.into_iter().chain(self.curves()).chain(self.skipped()).collect();
