@@ -53,6 +53,15 @@ const PATIENCE: usize = 5;
 /// Points after a failed trial of fewer harmonics before the next one.
 const AFTER_FAILURE: usize = 25;
 
+/// More harmonics help if they lower the estimate at least to this share.
+const HELPS: f64 = 0.5;
+
+/// Trials of more harmonics in a row that do not help before the most are tried.
+const IN_VAIN: usize = 2;
+
+/// Points for which the number stays after it was found that more do not help, the first time and at most; each time it doubles.
+const STAY: (usize, usize) = (8, 128);
+
 /// Harmonics and error of the two-element rod, from which the first number is extrapolated.
 const KNOWN: (f64, f64) = (5.0, 5.6e-6);
 
@@ -67,6 +76,9 @@ pub(super) enum Decision {
     More(usize),
     /// It counts although its error is too large: there are no more harmonics.
     Limit,
+    /// It does not: more harmonics than this have been tried since the last point that does, and do not help. The branch goes on
+    /// from that point with these.
+    InVain(usize),
     /// The modes of the held structure do not suffice.
     Modes,
 }
@@ -85,13 +97,40 @@ pub(super) struct Control {
     pause: usize,
     /// Whether the number was lowered last.
     lowered: bool,
-    /// Points for which the number stays, since no solution with another one was found.
+    /// Points for which the number stays, since no solution with another one was found, or more do not help.
     stays: usize,
+    /// How long it stays the next time.
+    next_stay: usize,
+    /// What more harmonics have brought since the last point that was shown.
+    raised: Raised,
+    /// Points in a row that reach the accuracy.
+    good: usize,
+}
+
+/// Trials of more harmonics from one point on.
+#[derive(Debug, Clone, Copy, Default)]
+struct Raised {
+    /// The number that was last shown to help, with its estimate where that is too large; at first the one in use.
+    best: Option<(usize, f64)>,
+    /// Trials since then.
+    in_vain: usize,
 }
 
 impl Control {
     pub fn new(accuracy: Accuracy, fewest: usize, more_modes: bool) -> Self {
-        Self { accuracy, fewest, more_modes, harmonics: fewest, easy: (0, 0), pause: 0, lowered: false, stays: 0 }
+        Self {
+            accuracy,
+            fewest,
+            more_modes,
+            harmonics: fewest,
+            easy: (0, 0),
+            pause: 0,
+            lowered: false,
+            stays: 0,
+            next_stay: STAY.0,
+            raised: Raised::default(),
+            good: 0,
+        }
     }
 
     /// The branch goes on with another number of harmonics.
@@ -109,12 +148,20 @@ impl Control {
         self.pause = AFTER_FAILURE;
     }
 
-    /// No solution with another number of harmonics was found here.
+    /// No solution with another number of harmonics was found here, or more do not help. Each time it stays longer.
     pub fn stay(&mut self) {
-        (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);
+        (self.stays, self.pause) = (self.next_stay, self.next_stay);
+        self.next_stay = (2 * self.next_stay).min(STAY.1);
+        self.raised = Raised::default();
     }
 
-    pub fn decide(&mut self, error: &TruncationError) -> Decision {
+    /// Points of the present number of harmonics are shown: it serves.
+    pub fn serves(&mut self) {
+        self.raised = Raised::default();
+    }
+
+    /// What is done after a point with this estimate; more harmonics are tried only `onward`.
+    pub fn decide(&mut self, error: &TruncationError, onward: bool) -> Decision {
         let harmonics = self.harmonics;
         if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
             return Decision::Modes;
@@ -123,15 +170,12 @@ impl Control {
         let needed = self.needed(own);
         // Not a number where both are infinite.
         if own.is_nan() || own > OF_HARMONICS * self.accuracy.error {
-            self.stays = self.stays.saturating_sub(1);
-            if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
-                let within = error.frequency <= self.accuracy.error;
-                return if within { Decision::Keep } else { Decision::Limit };
-            }
-            let most = (GROWTH * harmonics as f64).ceil() as usize;
-            return Decision::More(
-                needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics),
-            );
+            self.good = 0;
+            return self.too_large(error, needed, onward);
+        }
+        self.good += 1;
+        if self.good >= PATIENCE {
+            (self.stays, self.next_stay) = (0, STAY.0);
         }
         self.pause = self.pause.saturating_sub(1);
         if self.pause > 0 || needed as f64 > WORTH_LESS * harmonics as f64 || needed < self.fewest {
@@ -140,6 +184,41 @@ impl Control {
         }
         self.easy = (self.easy.0 + 1, self.easy.1.max(needed));
         if self.easy.0 < PATIENCE { Decision::Keep } else { Decision::Fewer(self.easy.1) }
+    }
+
+    /// What is done after a point whose harmonics leave out too much.
+    fn too_large(&mut self, error: &TruncationError, needed: usize, onward: bool) -> Decision {
+        let (harmonics, max) = (self.harmonics, self.accuracy.max_harmonics);
+        let as_it_is = if error.frequency <= self.accuracy.error { Decision::Keep } else { Decision::Limit };
+        if self.stays > 0 || !onward {
+            self.stays = self.stays.saturating_sub(1);
+            return as_it_is;
+        }
+        // Where both are infinite their difference is not a number.
+        let own = Some(error.frequency - error.held_modes).filter(|e| !e.is_nan()).unwrap_or(f64::INFINITY);
+        let Some((best, smallest)) = self.raised.best else {
+            self.raised.best = Some((harmonics, own));
+            return if harmonics < max { self.more(needed) } else { as_it_is };
+        };
+        if own < HELPS * smallest {
+            self.raised = Raised { best: Some((harmonics, own)), in_vain: 0 };
+            return if harmonics < max { self.more(needed) } else { as_it_is };
+        }
+        self.raised.in_vain += 1;
+        match () {
+            () if best >= max => as_it_is,
+            () if harmonics >= max => Decision::InVain(best),
+            () if self.raised.in_vain >= IN_VAIN => Decision::More(max),
+            () => self.more(needed),
+        }
+    }
+
+    /// More harmonics, but not too many at once; as many as that where some more have not helped.
+    fn more(&self, needed: usize) -> Decision {
+        let harmonics = self.harmonics;
+        let most = ((GROWTH * harmonics as f64).ceil() as usize).max(harmonics + 2);
+        let least = if self.raised.in_vain > 0 { most } else { harmonics + 2 };
+        Decision::More(needed.clamp(least, most).min(self.accuracy.max_harmonics))
     }
 
     /// Harmonics with which the error would be what is aimed at, were it to fall with a power of their number.
@@ -200,12 +279,12 @@ mod tests {
 
     #[test]
     fn more_harmonics_where_the_error_is_too_large_up_to_the_limit() {
-        assert_eq!(control(10).decide(&error(6e-7, 0.0)), Decision::Keep);
+        assert_eq!(control(10).decide(&error(6e-7, 0.0), true), Decision::Keep);
         // 8e-6 over 2.5e-7 is two to the fifth: twice as many, but not at once.
-        assert_eq!(control(10).decide(&error(8e-6, 0.0)), Decision::More(16));
-        assert_eq!(control(10).decide(&error(8e-7, 0.0)), Decision::More(13));
-        assert_eq!(control(39).decide(&error(f64::INFINITY, 0.0)), Decision::More(40));
-        assert_eq!(control(40).decide(&error(1e-3, 0.0)), Decision::Limit);
+        assert_eq!(control(10).decide(&error(8e-6, 0.0), true), Decision::More(16));
+        assert_eq!(control(10).decide(&error(8e-7, 0.0), true), Decision::More(13));
+        assert_eq!(control(39).decide(&error(f64::INFINITY, 0.0), true), Decision::More(40));
+        assert_eq!(control(40).decide(&error(1e-3, 0.0), true), Decision::Limit);
     }
 
     #[test]
@@ -213,22 +292,22 @@ mod tests {
         let mut control = control(20);
         let small = error(2.5e-7 / 32.0, 0.0);
         for _ in 1..PATIENCE {
-            assert_eq!(control.decide(&small), Decision::Keep);
+            assert_eq!(control.decide(&small, true), Decision::Keep);
         }
-        assert_eq!(control.decide(&small), Decision::Fewer(10));
+        assert_eq!(control.decide(&small, true), Decision::Fewer(10));
         control.changed(10);
-        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::More(16));
+        assert_eq!(control.decide(&error(1e-5, 0.0), true), Decision::More(16));
         control.changed(16);
         for _ in 1..AFTER_FAILURE {
-            assert_eq!(control.decide(&error(1e-12, 0.0)), Decision::Keep);
+            assert_eq!(control.decide(&error(1e-12, 0.0), true), Decision::Keep);
         }
     }
 
     #[test]
     fn held_modes_are_added_where_they_can_be() {
-        assert_eq!(control(10).decide(&error(6e-7, 5e-7)), Decision::Modes);
+        assert_eq!(control(10).decide(&error(6e-7, 5e-7), true), Decision::Modes);
         let mut given = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, false);
         given.changed(10);
-        assert_eq!(given.decide(&error(6e-7, 5e-7)), Decision::Keep);
+        assert_eq!(given.decide(&error(6e-7, 5e-7), true), Decision::Keep);
     }
 }

@@ -5,11 +5,13 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, StopReason};
 use nlmodes_hbm::{RealSeries, TruncationError};
 
+use super::StudyError;
 use super::accuracy::{Control, Decision};
+use super::homotopy::{self, Effort};
 use super::prepare::continuation;
+use super::stability::length;
 use super::start::{Seed, one_point};
 use super::trace::{First, Found, Shown, Tracer, Viewer};
-use super::{StudyError, homotopy};
 
 /// Event of the first point with another number of harmonics; it lies where the one before it lies.
 pub(super) const HARMONICS: &str = "harmonics";
@@ -19,6 +21,9 @@ pub(super) const UNPROVEN: &str = "harmonics-unproven";
 
 /// Event of the first point from which on the most harmonics do not reach the accuracy.
 pub(super) const LIMIT: &str = "accuracy-limit";
+
+/// Event of the point from which on more harmonics do not help: the branch goes on with those that it has.
+pub(super) const IN_VAIN: &str = "harmonics-no-help";
 
 /// Smallest cosine between the tangents with the old and the new number of harmonics.
 const SAME_WAY: f64 = 0.9;
@@ -30,8 +35,12 @@ const AHEAD: [f64; 3] = [0.0, 1e-3, 1e-2];
 /// Points that are gone back where none is found.
 const BACK: [usize; 4] = [1, 3, 6, 10];
 
-/// Largest change of the unknowns with the number of harmonics; a solution further away is another one.
+/// Largest change of the unknowns with the number of harmonics, whatever the estimate says; a solution further away is another one.
 const NEAR: f64 = 0.1;
+
+/// Largest change over the estimated one, and the smallest estimate that counts.
+const OFF: f64 = 2.0;
+const RESOLVED: f64 = 1e-7;
 
 /// Share of the energy in the tangent above which the energy is kept when the number of harmonics changes.
 const ENERGY_CHANGES: f64 = 0.05;
@@ -51,6 +60,32 @@ struct Stretch {
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
+    /// Signs of the tangent in frequency and energy where the accuracy was last reached. Behind a fold of a tongue that only few harmonics have, more
+    /// of them lead back to where the branch came from.
+    way: Option<[f64; 2]>,
+    /// Where more harmonics are tried until points with them are shown.
+    tried_from: Option<Trial>,
+    /// They have not helped, which the next point is to say.
+    in_vain: bool,
+}
+
+/// Where more harmonics are tried from, and what was taken back for it.
+struct Trial {
+    base: (BranchPoint, RealSeries),
+    base_is_shown: bool,
+    base_is_accurate: bool,
+    first: Vec<String>,
+    known: bool,
+    taken_back: Option<(Found, Vec<(BranchPoint, RealSeries, usize)>)>,
+}
+
+/// Why a run with one number of harmonics gives way to another.
+#[derive(Clone, Copy)]
+enum Change {
+    /// This number takes over.
+    To(usize),
+    /// More than this number have been tried in vain.
+    BackTo(usize),
 }
 
 impl Tracer<'_> {
@@ -80,44 +115,108 @@ impl Tracer<'_> {
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
+            way: None,
+            tried_from: None,
+            in_vain: false,
         };
         let mut from = seed.clone();
         self.set_harmonics(from.harmonics)?;
         control.changed(from.harmonics);
         loop {
             let (stop, change) = self.run(control, &from, bound, &mut stretch, &mut found, each)?;
-            let Some(harmonics) = change else { return Ok((found, stop)) };
-            let Some((base, series)) = stretch.base.clone() else { return Ok((found, stop)) };
-            match self.carried_over(&base, series, harmonics)? {
-                Some(seed) => {
-                    if stretch.base_is_shown {
-                        (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
-                        found.changes += 1;
+            let Some(change) = change else { return Ok((found, stop)) };
+            from = match change {
+                Change::BackTo(harmonics) => {
+                    if give_back(&mut stretch, &mut found, each).is_break() {
+                        return Ok((found, StopReason::Stopped));
                     }
-                    control.changed(seed.harmonics);
-                    from = seed;
-                }
-                None => {
-                    if let Some(seed) = self.taken_back(&mut stretch, &mut found, series, harmonics)? {
-                        if each(Shown::Withdrawn(found.points.len())).is_break() {
-                            return Ok((found, StopReason::Stopped));
-                        }
-                        control.changed(seed.harmonics);
-                        control.pause();
-                        from = seed;
-                        continue;
-                    }
-                    if stretch.base_is_shown {
-                        (stretch.first, stretch.known) = (Vec::new(), true);
-                    }
-                    let harmonics = series.n_harmonics;
-                    self.set_harmonics(harmonics)?;
-                    control.changed(harmonics);
+                    let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
+                    let seed = self.back_to(control, &mut stretch, &mut found, base, harmonics)?;
                     control.stay();
-                    from = Seed { x: base.x, p: base.p, direction: base.tangent, harmonics };
+                    seed
                 }
-            }
+                Change::To(harmonics) => {
+                    let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
+                    stretch.begin_trial(&base, harmonics);
+                    let before = found.points.len();
+                    let seed = self.go_on_with(control, &mut stretch, &mut found, base, harmonics)?;
+                    if found.points.len() < before && each(Shown::Withdrawn(found.points.len())).is_break() {
+                        return Ok((found, StopReason::Stopped));
+                    }
+                    seed
+                }
+            };
         }
+    }
+
+    /// The beginning with another number of harmonics at the base, or if there is none some points earlier, or else with the same number.
+    fn go_on_with(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        found: &mut Found,
+        (base, series): (BranchPoint, RealSeries),
+        harmonics: usize,
+    ) -> Result<Seed, StudyError> {
+        if let Some(seed) = self.carried_over(&base, series, harmonics)? {
+            if stretch.base_is_shown {
+                (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+                found.changes += 1;
+            }
+            control.changed(seed.harmonics);
+            return Ok(seed);
+        }
+        if let Some(seed) = self.taken_back(stretch, found, series, harmonics)? {
+            control.changed(seed.harmonics);
+            control.pause();
+            return Ok(seed);
+        }
+        if harmonics > series.n_harmonics {
+            control.stay();
+        } else {
+            control.pause();
+        }
+        self.unchanged(control, stretch, base, series)
+    }
+
+    /// The beginning at the base with its own number of harmonics.
+    fn unchanged(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        base: BranchPoint,
+        series: RealSeries,
+    ) -> Result<Seed, StudyError> {
+        if stretch.base_is_shown {
+            (stretch.first, stretch.known) = (Vec::new(), true);
+        }
+        let harmonics = series.n_harmonics;
+        self.set_harmonics(harmonics)?;
+        control.changed(harmonics);
+        Ok(Seed { x: base.x, p: base.p, direction: base.tangent, harmonics })
+    }
+
+    /// The beginning at the base after more harmonics have been tried from there: with the best of them, or its own.
+    fn back_to(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        found: &mut Found,
+        (base, series): (BranchPoint, RealSeries),
+        harmonics: usize,
+    ) -> Result<Seed, StudyError> {
+        stretch.in_vain = true;
+        let better = match harmonics > series.n_harmonics {
+            true => self.carried_over(&base, series, harmonics)?,
+            false => None,
+        };
+        let Some(seed) = better else { return self.unchanged(control, stretch, base, series) };
+        if stretch.base_is_shown {
+            (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+            found.changes += 1;
+        }
+        control.changed(seed.harmonics);
+        Ok(seed)
     }
 
     /// One run with the same number of harmonics, and that with which it is to go on.
@@ -129,7 +228,7 @@ impl Tracer<'_> {
         stretch: &mut Stretch,
         found: &mut Found,
         each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
-    ) -> Result<(StopReason, Option<usize>), StudyError> {
+    ) -> Result<(StopReason, Option<Change>), StudyError> {
         let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
         stretch.waiting.clear();
@@ -138,7 +237,8 @@ impl Tracer<'_> {
         let (Some(estimator), Some(problem)) = (self.estimator.as_mut(), self.problem.harmonics()) else {
             return Ok((StopReason::Stopped, None));
         };
-        let (viewer, too_few_modes, series) = (&mut self.viewer, &mut self.too_few_modes, problem.series());
+        let (viewer, too_few_modes) = (&mut self.viewer, &mut self.too_few_modes);
+        let (series, frequency) = (problem.series(), problem.frequency_index());
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let branch = method.run_with_log(problem, &from.x, from.p, &from.direction, log, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
@@ -155,7 +255,9 @@ impl Tracer<'_> {
                 stretch.waiting.push((point.clone(), error, names));
                 return ControlFlow::Continue(());
             };
-            let decision = control.decide(&error);
+            let way = [point.tangent[frequency], point.tangent[point.x.len()]].map(f64::signum);
+            let onward = stretch.way.is_none_or(|last| last == way);
+            let decision = control.decide(&error, onward);
             match decision {
                 Decision::Modes => {
                     *too_few_modes = true;
@@ -165,12 +267,19 @@ impl Tracer<'_> {
                     if stretch.base.is_none() {
                         stretch.base = Some((point.clone(), series));
                     }
-                    change = Some(harmonics);
+                    change = Some(Change::To(harmonics));
+                    return ControlFlow::Break(());
+                }
+                Decision::InVain(harmonics) => {
+                    change = Some(Change::BackTo(harmonics));
                     return ControlFlow::Break(());
                 }
                 Decision::Limit => {
                     if !std::mem::replace(&mut stretch.at_limit, true) {
                         names.push(LIMIT.to_owned());
+                    }
+                    if std::mem::take(&mut stretch.in_vain) {
+                        names.push(IN_VAIN.to_owned());
                     }
                 }
                 Decision::Keep | Decision::Fewer(_) => stretch.at_limit = false,
@@ -179,6 +288,9 @@ impl Tracer<'_> {
             stretch.waiting.push((point.clone(), Some(error), names));
             stretch.base = Some((point.clone(), series));
             stretch.base_is_accurate = !matches!(decision, Decision::Limit);
+            if stretch.base_is_accurate {
+                stretch.way = Some(way);
+            }
             if begins {
                 // It is shown when it is sure that the branch goes on with this number of harmonics.
                 stretch.base_is_shown = stretch.known;
@@ -186,17 +298,23 @@ impl Tracer<'_> {
                 return ControlFlow::Continue(());
             }
             stretch.base_is_shown = true;
+            stretch.tried_from = None;
+            control.serves();
             show(stretch, found, viewer, each)?;
             if stretch.base_is_accurate {
                 stretch.passed.push((point.clone(), series, found.points.len()));
             }
             if let Decision::Fewer(harmonics) = decision {
-                change = Some(harmonics);
+                change = Some(Change::To(harmonics));
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         })?;
         found.count(&branch);
+        // With more harmonics there is no way on, with those before there may be.
+        if let (StopReason::StepTooSmall { .. }, None, Some(trial)) = (&branch.stop, change, &stretch.tried_from) {
+            change = Some(Change::BackTo(trial.base.1.n_harmonics));
+        }
         if change.is_none() && !self.too_few_modes {
             let _ = show(stretch, found, viewer, each);
         }
@@ -218,9 +336,16 @@ impl Tracer<'_> {
             let Some(index) = stretch.passed.len().checked_sub(back + 1) else { return Ok(None) };
             let (base, series, kept) = stretch.passed[index].clone();
             if let Some(seed) = self.carried_over(&base, series, harmonics)? {
-                found.truncate(kept);
+                let passed = stretch.passed.split_off(index + 1);
+                let mut taken_back = (found.split_off(kept), passed);
+                if let Some(trial) = &mut stretch.tried_from {
+                    if let Some((points, mut passed)) = trial.taken_back.take() {
+                        taken_back.0.append(points);
+                        taken_back.1.append(&mut passed);
+                    }
+                    trial.taken_back = Some(taken_back);
+                }
                 found.changes += 1;
-                stretch.passed.truncate(index + 1);
                 (stretch.base, stretch.base_is_shown, stretch.base_is_accurate) = (Some((base, series)), true, true);
                 (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
                 return Ok(Some(seed));
@@ -238,6 +363,9 @@ impl Tracer<'_> {
         harmonics: usize,
     ) -> Result<Option<Seed>, StudyError> {
         let most = self.settings.accuracy.map_or(usize::MAX, |accuracy| accuracy.max_harmonics);
+        self.set_harmonics(series.n_harmonics)?;
+        let own = self.estimator.as_mut().map(|own| own.estimate(&base.x, base.p, &base.tangent).motion);
+        let expected = own.filter(|_| harmonics > series.n_harmonics);
         let tries = AHEAD.into_iter().flat_map(|ahead| FURTHER.map(|more| ((harmonics + more).min(most), ahead)));
         for (harmonics, ahead) in tries {
             self.set_harmonics(harmonics)?;
@@ -250,19 +378,77 @@ impl Tracer<'_> {
             let keeps_energy = direction[last].abs() > ENERGY_CHANGES;
             for across in [Some(&energy).filter(|_| keeps_energy), Some(&direction)].into_iter().flatten() {
                 let coordinate = if std::ptr::eq(across, &energy) { last } else { self.problem.frequency_index() };
-                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log)
-                    .or_else(|| homotopy::solve(&mut self.problem, &z, coordinate, &self.settings.step, self.log));
+                let found =
+                    one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log).or_else(|| {
+                        let step = &self.settings.step;
+                        homotopy::solve(&mut self.problem, &z, coordinate, step, Effort::LITTLE, self.log)
+                    });
                 let near = |x: &[f64], p: f64| {
                     let moved = x.iter().chain([&p]).zip(&z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
                     moved.sqrt() < NEAR
                 };
-                if let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) {
-                    return Ok(Some(Seed { x, p, direction: direction.clone(), harmonics }));
+                let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) else { continue };
+                let seed = Seed { x, p, direction: direction.clone(), harmonics };
+                if self.is_same(&seed, &z, expected)? {
+                    return Ok(Some(seed));
                 }
             }
         }
         Ok(None)
     }
+
+    /// Whether a solution with another number of harmonics than the guess `z` is shown to be on the same branch: its tangent points
+    /// the same way, and it lies no further off than the estimate with the fewer harmonics of the two says, which is `expected` where
+    /// these are those of the guess. Next to a tongue that only one of them knows neither holds.
+    fn is_same(&mut self, seed: &Seed, z: &[f64], expected: Option<f64>) -> Result<bool, StudyError> {
+        let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
+        method.max_points = 1;
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let run = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |_| ControlFlow::Continue(()));
+        let Some(point) = run.ok().and_then(|run| run.points.into_iter().next()) else { return Ok(false) };
+        if !same_way(&point.tangent, &seed.direction) {
+            return Ok(false);
+        }
+        let own = self.estimator.as_mut().map(|own| own.estimate(&point.x, point.p, &point.tangent).motion);
+        let expected = expected.or(own).unwrap_or(f64::INFINITY).max(RESOLVED);
+        let moved = point.z().iter().zip(z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        Ok(moved <= OFF * expected * length(&point.x))
+    }
+}
+
+impl Stretch {
+    /// More harmonics are tried from this base, if they are not from an earlier one.
+    fn begin_trial(&mut self, base: &(BranchPoint, RealSeries), harmonics: usize) {
+        if self.tried_from.is_some() || harmonics <= base.1.n_harmonics {
+            return;
+        }
+        self.in_vain = false;
+        self.tried_from = Some(Trial {
+            base: base.clone(),
+            base_is_shown: self.base_is_shown,
+            base_is_accurate: self.base_is_accurate,
+            first: self.first.clone(),
+            known: self.known,
+            taken_back: None,
+        });
+    }
+}
+
+/// Goes back to where more harmonics were tried from, with the points that were taken back for it.
+fn give_back(
+    stretch: &mut Stretch,
+    found: &mut Found,
+    each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let Some(trial) = stretch.tried_from.take() else { return ControlFlow::Continue(()) };
+    stretch.base = Some(trial.base);
+    (stretch.base_is_shown, stretch.base_is_accurate) = (trial.base_is_shown, trial.base_is_accurate);
+    (stretch.first, stretch.known) = (trial.first, trial.known);
+    let Some((points, mut passed)) = trial.taken_back else { return ControlFlow::Continue(()) };
+    stretch.passed.append(&mut passed);
+    let before = found.points.len();
+    found.append(points);
+    found.points[before..].iter().map(Shown::Point).try_for_each(each)
 }
 
 /// Shows the points that wait.
