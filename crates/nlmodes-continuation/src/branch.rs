@@ -28,6 +28,7 @@ pub enum EventKind {
 /// A point of a branch.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct BranchPoint {
     /// Unknowns, n.
     pub x: Vec<f64>,
@@ -93,6 +94,7 @@ impl StopReason {
 
 /// A branch: always returned, with the reason why it ended.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Branch {
     /// The points, in order.
     pub points: Vec<BranchPoint>,

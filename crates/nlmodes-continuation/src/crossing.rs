@@ -18,6 +18,7 @@ pub enum AtBranchPoint {
 
 /// An arm of the solution set that leaves a crossing.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Arm {
     /// Its first point; the tangent leads away from the crossing.
     pub start: Correction,
@@ -27,6 +28,7 @@ pub struct Arm {
 
 /// A point where more than two arms meet, as a branch came to it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Crossing {
     /// Index in [`crate::Branch::points`].
     pub point: usize,
@@ -39,6 +41,7 @@ pub struct Crossing {
 /// Arms around a crossing before the branch has chosen: the way back, its own continuation and the others.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Choice {
     /// Where it is, `z = (x, p)`.
     pub z: Vec<f64>,

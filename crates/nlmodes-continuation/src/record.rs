@@ -5,6 +5,7 @@ use crate::{BranchPoint, Choice, Correction, StopReason};
 /// What a step brought: with those before it, all that is needed to go on behind it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct StepRecord {
     /// Points found, in order; the branch goes on from the last one. The first step of a run is its start.
     pub points: Vec<BranchPoint>,

@@ -16,6 +16,7 @@ use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, Bran
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct ComputedTree {
     /// Each stands behind the one that it leaves; the first one is never missing.
     pub branches: Vec<ComputedBranch>,
