@@ -6,6 +6,13 @@ use crate::energy::inner;
 use crate::series::RealSeries;
 use crate::{CondensedStructure, Grazing, HbmError, MixedShooting, MixedShootingSettings, Scales};
 
+/// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where modes are left out, up to
+/// which the terms that stand for these hold.
+const MARGIN: (f64, f64) = (1.2, 0.5);
+
+/// Most harmonics by which the larger problem reaches out for held modes: a step of Newton's method on it takes milliseconds.
+const FURTHEST: usize = 300;
+
 /// Estimated errors of a solution of [`MixedShooting`] that come from what its series leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruncationError {
@@ -25,7 +32,8 @@ impl TruncationError {
 
 /// Estimates what harmonics and held modes left out change, by one step of Newton's method on a larger problem.
 ///
-/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and of the held modes that were not computed also the next term of
+/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and as many as reach to the highest held mode: an internal
+/// resonance with a harmonic beyond the larger problem would stay unseen. Of the held modes that were not computed it also has the next term of
 /// their share of `T`, with `S = Σ_{k>m} g_kᵀ g_k/λ_k³`, which needs no further mode:
 ///
 /// ```text
@@ -67,7 +75,8 @@ impl CondensedStructure {
 }
 
 impl<'s> TruncationEstimator<'s> {
-    /// For solutions of the problem with these settings and scales.
+    /// For solutions of the problem with these settings and scales. The larger problem reaches as far as the highest held mode, up to 300
+    /// harmonics.
     ///
     /// # Errors
     /// As [`MixedShooting::new`].
@@ -77,8 +86,27 @@ impl<'s> TruncationEstimator<'s> {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
+        let highest = structure.modes().last().map_or(0.0, |mode| mode.lambda.sqrt());
+        let all = structure.n_held_modes() >= structure.model().linear_dofs().len();
+        let margin = if all { MARGIN.0 } else { MARGIN.1 };
+        let reach = ((margin * highest / scales.omega).ceil() as usize).min(FURTHEST);
+        Self::reaching(structure, settings, reach, scales, solver)
+    }
+
+    /// As [`new`](Self::new), the larger problem with `harmonics` at least; the step costs the third power of that. With fewer than the
+    /// highest held mode takes, an internal resonance beyond them stays unseen.
+    ///
+    /// # Errors
+    /// As [`MixedShooting::new`].
+    pub fn reaching(
+        structure: &'s CondensedStructure,
+        settings: MixedShootingSettings,
+        harmonics: usize,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
         let coarse = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
-        let harmonics = (2 * settings.harmonics + 1).max(settings.harmonics + 6);
+        let harmonics = harmonics.max(2 * settings.harmonics + 1).max(settings.harmonics + 6);
         let fine = MixedShooting::new(structure, MixedShootingSettings { harmonics, ..settings }, scales, solver)?;
         let n = fine.dim();
         let (at, bordered) = (Linearization::new(n), Mat::zeros(n + 1, n + 1));

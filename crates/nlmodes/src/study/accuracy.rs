@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_hbm::{CondensedStructure, TruncationError};
+use nlmodes_modal::ModalPoint;
 use nlmodes_model::MasslessContactModel;
 
 use super::{BranchSettings, StudyError};
@@ -31,6 +32,42 @@ pub struct AccuracyReached {
     pub changes: usize,
     /// Smallest and largest number of harmonics of a point.
     pub harmonics: [usize; 2],
+}
+
+/// Points in a row whose estimate is larger than what was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct BeyondAccuracy {
+    /// Index of the first and of the last one.
+    pub points: [usize; 2],
+    /// Lowest and highest angular frequency among them, rad/s.
+    pub frequency: [f64; 2],
+    /// Largest estimate among them.
+    pub largest_estimate: f64,
+}
+
+/// The stretches of a branch beyond an accuracy. Points without an estimate are between two others part of a stretch, but do not make one.
+pub(super) fn beyond(points: &[ModalPoint], error: f64) -> Vec<BeyondAccuracy> {
+    let mut all: Vec<BeyondAccuracy> = Vec::new();
+    let mut open = false;
+    for (k, point) in points.iter().enumerate() {
+        let Some(estimate) = point.error_estimate else { continue };
+        if estimate <= error {
+            open = false;
+            continue;
+        }
+        let omega = point.omega;
+        match all.last_mut().filter(|_| open) {
+            Some(last) => {
+                last.points[1] = k;
+                last.frequency = [last.frequency[0].min(omega), last.frequency[1].max(omega)];
+                last.largest_estimate = last.largest_estimate.max(estimate);
+            }
+            None => all.push(BeyondAccuracy { points: [k, k], frequency: [omega; 2], largest_estimate: estimate }),
+        }
+        open = true;
+    }
+    all
 }
 
 /// Share of the permitted error that the harmonics may cause; the rest is for the held modes.
@@ -161,8 +198,8 @@ impl Control {
         self.raised = Raised::default();
     }
 
-    /// What is done after a point with this estimate; more harmonics are tried only `onward`.
-    pub fn decide(&mut self, error: &TruncationError, onward: bool) -> Decision {
+    /// What is done after a point with this estimate.
+    pub fn decide(&mut self, error: &TruncationError) -> Decision {
         let harmonics = self.harmonics;
         if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
             return Decision::Modes;
@@ -172,7 +209,7 @@ impl Control {
         // Not a number where both are infinite.
         if own.is_nan() || own > OF_HARMONICS * self.accuracy.error {
             self.good = 0;
-            return self.too_large(error, needed, onward);
+            return self.too_large(error, needed);
         }
         self.good += 1;
         if self.good >= PATIENCE {
@@ -188,11 +225,11 @@ impl Control {
     }
 
     /// What is done after a point whose harmonics leave out too much.
-    fn too_large(&mut self, error: &TruncationError, needed: usize, onward: bool) -> Decision {
+    fn too_large(&mut self, error: &TruncationError, needed: usize) -> Decision {
         let (harmonics, max) = (self.harmonics, self.accuracy.max_harmonics);
         let as_it_is = if error.frequency <= self.accuracy.error { Decision::Keep } else { Decision::Limit };
-        if self.stays > 0 || !onward {
-            self.stays = self.stays.saturating_sub(1);
+        if self.stays > 0 {
+            self.stays -= 1;
             return as_it_is;
         }
         // Where both are infinite their difference is not a number.
@@ -269,7 +306,7 @@ mod tests {
     use super::*;
 
     fn control(harmonics: usize) -> Control {
-        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, true);
+        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2);
         control.changed(harmonics);
         control
     }
@@ -280,12 +317,12 @@ mod tests {
 
     #[test]
     fn more_harmonics_where_the_error_is_too_large_up_to_the_limit() {
-        assert_eq!(control(10).decide(&error(6e-7, 0.0), true), Decision::Keep);
+        assert_eq!(control(10).decide(&error(6e-7, 0.0)), Decision::Keep);
         // 8e-6 over 2.5e-7 is two to the fifth: twice as many, but not at once.
-        assert_eq!(control(10).decide(&error(8e-6, 0.0), true), Decision::More(16));
-        assert_eq!(control(10).decide(&error(8e-7, 0.0), true), Decision::More(13));
-        assert_eq!(control(39).decide(&error(f64::INFINITY, 0.0), true), Decision::More(40));
-        assert_eq!(control(40).decide(&error(1e-3, 0.0), true), Decision::Limit);
+        assert_eq!(control(10).decide(&error(8e-6, 0.0)), Decision::More(16));
+        assert_eq!(control(10).decide(&error(8e-7, 0.0)), Decision::More(13));
+        assert_eq!(control(39).decide(&error(f64::INFINITY, 0.0)), Decision::More(40));
+        assert_eq!(control(40).decide(&error(1e-3, 0.0)), Decision::Limit);
     }
 
     #[test]
@@ -293,22 +330,59 @@ mod tests {
         let mut control = control(20);
         let small = error(2.5e-7 / 32.0, 0.0);
         for _ in 1..PATIENCE {
-            assert_eq!(control.decide(&small, true), Decision::Keep);
+            assert_eq!(control.decide(&small), Decision::Keep);
         }
-        assert_eq!(control.decide(&small, true), Decision::Fewer(10));
+        assert_eq!(control.decide(&small), Decision::Fewer(10));
         control.changed(10);
-        assert_eq!(control.decide(&error(1e-5, 0.0), true), Decision::More(16));
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::More(16));
         control.changed(16);
         for _ in 1..AFTER_FAILURE {
-            assert_eq!(control.decide(&error(1e-12, 0.0), true), Decision::Keep);
+            assert_eq!(control.decide(&error(1e-12, 0.0)), Decision::Keep);
+        }
+    }
+
+    /// A trial of more harmonics after another, none of which lowers the estimate, and then the most.
+    #[test]
+    fn where_more_harmonics_do_not_help_the_number_stays() {
+        let mut control = control(10);
+        let large = error(1e-4, 0.0);
+        for number in [16, 26, 40] {
+            assert_eq!(control.decide(&large), Decision::More(number));
+            control.changed(number);
+        }
+        assert_eq!(control.decide(&large), Decision::InVain(10));
+        // It stays for some points, which count, and for twice as many the next time.
+        for points in [STAY.0, 2 * STAY.0] {
+            control.changed(10);
+            control.stay();
+            for _ in 0..points {
+                assert_eq!(control.decide(&large), Decision::Limit);
+            }
+            assert_eq!(control.decide(&large), Decision::More(16));
         }
     }
 
     #[test]
+    fn the_last_number_that_helped_is_kept() {
+        let mut control = control(10);
+        for (estimate, number) in [(1e-4, 16), (3e-5, 26), (2e-5, 40)] {
+            assert_eq!(control.decide(&error(estimate, 0.0)), Decision::More(number));
+            control.changed(number);
+        }
+        assert_eq!(control.decide(&error(2e-5, 0.0)), Decision::InVain(16));
+        // The most, which do help, stay although they do not suffice.
+        let mut control = self::control(30);
+        assert_eq!(control.decide(&error(1e-4, 0.0)), Decision::More(40));
+        control.changed(40);
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::Limit);
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::Limit);
+    }
+
+    #[test]
     fn held_modes_are_added_where_they_can_be() {
-        assert_eq!(control(10).decide(&error(6e-7, 5e-7), true), Decision::Modes);
+        assert_eq!(control(10).decide(&error(6e-7, 5e-7)), Decision::Modes);
         let mut given = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, false);
         given.changed(10);
-        assert_eq!(given.decide(&error(6e-7, 5e-7), true), Decision::Keep);
+        assert_eq!(given.decide(&error(6e-7, 5e-7)), Decision::Keep);
     }
 }

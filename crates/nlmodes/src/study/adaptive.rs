@@ -42,6 +42,18 @@ const NEAR: f64 = 0.1;
 const OFF: f64 = 2.0;
 const RESOLVED: f64 = 1e-7;
 
+/// Distance over the estimated error below which points cannot be told apart, and how far a branch is off the chord between two points,
+/// over their distance.
+const LIKE: f64 = 4.0;
+const STRAIGHT: f64 = 0.1;
+
+/// Share of the unknowns within which points with different numbers of harmonics are the same, if that many in a row are.
+const BACK_WITHIN: f64 = 0.02;
+const SURELY_BACK: usize = 3;
+
+/// Logarithm of the energy by which a branch from grazing is back on the linear mode below it.
+const BELOW: f64 = 1e-4;
+
 /// Share of the energy in the tangent above which the energy is kept when the number of harmonics changes.
 const ENERGY_CHANGES: f64 = 0.05;
 
@@ -60,13 +72,25 @@ struct Stretch {
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
-    /// Signs of the tangent in frequency and energy where the accuracy was last reached. Behind a fold of a tongue that only few harmonics have, more
-    /// of them lead back to where the branch came from.
-    way: Option<[f64; 2]>,
     /// Where more harmonics are tried until points with them are shown.
     tried_from: Option<Trial>,
     /// They have not helped, which the next point is to say.
     in_vain: bool,
+    /// Changes of the number of harmonics, until they are undone.
+    changes: Vec<Undo>,
+    /// Points in a row since the last one that lie where the branch has been before it.
+    back: usize,
+    /// The branch began at grazing, with growing energy.
+    from_grazing: bool,
+}
+
+/// Where the number of harmonics was changed.
+struct Undo {
+    base: (BranchPoint, RealSeries),
+    base_is_accurate: bool,
+    /// Points shown by then, and of these the accurate ones.
+    kept: usize,
+    passed: usize,
 }
 
 /// Where more harmonics are tried from, and what was taken back for it.
@@ -86,6 +110,8 @@ enum Change {
     To(usize),
     /// More than this number have been tried in vain.
     BackTo(usize),
+    /// Since the last one the branch runs back to where it came from.
+    Undo,
 }
 
 impl Tracer<'_> {
@@ -115,9 +141,11 @@ impl Tracer<'_> {
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
-            way: None,
             tried_from: None,
             in_vain: false,
+            changes: Vec::new(),
+            back: 0,
+            from_grazing: matches!(first, First::Named("grazing")),
         };
         let mut from = seed.clone();
         self.set_harmonics(from.harmonics)?;
@@ -135,11 +163,31 @@ impl Tracer<'_> {
                     control.stay();
                     seed
                 }
+                Change::Undo => {
+                    let Some(undo) = stretch.changes.pop() else { return Ok((found, stop)) };
+                    stretch.back = 0;
+                    found.truncate(undo.kept);
+                    stretch.passed.truncate(undo.passed);
+                    if each(Shown::Withdrawn(found.points.len())).is_break() {
+                        return Ok((found, StopReason::Stopped));
+                    }
+                    (stretch.base_is_shown, stretch.base_is_accurate) = (true, undo.base_is_accurate);
+                    (stretch.base, stretch.tried_from, stretch.in_vain) = (Some(undo.base.clone()), None, true);
+                    let (base, series) = undo.base;
+                    let seed = self.unchanged(control, &mut stretch, base, series)?;
+                    control.stay();
+                    seed
+                }
                 Change::To(harmonics) => {
                     let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
                     stretch.begin_trial(&base, harmonics);
                     let before = found.points.len();
+                    let undo = stretch.undo(&base, found.points.len());
                     let seed = self.go_on_with(control, &mut stretch, &mut found, base, harmonics)?;
+                    if seed.harmonics != undo.base.1.n_harmonics && found.points.len() == undo.kept {
+                        stretch.changes.push(undo);
+                        stretch.back = 0;
+                    }
                     if found.points.len() < before && each(Shown::Withdrawn(found.points.len())).is_break() {
                         return Ok((found, StopReason::Stopped));
                     }
@@ -158,7 +206,7 @@ impl Tracer<'_> {
         (base, series): (BranchPoint, RealSeries),
         harmonics: usize,
     ) -> Result<Seed, StudyError> {
-        if let Some(seed) = self.carried_over(&base, series, harmonics)? {
+        if let Some(seed) = self.carried_over(found, &base, series, harmonics, true)? {
             if stretch.base_is_shown {
                 (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
                 found.changes += 1;
@@ -207,7 +255,7 @@ impl Tracer<'_> {
     ) -> Result<Seed, StudyError> {
         stretch.in_vain = true;
         let better = match harmonics > series.n_harmonics {
-            true => self.carried_over(&base, series, harmonics)?,
+            true => self.carried_over(found, &base, series, harmonics, true)?,
             false => None,
         };
         let Some(seed) = better else { return self.unchanged(control, stretch, base, series) };
@@ -238,7 +286,8 @@ impl Tracer<'_> {
             return Ok((StopReason::Stopped, None));
         };
         let (viewer, too_few_modes) = (&mut self.viewer, &mut self.too_few_modes);
-        let (series, frequency) = (problem.series(), problem.frequency_index());
+        let series = problem.series();
+        let place = Place { series, contacts: self.structure.n_contact_dofs(), energy: self.grazing.energy };
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let branch = method.run_with_log(problem, &from.x, from.p, &from.direction, log, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
@@ -255,9 +304,11 @@ impl Tracer<'_> {
                 stretch.waiting.push((point.clone(), error, names));
                 return ControlFlow::Continue(());
             };
-            let way = [point.tangent[frequency], point.tangent[point.x.len()]].map(f64::signum);
-            let onward = stretch.way.is_none_or(|last| last == way);
-            let decision = control.decide(&error, onward);
+            if stretch.runs_back(point, &error, found, &place) {
+                change = Some(Change::Undo);
+                return ControlFlow::Break(());
+            }
+            let decision = control.decide(&error);
             match decision {
                 Decision::Modes => {
                     *too_few_modes = true;
@@ -288,9 +339,6 @@ impl Tracer<'_> {
             stretch.waiting.push((point.clone(), Some(error), names));
             stretch.base = Some((point.clone(), series));
             stretch.base_is_accurate = !matches!(decision, Decision::Limit);
-            if stretch.base_is_accurate {
-                stretch.way = Some(way);
-            }
             if begins {
                 // It is shown when it is sure that the branch goes on with this number of harmonics.
                 stretch.base_is_shown = stretch.known;
@@ -335,7 +383,7 @@ impl Tracer<'_> {
         for back in BACK {
             let Some(index) = stretch.passed.len().checked_sub(back + 1) else { return Ok(None) };
             let (base, series, kept) = stretch.passed[index].clone();
-            if let Some(seed) = self.carried_over(&base, series, harmonics)? {
+            if let Some(seed) = self.carried_over(found, &base, series, harmonics, false)? {
                 let passed = stretch.passed.split_off(index + 1);
                 let mut taken_back = (found.split_off(kept), passed);
                 if let Some(trial) = &mut stretch.tried_from {
@@ -358,9 +406,11 @@ impl Tracer<'_> {
     /// ahead of it; `None` where Newton's method finds none.
     fn carried_over(
         &mut self,
+        earlier: &Found,
         base: &BranchPoint,
         series: RealSeries,
         harmonics: usize,
+        deform: bool,
     ) -> Result<Option<Seed>, StudyError> {
         let most = self.settings.accuracy.map_or(usize::MAX, |accuracy| accuracy.max_harmonics);
         self.set_harmonics(series.n_harmonics)?;
@@ -380,6 +430,9 @@ impl Tracer<'_> {
                 let coordinate = if std::ptr::eq(across, &energy) { last } else { self.problem.frequency_index() };
                 let found =
                     one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log).or_else(|| {
+                        if !deform || ahead > 0.0 {
+                            return None;
+                        }
                         let step = &self.settings.step;
                         homotopy::solve(&mut self.problem, &z, coordinate, step, Effort::LITTLE, self.log)
                     });
@@ -389,7 +442,7 @@ impl Tracer<'_> {
                 };
                 let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) else { continue };
                 let seed = Seed { x, p, direction: direction.clone(), harmonics };
-                if self.is_same(&seed, &z, expected)? {
+                if self.is_same(&seed, &z, expected, earlier)? {
                     return Ok(Some(seed));
                 }
             }
@@ -400,7 +453,7 @@ impl Tracer<'_> {
     /// Whether a solution with another number of harmonics than the guess `z` is shown to be on the same branch: its tangent points
     /// the same way, and it lies no further off than the estimate with the fewer harmonics of the two says, which is `expected` where
     /// these are those of the guess. Next to a tongue that only one of them knows neither holds.
-    fn is_same(&mut self, seed: &Seed, z: &[f64], expected: Option<f64>) -> Result<bool, StudyError> {
+    fn is_same(&mut self, seed: &Seed, z: &[f64], expected: Option<f64>, earlier: &Found) -> Result<bool, StudyError> {
         let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.max_points = 1;
         let (problem, log) = (&mut self.problem, &mut *self.log);
@@ -412,11 +465,74 @@ impl Tracer<'_> {
         let own = self.estimator.as_mut().map(|own| own.estimate(&point.x, point.p, &point.tangent).motion);
         let expected = expected.or(own).unwrap_or(f64::INFINITY).max(RESOLVED);
         let moved = point.z().iter().zip(z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
-        Ok(moved <= OFF * expected * length(&point.x))
+        let expected = expected * length(&point.x);
+        let Some(problem) = self.problem.harmonics() else { return Ok(false) };
+        let place =
+            Place { series: problem.series(), contacts: self.structure.n_contact_dofs(), energy: self.grazing.energy };
+        Ok(moved <= OFF * expected && !place.passed_before(&point, LIKE * expected, earlier, usize::MAX))
     }
 }
 
+/// The unknowns of a number of harmonics.
+struct Place {
+    series: RealSeries,
+    /// Contact coordinates.
+    contacts: usize,
+    /// At grazing, J.
+    energy: f64,
+}
+
+impl Place {
+    /// Unknowns with another number of harmonics, as these.
+    fn resized(&self, x: &[f64], from: RealSeries) -> Vec<f64> {
+        let (n, width) = (self.contacts, from.width());
+        let coefficients = (0..n).flat_map(|d| from.resized(&x[d * width..(d + 1) * width], self.series));
+        coefficients.chain(x[n * width..].iter().copied()).collect()
+    }
+
+    /// Whether the branch has passed here before among its first `count` points, the other way, for all that can be told with this
+    /// error: on the far side of a tongue that only the fewer harmonics have, other ones have but the branch beside it, and lead back along that.
+    fn passed_before(&self, at: &BranchPoint, error: f64, earlier: &Found, count: usize) -> bool {
+        let rises = at.tangent.last().is_some_and(|t| *t > 0.0);
+        let energy = |k: usize| (earlier.points[k].kinetic_energy / self.energy).ln();
+        let harmonics = |k: usize| earlier.points[k].coefficients.n_harmonics();
+        (1..earlier.points.len().min(count)).filter(|&k| harmonics(k) == harmonics(k - 1)).any(|k| {
+            let (from, to) = (energy(k - 1), energy(k));
+            if (to > from) == rises || !(from.min(to)..=from.max(to)).contains(&at.p) {
+                return false;
+            }
+            let share = if to == from { 0.5 } else { (at.p - from) / (to - from) };
+            let (a, b) = (&earlier.unknowns[k - 1], &earlier.unknowns[k]);
+            let between: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect();
+            let series = RealSeries { n_harmonics: harmonics(k), ..self.series };
+            let between = self.resized(&between, series);
+            distance(&between, &at.x) < error + STRAIGHT * distance(a, b)
+        })
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
 impl Stretch {
+    /// What it takes to undo a change of the number of harmonics at this base, when so many points are shown.
+    fn undo(&self, base: &(BranchPoint, RealSeries), kept: usize) -> Undo {
+        Undo { base: base.clone(), base_is_accurate: self.base_is_accurate, kept, passed: self.passed.len() }
+    }
+
+    /// Whether the branch has come back to where it was before the last change of the number of harmonics, and goes back along that.
+    fn runs_back(&mut self, point: &BranchPoint, error: &TruncationError, found: &Found, place: &Place) -> bool {
+        let Some(undo) = self.changes.last() else { return false };
+        if self.from_grazing && point.p < -BELOW {
+            return true;
+        }
+        let near = (LIKE * error.motion * length(&point.x)).max(BACK_WITHIN * length(&point.x));
+        let back = place.passed_before(point, near, found, undo.kept);
+        self.back = if back { self.back + 1 } else { 0 };
+        self.back >= SURELY_BACK
+    }
+
     /// More harmonics are tried from this base, if they are not from an earlier one.
     fn begin_trial(&mut self, base: &(BranchPoint, RealSeries), harmonics: usize) {
         if self.tried_from.is_some() || harmonics <= base.1.n_harmonics {

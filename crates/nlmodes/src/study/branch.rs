@@ -7,6 +7,7 @@ use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory,
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
+use super::accuracy::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
 use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};
@@ -110,6 +111,11 @@ impl ComputedBranch {
         }
         self.review_accuracy();
         self
+    }
+
+    /// The stretches on which the accuracy that was asked for is not reached; none where none was asked for.
+    pub fn beyond_accuracy(&self) -> Vec<BeyondAccuracy> {
+        self.settings.accuracy.map_or_else(Vec::new, |wanted| beyond(&self.branch.points, wanted.error))
     }
 
     /// The tongues of internal resonances on the branch.

@@ -18,7 +18,7 @@ impl Effort {
     /// For a beginning.
     pub const FULL: Self = Self { points: 500, evaluations: 1000 };
     /// For one of many tries.
-    pub const LITTLE: Self = Self { points: 50, evaluations: 100 };
+    pub const LITTLE: Self = Self { points: 20, evaluations: 60 };
 }
 
 /// Why the deformed problem is not evaluated.
