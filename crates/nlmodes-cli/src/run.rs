@@ -245,13 +245,12 @@ const FOLDS: usize = 6;
 
 /// What an exact branch met that has every internal resonance of its modes.
 fn wandered(computed: &ComputedBranch) -> Option<String> {
-    computed.exact().ok()??;
     let points = &computed.branch.points;
     let folds = points.iter().filter(|p| p.has_event("fold") || p.has_event("frequency-fold")).count();
     let modes = computed.structure.modes().len();
-    (folds >= FOLDS).then(|| {
+    (computed.is_exact() && folds >= FOLDS).then(|| {
         format!(
-            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer, continuation.internal_resonance = \"skip\" leaves them out)"
+            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer)"
         )
     })
 }

@@ -306,7 +306,7 @@ mod tests {
     use super::*;
 
     fn control(harmonics: usize) -> Control {
-        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2);
+        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, true);
         control.changed(harmonics);
         control
     }

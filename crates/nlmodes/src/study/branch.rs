@@ -163,6 +163,11 @@ impl ComputedBranch {
         }
     }
 
+    /// Whether its motions are exact, by shooting.
+    pub fn is_exact(&self) -> bool {
+        self.settings.method == BranchMethod::Shooting
+    }
+
     /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
     ///
     /// # Errors
