@@ -1,4 +1,5 @@
 use crate::Crossing;
+use crate::record::{is_direction, is_vector};
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -54,6 +55,16 @@ impl BranchPoint {
         z.push(self.p);
         z
     }
+
+    /// Whether this can be a point of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        let index = |event: &EventKind| if let EventKind::UnknownFold { index } = event { *index < n } else { true };
+        is_vector(&self.x, n)
+            && self.p.is_finite()
+            && is_direction(&self.tangent, n + 1)
+            && !self.residual.is_nan()
+            && self.events.iter().all(index)
+    }
 }
 
 /// Why a branch has no further points.
@@ -89,6 +100,14 @@ impl StopReason {
     /// Whether the branch could go on: it ended because it was asked to, or has as many points as were asked for.
     pub fn is_asked_for(&self) -> bool {
         matches!(self, Self::Stopped | Self::MaxPoints)
+    }
+
+    /// Whether a branch of a system with n unknowns can end so.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        match self {
+            Self::Bound { coordinate, value } => *coordinate <= n && value.is_finite(),
+            _ => true,
+        }
     }
 }
 

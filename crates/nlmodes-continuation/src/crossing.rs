@@ -2,6 +2,7 @@
 
 use crate::arms::outward;
 use crate::corrector::{Correction, distance, dot};
+use crate::record::{is_direction, is_vector};
 
 /// Distance below which two crossings are one.
 const SAME: f64 = 1e-4;
@@ -54,6 +55,14 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// Whether this can be a crossing of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        is_vector(&self.z, n + 1)
+            && is_direction(&self.back, n + 1)
+            && self.own < self.arms.len()
+            && self.arms.iter().all(|arm| arm.is_of(n))
+    }
+
     /// Index of the arm to follow.
     pub(crate) fn arm(&self, rule: AtBranchPoint) -> usize {
         let growth = |k: &usize| outward(&self.z, &self.arms[*k].z).last().copied().unwrap_or(0.0);

@@ -209,7 +209,7 @@ fn all(
     })?;
     let origin = |b: &TreeBranch| {
         let from = b.origin?;
-        let at = tree.branches[from.branch].branch.crossings[from.crossing].point;
+        let at = tree.branches[from.branch].branch.crossings.get(from.crossing)?.point;
         Some(BranchOrigin { branch: from.branch, point: found[from.branch].index_of(at) })
     };
     let origins: Vec<Option<BranchOrigin>> = tree.branches.iter().map(origin).collect();
