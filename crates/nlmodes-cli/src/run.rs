@@ -242,8 +242,12 @@ fn tell(computed: &ComputedBranch, name: &str, began: Instant, quiet: bool) -> S
 /// What to do where a branch did not end where it was meant to.
 fn advice(computed: &ComputedBranch) -> Option<String> {
     let end = &computed.branch.end;
+    let wandered = wandered(computed).unwrap_or_default();
     if end.reason == "max-points" {
-        return Some("; with a higher continuation.max_points, --resume goes on".to_owned());
+        return Some(format!("; with a higher continuation.max_points, --resume goes on{wandered}"));
+    }
+    if !wandered.is_empty() {
+        return Some(wandered);
     }
     if computed.branch.points.iter().any(|point| point.has_event(ModalPoint::RESUMED)) {
         return None;
@@ -251,6 +255,24 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;
     Some(format!(", on the tongue {resonance} (continuation.internal_resonance = \"skip\" leaves it out)"))
 }
+
+/// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.
+const FOLDS: usize = 6;
+
+/// What an exact branch met that has every internal resonance of its modes.
+fn wandered(computed: &ComputedBranch) -> Option<String> {
+    let points = &computed.branch.points;
+    let folds = points.iter().filter(|p| p.has_event("fold") || p.has_event("frequency-fold")).count();
+    let modes = computed.structure.modes().len();
+    (computed.is_exact() && folds >= FOLDS).then(|| {
+        format!(
+            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer)"
+        )
+    })
+}
+
+/// Most stretches that are named.
+const NAMED: usize = 4;
 
 /// Says where the accuracy was not reached: the points are there, and each has its estimate.
 fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
@@ -260,6 +282,19 @@ fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
         "warning: {name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
         reached.largest_estimate
     );
+    let stretches = computed.beyond_accuracy();
+    for stretch in stretches.iter().take(NAMED) {
+        let ([from, to], [first, last]) = (stretch.frequency.map(|omega| omega / TAU), stretch.points);
+        let place = if first == last {
+            format!("at {from:.6} Hz (point {first})")
+        } else {
+            format!("between {from:.6} and {to:.6} Hz (points {first} to {last})")
+        };
+        say!("  not reached {place}: estimate up to {:.1e}", stretch.largest_estimate);
+    }
+    if stretches.len() > NAMED {
+        say!("  and on {} more stretches (accuracy.not_reached in summary.json)", stretches.len() - NAMED);
+    }
 }
 
 /// An error of the study, at the key of the scene that it is about.

@@ -21,7 +21,7 @@ mod start;
 mod touching;
 mod trace;
 
-pub use accuracy::{Accuracy, AccuracyReached};
+pub use accuracy::{Accuracy, AccuracyReached, BeyondAccuracy};
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use equal::PointBetween;

@@ -30,6 +30,7 @@ pub fn check(
         shooting::check(method, findings);
         let is_rod = scene.structure.as_ref().is_some_and(|s| s.kind == Some(StructureKind::Rod));
         let all = modes(scene, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        shooting::check_gaps(contacts, findings);
         shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
     }
     Some(Method {
