@@ -13,7 +13,10 @@ pub struct StepRecord {
     /// How far the Jacobian is from being singular at the last point, the ratio of the pivots.
     #[cfg_attr(feature = "serde", serde(with = "any_number"))]
     pub regularity: f64,
-    /// The same at the point from which the step was taken, and the distance of that; `None` behind a corner.
+    /// How well points are known in spite of rounding there; zero where that does not matter.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub blur: f64,
+    /// The regularity at the point from which the step was taken, and the distance of that; `None` behind a corner.
     pub before: Option<(f64, f64)>,
     /// Sense in which the coordinates whose turning points are events moved last.
     pub senses: Vec<f64>,

@@ -1,7 +1,7 @@
 //! Arms on a small sphere, found along curves on which all equations but one hold.
 
 use crate::corner::{Passage, pass, way_back};
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface, distance, dot};
 use crate::events::Search;
 use crate::step::{Foot, step};
 use crate::{Linearization, ParametricSystem, StepSettings};
@@ -107,7 +107,7 @@ impl Sphere<'_> {
             ..StepSettings::default()
         };
         let mut corrector = Corrector::new(n + 1, settings.tolerance, 2 * settings.max_iterations);
-        corrector.resolution = resolution;
+        (corrector.resolution, corrector.blur, corrector.rounding) = (resolution, resolution, ROUNDING / self.radius);
         let mut track = Track::default();
         if let Some(start) = self.start(&mut relaxed, &mut corrector, from) {
             let mut walk = Walk { system: &mut relaxed, corrector: &mut corrector, settings, nesting: self.nesting };

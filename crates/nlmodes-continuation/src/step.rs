@@ -118,7 +118,7 @@ pub(crate) fn step<S: ParametricSystem>(
         return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
     }
     // An arc lies half its turn off its tangent; what lies further off may be another arm.
-    let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution;
+    let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution.max(0.1 * corrector.blur);
     if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
         let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
         check_middle(system, corrector, foot, h, &end, most.min(0.03 * h))?;
