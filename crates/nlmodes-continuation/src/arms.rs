@@ -43,7 +43,7 @@ impl Arms {
         back: &[f64],
     ) -> Option<Self> {
         corrector.evaluate(system, center).ok()?;
-        let free = SingularDirections::of(corrector.jacobian())?;
+        let free = SingularDirections::of(corrector.linearization())?;
         let (tolerance, resolution) = (corrector.tolerance, corrector.resolution.max(corrector.blur));
         let mut own = Corrector::new(center.len() - 1, tolerance, ITERATIONS);
         (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);

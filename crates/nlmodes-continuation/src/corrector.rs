@@ -10,7 +10,7 @@ pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Residual over its rounding to which Newton's method goes on where directions are nearly free, and with which it may come to rest on
 /// rounding: the contact that a small step would open lets a larger residual pass for a solution.
-const FIRM: (f64, f64) = (8.0, 64.0);
+const FIRM: (f64, f64) = (8.0, 16.0);
 
 /// Ratio of the pivots above which no direction is nearly free.
 const REGULAR: f64 = 1e-3;
@@ -152,9 +152,9 @@ impl Corrector {
         Ok(self.linearization.residual_norm())
     }
 
-    /// Jacobian of the point evaluated last, n × (n + 1).
-    pub(crate) fn jacobian(&self) -> &Mat<f64> {
-        &self.linearization.jacobian
+    /// Residual and Jacobian of the point evaluated last.
+    pub(crate) fn linearization(&self) -> &Linearization {
+        &self.linearization
     }
 
     /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.

@@ -236,7 +236,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         search.pattern_changes().into_iter().find_map(|mut change| {
             self.corrector.evaluate(self.system, &change.point.z).ok()?;
-            if SingularDirections::of(self.corrector.jacobian())?.ratio > NEARLY_FREE {
+            if SingularDirections::of(self.corrector.linearization())?.ratio > NEARLY_FREE {
                 return None;
             }
             change.kinds = vec![EventKind::BranchPoint];

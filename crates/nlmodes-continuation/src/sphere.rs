@@ -64,6 +64,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
             out.residual[i] = self.inner.residual[i] / self.sphere.radius + mu * self.left[i];
             (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
             out.jacobian[(i, n + 1)] = self.left[i];
+            out.sizes[i] = self.inner.sizes[i];
         }
         out.residual[n] = 0.5 * (dot(zeta, zeta) - 1.0);
         (0..=n).for_each(|j| out.jacobian[(n, j)] = zeta[j]);
