@@ -10,6 +10,7 @@ use nlmodes::rig::{Exciter, ModalReduction, Session};
 use nlmodes::virtual_test::{Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use rustix::time::{ClockId, clock_gettime};
 
+pub mod free_modes;
 pub mod kernels;
 
 /// Whatever goes wrong.
@@ -113,17 +114,6 @@ pub fn rig() -> Result<Session, Failure> {
     session.ramp(10.0, 1.0)?;
     session.run(1.0)?;
     Ok(session)
-}
-
-/// The beam in the six modes of Table 1 of the paper behind a rigid stop: the residual flexibility of the others is the massless node.
-///
-/// # Errors
-/// None.
-pub fn beam_in_six_modes() -> Result<StructuralModel, Failure> {
-    let (bench, reduction) = bench(ContactLaw::Rigid)?;
-    let model = bench.backbone_model(&reduction)?.ok_or("a bench without a stop")?;
-    let (dofs, contacts) = (model.dofs().to_vec(), model.contacts().to_vec());
-    Ok(StructuralModel::new(model.mass().clone(), model.stiffness().clone(), dofs, contacts)?)
 }
 
 /// The bench of Section 5, with ideal force, noise, 20 kHz.

@@ -1,18 +1,23 @@
 //! What each method makes of the point, and what it costs.
 
+use std::collections::BTreeMap;
+
 use nlmodes::contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes::continuation::ParametricSystem;
-use nlmodes::hbm::{CondensedStructure, Switching};
+use nlmodes::hbm::{CondensedStructure, HbmError, Switching};
 use nlmodes::model::{Contact, ContactLaw, Drop, MasslessContactModel, StructuralModel};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
 use nlmodes_benchmarks::{Failure, smallest_time};
 
 use crate::cases::Case;
-use crate::newton::{FOUND, Solution, newton};
-use crate::reference::{INSTANTS, Reference, problem};
+use crate::newton::{FOUND, Solution, newton, search};
+use crate::reference::{INSTANTS, Reference, problem, resized};
 
 /// By how much the unknowns are off where Newton's method starts; less where it does not come back from there.
 const OFF: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
+
+/// Errors of displacement and frequency from which on a solution is another motion.
+const ANOTHER: (f64, f64) = (0.3, 0.15);
 
 /// A method with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +50,7 @@ pub struct Measurement {
     pub method: Method,
     pub harmonics: usize,
     pub solver: &'static str,
-    /// At the frequency of the exact motion, relative, L2.
+    /// At the frequency of the exact motion, relative, L2. Not a number, as what follows, where no such motion was found.
     pub displacement: f64,
     /// At its energy, relative.
     pub frequency: f64,
@@ -61,12 +66,6 @@ pub struct Measurement {
 
 impl Measurement {
     pub const HEAD: &'static str = "method,harmonics,contact_solver,displacement_error,frequency_error,mean_force_error,cpu_s,iterations,residual,start_off";
-
-    /// Where no solution was found.
-    fn nothing(method: Method, harmonics: usize, solver: &'static str, residual: f64) -> Self {
-        let (displacement, frequency, mean_force, time) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
-        Self { method, harmonics, solver, displacement, frequency, mean_force, time, iterations: 0, residual, off: 0.0 }
-    }
 
     pub fn row(&self) -> String {
         format!(
@@ -84,9 +83,9 @@ impl Measurement {
         )
     }
 
-    /// Whether Newton's method found a solution of its equations.
+    /// Whether the motion was found, at the frequency or at the energy.
     pub fn is_found(&self) -> bool {
-        self.residual < FOUND
+        self.displacement.is_finite() || self.frequency.is_finite()
     }
 }
 
@@ -125,8 +124,8 @@ fn timed<S: ParametricSystem>(system: &mut S, z: &[f64], unknowns: usize, fixed:
 }
 
 /// The exact motion once more, from 1 % off.
-pub fn shooting(reference: &Reference) -> Result<Option<Measurement>, Failure> {
-    let Some(exact) = &reference.motion else { return Ok(None) };
+pub fn shooting(reference: &Reference) -> Result<Measurement, Failure> {
+    let exact = &reference.motion;
     let (energy, omega) = reference.grazing;
     let mut shooting = Shooting::new(ContactDynamics::new(reference.model.clone())?, ShootingScales { omega, energy })?;
     let mut z = shooting.unknowns(&exact.state, exact.omega);
@@ -138,7 +137,7 @@ pub fn shooting(reference: &Reference) -> Result<Option<Measurement>, Failure> {
     let at =
         |j: usize| motion.trajectory.at(motion.trajectory.duration() * j as f64 / INSTANTS as f64).displacement[dof];
     let at_energy = newton(&mut shooting, &z, n);
-    Ok(Some(Measurement {
+    Ok(Measurement {
         method: Method::Shooting,
         harmonics: 0,
         solver: "",
@@ -149,32 +148,57 @@ pub fn shooting(reference: &Reference) -> Result<Option<Measurement>, Failure> {
         iterations: found.iterations,
         residual: found.residual,
         off,
-    }))
+    })
 }
 
-pub fn exact(case: &Case, reference: &Reference) -> Result<Vec<Measurement>, Failure> {
+/// Solutions with exact switching, by their harmonics: where others are sought if not from the exact motion itself.
+pub type Neighbours = BTreeMap<usize, Vec<Vec<f64>>>;
+
+/// From the most harmonics to the fewest: a motion that is not found from the exact one is sought from that with the next more.
+pub fn exact(case: &Case, reference: &Reference) -> Result<(Vec<Measurement>, Neighbours), Failure> {
     let structure = CondensedStructure::new(reference.model.clone(), usize::MAX)?;
-    harmonics(case)
-        .into_iter()
-        .map(|h| measure(&structure, reference, Method::Exact, h, Switching::Exact, "active-set", None).map(|m| m.0))
-        .collect()
+    let (mut all, mut neighbours) = (Vec::new(), Neighbours::new());
+    for h in harmonics(case).into_iter().rev() {
+        let setting =
+            Setting { method: Method::Exact, harmonics: h, switching: Switching::Exact, solver: "active-set" };
+        let (m, found) = measure(&structure, reference, &setting, &starts(&structure, reference, &neighbours, h)?)?;
+        all.insert(0, m);
+        neighbours.insert(h, found);
+    }
+    Ok((all, neighbours))
 }
 
-pub fn sampled(case: &Case, reference: &Reference) -> Result<Vec<Measurement>, Failure> {
+/// The exact motion in these harmonics, then what is known with as many or with the next more.
+pub fn starts(
+    structure: &CondensedStructure,
+    reference: &Reference,
+    neighbours: &Neighbours,
+    harmonics: usize,
+) -> Result<Vec<Vec<f64>>, Failure> {
+    let mut all = vec![reference.unknowns(structure, harmonics)?];
+    let known = neighbours.range(harmonics..).find(|(_, found)| !found.is_empty());
+    if let Some((&width, found)) = known {
+        all.extend(found.iter().map(|z| resized(z, width, harmonics, structure.n_contact_dofs())));
+    }
+    Ok(all)
+}
+
+pub fn sampled(case: &Case, reference: &Reference, known: &Neighbours) -> Result<Vec<Measurement>, Failure> {
     let structure = CondensedStructure::new(reference.model.clone(), usize::MAX)?;
     let mut all = Vec::new();
     for samples in [64, 256, 1024, 4096, 16384] {
         let most = (samples >= 1024).then_some(256.min(case.most_harmonics)).filter(|h| *h > 80);
         for h in fewer_harmonics(case).into_iter().chain(most).filter(|h| 2 * h < samples) {
             let (method, switching) = (Method::Sampled { samples }, Switching::Sampled { samples });
-            all.push(measure(&structure, reference, method, h, switching, "active-set", None)?.0);
+            let setting = Setting { method, harmonics: h, switching, solver: "active-set" };
+            all.push(measure(&structure, reference, &setting, &starts(&structure, reference, known, h)?)?.0);
         }
     }
     Ok(all)
 }
 
 /// Each contact solver, exact and sampled, with 20 harmonics.
-pub fn contact_solvers(case: &Case, reference: &Reference) -> Result<Vec<Measurement>, Failure> {
+pub fn contact_solvers(case: &Case, reference: &Reference, known: &Neighbours) -> Result<Vec<Measurement>, Failure> {
     let structure = CondensedStructure::new(reference.model.clone(), usize::MAX)?;
     let mut all = Vec::new();
     let h = 20.min(case.most_harmonics);
@@ -185,7 +209,8 @@ pub fn contact_solvers(case: &Case, reference: &Reference) -> Result<Vec<Measure
         let samples = 1024;
         let sampled = (Method::Sampled { samples }, Switching::Sampled { samples });
         for (method, switching) in [(Method::Exact, Switching::Exact), sampled] {
-            all.push(measure(&structure, reference, method, h, switching, solver, None)?.0);
+            let setting = Setting { method, harmonics: h, switching, solver };
+            all.push(measure(&structure, reference, &setting, &starts(&structure, reference, known, h)?)?.0);
         }
     }
     Ok(all)
@@ -199,7 +224,12 @@ pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measur
         let mut before: Option<Vec<f64>> = None;
         for k in 0..=6 * STEPS {
             let stiffness = 10_f64.powf(f64::from(k) / f64::from(STEPS));
-            let structure = CondensedStructure::new(with_springs(case, reference, stiffness)?, usize::MAX)?;
+            let structure = match CondensedStructure::new(with_springs(case, reference, stiffness)?, usize::MAX) {
+                Ok(structure) => structure,
+                // The structure is lost in rounding beside its springs.
+                Err(HbmError::ContactTooStiff { .. }) => break,
+                Err(error) => return Err(error.into()),
+            };
             if k % STEPS > 0 {
                 // A step of the way only.
                 let mut problem = problem(&structure, h, Switching::Exact, "active-set")?;
@@ -212,9 +242,14 @@ pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measur
                 continue;
             }
             let method = Method::HarmonicBalance { stiffness };
-            let (m, z) = measure(&structure, reference, method, h, Switching::Exact, "active-set", before.take())?;
+            let setting = Setting { method, harmonics: h, switching: Switching::Exact, solver: "active-set" };
+            let start = match before.take() {
+                Some(z) => z,
+                None => reference.unknowns(&structure, h)?,
+            };
+            let (m, found) = measure(&structure, reference, &setting, std::slice::from_ref(&start))?;
             all.push(m);
-            before = Some(z);
+            before = Some(found.into_iter().next().unwrap_or(start));
         }
     }
     Ok(all)
@@ -238,47 +273,86 @@ fn with_springs(case: &Case, reference: &Reference, stiffness: f64) -> Result<Ma
     Ok(MasslessContactModel::with_spring_tips(&model, Some(&Drop))?)
 }
 
-/// Errors at the frequency and at the energy of the reference, and the time of a point; with the unknowns found at the energy.
+/// What is measured.
+pub struct Setting {
+    pub method: Method,
+    pub harmonics: usize,
+    pub switching: Switching,
+    pub solver: &'static str,
+}
+
+/// Errors, and the time of a point; with the unknowns found.
 fn measure(
     structure: &CondensedStructure,
     reference: &Reference,
-    method: Method,
-    harmonics: usize,
-    switching: Switching,
-    solver: &'static str,
-    start: Option<Vec<f64>>,
-) -> Result<(Measurement, Vec<f64>), Failure> {
-    let mut problem = problem(structure, harmonics, switching, solver)?;
-    let z = match start {
-        Some(z) => z,
-        None => reference.unknowns(structure, harmonics)?,
-    };
-    let (n, frequency) = (problem.dim(), problem.frequency_index());
-    let at_energy = newton(&mut problem, &z, n);
-    let omega = problem.omega(&at_energy.z[..n]);
-    if at_energy.residual >= FOUND || problem.modal_point(&at_energy.z[..n], 0.0).is_err() {
-        return Ok((Measurement::nothing(method, harmonics, solver, at_energy.residual), z));
+    setting: &Setting,
+    starts: &[Vec<f64>],
+) -> Result<(Measurement, Vec<Vec<f64>>), Failure> {
+    let (mut m, found) = errors(structure, reference, setting, starts)?;
+    if let Some(there) = found.last().filter(|_| m.displacement.is_finite()) {
+        let mut problem = problem(structure, setting.harmonics, setting.switching, setting.solver)?;
+        let frequency = problem.frequency_index();
+        let (time, timed, off) = timed(&mut problem, there, frequency, frequency);
+        (m.time, m.iterations, m.off) = (time, timed.iterations, off);
     }
-    let mean_force: f64 = problem.mean_forces().iter().sum();
-    // At the frequency of the reference, from there.
-    let mut guess = at_energy.z.clone();
-    guess[frequency] *= reference.omega / omega;
-    let there = newton(&mut problem, &guess, frequency);
-    let displacement = displacement_error(&mut problem, &there.z[..n], method, reference)?;
-    let (time, timed, off) = timed(&mut problem, &there.z, frequency, frequency);
-    let measurement = Measurement {
+    Ok((m, found))
+}
+
+/// Errors at the frequency and at the energy of the reference; with the unknowns found, those at the energy first. Each is sought from the
+/// starts in turn.
+pub fn errors(
+    structure: &CondensedStructure,
+    reference: &Reference,
+    setting: &Setting,
+    starts: &[Vec<f64>],
+) -> Result<(Measurement, Vec<Vec<f64>>), Failure> {
+    let Setting { method, harmonics, switching, solver } = *setting;
+    let mut problem = problem(structure, harmonics, switching, solver)?;
+    let (n, frequency) = (problem.dim(), problem.frequency_index());
+    let nothing = f64::NAN;
+    let mut m = Measurement {
         method,
         harmonics,
         solver,
-        displacement,
-        frequency: (omega / reference.omega - 1.0).abs(),
-        mean_force: (mean_force / reference.mean_force - 1.0).abs(),
-        time,
-        iterations: timed.iterations,
-        residual: there.residual.max(at_energy.residual),
-        off,
+        displacement: nothing,
+        frequency: nothing,
+        mean_force: nothing,
+        time: nothing,
+        iterations: 0,
+        residual: 0.0,
+        off: 0.0,
     };
-    Ok((measurement, at_energy.z))
+    let mut found = Vec::new();
+    for z in starts {
+        let at_energy = search(&mut problem, z, n);
+        let error = (problem.omega(&at_energy.z[..n]) / reference.omega - 1.0).abs();
+        if at_energy.residual >= FOUND || error > ANOTHER.1 || problem.modal_point(&at_energy.z[..n], 0.0).is_err() {
+            continue;
+        }
+        let mean_force: f64 = problem.mean_forces().iter().sum();
+        m.frequency = error;
+        m.mean_force = (mean_force / reference.mean_force - 1.0).abs();
+        m.residual = at_energy.residual;
+        found.push(at_energy.z);
+        break;
+    }
+    for z in found.iter().chain(starts) {
+        let mut guess = z.clone();
+        guess[frequency] *= reference.omega / problem.omega(&z[..n]);
+        let there = search(&mut problem, &guess, frequency);
+        if there.residual >= FOUND || problem.modal_point(&there.z[..n], 0.0).is_err() {
+            continue;
+        }
+        let error = displacement_error(&mut problem, &there.z[..n], method, reference)?;
+        if error > ANOTHER.0 {
+            continue;
+        }
+        m.displacement = error;
+        m.residual = m.residual.max(there.residual);
+        found.push(there.z);
+        break;
+    }
+    Ok((m, found))
 }
 
 fn displacement_error(

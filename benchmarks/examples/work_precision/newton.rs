@@ -16,8 +16,21 @@ pub const FOUND: f64 = 1e-9;
 
 const MOST_ITERATIONS: usize = 40;
 
+/// Halvings of a step that does not make the residual smaller, before it is taken as it is.
+const MOST_HALVINGS: usize = 6;
+
 /// From `z`, unknowns and parameter, with entry `fixed` held; the best point of all iterates.
 pub fn newton<S: ParametricSystem>(system: &mut S, z: &[f64], fixed: usize) -> Solution {
+    iterate(system, z, fixed, 0)
+}
+
+/// The same, and where it does not settle, with steps that are halved: for starts from which contacts come and go.
+pub fn search<S: ParametricSystem>(system: &mut S, z: &[f64], fixed: usize) -> Solution {
+    let found = newton(system, z, fixed);
+    if found.residual < FOUND { found } else { iterate(system, z, fixed, MOST_HALVINGS) }
+}
+
+fn iterate<S: ParametricSystem>(system: &mut S, z: &[f64], fixed: usize, halvings: usize) -> Solution {
     let n = system.dim();
     let free: Vec<usize> = (0..=n).filter(|j| *j != fixed).collect();
     let (mut z, mut at) = (z.to_vec(), Linearization::new(n));
@@ -46,7 +59,30 @@ pub fn newton<S: ParametricSystem>(system: &mut S, z: &[f64], fixed: usize) -> S
         }
         step.copy_from_slice(&at.residual);
         lu.solve_in_place(&mut step);
-        free.iter().zip(&step).for_each(|(&j, s)| z[j] -= s);
+        let shortened = shorten(system, &z, &free, &step, residual, halvings);
+        free.iter().zip(&step).for_each(|(&j, s)| z[j] -= shortened * s);
     }
     best
+}
+
+/// The largest of 1, ½, ¼ … of the step after which the residual is smaller.
+fn shorten<S: ParametricSystem>(
+    system: &mut S,
+    z: &[f64],
+    free: &[usize],
+    step: &[f64],
+    residual: f64,
+    halvings: usize,
+) -> f64 {
+    let n = system.dim();
+    let (mut at, mut share) = (Linearization::new(n), 1.0);
+    for _ in 0..halvings {
+        let mut tried = z.to_vec();
+        free.iter().zip(step).for_each(|(&j, s)| tried[j] -= share * s);
+        if system.linearize(&tried[..n], tried[n], &mut at).is_ok() && at.residual_norm() < residual {
+            return share;
+        }
+        share *= 0.5;
+    }
+    share
 }

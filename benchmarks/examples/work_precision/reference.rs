@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes::contact::solver_by_name;
+use nlmodes::continuation::ParametricSystem;
 use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
@@ -11,17 +12,17 @@ use nlmodes::study::{BranchSettings, BranchStart, compute_branch};
 use nlmodes::timestep::{ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
 use nlmodes_benchmarks::Failure;
 
-use crate::cases::Case;
-use crate::newton::{FOUND, newton};
+use crate::cases::{Case, Whole};
+use crate::newton::{FOUND, newton, search};
 
 /// Instants of a period at which displacements are compared.
 pub const INSTANTS: usize = 1 << 10;
 
 /// An exact periodic motion.
+#[derive(Clone)]
 pub struct Reference {
     pub model: MasslessContactModel,
-    /// The exact motion; where none lies beside the truncated ones, the reference is MS-HBM with the harmonics of the seed.
-    pub motion: Option<PeriodicMotion>,
+    pub motion: PeriodicMotion,
     /// Angular frequency, rad/s.
     pub omega: f64,
     /// Averaged kinetic energy, J.
@@ -40,52 +41,77 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// The first frequency of the case at which there is an exact motion beside the truncated ones.
+    /// The exact motion beside the one with few harmonics, at the frequency of the case.
     pub fn new(case: &Case) -> Result<Self, Failure> {
-        let mut last = Failure::from("no frequency to try");
-        for frequency in case.frequencies {
-            match Self::at(case, *frequency) {
-                Ok(reference) => return Ok(reference),
-                Err(error) => {
-                    println!("({} at {frequency}: {error})", case.slug);
-                    last = error;
-                }
-            }
-        }
-        if case.with_truncated_reference {
-            let ladder = case.frequencies.iter().find_map(|f| Self::climb(case, *f).ok());
-            return ladder.map_or(Err(last), |ladder| ladder.truncated(case));
-        }
-        Err(last)
-    }
-
-    fn at(case: &Case, frequency: f64) -> Result<Self, Failure> {
-        Self::climb(case, frequency)?.exact()
-    }
-
-    /// On the backbone with few harmonics, then at the same frequency with many.
-    fn climb(case: &Case, frequency: f64) -> Result<Ladder, Failure> {
-        let model = MasslessContactModel::new(&case.model, &Drop)?;
-        let structure = CondensedStructure::new(model.clone(), usize::MAX)?;
+        let structure = CondensedStructure::new(Self::model(case)?, usize::MAX)?;
         let start = grazing(&structure, 1)?;
-        let hz = if frequency > 0.0 { frequency } else { -frequency * start.omega / TAU };
-        let (mut z, mut width) = (backbone(case, &model, hz)?, case.leading_harmonics);
-        for harmonics in [7, 10, 14, 20, 28, 40, 56, 80, case.seed_harmonics] {
-            if harmonics <= width || harmonics > case.seed_harmonics {
-                continue;
-            }
-            let mut problem = problem(&structure, harmonics, Switching::Exact, "active-set")?;
-            let guess = widened(&z, width, harmonics, structure.n_contact_dofs());
-            let fixed = problem.frequency_index();
-            let found = newton(&mut problem, &guess, fixed);
-            let moved = found.z[found.z.len() - 1] - guess[guess.len() - 1];
-            if found.residual > FOUND || moved.abs() > 0.2 {
-                let residual = found.residual;
-                return Err(format!("{harmonics} harmonics: residual {residual:.1e}, ln E moved by {moved:.1e}").into());
-            }
-            (z, width) = (found.z, harmonics);
+        let hz = if case.frequency > 0.0 { case.frequency } else { -case.frequency * start.omega / TAU };
+        let z = backbone(case, structure.model(), hz)?;
+        Self::beside(&structure, &start, &z, case.leading_harmonics, case.leading_harmonics)
+    }
+
+    /// The structure of the case, the masses of its contacts dropped.
+    pub fn model(case: &Case) -> Result<MasslessContactModel, Failure> {
+        Ok(MasslessContactModel::new(&case.model, &Drop)?)
+    }
+
+    /// From unknowns and parameter with `width` harmonics to those with more at the same frequency, and from there to the exact motion.
+    pub fn beside(
+        structure: &CondensedStructure,
+        start: &Grazing,
+        z: &[f64],
+        width: usize,
+        harmonics: usize,
+    ) -> Result<Self, Failure> {
+        let mut problem = problem(structure, harmonics, Switching::Exact, "active-set")?;
+        let guess = resized(z, width, harmonics, structure.n_contact_dofs());
+        let (n, fixed) = (problem.dim(), problem.frequency_index());
+        let found = search(&mut problem, &guess, fixed);
+        if found.residual > FOUND {
+            return Err(format!("{harmonics} harmonics: residual {:.1e}", found.residual).into());
         }
-        Ok(Ladder { model, structure, start, z, width })
+        let point = problem.modal_point(&found.z[..n], 0.0)?;
+        let dynamics = ContactDynamics::new(structure.model().clone())?;
+        let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
+        let mut shooting = Shooting::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
+        let mut guess = shooting.unknowns(&state, point.omega);
+        guess.push(found.z[n]);
+        let n = guess.len() - 1;
+        let exact = newton(&mut shooting, &guess, n - 1);
+        let moved = exact.z[n] - guess[n];
+        if exact.residual > 1e-11 || moved.abs() > 0.5 {
+            return Err(format!("shooting: residual {:.1e}, ln E moved by {moved:.1e}", exact.residual).into());
+        }
+        Self::of_motion(structure.model().clone(), start, &mut shooting, &exact.z, exact.residual)
+    }
+
+    /// The exact motion of a solution of the shooting equations, unknowns and parameter.
+    fn of_motion(
+        model: MasslessContactModel,
+        start: &Grazing,
+        shooting: &mut Shooting,
+        z: &[f64],
+        residual: f64,
+    ) -> Result<Self, Failure> {
+        let motion = shooting.motion(&z[..z.len() - 1])?;
+        let stability = Floquet::new(shooting.dynamics(), &motion).ok().map(|f| f.largest());
+        let period = TAU / motion.omega;
+        let intervals = motion.trajectory.closed_intervals();
+        let contact_share = intervals.iter().filter(|i| i.contact == 0).map(|i| i.to - i.from).sum::<f64>() / period;
+        let at = |j: usize| motion.trajectory.at(period * j as f64 / INSTANTS as f64).displacement;
+        Ok(Self {
+            displacements: (0..INSTANTS).map(at).collect(),
+            mean_force: mean_force(&motion),
+            residual,
+            intervals: intervals.len(),
+            contact_share,
+            stability,
+            grazing: (start.energy, start.omega),
+            omega: motion.omega,
+            kinetic_energy: motion.kinetic_energy,
+            motion,
+            model,
+        })
     }
 
     pub fn describe(&self) -> String {
@@ -99,6 +125,25 @@ impl Reference {
             100.0 * self.contact_share,
             self.stability.map_or_else(|| "unknown".to_owned(), |m| format!("{m:.6}")),
             self.residual,
+        )
+    }
+
+    /// The same motion in all degrees of freedom of the structure that was reduced.
+    pub fn of_the_whole(&self, whole: &Whole) -> Self {
+        Self {
+            model: whole.model.clone(),
+            displacements: self.displacements.iter().map(|q| whole.reduction.expand(q)).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Energy over that at grazing, stretches of contact, share of the period.
+    pub fn brief(&self) -> String {
+        format!(
+            "{:.4} | {} | {:.2} %",
+            self.kinetic_energy / self.grazing.0,
+            self.intervals,
+            100.0 * self.contact_share
         )
     }
 
@@ -136,84 +181,6 @@ impl Reference {
     }
 }
 
-/// The point with the harmonics of the seed.
-struct Ladder {
-    model: MasslessContactModel,
-    structure: CondensedStructure,
-    start: Grazing,
-    z: Vec<f64>,
-    width: usize,
-}
-
-impl Ladder {
-    /// The exact motion from there.
-    fn exact(self) -> Result<Reference, Failure> {
-        let Self { model, structure, start, z, width } = self;
-        let point = problem(&structure, width, Switching::Exact, "active-set")?.modal_point(&z[..z.len() - 1], 0.0)?;
-        let dynamics = ContactDynamics::new(model.clone())?;
-        let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
-        let scales = ShootingScales { omega: start.omega, energy: start.energy };
-        let mut shooting = Shooting::new(dynamics, scales)?;
-        let mut guess = shooting.unknowns(&state, point.omega);
-        guess.push(z[z.len() - 1]);
-        let n = guess.len() - 1;
-        let found = newton(&mut shooting, &guess, n - 1);
-        let moved = found.z[n] - guess[n];
-        if found.residual > 1e-11 || moved.abs() > 0.02 {
-            return Err(format!("shooting: residual {:.1e}, ln E moved by {moved:.1e}", found.residual).into());
-        }
-        let motion = shooting.motion(&found.z[..n])?;
-        let stability = Floquet::new(shooting.dynamics(), &motion).ok().map(|f| f.largest());
-        let period = TAU / motion.omega;
-        let intervals = motion.trajectory.closed_intervals();
-        let contact_share = intervals.iter().filter(|i| i.contact == 0).map(|i| i.to - i.from).sum::<f64>() / period;
-        let at = |j: usize| motion.trajectory.at(period * j as f64 / INSTANTS as f64).displacement;
-        Ok(Reference {
-            displacements: (0..INSTANTS).map(at).collect(),
-            mean_force: mean_force(&motion),
-            residual: found.residual,
-            intervals: intervals.len(),
-            contact_share,
-            stability,
-            grazing: (start.energy, start.omega),
-            omega: motion.omega,
-            kinetic_energy: motion.kinetic_energy,
-            motion: Some(motion),
-            model,
-        })
-    }
-
-    /// The point itself as the reference; contacts where they are without filtering.
-    fn truncated(self, case: &Case) -> Result<Reference, Failure> {
-        let Self { model, structure, start, z, width } = self;
-        let x = &z[..z.len() - 1];
-        let mut problem = problem(&structure, width, Switching::Exact, "active-set")?;
-        let point = problem.modal_point(x, 0.0)?;
-        let phase = |j: usize| TAU * j as f64 / INSTANTS as f64;
-        let n = point.coefficients.n_coordinates();
-        let at = |j: usize| (0..n).map(|d| point.coefficients.value(d, phase(j))).collect();
-        let mut displacements: Vec<Vec<f64>> = (0..INSTANTS).map(at).collect();
-        for (contact, of) in model.contacts().iter().enumerate() {
-            let history = problem.time_history(x, contact, INSTANTS, "")?;
-            displacements.iter_mut().zip(&history.displacement).for_each(|(q, at)| q[of.dof] = *at);
-        }
-        println!("({}: the reference is MS-HBM with {width} harmonics)", case.slug);
-        Ok(Reference {
-            displacements,
-            mean_force: problem.mean_forces().iter().sum(),
-            residual: 0.0,
-            intervals: point.contact_intervals,
-            contact_share: point.contact_fraction,
-            stability: None,
-            grazing: (start.energy, start.omega),
-            omega: point.omega,
-            kinetic_energy: point.kinetic_energy,
-            motion: None,
-            model,
-        })
-    }
-}
-
 /// Where the massless coordinates would be without stops, `b = −K_NN⁻¹ K_NL q_L`.
 fn free_position(model: &MasslessContactModel, k_nn: &DenseLu, q: &[f64]) -> Vec<f64> {
     let k_ln: &Mat<f64> = model.k_ln();
@@ -236,7 +203,7 @@ pub fn problem<'s>(
 }
 
 /// Unknowns and parameter on the backbone at the frequency `hz`.
-fn backbone(case: &Case, model: &MasslessContactModel, hz: f64) -> Result<Vec<f64>, Failure> {
+pub fn backbone(case: &Case, model: &MasslessContactModel, hz: f64) -> Result<Vec<f64>, Failure> {
     let settings = BranchSettings {
         harmonics: case.leading_harmonics,
         start: BranchStart::Frequency { hz, upward: true },
@@ -249,15 +216,15 @@ fn backbone(case: &Case, model: &MasslessContactModel, hz: f64) -> Result<Vec<f6
     Ok(x.iter().copied().chain([(point.kinetic_energy / found.grazing.energy).ln()]).collect())
 }
 
-/// Unknowns and parameter with more harmonics, the new ones zero.
-pub fn widened(z: &[f64], from: usize, to: usize, n: usize) -> Vec<f64> {
-    let mut wide: Vec<f64> = Vec::with_capacity(n * (to + 1) + 2);
+/// Unknowns and parameter with more harmonics, the new ones zero, or with fewer.
+pub fn resized(z: &[f64], from: usize, to: usize, n: usize) -> Vec<f64> {
+    let mut other: Vec<f64> = Vec::with_capacity(n * (to + 1) + 2);
     for d in 0..n {
-        wide.extend(&z[d * (from + 1)..(d + 1) * (from + 1)]);
-        wide.resize((d + 1) * (to + 1), 0.0);
+        other.extend(z[d * (from + 1)..(d + 1) * (from + 1)].iter().take(to + 1));
+        other.resize((d + 1) * (to + 1), 0.0);
     }
-    wide.extend(&z[n * (from + 1)..]);
-    wide
+    other.extend(&z[n * (from + 1)..]);
+    other
 }
 
 /// `(1/T) ∫ Σ λ dt` by Gauss's rule between the contact instants, where forces are analytic.

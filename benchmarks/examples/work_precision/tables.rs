@@ -27,10 +27,10 @@ pub fn print(case: &Case, all: &[Measurement]) {
         let h = if m.method == Method::Shooting { "shooting".to_owned() } else { m.harmonics.to_string() };
         let mark = if m.is_found() { "" } else { " (not found)" };
         println!(
-            "| {h}{mark} | {:.1e} | {:.1e} | {:.1e} | {} | {} |",
-            m.displacement,
-            m.frequency,
-            m.mean_force,
+            "| {h}{mark} | {} | {} | {} | {} | {} |",
+            figure(m.displacement),
+            figure(m.frequency),
+            figure(m.mean_force),
             milliseconds(m.time),
             m.iterations
         );
@@ -70,6 +70,11 @@ fn setting(m: &Measurement) -> String {
     }
 }
 
+/// An error, or a dash where there is none.
+pub fn figure(error: f64) -> String {
+    if error.is_nan() { "–".to_owned() } else { format!("{error:.1e}") }
+}
+
 fn milliseconds(seconds: f64) -> String {
     let ms = 1e3 * seconds;
     if ms.is_nan() {
@@ -86,11 +91,11 @@ pub fn print_solvers(all: &[Measurement]) {
     for m in all {
         let mark = if m.is_found() { "" } else { " (not found)" };
         println!(
-            "| {}{mark} | {} | {} | {:.1e} | {} | {} |",
+            "| {}{mark} | {} | {} | {} | {} | {} |",
             m.solver,
             m.method.name(),
             m.harmonics,
-            m.displacement,
+            figure(m.displacement),
             milliseconds(m.time),
             m.iterations
         );
@@ -117,7 +122,10 @@ pub fn figures(case: &Case, all: &[Measurement], folder: &Path) -> Result<(), Fa
             .map(|method| {
                 let own = all.iter().filter(|m| m.method == *method && m.is_found() && m.time.is_finite());
                 // What is right to rounding is drawn at rounding.
-                (method.name(), own.map(|m| (1e3 * m.time, error(m).max(1e-15))).collect())
+                (
+                    method.name(),
+                    own.filter(|m| error(m).is_finite()).map(|m| (1e3 * m.time, error(m).max(1e-15))).collect(),
+                )
             })
             .collect();
         let label = format!("error of the {name}");

@@ -1,5 +1,6 @@
 use nlmodes_linalg::{DenseLu, Mat};
 
+use crate::record::{is_direction, is_vector};
 use crate::{Linearization, ParametricSystem};
 
 /// Newton step below which a point counts as settled.
@@ -10,7 +11,7 @@ pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Residual over its rounding to which Newton's method goes on where directions are nearly free, and with which it may come to rest on
 /// rounding: the contact that a small step would open lets a larger residual pass for a solution.
-const FIRM: (f64, f64) = (8.0, 16.0);
+const FIRM: (f64, f64) = (8.0, 64.0);
 
 /// Ratio of the pivots above which no direction is nearly free.
 const REGULAR: f64 = 1e-3;
@@ -93,6 +94,13 @@ pub struct Correction {
     /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where arms meet.
     #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub(crate) regularity: f64,
+}
+
+impl Correction {
+    /// Whether this can be a point of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        is_vector(&self.z, n + 1) && is_direction(&self.tangent, n + 1) && self.orientation.is_finite()
+    }
 }
 
 /// Why a correction was given up.

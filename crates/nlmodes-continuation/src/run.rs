@@ -15,6 +15,15 @@ const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 /// Shortest step, over the distance by which rounding blurs its foot: what is shorter says nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
 
+/// Unknowns up to this count as near one, for which the longest step is meant.
+const NEAR_ONE: f64 = 10.0;
+
+/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
+/// any case, beyond the third in none.
+const WORSE: f64 = 1e3;
+const SOLVED: f64 = 1e-9;
+const UNSOLVED: f64 = 1e-3;
+
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
 pub(crate) struct Run<'a, S, F> {
     settings: &'a Continuation,
@@ -83,15 +92,37 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     fn begin(&mut self, start: &Correction) -> ControlFlow<StopReason, f64> {
         let limits = &self.settings.step;
         let mut h = limits.initial.clamp(limits.min, limits.max);
+        let mut repeated = 0;
         for record in self.log.begin(start) {
+            if !self.holds(&record) {
+                break;
+            }
             h = self.repeat(record, h)?;
+            repeated += 1;
         }
-        self.log.computing();
+        self.log.computing(repeated);
         if self.branch.points.is_empty() {
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
             return self.record(0, outcome);
         }
         ControlFlow::Continue(h)
+    }
+
+    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
+    fn holds(&mut self, record: &StepRecord) -> bool {
+        if !record.is_of(self.system.dim()) {
+            return false;
+        }
+        let evaluations = self.corrector.evaluations;
+        let points = record.points.iter().map(|point| (point.z(), point.residual));
+        let arms = record.crossing.iter().flat_map(|choice| &choice.arms).map(|arm| (arm.z.clone(), arm.residual));
+        let holds = points.chain(arms).all(|(z, residual)| match self.corrector.evaluate(self.system, &z) {
+            Ok(now) => now <= (WORSE * residual).clamp(SOLVED, UNSOLVED),
+            // The foot of a corner, where the residual may not exist.
+            Err(_) => residual.is_infinite(),
+        });
+        self.corrector.evaluations = evaluations;
+        holds
     }
 
     /// Takes a step of an earlier run; `h` is its length.
@@ -164,7 +195,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 self.look_at_rounding();
                 h = h.max(self.limits.min);
             }
-            let StepSettings { min, max, max_iterations, .. } = self.limits;
+            let StepSettings { min, max_iterations, .. } = self.limits;
+            let max = self.longest_step();
             // Where steps are this short, one is worth more than the iterations saved by giving it up.
             self.corrector.max_iterations = max_iterations * if h < 100.0 * min { 3 } else { 1 };
             let outcome = match self.try_step(h) {
@@ -190,6 +222,12 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 ControlFlow::Continue(next) => h = next,
             }
         }
+    }
+
+    /// The longest step from the foot: far from zero, in proportion to the largest unknown.
+    fn longest_step(&self) -> f64 {
+        let largest = self.foot.z.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
+        self.limits.max * (largest / NEAR_ONE).max(1.0)
     }
 
     /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are nearly free,

@@ -11,7 +11,7 @@ pub struct StepSettings {
     /// Largest distance at which arms are looked for; where more than one leads on, the look is repeated closer, down to ten times
     /// the shortest step. Default 1e-3.
     pub arm: f64,
-    /// Longest step. Default 0.1.
+    /// Longest step while no unknown exceeds ten; beyond, it grows in proportion to the largest. Default 0.1.
     pub max: f64,
     /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
     pub max_turn: f64,

@@ -49,7 +49,8 @@ fn a_curve_that_rounding_blurs_by_more_than_newtons_method_settles_to_is_followe
         max_points: 2000,
         ..Continuation::default()
     };
-    let branch = settings.run(&mut NearlyFree, &[0.0, 1.0], 0.0, &[1.0, 0.0, 1.0], |_| ControlFlow::Continue(())).unwrap();
+    let branch =
+        settings.run(&mut NearlyFree, &[0.0, 1.0], 0.0, &[1.0, 0.0, 1.0], |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(branch.stop, StopReason::Bound { coordinate: 2, value: 6.0 }, "{} points", branch.points.len());
     for q in &branch.points {
         assert!((q.x[0] - q.p.sin()).abs() < 1e-11);
