@@ -15,9 +15,6 @@ const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 /// Shortest step, over the distance by which rounding blurs its foot: what is shorter says nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
 
-/// Unknowns up to this count as near one, for which the longest step is meant.
-const NEAR_ONE: f64 = 10.0;
-
 /// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
 /// any case, beyond the third in none.
 const WORSE: f64 = 1e3;
@@ -227,7 +224,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     /// The longest step from the foot: far from zero, in proportion to the largest unknown.
     fn longest_step(&self) -> f64 {
         let largest = self.foot.z.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
-        self.limits.max * (largest / NEAR_ONE).max(1.0)
+        self.limits.max * (largest / self.limits.far).max(1.0)
     }
 
     /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are nearly free,
