@@ -165,8 +165,13 @@ impl Reference {
         };
         let mut z: Vec<f64> =
             (0..n).flat_map(|d| (0..=harmonics).map(move |m| (d, m))).map(|(d, m)| cosine(d, m)).collect();
-        z.extend([self.omega / start.omega, (self.kinetic_energy / start.energy).ln()]);
+        z.extend([self.omega / start.omega, self.parameter_of(structure)?]);
         Ok(z)
+    }
+
+    /// The parameter of the exact motion in the scales of `structure`.
+    pub fn parameter_of(&self, structure: &CondensedStructure) -> Result<f64, Failure> {
+        Ok((self.kinetic_energy / grazing(structure, 1)?.energy).ln())
     }
 
     /// Relative error in the L2 norm of a displacement of the first contact over the period.
