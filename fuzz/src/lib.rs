@@ -5,8 +5,21 @@
 pub mod corpus;
 pub mod mutation;
 mod readers;
+mod resumed;
 
 pub use readers::{Reader, Scratch, Target, target};
 
 /// Names of all targets.
-pub const TARGETS: [&str; 9] = ["scene", "record-scene", "test-scene", "csv", "uff", "wav", "npy", "lcp", "results"];
+pub const TARGETS: [&str; 11] = [
+    "scene",
+    "record-scene",
+    "test-scene",
+    "csv",
+    "uff",
+    "wav",
+    "npy",
+    "lcp",
+    "results",
+    "resumed-run",
+    "resumed-steps",
+];

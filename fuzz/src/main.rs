@@ -16,6 +16,8 @@ use rand::rngs::Xoshiro256PlusPlus;
 
 /// A reader that takes longer than this over 64 KiB hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Inputs after which the count is said, so that a run that is cut off has one.
+const MILLION: u64 = 1_000_000;
 /// Panics that are kept before it is enough.
 const ENOUGH: usize = 20;
 
@@ -58,7 +60,7 @@ fn many(name: &str, target: &Target, count: u64, seed: u64) -> usize {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let current: Current = Arc::new(Mutex::new((Instant::now(), 0, Vec::new())));
     watch(name.to_owned(), seed, Arc::clone(&current));
-    let (began, mut slowest, mut panics) = (Instant::now(), Duration::ZERO, 0);
+    let (began, mut slowest, mut panics) = (Instant::now(), (Duration::ZERO, 0), 0);
     // The corpus itself must be read without complaint of the reader's asserts.
     target.corpus.iter().for_each(|bytes| (target.read)(bytes));
     for number in 0..count {
@@ -75,10 +77,16 @@ fn many(name: &str, target: &Target, count: u64, seed: u64) -> usize {
                 return panics;
             }
         }
-        slowest = slowest.max(start.elapsed());
+        slowest = slowest.max((start.elapsed(), number));
+        let done = number + 1;
+        if done.is_multiple_of(MILLION) || done == count {
+            let seconds = began.elapsed().as_secs_f64();
+            let (time, slow) = slowest;
+            println!(
+                "{name}: {done} inputs, seed {seed}: {panics} panics; slowest {time:.1?}, input {slow}; {seconds:.0} s"
+            );
+        }
     }
-    let seconds = began.elapsed().as_secs_f64();
-    println!("{name}: {count} inputs, seed {seed}: {panics} panics; slowest {slowest:.1?}; {seconds:.0} s");
     panics
 }
 

@@ -8,6 +8,7 @@ use nlmodes_experiment::records::{
 };
 
 use crate::corpus;
+use crate::resumed::Runs;
 
 /// A function of bytes.
 pub type Reader = Box<dyn Fn(&[u8]) + Send + Sync>;
@@ -38,12 +39,23 @@ pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
         "npy" => (Box::new(|bytes| record(read_npy(bytes))), corpus::npy()?),
         "lcp" => (Box::new(move |bytes| contact_problem(&directory, bytes)), corpus::contact_problems()),
         "results" => (Box::new(move |bytes| results(&directory, bytes)), corpus::results()),
+        "resumed-run" => {
+            let runs = Runs::new(&directory)?;
+            let corpus = runs.runs();
+            (runs.run_reader(), corpus)
+        }
+        "resumed-steps" => {
+            let runs = Runs::new(&directory)?;
+            let corpus = runs.steps();
+            (runs.steps_reader(), corpus)
+        }
         _ => return Ok(None),
     };
     let words = match name {
         "scene" | "record-scene" | "test-scene" => corpus::TOML_WORDS,
         "csv" | "uff" => corpus::TEXT_WORDS,
         "results" => corpus::JSON_WORDS,
+        "resumed-run" | "resumed-steps" => corpus::STEP_WORDS,
         _ => corpus::BINARY_WORDS,
     };
     Ok(Some(Target { read, corpus, words }))

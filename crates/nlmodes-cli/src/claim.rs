@@ -71,13 +71,18 @@ impl Claim {
             say!("  `--out DIR` writes to another directory, `--force` overwrites what is there");
             return Err(Status::Wrong);
         }
+        Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
+    }
+
+    /// Without a look at what is there.
+    pub fn unchecked(directory: &Path, file: &str, scenes: &Value, over: Over) -> Self {
         let content = json!({
             "program": "nlmodes-cli",
             "version": env!("CARGO_PKG_VERSION"),
-            "file": document.sources().file().name,
+            "file": file,
             "scenes": scenes,
         });
-        Ok(Self { directory: directory.to_path_buf(), content, over, taken: Cell::new(false) })
+        Self { directory: directory.to_path_buf(), content, over, taken: Cell::new(false) }
     }
 
     /// Whether an earlier run is gone on with.
@@ -136,7 +141,7 @@ fn in_use(path: &Path) -> bool {
 }
 
 /// Why the directory is not to be written; `None` if it may be.
-fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
+pub fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
     let place = directory.display();
     let known = match read(directory) {
         Ok(known) => known?,

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+pub use crate::run::repeated::{Interrupted, Left};
+
 use crate::run::chain;
 use crate::verify::results::Point;
 use crate::{lcp, verify};

@@ -5,6 +5,7 @@ mod histories;
 mod journal;
 mod page;
 mod progress;
+pub mod repeated;
 mod several;
 mod sink;
 mod starts;

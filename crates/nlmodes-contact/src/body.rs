@@ -43,6 +43,7 @@ pub struct ContactBody {
 
 /// How a body answers while a set of contacts stays closed: all is linear then.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct ClosedResponse {
     /// `S = dλ/db` (c × c, N/m): [`LcpMatrix::sensitivity`].
     pub lambda: Mat<f64>,

@@ -26,6 +26,7 @@ const ACCEPTED: f64 = 1e-10;
 
 /// What went wrong with a case.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Failure {
     /// Name of the case.
     pub case: String,
@@ -37,6 +38,7 @@ pub struct Failure {
 
 /// How many cases ended how.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Summary {
     /// Cases solved.
     pub solved: usize,

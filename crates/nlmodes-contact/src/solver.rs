@@ -43,6 +43,7 @@ pub trait LcpWorkspace: Send {
 
 /// What a solution cost and how good it is.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct LcpStatistics {
     /// Iterations, in the unit of the backend.
     pub iterations: usize,

@@ -1,4 +1,5 @@
 use crate::Crossing;
+use crate::record::{is_direction, is_vector};
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -28,6 +29,7 @@ pub enum EventKind {
 /// A point of a branch.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct BranchPoint {
     /// Unknowns, n.
     pub x: Vec<f64>,
@@ -52,6 +54,16 @@ impl BranchPoint {
         let mut z = self.x.clone();
         z.push(self.p);
         z
+    }
+
+    /// Whether this can be a point of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        let index = |event: &EventKind| if let EventKind::UnknownFold { index } = event { *index < n } else { true };
+        is_vector(&self.x, n)
+            && self.p.is_finite()
+            && is_direction(&self.tangent, n + 1)
+            && !self.residual.is_nan()
+            && self.events.iter().all(index)
     }
 }
 
@@ -89,10 +101,19 @@ impl StopReason {
     pub fn is_asked_for(&self) -> bool {
         matches!(self, Self::Stopped | Self::MaxPoints)
     }
+
+    /// Whether a branch of a system with n unknowns can end so.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        match self {
+            Self::Bound { coordinate, value } => *coordinate <= n && value.is_finite(),
+            _ => true,
+        }
+    }
 }
 
 /// A branch: always returned, with the reason why it ended.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Branch {
     /// The points, in order.
     pub points: Vec<BranchPoint>,

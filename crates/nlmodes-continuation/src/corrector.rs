@@ -1,5 +1,6 @@
 use nlmodes_linalg::{DenseLu, Mat};
 
+use crate::record::{is_direction, is_vector};
 use crate::{Linearization, ParametricSystem};
 
 /// Newton step below which a point counts as settled.
@@ -80,6 +81,13 @@ pub struct Correction {
     /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where arms meet.
     #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub(crate) regularity: f64,
+}
+
+impl Correction {
+    /// Whether this can be a point of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        is_vector(&self.z, n + 1) && is_direction(&self.tangent, n + 1) && self.orientation.is_finite()
+    }
 }
 
 /// Why a correction was given up.

@@ -2,6 +2,7 @@
 
 use crate::arms::outward;
 use crate::corrector::{Correction, distance, dot};
+use crate::record::{is_direction, is_vector};
 
 /// Distance below which two crossings are one.
 const SAME: f64 = 1e-4;
@@ -18,6 +19,7 @@ pub enum AtBranchPoint {
 
 /// An arm of the solution set that leaves a crossing.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Arm {
     /// Its first point; the tangent leads away from the crossing.
     pub start: Correction,
@@ -27,6 +29,7 @@ pub struct Arm {
 
 /// A point where more than two arms meet, as a branch came to it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Crossing {
     /// Index in [`crate::Branch::points`].
     pub point: usize,
@@ -39,6 +42,7 @@ pub struct Crossing {
 /// Arms around a crossing before the branch has chosen: the way back, its own continuation and the others.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Choice {
     /// Where it is, `z = (x, p)`.
     pub z: Vec<f64>,
@@ -51,6 +55,14 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// Whether this can be a crossing of a system with n unknowns.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        is_vector(&self.z, n + 1)
+            && is_direction(&self.back, n + 1)
+            && self.own < self.arms.len()
+            && self.arms.iter().all(|arm| arm.is_of(n))
+    }
+
     /// Index of the arm to follow.
     pub(crate) fn arm(&self, rule: AtBranchPoint) -> usize {
         let growth = |k: &usize| outward(&self.z, &self.arms[*k].z).last().copied().unwrap_or(0.0);

@@ -1,10 +1,12 @@
 use std::ops::ControlFlow;
 
+use crate::corrector::dot;
 use crate::{BranchPoint, Choice, Correction, StopReason};
 
 /// What a step brought: with those before it, all that is needed to go on behind it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct StepRecord {
     /// Points found, in order; the branch goes on from the last one. The first step of a run is its start.
     pub points: Vec<BranchPoint>,
@@ -29,6 +31,36 @@ pub struct StepRecord {
     pub stop: Option<StopReason>,
 }
 
+/// More evaluations than any run makes; sums of such numbers are far from overflowing.
+const MOST: usize = 1 << 40;
+
+impl StepRecord {
+    /// Whether this can be a step of a run with n unknowns, as far as can be told without the equations: vectors of the right lengths, finite
+    /// numbers, a way on or a reason why there is none. Steps that are read back from a file that somebody has altered need not be.
+    pub(crate) fn is_of(&self, n: usize) -> bool {
+        let numbers = [self.orientation, self.next].iter().chain(&self.senses).all(|number| number.is_finite());
+        let before = self.before.is_none_or(|(regularity, distance)| !regularity.is_nan() && distance > 0.0);
+        let ends = self.stop.as_ref().map_or(self.next > 0.0 && !self.points.is_empty(), |stop| stop.is_of(n));
+        numbers
+            && before
+            && ends
+            && self.points.iter().all(|point| point.is_of(n))
+            && self.crossing.as_ref().is_none_or(|choice| choice.is_of(n))
+            && self.evaluations < MOST
+            && self.refused_steps < MOST
+    }
+}
+
+/// Whether this can be a unit vector of n entries.
+pub(crate) fn is_direction(vector: &[f64], n: usize) -> bool {
+    is_vector(vector, n) && (dot(vector, vector) - 1.0).abs() < 1e-6
+}
+
+/// Whether a vector has this length and finite entries.
+pub(crate) fn is_vector(vector: &[f64], n: usize) -> bool {
+    vector.len() == n && vector.iter().all(|entry| entry.is_finite())
+}
+
 /// Keeps the steps of runs, so that a run that was cut off can go on.
 ///
 /// A computation of several runs has one log, and makes the runs in the same order when it is repeated. A log that keeps
@@ -36,11 +68,14 @@ pub struct StepRecord {
 pub trait RunLog {
     /// A run begins at `start`: the steps that an earlier one from there took; none where there was no such run.
     ///
-    /// A step that was [asked to end](StopReason::is_asked_for) can only be the last of them.
+    /// A step that was [asked to end](StopReason::is_asked_for) can only be the last of them. The run repeats them up to the first that is
+    /// not one of its own: whose points have the wrong number of unknowns, say, or do not solve its equations.
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord>;
 
-    /// The run has no further steps to repeat: from here on it computes.
-    fn computing(&mut self) {}
+    /// The run has repeated so many steps and from here on computes: it takes those behind them anew.
+    fn computing(&mut self, repeated: usize) {
+        let _ = repeated;
+    }
 
     /// The run took a step. It stops if the log says so.
     fn record(&mut self, step: &StepRecord) -> ControlFlow<()>;

@@ -12,6 +12,12 @@ use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Stop
 /// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
 const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 
+/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
+/// any case, beyond the third in none.
+const WORSE: f64 = 1e3;
+const SOLVED: f64 = 1e-9;
+const UNSOLVED: f64 = 1e-3;
+
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
 pub(crate) struct Run<'a, S, F> {
     settings: &'a Continuation,
@@ -77,15 +83,37 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     fn begin(&mut self, start: &Correction) -> ControlFlow<StopReason, f64> {
         let limits = &self.settings.step;
         let mut h = limits.initial.clamp(limits.min, limits.max);
+        let mut repeated = 0;
         for record in self.log.begin(start) {
+            if !self.holds(&record) {
+                break;
+            }
             h = self.repeat(record, h)?;
+            repeated += 1;
         }
-        self.log.computing();
+        self.log.computing(repeated);
         if self.branch.points.is_empty() {
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
             return self.record(0, outcome);
         }
         ControlFlow::Continue(h)
+    }
+
+    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
+    fn holds(&mut self, record: &StepRecord) -> bool {
+        if !record.is_of(self.system.dim()) {
+            return false;
+        }
+        let evaluations = self.corrector.evaluations;
+        let points = record.points.iter().map(|point| (point.z(), point.residual));
+        let arms = record.crossing.iter().flat_map(|choice| &choice.arms).map(|arm| (arm.z.clone(), arm.residual));
+        let holds = points.chain(arms).all(|(z, residual)| match self.corrector.evaluate(self.system, &z) {
+            Ok(now) => now <= (WORSE * residual).clamp(SOLVED, UNSOLVED),
+            // The foot of a corner, where the residual may not exist.
+            Err(_) => residual.is_infinite(),
+        });
+        self.corrector.evaluations = evaluations;
+        holds
     }
 
     /// Takes a step of an earlier run; `h` is its length.

@@ -2,6 +2,7 @@ use nlmodes_linalg::Mat;
 
 /// Residual and Jacobian of a [`ParametricSystem`] at a point.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Linearization {
     /// `R(x, p)`, n.
     pub residual: Vec<f64>,

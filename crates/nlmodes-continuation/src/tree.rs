@@ -17,6 +17,7 @@ pub struct Origin {
 
 /// A branch of a tree.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct TreeBranch {
     /// Its points; the first one lies beside the crossing that it leaves.
     pub branch: Branch,
@@ -26,6 +27,7 @@ pub struct TreeBranch {
 
 /// A branch with all branches that cross it, and those that cross these.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct BranchTree {
     /// Each stands behind the one that it leaves.
     pub branches: Vec<TreeBranch>,

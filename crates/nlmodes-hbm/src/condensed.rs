@@ -8,6 +8,7 @@ use crate::recording::Recording;
 
 /// A mode of the structure with its contacts held, as the contact degrees of freedom see it.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct HeldMode {
     /// Squared angular frequency `λ_k`, rad²/s².
     pub lambda: f64,

@@ -8,6 +8,7 @@ use crate::{HbmError, MixedShooting, Symmetry};
 
 /// Largest deviations from what a motion with contact must satisfy, over the samples of a period, in scaled units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct ContactDefects {
     /// Largest penetration `max(−g)` over the length scale.
     pub penetration: f64,

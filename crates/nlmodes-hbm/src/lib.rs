@@ -91,4 +91,4 @@ pub use projection::Projection;
 pub use recording::MAX_RECORDED;
 pub use series::{RealSeries, Symmetry};
 pub use start::{Grazing, grazing, grazing_opened};
-pub use sweep::{ContactInterval, Switching};
+pub use sweep::{PatternInterval, Switching};

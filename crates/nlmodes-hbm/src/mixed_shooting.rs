@@ -25,6 +25,7 @@ pub struct MixedShootingSettings {
 
 /// What numbers near one mean: lengths, frequencies and energies of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Scales {
     /// Length, m: amplitude of the contact at grazing.
     pub length: f64,

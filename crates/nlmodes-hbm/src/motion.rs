@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::energy::held_coordinates;
 use crate::held_motion::{HeldMotion, Part};
-use crate::sweep::ContactInterval;
+use crate::sweep::PatternInterval;
 use crate::transfer::Plane;
 use crate::trigonometric::Trigonometric;
 use crate::{HbmError, MixedShooting, Symmetry};
@@ -180,12 +180,12 @@ impl MixedShooting<'_> {
     fn contact_statistics(&self) -> (f64, usize) {
         let sweep = &self.sweep;
         let end = sweep.end();
-        let closed_length = |i: &ContactInterval| if sweep.closed(i)[0] { i.to - i.from } else { 0.0 };
+        let closed_length = |i: &PatternInterval| if sweep.closed(i)[0] { i.to - i.from } else { 0.0 };
         let fraction = sweep.intervals.iter().map(closed_length).sum::<f64>() / end;
         let (Some(first), Some(last)) = (sweep.intervals.first(), sweep.intervals.last()) else { return (0.0, 0) };
         let mut count = 0;
         for contact in 0..self.structure().n_contacts() {
-            let is_closed = |i: &ContactInterval| sweep.closed(i)[contact];
+            let is_closed = |i: &PatternInterval| sweep.closed(i)[contact];
             let (mut runs, mut before) = (0, false);
             for interval in &sweep.intervals {
                 let now = is_closed(interval);

@@ -22,9 +22,9 @@ pub enum Switching {
     },
 }
 
-/// A stretch of phase in which the closed contacts stay the same.
+/// An interval of phase with one contact pattern: the closed contacts stay the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactInterval {
+pub struct PatternInterval {
     /// Phase at which it begins, rad.
     pub from: f64,
     /// Phase at which it ends, rad.
@@ -38,7 +38,7 @@ pub(crate) struct ContactSweep {
     pub series: RealSeries,
     pub sets: SetTable,
     /// Intervals over `[0, π]` for even motions, else over `[0, 2π]`.
-    pub intervals: Vec<ContactInterval>,
+    pub intervals: Vec<PatternInterval>,
     /// Averages `(1/2π) ∫ χ e^{−ikτ}`, k = 0 … 2H, of each set with a closed contact that occurs.
     pub spectra: Vec<(usize, Vec<Complex64>)>,
     /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
@@ -238,13 +238,13 @@ impl ContactSweep {
             let set = self.set_t[j % samples];
             match self.intervals.last_mut() {
                 Some(last) if last.set == set => last.to = to,
-                _ => self.intervals.push(ContactInterval { from, to, set }),
+                _ => self.intervals.push(PatternInterval { from, to, set }),
             }
         }
     }
 
     /// The closed contacts during an interval.
-    pub fn closed(&self, interval: &ContactInterval) -> &[bool] {
+    pub fn closed(&self, interval: &PatternInterval) -> &[bool] {
         &self.sets.get(interval.set).closed
     }
 }

@@ -1,7 +1,7 @@
 use num_complex::Complex64;
 
 use crate::closed_set::{ClosedSet, SetTable};
-use crate::sweep::ContactInterval;
+use crate::sweep::PatternInterval;
 use crate::trigonometric::{Trigonometric, bound};
 use crate::{CondensedStructure, HbmError};
 
@@ -23,7 +23,7 @@ const SHORTEST: f64 = 1e-6;
 /// that turns negative ends the interval, and its contact changes sides.
 pub(crate) struct Tracer<'a> {
     y: &'a [Vec<Complex64>],
-    pub intervals: Vec<ContactInterval>,
+    pub intervals: Vec<PatternInterval>,
     guard: Trigonometric,
     /// Largest rounding of `guard`: relative to what it is made of, for what is left may be nothing but rounding (redundant contacts).
     noise: f64,
@@ -46,7 +46,7 @@ impl<'a> Tracer<'a> {
     pub fn extend(&mut self, set: usize, from: f64, to: f64) {
         match self.intervals.last_mut() {
             Some(last) if last.set == set => last.to = to,
-            _ => self.intervals.push(ContactInterval { from, to, set }),
+            _ => self.intervals.push(PatternInterval { from, to, set }),
         }
     }
 
@@ -87,10 +87,10 @@ impl<'a> Tracer<'a> {
         at_ends: [usize; 2],
     ) -> Result<usize, HbmError> {
         let (mut tau, mut set) = (ends[0], at_ends[0]);
-        let mut found: Vec<ContactInterval> = Vec::new();
+        let mut found: Vec<PatternInterval> = Vec::new();
         for _ in 0..2 * self.y.len() + 4 {
             let Some((instant, contact)) = self.first_event(sets.get(set), tau, ends[1]) else { break };
-            found.push(ContactInterval { from: tau, to: instant, set });
+            found.push(PatternInterval { from: tau, to: instant, set });
             let mut closed = sets.get(set).closed.clone();
             closed[contact] = !closed[contact];
             set = sets.find(structure, &closed)?;
@@ -98,7 +98,7 @@ impl<'a> Tracer<'a> {
         }
         // Where contacts are redundant several sets give the same motion, and the solver may have found another one.
         if set == at_ends[1] || self.fits(sets.get(set), ends[1]) {
-            found.push(ContactInterval { from: tau, to: ends[1], set });
+            found.push(PatternInterval { from: tau, to: ends[1], set });
             found.iter().filter(|i| i.to > i.from).for_each(|i| self.extend(i.set, i.from, i.to));
             return Ok(set);
         }

@@ -11,6 +11,7 @@ const DENSE_SIZE: usize = 600;
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Modes {
     /// λ, squared angular frequencies in rad²/s².
     pub eigenvalues: Vec<f64>,

@@ -10,6 +10,7 @@ const SHORTEST_GAP: usize = 3;
 
 /// A time span in which a contact is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactInterval {
     /// Instant of touching, s.
     pub touching: f64,

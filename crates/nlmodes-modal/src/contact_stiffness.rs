@@ -10,6 +10,7 @@ const PEAK_SHARE: f64 = 0.1;
 /// Both are measured, so both carry noise: a fit of force over displacement alone would give too small a stiffness. The line is the one of
 /// errors in both variables (Deming), with the ratio of the noise levels taken from the record itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactStiffness {
     /// Stiffness `k_c`, N/m.
     pub stiffness: f64,

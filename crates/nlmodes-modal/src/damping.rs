@@ -13,6 +13,7 @@ pub fn damping_coefficient(fundamental_power: f64, modal_amplitude: f64, omega: 
 /// `P_n = ½ (nω)² Σ_k 2 ζ_k ω_k |η_{k,n}|²`, in W, and eq. (26) gives `δ̃_n = Σ_k ζ_k ω_k |η_{k,n}|² / (ω q̃²)`. What is missing to the
 /// active power of the excitation (eq. 24) is dissipated elsewhere: at the contact, or in modes that are left out.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LinearDissipation {
     /// Power `P_n` of the harmonics 1, 2, …, W.
     pub power: Vec<f64>,

@@ -30,6 +30,7 @@ pub enum PhaseAnchor {
 /// # Ok::<(), nlmodes_modal::ModalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct NonlinearModeShape {
     /// Nonlinear modal amplitude `q̃`, m·√kg: the amplitude of the mass-normalised mode where the motion is a linear one.
     pub modal_amplitude: f64,

@@ -22,6 +22,7 @@ impl fmt::Display for InternalResonance {
 
 /// A tongue of a branch: the stretch on which an internal resonance holds at least [`RESONANT_SHARE`] of the kinetic energy.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Tongue {
     /// The resonance.
     pub resonance: InternalResonance,

@@ -5,6 +5,7 @@ const VELOCITY_SAMPLES: usize = 4;
 
 /// One impact: velocities normal to the stop before and after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Impact {
     /// When the contact was closed.
     pub interval: ContactInterval,
@@ -23,6 +24,7 @@ impl Impact {
 
 /// Coefficients of restitution of several impacts over their approach speed (Fig. 7 a).
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Restitution {
     /// The impacts in the order of time.
     pub impacts: Vec<Impact>,
@@ -30,6 +32,7 @@ pub struct Restitution {
 
 /// Mean and spread of the impacts in a range of approach speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RestitutionStatistics {
     /// Mean approach speed, m/s.
     pub approach: f64,

@@ -102,6 +102,7 @@ fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
 /// its position `x`: a rotation about `x = 0` for deflections (with the rotations of the cross sections), a stretch for axial
 /// displacements. Mass at supported degrees of freedom is not in `M` and so not counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct MassProperties {
     /// Total mass `m`, kg (rotary inertia in kg·m² for rotations).
     pub total: f64,

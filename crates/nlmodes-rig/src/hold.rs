@@ -39,6 +39,7 @@ impl Default for Hold {
 
 /// Means over some periods of the steady state, or of what came instead.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SteadyState {
     /// Angular frequency, rad/s.
     pub omega: f64,
@@ -54,6 +55,7 @@ pub struct SteadyState {
 
 /// What happened while a level was held.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Settling {
     /// Time that it took, s.
     pub duration: f64,

@@ -39,6 +39,7 @@ impl Schedule {
 
 /// One level of a test.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LevelOutcome {
     /// Amplitude of the drive, N or V.
     pub level: f64,

@@ -5,6 +5,7 @@ use crate::{ClosedInterval, Trajectory};
 
 /// Gap and force of a contact at an instant, each with its first two derivatives by time.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactState {
     /// Gap, m, m/s, m/s²; zero while closed.
     pub gap: [f64; 3],

@@ -16,6 +16,7 @@ pub const UNIT_CIRCLE: f64 = 1e-6;
 /// of 1e-16. It is therefore taken out exactly: with `f` the direction of the motion and `e` the gradient of the energy, `e · f = 0`, the
 /// monodromy matrix is block triangular in `f`, the complement of both, and `e`; the multipliers given are those of the block between.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Floquet {
     /// The 2m − 2 multipliers beside the double +1, by falling magnitude.
     pub multipliers: Vec<Complex64>,

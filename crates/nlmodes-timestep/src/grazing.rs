@@ -8,6 +8,7 @@ use crate::{ContactDynamics, ModalState, TimestepError};
 ///
 /// Contacts that are pressed at rest count as closed.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct GrazingState {
     /// Angular frequency of the linear mode, rad/s.
     pub omega: f64,

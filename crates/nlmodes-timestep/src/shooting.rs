@@ -40,6 +40,7 @@ pub struct Shooting {
 
 /// A periodic motion.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct PeriodicMotion {
     /// Angular frequency, rad/s.
     pub omega: f64,

@@ -33,6 +33,7 @@ pub(crate) struct Segment {
 
 /// A stretch of time in which a contact is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ClosedInterval {
     /// The contact.
     pub contact: usize,
@@ -44,6 +45,7 @@ pub struct ClosedInterval {
 
 /// Motion of the structure at one instant.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Snapshot {
     /// Displacements of all degrees of freedom.
     pub displacement: Vec<f64>,

@@ -8,6 +8,7 @@ const SAMPLES: usize = 512;
 
 /// By how much a motion that is said to be periodic fails to return after one period of the full structure.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Verification {
     /// The period, s.
     pub period: f64,

@@ -16,6 +16,7 @@ pub struct FrequencyTarget {
 
 /// What an updating found.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Updated {
     /// The parameters.
     pub values: Vec<f64>,

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use nlmodes::report::ReportError;
-use nlmodes_continuation::{Correction, RunLog, StepRecord};
+use nlmodes_continuation::{Correction, RunLog, StepRecord, StopReason};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -36,6 +36,8 @@ struct Known {
     /// Where its first line begins.
     offset: u64,
     start: Correction,
+    /// Where the line of each step begins, without those that were asked to end and gone on behind.
+    offsets: Vec<u64>,
     steps: Vec<StepRecord>,
 }
 
@@ -99,11 +101,19 @@ impl<'a> Journal<'a> {
                 }
             } else {
                 match serde_json::from_slice(text) {
-                    Ok(Line::Run(start)) => self.known.push(Known { offset, start, steps: Vec::new() }),
+                    Ok(Line::Run(start)) => {
+                        self.known.push(Known { offset, start, offsets: Vec::new(), steps: Vec::new() })
+                    }
                     Ok(Line::Step(step)) => {
                         let Some(run) = self.known.last_mut() else { return };
                         // It was asked to end there, and has gone on since.
-                        run.steps.pop_if(|last| last.stop.is_some());
+                        if run.steps.pop_if(|last| last.stop.as_ref().is_some_and(StopReason::is_asked_for)).is_some() {
+                            run.offsets.pop();
+                        }
+                        if run.steps.last().is_some_and(|last| last.stop.is_some()) {
+                            return;
+                        }
+                        run.offsets.push(offset);
                         run.steps.push(step);
                     }
                     Err(_) => return,
@@ -114,13 +124,23 @@ impl<'a> Journal<'a> {
         }
     }
 
+    /// Whether the run that begins next at `start` is in the file.
+    pub fn knows(&self, start: &Correction) -> bool {
+        self.known.get(self.begun).is_some_and(|run| is_same(&run.start, start))
+    }
+
     /// What lies behind the runs that have begun does not belong to this computation.
     fn forget_the_rest(&mut self) {
         if let Some(next) = self.known.get(self.begun) {
-            self.length = next.offset;
-            self.known.truncate(self.begun);
-            self.file = None;
+            self.forget_behind(next.offset);
         }
+    }
+
+    /// The file counts up to there.
+    fn forget_behind(&mut self, length: u64) {
+        self.length = length;
+        self.known.truncate(self.begun);
+        self.file = None;
     }
 
     fn append(&mut self, line: &Line) -> Result<(), ReportError> {
@@ -170,23 +190,28 @@ impl RunLog for Journal<'_> {
         if self.failure.is_some() {
             return Vec::new();
         }
-        if let Some(run) = self.known.get_mut(self.begun) {
-            if is_same(&run.start, start) {
-                self.begun += 1;
-                return std::mem::take(&mut run.steps);
-            }
-            self.forget_the_rest();
+        if self.knows(start)
+            && let Some(run) = self.known.get_mut(self.begun)
+        {
+            self.begun += 1;
+            return std::mem::take(&mut run.steps);
         }
+        self.forget_the_rest();
         self.failure = self.append(&Line::Run(start.clone())).err();
         // So that the numbers of this run are those of the file.
         let offset = self.length;
-        self.known.push(Known { offset, start: start.clone(), steps: Vec::new() });
+        self.known.push(Known { offset, start: start.clone(), offsets: Vec::new(), steps: Vec::new() });
         self.begun += 1;
         Vec::new()
     }
 
-    fn computing(&mut self) {
-        self.forget_the_rest();
+    fn computing(&mut self, repeated: usize) {
+        let run = self.begun.checked_sub(1).and_then(|run| self.known.get(run));
+        match run.and_then(|run| run.offsets.get(repeated)) {
+            // Steps that are none of this run.
+            Some(offset) => self.forget_behind(*offset),
+            None => self.forget_the_rest(),
+        }
         self.computing.set(true);
     }
 
@@ -199,7 +224,7 @@ impl RunLog for Journal<'_> {
 }
 
 /// The first line: what the steps are of.
-fn header(scene: &Scene) -> Value {
+pub fn header(scene: &Scene) -> Value {
     let mut scene = identity(serde_json::to_value(scene).unwrap_or_default());
     // More points may be asked for when a run goes on.
     if let Some(continuation) = scene.get_mut("continuation").and_then(Value::as_object_mut) {

@@ -13,6 +13,7 @@ const DETECTED: f64 = 6.0;
 
 /// What the contact is evaluated from.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Evidence<'a> {
     pub record: &'a Record,
     pub layout: &'a Layout,

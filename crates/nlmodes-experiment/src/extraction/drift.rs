@@ -10,6 +10,7 @@ const SIGNIFICANT: f64 = 5.0;
 
 /// Fundamental of the reference over the blocks.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Drift {
     /// Standard error of the frequency, rad/s.
     pub omega_error: f64,

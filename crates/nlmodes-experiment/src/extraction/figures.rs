@@ -40,6 +40,7 @@ pub struct Figures {
 
 /// Modal figures of one set of coefficients.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Modal {
     pub shape: NonlinearModeShape,
     /// Modal coordinates, not normalised, m·√kg.

@@ -7,6 +7,7 @@ use num_complex::Complex64;
 /// coordinate in one direction, so a force in phase with the velocity brings power in, and +1 is perfect. The minus sign of eq. (19) belongs
 /// to the opposite count of the force; near −1 the force channel is reversed.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ExcitationPower {
     /// Active power `P`, W: brought in by the force.
     pub active: f64,

@@ -7,6 +7,7 @@ use crate::extraction::{ExcitationPower, Finding, Measured};
 
 /// What a record says about a nonlinear mode.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RecordExtraction {
     /// Name of the record.
     pub record: String,
@@ -32,6 +33,7 @@ pub struct RecordExtraction {
 
 /// Modal quantities, eqs. (20)-(28), (30).
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModalFigures {
     /// Nonlinear modal amplitude `q̃`, m·√kg.
     pub amplitude: Measured,
@@ -53,6 +55,7 @@ pub struct ModalFigures {
 
 /// Quantities of the excitation.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ExcitationFigures {
     /// Powers, eqs. (17), (18).
     pub power: ExcitationPower,
@@ -68,6 +71,7 @@ pub struct ExcitationFigures {
 
 /// Quantities of the contact.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContactFigures {
     /// Largest force of a period, N.
     pub peak_force: Measured,

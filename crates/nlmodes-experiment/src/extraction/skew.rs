@@ -21,6 +21,7 @@ const SAME_SIZE: f64 = 0.05;
 
 /// What is compared.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Comparison<'a> {
     pub blocks: &'a Blocks,
     pub names: Vec<&'a str>,

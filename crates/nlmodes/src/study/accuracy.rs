@@ -19,6 +19,7 @@ pub struct Accuracy {
 
 /// What became of an [`Accuracy`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct AccuracyReached {
     /// Largest estimate over all points, [`TruncationError::frequency`](nlmodes_hbm::TruncationError).
     pub largest_estimate: f64,

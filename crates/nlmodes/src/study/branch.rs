@@ -39,6 +39,7 @@ pub struct ComputedBranch {
 
 /// A point of another branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct BranchOrigin {
     /// Number of that branch.
     pub branch: usize,

@@ -16,6 +16,7 @@ use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, Bran
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct ComputedTree {
     /// Each stands behind the one that it leaves; the first one is never missing.
     pub branches: Vec<ComputedBranch>,
@@ -208,7 +209,7 @@ fn all(
     })?;
     let origin = |b: &TreeBranch| {
         let from = b.origin?;
-        let at = tree.branches[from.branch].branch.crossings[from.crossing].point;
+        let at = tree.branches[from.branch].branch.crossings.get(from.crossing)?.point;
         Some(BranchOrigin { branch: from.branch, point: found[from.branch].index_of(at) })
     };
     let origins: Vec<Option<BranchOrigin>> = tree.branches.iter().map(origin).collect();

@@ -14,6 +14,7 @@ const TOLERANCE: f64 = 1e-9;
 
 /// A solution between the points of a branch.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct PointBetween {
     /// The point.
     pub point: ModalPoint,
