@@ -1,5 +1,7 @@
 //! What the modes that a reduced structure leaves out change, beside what harmonics leave out.
 
+use std::f64::consts::TAU;
+
 use nlmodes::hbm::{CondensedStructure, Switching};
 use nlmodes::model::{Drop, MasslessContactModel};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales, Verification};
@@ -9,7 +11,7 @@ use nlmodes_benchmarks::free_modes::FreeModes;
 use crate::cases::{Case, Whole};
 use crate::methods::{Method, Setting, errors};
 use crate::newton::{FOUND, search};
-use crate::reference::Reference;
+use crate::reference::{Reference, stretches};
 use crate::tables::figure;
 
 /// Relative change of the frequency from which on more modes lead to another motion.
@@ -24,7 +26,7 @@ pub fn print(case: &Case, reference: &Reference) -> Result<(), Failure> {
     let mut dynamics = ContactDynamics::new(whole.model.clone())?;
     let displacement = whole.reduction.expand(&reference.displacements[0]);
     let state = dynamics.state(&displacement, &vec![0.0; displacement.len()])?;
-    let missing = Verification::new(&mut dynamics, &state, std::f64::consts::TAU / reference.omega)?;
+    let missing = Verification::new(&mut dynamics, &state, TAU / reference.omega)?;
     println!(
         "\nThe whole structure, all modes, started from there, misses after a period {:.1e} in the energy norm, {:.1e} of the largest displacement, \
          {:.1e} of the largest velocity",
@@ -66,7 +68,7 @@ fn with_modes(
         return Ok(None);
     }
     let motion = shooting.motion(&found.z[..n])?;
-    Ok(Some((change, motion.trajectory.closed_intervals().len())))
+    Ok(Some((change, stretches(&motion.trajectory.closed_intervals(), TAU / motion.omega))))
 }
 
 /// MS-HBM of the whole structure against the exact motion of the reduced one.
