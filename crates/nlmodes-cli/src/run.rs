@@ -22,7 +22,7 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
-    StabilityRule, StudyError, compute_tree_with_log,
+    StabilityRule, StudyError, check_study, compute_tree_with_log,
 };
 use nlmodes::timestep::TimestepError;
 
@@ -32,8 +32,8 @@ use crate::claim::{Claim, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::scene::{
-    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
-    Symmetry,
+    AtBranchPoint, Direction, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start,
+    StructureKind, Switching, Symmetry,
 };
 use crate::interrupt;
 use crate::modes::modal_model;
@@ -80,6 +80,19 @@ fn one_branch(file: &SceneFile, claim: &Claim, options: RunOptions) -> Result<(C
     let tree = tree.map_err(|error| refuse_study(file, &error))?;
     let status = finish(file, &model, &tree, began, options.quiet);
     Ok((tree, status))
+}
+
+/// Whether a run of the scene would begin, with each of its numbers of harmonics; says why where it would not.
+pub fn check(file: &SceneFile) -> Status {
+    let checked = models(file).and_then(|(_, massless)| {
+        let list = &file.scene.method.harmonics_list;
+        // They differ in size only.
+        let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
+        let (start, _) = starts(file.scene.continuation.start);
+        let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
+        check_study(&massless, &settings).map_err(|error| refuse_study(file, &error))
+    });
+    checked.err().unwrap_or(Status::Done)
 }
 
 /// Removes what a run writes at its end, which would not belong to the points of another one.
@@ -188,7 +201,10 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
-    let statuses = tree.branches.iter().enumerate().map(|(number, computed)| tell(computed, number, began, quiet));
+    let statuses = tree.branches.iter().enumerate().map(|(number, computed)| {
+        let name = if tree.branches.len() > 1 { format!("branch {number}: ") } else { String::new() };
+        tell(computed, &name, began, quiet)
+    });
     if statuses.collect::<Vec<_>>().contains(&Status::EndedEarly) {
         say!("What was found is in {}", directory.display());
         if interrupt::requested() {
@@ -207,12 +223,11 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
 }
 
 /// Says how a branch ended.
-fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -> Status {
-    let name = if number == 0 { String::new() } else { format!("branch {number}: ") };
+fn tell(computed: &ComputedBranch, name: &str, began: Instant, quiet: bool) -> Status {
     let points = &computed.branch.points;
     let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
-    warn_of_accuracy(computed, &name);
+    warn_of_accuracy(computed, name);
     let time = began.elapsed().as_secs_f64();
     let advice = advice(computed).unwrap_or_default();
     let line = format!("{name}{} points in {time:.2} s; ended{at}: {}{advice}", points.len(), end.message);
@@ -227,8 +242,12 @@ fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -
 /// What to do where a branch did not end where it was meant to.
 fn advice(computed: &ComputedBranch) -> Option<String> {
     let end = &computed.branch.end;
+    let wandered = wandered(computed).unwrap_or_default();
     if end.reason == "max-points" {
-        return Some("; with a higher continuation.max_points, --resume goes on".to_owned());
+        return Some(format!("; with a higher continuation.max_points, --resume goes on{wandered}"));
+    }
+    if !wandered.is_empty() {
+        return Some(wandered);
     }
     if computed.branch.points.iter().any(|point| point.has_event(ModalPoint::RESUMED)) {
         return None;
@@ -236,6 +255,24 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;
     Some(format!(", on the tongue {resonance} (continuation.internal_resonance = \"skip\" leaves it out)"))
 }
+
+/// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.
+const FOLDS: usize = 6;
+
+/// What an exact branch met that has every internal resonance of its modes.
+fn wandered(computed: &ComputedBranch) -> Option<String> {
+    let points = &computed.branch.points;
+    let folds = points.iter().filter(|p| p.has_event("fold") || p.has_event("frequency-fold")).count();
+    let modes = computed.structure.modes().len();
+    (computed.is_exact() && folds >= FOLDS).then(|| {
+        format!(
+            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer)"
+        )
+    })
+}
+
+/// Most stretches that are named.
+const NAMED: usize = 4;
 
 /// Says where the accuracy was not reached: the points are there, and each has its estimate.
 fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
@@ -245,11 +282,32 @@ fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
         "warning: {name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
         reached.largest_estimate
     );
+    let stretches = computed.beyond_accuracy();
+    for stretch in stretches.iter().take(NAMED) {
+        let ([from, to], [first, last]) = (stretch.frequency.map(|omega| omega / TAU), stretch.points);
+        let place = if first == last {
+            format!("at {from:.6} Hz (point {first})")
+        } else {
+            format!("between {from:.6} and {to:.6} Hz (points {first} to {last})")
+        };
+        say!("  not reached {place}: estimate up to {:.1e}", stretch.largest_estimate);
+    }
+    if stretches.len() > NAMED {
+        say!("  and on {} more stretches (accuracy.not_reached in summary.json)", stretches.len() - NAMED);
+    }
 }
 
 /// An error of the study, at the key of the scene that it is about.
 pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
     let path = match error {
+        StudyError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
+            let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
+            let label = format!("mode {mode} moves across the beam: expected \"transverse\"");
+            let help =
+                "an axial stop is met by axial modes only: `nlmodes-cli modes` lists all, `method.mode` takes one";
+            say!("{}", file.error_at("contact.0.direction", &title, &label, &[help]));
+            return Status::Wrong;
+        }
         StudyError::Hbm(
             HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. },
         ) => "method.mode",
@@ -265,10 +323,16 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             say!("{}", file.error_at(key, &chain(error), &label, &[help]));
             return Status::Wrong;
         }
+        StudyError::StartOutsideWindow { .. } => {
+            let help =
+                "`nlmodes-cli modes` lists the linear frequencies; `continuation.start_frequency_hz` starts elsewhere";
+            let label = "expected a window that holds the start";
+            say!("{}", file.error_at("continuation.frequency_hz", &chain(error), label, &[help]));
+            return Status::Wrong;
+        }
         StudyError::NotEven => "method.symmetry",
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
-        StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
         StudyError::NoStartTouching { .. } => "contact.0.gap_m",
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
@@ -286,6 +350,11 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             | StudyError::Continuation(_)
     );
     if unlucky { Status::EndedEarly } else { status }
+}
+
+/// Whether all stops of a beam stand along its axis.
+fn stops_beside_bending(scene: &Scene) -> bool {
+    scene.structure.kind() == StructureKind::Beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
 }
 
 pub fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {

@@ -77,9 +77,10 @@ pub trait RunLog {
     /// not one of its own: whose points have the wrong number of unknowns, say, or do not solve its equations.
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord>;
 
-    /// The run has repeated so many steps and from here on computes: it takes those behind them anew.
-    fn computing(&mut self, repeated: usize) {
+    /// The run has repeated so many steps and from here on computes: it takes those behind them anew. It stops if the log says so.
+    fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
         let _ = repeated;
+        ControlFlow::Continue(())
     }
 
     /// The run took a step. It stops if the log says so.

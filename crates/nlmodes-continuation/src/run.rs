@@ -97,12 +97,12 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             h = self.repeat(record, h)?;
             repeated += 1;
         }
-        self.log.computing(repeated);
+        let told = self.log.computing(repeated);
         if self.branch.points.is_empty() {
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
             return self.record(0, outcome);
         }
-        ControlFlow::Continue(h)
+        if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(h) }
     }
 
     /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.

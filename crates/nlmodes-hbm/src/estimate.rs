@@ -6,6 +6,13 @@ use crate::energy::inner;
 use crate::series::RealSeries;
 use crate::{CondensedStructure, Grazing, HbmError, MixedShooting, MixedShootingSettings, Scales};
 
+/// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where modes are left out, up to
+/// which the terms that stand for these hold.
+const MARGIN: (f64, f64) = (1.2, 0.5);
+
+/// Most harmonics by which the larger problem reaches out for held modes: a step of Newton's method on it takes milliseconds.
+const FURTHEST: usize = 300;
+
 /// Estimated errors of a solution of [`MixedShooting`] that come from what its series leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruncationError {
@@ -25,7 +32,9 @@ impl TruncationError {
 
 /// Estimates what harmonics and held modes left out change, by one step of Newton's method on a larger problem.
 ///
-/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and of the held modes that were not computed also the next term of
+/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and as many as reach to the highest held mode: an internal
+/// resonance with a harmonic beyond the larger problem would stay unseen. Where a step is not small, as next to a resonance, two larger problems differ: the
+/// larger of both estimates counts. Of the held modes that were not computed it also has the next term of
 /// their share of `T`, with `S = Σ_{k>m} g_kᵀ g_k/λ_k³`, which needs no further mode:
 ///
 /// ```text
@@ -47,6 +56,8 @@ pub struct TruncationEstimator<'s> {
     at: Linearization,
     bordered: Mat<f64>,
     lu: DenseLu,
+    /// The one with twice as many harmonics, where this one has more.
+    near: Option<Box<TruncationEstimator<'s>>>,
 }
 
 impl CondensedStructure {
@@ -67,7 +78,8 @@ impl CondensedStructure {
 }
 
 impl<'s> TruncationEstimator<'s> {
-    /// For solutions of the problem with these settings and scales.
+    /// For solutions of the problem with these settings and scales. The larger problem reaches as far as the highest held mode, up to 300
+    /// harmonics; the one with twice as many harmonics is asked too, and the larger estimate counts.
     ///
     /// # Errors
     /// As [`MixedShooting::new`].
@@ -77,17 +89,43 @@ impl<'s> TruncationEstimator<'s> {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
+        let highest = structure.modes().last().map_or(0.0, |mode| mode.lambda.sqrt());
+        let all = structure.n_held_modes() >= structure.model().linear_dofs().len();
+        let margin = if all { MARGIN.0 } else { MARGIN.1 };
+        let reach = ((margin * highest / scales.omega).ceil() as usize).min(FURTHEST);
+        let mut far = Self::reaching(structure, settings, reach, scales, solver)?;
+        let near = Self::reaching(structure, settings, 0, scales, solver)?;
+        if near.fine.series().n_harmonics < far.fine.series().n_harmonics {
+            far.near = Some(Box::new(near));
+        }
+        Ok(far)
+    }
+
+    /// As [`new`](Self::new), the larger problem with `harmonics` at least; the step costs the third power of that. With fewer than the
+    /// highest held mode takes, an internal resonance beyond them stays unseen.
+    ///
+    /// # Errors
+    /// As [`MixedShooting::new`].
+    pub fn reaching(
+        structure: &'s CondensedStructure,
+        settings: MixedShootingSettings,
+        harmonics: usize,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
         let coarse = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
-        let harmonics = (2 * settings.harmonics + 1).max(settings.harmonics + 6);
+        let harmonics = harmonics.max(2 * settings.harmonics + 1).max(settings.harmonics + 6);
         let fine = MixedShooting::new(structure, MixedShootingSettings { harmonics, ..settings }, scales, solver)?;
         let n = fine.dim();
         let (at, bordered) = (Linearization::new(n), Mat::zeros(n + 1, n + 1));
-        Ok(Self { structure, coarse, fine, at, bordered, lu: DenseLu::default() })
+        Ok(Self { structure, coarse, fine, at, bordered, lu: DenseLu::default(), near: None })
     }
 
     /// The errors of the solution `x` at the parameter `p` with the tangent (n + 1) of its branch.
     pub fn estimate(&mut self, x: &[f64], p: f64, tangent: &[f64]) -> TruncationError {
-        self.try_estimate(x, p, tangent).unwrap_or(TruncationError::UNKNOWN)
+        let own = self.try_estimate(x, p, tangent).unwrap_or(TruncationError::UNKNOWN);
+        let near = self.near.as_mut().map(|near| near.estimate(x, p, tangent));
+        near.filter(|near| near.frequency > own.frequency).unwrap_or(own)
     }
 
     /// `None` where the larger problem has no step of Newton's method.

@@ -10,6 +10,7 @@ use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, S
 use nlmodes::hbm::{
     CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
 };
+use nlmodes::modal::ModalPoint;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::study::{Accuracy, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
@@ -52,7 +53,10 @@ fn harmonics(branch: &ComputedBranch) -> Vec<usize> {
 
 /// Relative error of the frequency against the exact motion of the same energy, over the estimate, at a point.
 fn against_exact(model: &MasslessContactModel, branch: &ComputedBranch, point: usize) -> (f64, f64) {
-    let point = &branch.branch.points[point];
+    error_of(model, &branch.branch.points[point])
+}
+
+fn error_of(model: &MasslessContactModel, point: &ModalPoint) -> (f64, f64) {
     let dynamics = ContactDynamics::new(model.clone()).unwrap();
     let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0).unwrap();
     let scales = ShootingScales { omega: point.omega, energy: point.kinetic_energy };
@@ -110,6 +114,58 @@ fn harmonics_change_along_the_branch_of_the_beam() {
     let branch = compute(&model, &wanted);
     // No exact motion is at hand: shooting the whole beam from these points does not converge.
     assert_changes(&branch, 1e-3);
+}
+
+/// The beam's branch enters one tongue after another, where no number of harmonics reaches the accuracy: it goes on to its limit all the same.
+#[test]
+fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
+    let (model, asked) = (beam(), 1e-3);
+    let accuracy = Some(Accuracy { error: asked, max_harmonics: 20 });
+    let branch = compute(&model, &BranchSettings { accuracy, ..settings(asked, 6.0) });
+    let (points, reached) = (&branch.branch.points, branch.accuracy.unwrap());
+    assert_eq!(branch.branch.end.reason, "max-energy", "{}", branch.branch.end.message);
+    // Every point has its estimate, but for those that have no tangent.
+    let singular = |k: usize| points[k].has_event("kink") || points[k].has_event("branch-point");
+    assert!((0..points.len()).all(|k| points[k].error_estimate.is_some() || singular(k)));
+    assert!(points.iter().any(|p| p.has_event("accuracy-limit")));
+    // The stretches that are named have all points beyond the accuracy, and no others.
+    let stretches = branch.beyond_accuracy();
+    let named = |k: usize| stretches.iter().any(|s| (s.points[0]..=s.points[1]).contains(&k));
+    let beyond = |k: usize| points[k].error_estimate.map(|e| e > asked);
+    assert!((0..points.len()).all(|k| beyond(k).is_none_or(|beyond| beyond == named(k))));
+    assert!(reached.points_beyond > 0 && reached.points_beyond < points.len(), "{reached:?}");
+    // It does not turn back: after the linear mode has been left, the contact closes at every point.
+    assert!(points[1..].iter().all(|p| p.contact_fraction > 0.0));
+}
+
+/// A resonance with a harmonic between 15 and 20 makes the error of the rod of 10 elements with 6 of them: the estimate has to reach that far.
+#[test]
+fn the_estimate_sees_resonances_far_beyond_the_harmonics() {
+    let model = rod(10);
+    let start = BranchStart::Energy { ratio: 8.0, upward: true };
+    let wanted = BranchSettings { accuracy: None, harmonics: 30, start, max_points: 1, ..settings(1e-3, 10.0) };
+    let fine = compute(&model, &wanted);
+    let begin = grazing(&fine.structure, 1).unwrap();
+    let solver = solver_by_name("active-set").unwrap();
+    let method = |harmonics| MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let mut from = (fine.unknowns[0].clone(), fine.problem(0).unwrap().series());
+    for harmonics in [20, 14, 10, 8, 6] {
+        let mut problem =
+            MixedShooting::new(&fine.structure, method(harmonics), begin.scales(), solver.as_ref()).unwrap();
+        let mut energy = vec![0.0; problem.dim() + 1];
+        energy[problem.dim()] = 1.0;
+        let one = Continuation { max_points: 1, ..Continuation::default() };
+        let x = problem.resized(&from.0, from.1);
+        let found = one.run(&mut problem, &x, 8_f64.ln(), &energy, |_| ControlFlow::Continue(())).unwrap();
+        let point = found.points[0].clone();
+        let mut modal = problem.modal_point(&point.x, point.residual).unwrap();
+        let mut estimator =
+            TruncationEstimator::new(&fine.structure, method(harmonics), begin.scales(), solver.as_ref()).unwrap();
+        modal.error_estimate = Some(estimator.estimate(&point.x, point.p, &point.tangent).frequency);
+        let (error, estimate) = error_of(&model, &modal);
+        assert!((0.5..10.0).contains(&(estimate / error)), "{harmonics}: {estimate:e} for {error:e}");
+        from = (point.x, problem.series());
+    }
 }
 
 #[test]

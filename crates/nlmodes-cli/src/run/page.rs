@@ -48,6 +48,11 @@ pub fn write(
     if let Some(text) = modal_model(&scene.structure) {
         report = report.line(text);
     }
+    for computed in all {
+        if let Some(table) = beyond_accuracy(computed) {
+            report = report.table(table);
+        }
+    }
     for (k, scene) in scenes.iter().enumerate().skip(1) {
         report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
     }
@@ -84,6 +89,24 @@ fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
         positive: contact.side.sign() > 0.0,
     };
     computed.structure.model().contacts().iter().map(line).collect()
+}
+
+/// Where the accuracy that was asked for is not reached, if it is not.
+fn beyond_accuracy(computed: &ComputedBranch) -> Option<DataTable> {
+    let stretches = computed.beyond_accuracy();
+    let points = computed.accuracy?.points_beyond;
+    let title = format!("{points} of {} points do not reach the accuracy", computed.branch.points.len());
+    let head = ["first point", "last point", "lowest frequency, Hz", "highest frequency, Hz", "largest estimated error"];
+    let mut table = DataTable::new(title, &head);
+    table.rows = stretches
+        .iter()
+        .map(|stretch| {
+            let hz = stretch.frequency.map(|omega| format!("{:.6}", omega / TAU));
+            let estimate = format!("{:.1e}", stretch.largest_estimate);
+            stretch.points.map(|k| k.to_string()).into_iter().chain(hz).chain([estimate]).collect()
+        })
+        .collect();
+    (!stretches.is_empty()).then_some(table)
 }
 
 fn linear_table(found: &LinearFrequencies) -> DataTable {

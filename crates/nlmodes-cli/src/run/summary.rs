@@ -8,7 +8,7 @@ use std::time::Duration;
 use nlmodes::modal::Tongue;
 use nlmodes::model::StructuralModel;
 use nlmodes::report::write_summary;
-use nlmodes::study::{ComputedBranch, ComputedTree};
+use nlmodes::study::{BeyondAccuracy, ComputedBranch, ComputedTree};
 use nlmodes::timestep::UNIT_CIRCLE;
 use serde::Serialize;
 
@@ -77,6 +77,25 @@ struct AccuracyUsed {
     changes_of_harmonics: usize,
     held_modes: usize,
     held_modes_of: usize,
+    not_reached: Vec<NotReached>,
+}
+
+/// Points in a row that do not reach the accuracy.
+#[derive(Serialize)]
+struct NotReached {
+    points: [usize; 2],
+    frequency_hz: [f64; 2],
+    largest_error_estimate: f64,
+}
+
+impl From<&BeyondAccuracy> for NotReached {
+    fn from(stretch: &BeyondAccuracy) -> Self {
+        Self {
+            points: stretch.points,
+            frequency_hz: stretch.frequency.map(|omega| omega / TAU),
+            largest_error_estimate: stretch.largest_estimate,
+        }
+    }
 }
 
 impl AccuracyUsed {
@@ -93,6 +112,7 @@ impl AccuracyUsed {
             changes_of_harmonics: reached.changes,
             held_modes: computed.structure.n_held_modes(),
             held_modes_of: computed.structure.model().linear_dofs().len(),
+            not_reached: computed.beyond_accuracy().iter().map(NotReached::from).collect(),
         })
     }
 }

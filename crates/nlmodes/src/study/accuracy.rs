@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_hbm::{CondensedStructure, TruncationError};
+use nlmodes_modal::ModalPoint;
 use nlmodes_model::MasslessContactModel;
 
 use super::{BranchSettings, StudyError};
@@ -33,6 +34,42 @@ pub struct AccuracyReached {
     pub harmonics: [usize; 2],
 }
 
+/// Points in a row whose estimate is larger than what was asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct BeyondAccuracy {
+    /// Index of the first and of the last one.
+    pub points: [usize; 2],
+    /// Lowest and highest angular frequency among them, rad/s.
+    pub frequency: [f64; 2],
+    /// Largest estimate among them.
+    pub largest_estimate: f64,
+}
+
+/// The stretches of a branch beyond an accuracy. Points without an estimate are between two others part of a stretch, but do not make one.
+pub(super) fn beyond(points: &[ModalPoint], error: f64) -> Vec<BeyondAccuracy> {
+    let mut all: Vec<BeyondAccuracy> = Vec::new();
+    let mut open = false;
+    for (k, point) in points.iter().enumerate() {
+        let Some(estimate) = point.error_estimate else { continue };
+        if estimate <= error {
+            open = false;
+            continue;
+        }
+        let omega = point.omega;
+        match all.last_mut().filter(|_| open) {
+            Some(last) => {
+                last.points[1] = k;
+                last.frequency = [last.frequency[0].min(omega), last.frequency[1].max(omega)];
+                last.largest_estimate = last.largest_estimate.max(estimate);
+            }
+            None => all.push(BeyondAccuracy { points: [k, k], frequency: [omega; 2], largest_estimate: estimate }),
+        }
+        open = true;
+    }
+    all
+}
+
 /// Share of the permitted error that the harmonics may cause; the rest is for the held modes.
 const OF_HARMONICS: f64 = 0.7;
 
@@ -54,6 +91,15 @@ const PATIENCE: usize = 5;
 /// Points after a failed trial of fewer harmonics before the next one.
 const AFTER_FAILURE: usize = 25;
 
+/// More harmonics help if they lower the estimate at least to this share.
+const HELPS: f64 = 0.5;
+
+/// Trials of more harmonics in a row that do not help before the most are tried.
+const IN_VAIN: usize = 2;
+
+/// Points for which the number stays after it was found that more do not help, the first time and at most; each time it doubles.
+const STAY: (usize, usize) = (8, 128);
+
 /// Harmonics and error of the two-element rod, from which the first number is extrapolated.
 const KNOWN: (f64, f64) = (5.0, 5.6e-6);
 
@@ -68,6 +114,9 @@ pub(super) enum Decision {
     More(usize),
     /// It counts although its error is too large: there are no more harmonics.
     Limit,
+    /// It does not: more harmonics than this have been tried since the last point that does, and do not help. The branch goes on
+    /// from that point with these.
+    InVain(usize),
     /// The modes of the held structure do not suffice.
     Modes,
 }
@@ -86,13 +135,40 @@ pub(super) struct Control {
     pause: usize,
     /// Whether the number was lowered last.
     lowered: bool,
-    /// Points for which the number stays, since no solution with another one was found.
+    /// Points for which the number stays, since no solution with another one was found, or more do not help.
     stays: usize,
+    /// How long it stays the next time.
+    next_stay: usize,
+    /// What more harmonics have brought since the last point that was shown.
+    raised: Raised,
+    /// Points in a row that reach the accuracy.
+    good: usize,
+}
+
+/// Trials of more harmonics from one point on.
+#[derive(Debug, Clone, Copy, Default)]
+struct Raised {
+    /// The number that was last shown to help, with its estimate where that is too large; at first the one in use.
+    best: Option<(usize, f64)>,
+    /// Trials since then.
+    in_vain: usize,
 }
 
 impl Control {
     pub fn new(accuracy: Accuracy, fewest: usize, more_modes: bool) -> Self {
-        Self { accuracy, fewest, more_modes, harmonics: fewest, easy: (0, 0), pause: 0, lowered: false, stays: 0 }
+        Self {
+            accuracy,
+            fewest,
+            more_modes,
+            harmonics: fewest,
+            easy: (0, 0),
+            pause: 0,
+            lowered: false,
+            stays: 0,
+            next_stay: STAY.0,
+            raised: Raised::default(),
+            good: 0,
+        }
     }
 
     /// The branch goes on with another number of harmonics.
@@ -110,11 +186,19 @@ impl Control {
         self.pause = AFTER_FAILURE;
     }
 
-    /// No solution with another number of harmonics was found here.
+    /// No solution with another number of harmonics was found here, or more do not help. Each time it stays longer.
     pub fn stay(&mut self) {
-        (self.stays, self.pause) = (AFTER_FAILURE, AFTER_FAILURE);
+        (self.stays, self.pause) = (self.next_stay, self.next_stay);
+        self.next_stay = (2 * self.next_stay).min(STAY.1);
+        self.raised = Raised::default();
     }
 
+    /// Points of the present number of harmonics are shown: it serves.
+    pub fn serves(&mut self) {
+        self.raised = Raised::default();
+    }
+
+    /// What is done after a point with this estimate.
     pub fn decide(&mut self, error: &TruncationError) -> Decision {
         let harmonics = self.harmonics;
         if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
@@ -124,15 +208,12 @@ impl Control {
         let needed = self.needed(own);
         // Not a number where both are infinite.
         if own.is_nan() || own > OF_HARMONICS * self.accuracy.error {
-            self.stays = self.stays.saturating_sub(1);
-            if harmonics >= self.accuracy.max_harmonics || self.stays > 0 {
-                let within = error.frequency <= self.accuracy.error;
-                return if within { Decision::Keep } else { Decision::Limit };
-            }
-            let most = (GROWTH * harmonics as f64).ceil() as usize;
-            return Decision::More(
-                needed.clamp(harmonics + 2, most.max(harmonics + 2)).min(self.accuracy.max_harmonics),
-            );
+            self.good = 0;
+            return self.too_large(error, needed);
+        }
+        self.good += 1;
+        if self.good >= PATIENCE {
+            (self.stays, self.next_stay) = (0, STAY.0);
         }
         self.pause = self.pause.saturating_sub(1);
         if self.pause > 0 || needed as f64 > WORTH_LESS * harmonics as f64 || needed < self.fewest {
@@ -141,6 +222,41 @@ impl Control {
         }
         self.easy = (self.easy.0 + 1, self.easy.1.max(needed));
         if self.easy.0 < PATIENCE { Decision::Keep } else { Decision::Fewer(self.easy.1) }
+    }
+
+    /// What is done after a point whose harmonics leave out too much.
+    fn too_large(&mut self, error: &TruncationError, needed: usize) -> Decision {
+        let (harmonics, max) = (self.harmonics, self.accuracy.max_harmonics);
+        let as_it_is = if error.frequency <= self.accuracy.error { Decision::Keep } else { Decision::Limit };
+        if self.stays > 0 {
+            self.stays -= 1;
+            return as_it_is;
+        }
+        // Where both are infinite their difference is not a number.
+        let own = Some(error.frequency - error.held_modes).filter(|e| !e.is_nan()).unwrap_or(f64::INFINITY);
+        let Some((best, smallest)) = self.raised.best else {
+            self.raised.best = Some((harmonics, own));
+            return if harmonics < max { self.more(needed) } else { as_it_is };
+        };
+        if own < HELPS * smallest {
+            self.raised = Raised { best: Some((harmonics, own)), in_vain: 0 };
+            return if harmonics < max { self.more(needed) } else { as_it_is };
+        }
+        self.raised.in_vain += 1;
+        match () {
+            () if best >= max => as_it_is,
+            () if harmonics >= max => Decision::InVain(best),
+            () if self.raised.in_vain >= IN_VAIN => Decision::More(max),
+            () => self.more(needed),
+        }
+    }
+
+    /// More harmonics, but not too many at once; as many as that where some more have not helped.
+    fn more(&self, needed: usize) -> Decision {
+        let harmonics = self.harmonics;
+        let most = ((GROWTH * harmonics as f64).ceil() as usize).max(harmonics + 2);
+        let least = if self.raised.in_vain > 0 { most } else { harmonics + 2 };
+        Decision::More(needed.clamp(least, most).min(self.accuracy.max_harmonics))
     }
 
     /// Harmonics with which the error would be what is aimed at, were it to fall with a power of their number.
@@ -223,6 +339,43 @@ mod tests {
         for _ in 1..AFTER_FAILURE {
             assert_eq!(control.decide(&error(1e-12, 0.0)), Decision::Keep);
         }
+    }
+
+    /// A trial of more harmonics after another, none of which lowers the estimate, and then the most.
+    #[test]
+    fn where_more_harmonics_do_not_help_the_number_stays() {
+        let mut control = control(10);
+        let large = error(1e-4, 0.0);
+        for number in [16, 26, 40] {
+            assert_eq!(control.decide(&large), Decision::More(number));
+            control.changed(number);
+        }
+        assert_eq!(control.decide(&large), Decision::InVain(10));
+        // It stays for some points, which count, and for twice as many the next time.
+        for points in [STAY.0, 2 * STAY.0] {
+            control.changed(10);
+            control.stay();
+            for _ in 0..points {
+                assert_eq!(control.decide(&large), Decision::Limit);
+            }
+            assert_eq!(control.decide(&large), Decision::More(16));
+        }
+    }
+
+    #[test]
+    fn the_last_number_that_helped_is_kept() {
+        let mut control = control(10);
+        for (estimate, number) in [(1e-4, 16), (3e-5, 26), (2e-5, 40)] {
+            assert_eq!(control.decide(&error(estimate, 0.0)), Decision::More(number));
+            control.changed(number);
+        }
+        assert_eq!(control.decide(&error(2e-5, 0.0)), Decision::InVain(16));
+        // The most, which do help, stay although they do not suffice.
+        let mut control = self::control(30);
+        assert_eq!(control.decide(&error(1e-4, 0.0)), Decision::More(40));
+        control.changed(40);
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::Limit);
+        assert_eq!(control.decide(&error(1e-5, 0.0)), Decision::Limit);
     }
 
     #[test]

@@ -5,11 +5,13 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, StopReason};
 use nlmodes_hbm::{RealSeries, TruncationError};
 
+use super::StudyError;
 use super::accuracy::{Control, Decision};
+use super::homotopy::{self, Effort};
 use super::prepare::continuation;
+use super::stability::length;
 use super::start::{Seed, one_point};
 use super::trace::{First, Found, Shown, Tracer, Viewer};
-use super::{StudyError, homotopy};
 
 /// Event of the first point with another number of harmonics; it lies where the one before it lies.
 pub(super) const HARMONICS: &str = "harmonics";
@@ -19,6 +21,9 @@ pub(super) const UNPROVEN: &str = "harmonics-unproven";
 
 /// Event of the first point from which on the most harmonics do not reach the accuracy.
 pub(super) const LIMIT: &str = "accuracy-limit";
+
+/// Event of the point from which on more harmonics do not help: the branch goes on with those that it has.
+pub(super) const IN_VAIN: &str = "harmonics-no-help";
 
 /// Smallest cosine between the tangents with the old and the new number of harmonics.
 const SAME_WAY: f64 = 0.9;
@@ -30,8 +35,24 @@ const AHEAD: [f64; 3] = [0.0, 1e-3, 1e-2];
 /// Points that are gone back where none is found.
 const BACK: [usize; 4] = [1, 3, 6, 10];
 
-/// Largest change of the unknowns with the number of harmonics; a solution further away is another one.
+/// Largest change of the unknowns with the number of harmonics, whatever the estimate says; a solution further away is another one.
 const NEAR: f64 = 0.1;
+
+/// Largest change over the estimated one, and the smallest estimate that counts.
+const OFF: f64 = 2.0;
+const RESOLVED: f64 = 1e-7;
+
+/// Distance over the estimated error below which points cannot be told apart, and how far a branch is off the chord between two points,
+/// over their distance.
+const LIKE: f64 = 4.0;
+const STRAIGHT: f64 = 0.1;
+
+/// Share of the unknowns within which points with different numbers of harmonics are the same, if that many in a row are.
+const BACK_WITHIN: f64 = 0.02;
+const SURELY_BACK: usize = 3;
+
+/// Logarithm of the energy by which a branch from grazing is back on the linear mode below it.
+const BELOW: f64 = 1e-4;
 
 /// Share of the energy in the tangent above which the energy is kept when the number of harmonics changes.
 const ENERGY_CHANGES: f64 = 0.05;
@@ -51,6 +72,46 @@ struct Stretch {
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
+    /// Where more harmonics are tried until points with them are shown.
+    tried_from: Option<Trial>,
+    /// They have not helped, which the next point is to say.
+    in_vain: bool,
+    /// Changes of the number of harmonics, until they are undone.
+    changes: Vec<Undo>,
+    /// Points in a row since the last one that lie where the branch has been before it.
+    back: usize,
+    /// The branch began at grazing, with growing energy.
+    from_grazing: bool,
+}
+
+/// Where the number of harmonics was changed.
+struct Undo {
+    base: (BranchPoint, RealSeries),
+    base_is_accurate: bool,
+    /// Points shown by then, and of these the accurate ones.
+    kept: usize,
+    passed: usize,
+}
+
+/// Where more harmonics are tried from, and what was taken back for it.
+struct Trial {
+    base: (BranchPoint, RealSeries),
+    base_is_shown: bool,
+    base_is_accurate: bool,
+    first: Vec<String>,
+    known: bool,
+    taken_back: Option<(Found, Vec<(BranchPoint, RealSeries, usize)>)>,
+}
+
+/// Why a run with one number of harmonics gives way to another.
+#[derive(Clone, Copy)]
+enum Change {
+    /// This number takes over.
+    To(usize),
+    /// More than this number have been tried in vain.
+    BackTo(usize),
+    /// Since the last one the branch runs back to where it came from.
+    Undo,
 }
 
 impl Tracer<'_> {
@@ -80,44 +141,130 @@ impl Tracer<'_> {
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
+            tried_from: None,
+            in_vain: false,
+            changes: Vec::new(),
+            back: 0,
+            from_grazing: matches!(first, First::Named("grazing")),
         };
         let mut from = seed.clone();
         self.set_harmonics(from.harmonics)?;
         control.changed(from.harmonics);
         loop {
             let (stop, change) = self.run(control, &from, bound, &mut stretch, &mut found, each)?;
-            let Some(harmonics) = change else { return Ok((found, stop)) };
-            let Some((base, series)) = stretch.base.clone() else { return Ok((found, stop)) };
-            match self.carried_over(&base, series, harmonics)? {
-                Some(seed) => {
-                    if stretch.base_is_shown {
-                        (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
-                        found.changes += 1;
+            let Some(change) = change else { return Ok((found, stop)) };
+            from = match change {
+                Change::BackTo(harmonics) => {
+                    if give_back(&mut stretch, &mut found, each).is_break() {
+                        return Ok((found, StopReason::Stopped));
                     }
-                    control.changed(seed.harmonics);
-                    from = seed;
-                }
-                None => {
-                    if let Some(seed) = self.taken_back(&mut stretch, &mut found, series, harmonics)? {
-                        if each(Shown::Withdrawn(found.points.len())).is_break() {
-                            return Ok((found, StopReason::Stopped));
-                        }
-                        control.changed(seed.harmonics);
-                        control.pause();
-                        from = seed;
-                        continue;
-                    }
-                    if stretch.base_is_shown {
-                        (stretch.first, stretch.known) = (Vec::new(), true);
-                    }
-                    let harmonics = series.n_harmonics;
-                    self.set_harmonics(harmonics)?;
-                    control.changed(harmonics);
+                    let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
+                    let seed = self.back_to(control, &mut stretch, &mut found, base, harmonics)?;
                     control.stay();
-                    from = Seed { x: base.x, p: base.p, direction: base.tangent, harmonics };
+                    seed
                 }
-            }
+                Change::Undo => {
+                    let Some(undo) = stretch.changes.pop() else { return Ok((found, stop)) };
+                    stretch.back = 0;
+                    found.truncate(undo.kept);
+                    stretch.passed.truncate(undo.passed);
+                    if each(Shown::Withdrawn(found.points.len())).is_break() {
+                        return Ok((found, StopReason::Stopped));
+                    }
+                    (stretch.base_is_shown, stretch.base_is_accurate) = (true, undo.base_is_accurate);
+                    (stretch.base, stretch.tried_from, stretch.in_vain) = (Some(undo.base.clone()), None, true);
+                    let (base, series) = undo.base;
+                    let seed = self.unchanged(control, &mut stretch, base, series)?;
+                    control.stay();
+                    seed
+                }
+                Change::To(harmonics) => {
+                    let Some(base) = stretch.base.clone() else { return Ok((found, stop)) };
+                    stretch.begin_trial(&base, harmonics);
+                    let before = found.points.len();
+                    let undo = stretch.undo(&base, found.points.len());
+                    let seed = self.go_on_with(control, &mut stretch, &mut found, base, harmonics)?;
+                    if seed.harmonics != undo.base.1.n_harmonics && found.points.len() == undo.kept {
+                        stretch.changes.push(undo);
+                        stretch.back = 0;
+                    }
+                    if found.points.len() < before && each(Shown::Withdrawn(found.points.len())).is_break() {
+                        return Ok((found, StopReason::Stopped));
+                    }
+                    seed
+                }
+            };
         }
+    }
+
+    /// The beginning with another number of harmonics at the base, or if there is none some points earlier, or else with the same number.
+    fn go_on_with(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        found: &mut Found,
+        (base, series): (BranchPoint, RealSeries),
+        harmonics: usize,
+    ) -> Result<Seed, StudyError> {
+        if let Some(seed) = self.carried_over(found, &base, series, harmonics, true)? {
+            if stretch.base_is_shown {
+                (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+                found.changes += 1;
+            }
+            control.changed(seed.harmonics);
+            return Ok(seed);
+        }
+        if let Some(seed) = self.taken_back(stretch, found, series, harmonics)? {
+            control.changed(seed.harmonics);
+            control.pause();
+            return Ok(seed);
+        }
+        if harmonics > series.n_harmonics {
+            control.stay();
+        } else {
+            control.pause();
+        }
+        self.unchanged(control, stretch, base, series)
+    }
+
+    /// The beginning at the base with its own number of harmonics.
+    fn unchanged(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        base: BranchPoint,
+        series: RealSeries,
+    ) -> Result<Seed, StudyError> {
+        if stretch.base_is_shown {
+            (stretch.first, stretch.known) = (Vec::new(), true);
+        }
+        let harmonics = series.n_harmonics;
+        self.set_harmonics(harmonics)?;
+        control.changed(harmonics);
+        Ok(Seed { x: base.x, p: base.p, direction: base.tangent, harmonics })
+    }
+
+    /// The beginning at the base after more harmonics have been tried from there: with the best of them, or its own.
+    fn back_to(
+        &mut self,
+        control: &mut Control,
+        stretch: &mut Stretch,
+        found: &mut Found,
+        (base, series): (BranchPoint, RealSeries),
+        harmonics: usize,
+    ) -> Result<Seed, StudyError> {
+        stretch.in_vain = true;
+        let better = match harmonics > series.n_harmonics {
+            true => self.carried_over(found, &base, series, harmonics, true)?,
+            false => None,
+        };
+        let Some(seed) = better else { return self.unchanged(control, stretch, base, series) };
+        if stretch.base_is_shown {
+            (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+            found.changes += 1;
+        }
+        control.changed(seed.harmonics);
+        Ok(seed)
     }
 
     /// One run with the same number of harmonics, and that with which it is to go on.
@@ -129,7 +276,7 @@ impl Tracer<'_> {
         stretch: &mut Stretch,
         found: &mut Found,
         each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
-    ) -> Result<(StopReason, Option<usize>), StudyError> {
+    ) -> Result<(StopReason, Option<Change>), StudyError> {
         let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
         method.bounds.extend(bound);
         stretch.waiting.clear();
@@ -138,7 +285,9 @@ impl Tracer<'_> {
         let (Some(estimator), Some(problem)) = (self.estimator.as_mut(), self.problem.harmonics()) else {
             return Ok((StopReason::Stopped, None));
         };
-        let (viewer, too_few_modes, series) = (&mut self.viewer, &mut self.too_few_modes, problem.series());
+        let (viewer, too_few_modes) = (&mut self.viewer, &mut self.too_few_modes);
+        let series = problem.series();
+        let place = Place { series, contacts: self.structure.n_contact_dofs(), energy: self.grazing.energy };
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let branch = method.run_with_log(problem, &from.x, from.p, &from.direction, log, |point| {
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
@@ -155,6 +304,10 @@ impl Tracer<'_> {
                 stretch.waiting.push((point.clone(), error, names));
                 return ControlFlow::Continue(());
             };
+            if stretch.runs_back(point, &error, found, &place) {
+                change = Some(Change::Undo);
+                return ControlFlow::Break(());
+            }
             let decision = control.decide(&error);
             match decision {
                 Decision::Modes => {
@@ -165,12 +318,19 @@ impl Tracer<'_> {
                     if stretch.base.is_none() {
                         stretch.base = Some((point.clone(), series));
                     }
-                    change = Some(harmonics);
+                    change = Some(Change::To(harmonics));
+                    return ControlFlow::Break(());
+                }
+                Decision::InVain(harmonics) => {
+                    change = Some(Change::BackTo(harmonics));
                     return ControlFlow::Break(());
                 }
                 Decision::Limit => {
                     if !std::mem::replace(&mut stretch.at_limit, true) {
                         names.push(LIMIT.to_owned());
+                    }
+                    if std::mem::take(&mut stretch.in_vain) {
+                        names.push(IN_VAIN.to_owned());
                     }
                 }
                 Decision::Keep | Decision::Fewer(_) => stretch.at_limit = false,
@@ -186,17 +346,23 @@ impl Tracer<'_> {
                 return ControlFlow::Continue(());
             }
             stretch.base_is_shown = true;
+            stretch.tried_from = None;
+            control.serves();
             show(stretch, found, viewer, each)?;
             if stretch.base_is_accurate {
                 stretch.passed.push((point.clone(), series, found.points.len()));
             }
             if let Decision::Fewer(harmonics) = decision {
-                change = Some(harmonics);
+                change = Some(Change::To(harmonics));
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         })?;
         found.count(&branch);
+        // With more harmonics there is no way on, with those before there may be.
+        if let (StopReason::StepTooSmall { .. }, None, Some(trial)) = (&branch.stop, change, &stretch.tried_from) {
+            change = Some(Change::BackTo(trial.base.1.n_harmonics));
+        }
         if change.is_none() && !self.too_few_modes {
             let _ = show(stretch, found, viewer, each);
         }
@@ -217,10 +383,17 @@ impl Tracer<'_> {
         for back in BACK {
             let Some(index) = stretch.passed.len().checked_sub(back + 1) else { return Ok(None) };
             let (base, series, kept) = stretch.passed[index].clone();
-            if let Some(seed) = self.carried_over(&base, series, harmonics)? {
-                found.truncate(kept);
+            if let Some(seed) = self.carried_over(found, &base, series, harmonics, false)? {
+                let passed = stretch.passed.split_off(index + 1);
+                let mut taken_back = (found.split_off(kept), passed);
+                if let Some(trial) = &mut stretch.tried_from {
+                    if let Some((points, mut passed)) = trial.taken_back.take() {
+                        taken_back.0.append(points);
+                        taken_back.1.append(&mut passed);
+                    }
+                    trial.taken_back = Some(taken_back);
+                }
                 found.changes += 1;
-                stretch.passed.truncate(index + 1);
                 (stretch.base, stretch.base_is_shown, stretch.base_is_accurate) = (Some((base, series)), true, true);
                 (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
                 return Ok(Some(seed));
@@ -233,11 +406,16 @@ impl Tracer<'_> {
     /// ahead of it; `None` where Newton's method finds none.
     fn carried_over(
         &mut self,
+        earlier: &Found,
         base: &BranchPoint,
         series: RealSeries,
         harmonics: usize,
+        deform: bool,
     ) -> Result<Option<Seed>, StudyError> {
         let most = self.settings.accuracy.map_or(usize::MAX, |accuracy| accuracy.max_harmonics);
+        self.set_harmonics(series.n_harmonics)?;
+        let own = self.estimator.as_mut().map(|own| own.estimate(&base.x, base.p, &base.tangent).motion);
+        let expected = own.filter(|_| harmonics > series.n_harmonics);
         let tries = AHEAD.into_iter().flat_map(|ahead| FURTHER.map(|more| ((harmonics + more).min(most), ahead)));
         for (harmonics, ahead) in tries {
             self.set_harmonics(harmonics)?;
@@ -250,19 +428,143 @@ impl Tracer<'_> {
             let keeps_energy = direction[last].abs() > ENERGY_CHANGES;
             for across in [Some(&energy).filter(|_| keeps_energy), Some(&direction)].into_iter().flatten() {
                 let coordinate = if std::ptr::eq(across, &energy) { last } else { self.problem.frequency_index() };
-                let found = one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log)
-                    .or_else(|| homotopy::solve(&mut self.problem, &z, coordinate, &self.settings.step, self.log));
+                let found =
+                    one_point(&self.settings, self.grazing, &mut self.problem, &z, across, self.log).or_else(|| {
+                        if !deform || ahead > 0.0 {
+                            return None;
+                        }
+                        let step = &self.settings.step;
+                        homotopy::solve(&mut self.problem, &z, coordinate, step, Effort::LITTLE, self.log)
+                    });
                 let near = |x: &[f64], p: f64| {
                     let moved = x.iter().chain([&p]).zip(&z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
                     moved.sqrt() < NEAR
                 };
-                if let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) {
-                    return Ok(Some(Seed { x, p, direction: direction.clone(), harmonics }));
+                let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) else { continue };
+                let seed = Seed { x, p, direction: direction.clone(), harmonics };
+                if self.is_same(&seed, &z, expected, earlier)? {
+                    return Ok(Some(seed));
                 }
             }
         }
         Ok(None)
     }
+
+    /// Whether a solution with another number of harmonics than the guess `z` is shown to be on the same branch: its tangent points
+    /// the same way, and it lies no further off than the estimate with the fewer harmonics of the two says, which is `expected` where
+    /// these are those of the guess. Next to a tongue that only one of them knows neither holds.
+    fn is_same(&mut self, seed: &Seed, z: &[f64], expected: Option<f64>, earlier: &Found) -> Result<bool, StudyError> {
+        let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
+        method.max_points = 1;
+        let (problem, log) = (&mut self.problem, &mut *self.log);
+        let run = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |_| ControlFlow::Continue(()));
+        let Some(point) = run.ok().and_then(|run| run.points.into_iter().next()) else { return Ok(false) };
+        if !same_way(&point.tangent, &seed.direction) {
+            return Ok(false);
+        }
+        let own = self.estimator.as_mut().map(|own| own.estimate(&point.x, point.p, &point.tangent).motion);
+        let expected = expected.or(own).unwrap_or(f64::INFINITY).max(RESOLVED);
+        let moved = point.z().iter().zip(z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let expected = expected * length(&point.x);
+        let Some(problem) = self.problem.harmonics() else { return Ok(false) };
+        let place =
+            Place { series: problem.series(), contacts: self.structure.n_contact_dofs(), energy: self.grazing.energy };
+        Ok(moved <= OFF * expected && !place.passed_before(&point, LIKE * expected, earlier, usize::MAX))
+    }
+}
+
+/// The unknowns of a number of harmonics.
+struct Place {
+    series: RealSeries,
+    /// Contact coordinates.
+    contacts: usize,
+    /// At grazing, J.
+    energy: f64,
+}
+
+impl Place {
+    /// Unknowns with another number of harmonics, as these.
+    fn resized(&self, x: &[f64], from: RealSeries) -> Vec<f64> {
+        let (n, width) = (self.contacts, from.width());
+        let coefficients = (0..n).flat_map(|d| from.resized(&x[d * width..(d + 1) * width], self.series));
+        coefficients.chain(x[n * width..].iter().copied()).collect()
+    }
+
+    /// Whether the branch has passed here before among its first `count` points, the other way, for all that can be told with this
+    /// error: on the far side of a tongue that only the fewer harmonics have, other ones have but the branch beside it, and lead back along that.
+    fn passed_before(&self, at: &BranchPoint, error: f64, earlier: &Found, count: usize) -> bool {
+        let rises = at.tangent.last().is_some_and(|t| *t > 0.0);
+        let energy = |k: usize| (earlier.points[k].kinetic_energy / self.energy).ln();
+        let harmonics = |k: usize| earlier.points[k].coefficients.n_harmonics();
+        (1..earlier.points.len().min(count)).filter(|&k| harmonics(k) == harmonics(k - 1)).any(|k| {
+            let (from, to) = (energy(k - 1), energy(k));
+            if (to > from) == rises || !(from.min(to)..=from.max(to)).contains(&at.p) {
+                return false;
+            }
+            let share = if to == from { 0.5 } else { (at.p - from) / (to - from) };
+            let (a, b) = (&earlier.unknowns[k - 1], &earlier.unknowns[k]);
+            let between: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect();
+            let series = RealSeries { n_harmonics: harmonics(k), ..self.series };
+            let between = self.resized(&between, series);
+            distance(&between, &at.x) < error + STRAIGHT * distance(a, b)
+        })
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+impl Stretch {
+    /// What it takes to undo a change of the number of harmonics at this base, when so many points are shown.
+    fn undo(&self, base: &(BranchPoint, RealSeries), kept: usize) -> Undo {
+        Undo { base: base.clone(), base_is_accurate: self.base_is_accurate, kept, passed: self.passed.len() }
+    }
+
+    /// Whether the branch has come back to where it was before the last change of the number of harmonics, and goes back along that.
+    fn runs_back(&mut self, point: &BranchPoint, error: &TruncationError, found: &Found, place: &Place) -> bool {
+        let Some(undo) = self.changes.last() else { return false };
+        if self.from_grazing && point.p < -BELOW {
+            return true;
+        }
+        let near = (LIKE * error.motion * length(&point.x)).max(BACK_WITHIN * length(&point.x));
+        let back = place.passed_before(point, near, found, undo.kept);
+        self.back = if back { self.back + 1 } else { 0 };
+        self.back >= SURELY_BACK
+    }
+
+    /// More harmonics are tried from this base, if they are not from an earlier one.
+    fn begin_trial(&mut self, base: &(BranchPoint, RealSeries), harmonics: usize) {
+        if self.tried_from.is_some() || harmonics <= base.1.n_harmonics {
+            return;
+        }
+        self.in_vain = false;
+        self.tried_from = Some(Trial {
+            base: base.clone(),
+            base_is_shown: self.base_is_shown,
+            base_is_accurate: self.base_is_accurate,
+            first: self.first.clone(),
+            known: self.known,
+            taken_back: None,
+        });
+    }
+}
+
+/// Goes back to where more harmonics were tried from, with the points that were taken back for it.
+fn give_back(
+    stretch: &mut Stretch,
+    found: &mut Found,
+    each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let Some(trial) = stretch.tried_from.take() else { return ControlFlow::Continue(()) };
+    stretch.base = Some(trial.base);
+    (stretch.base_is_shown, stretch.base_is_accurate) = (trial.base_is_shown, trial.base_is_accurate);
+    (stretch.first, stretch.known) = (trial.first, trial.known);
+    let Some((points, mut passed)) = trial.taken_back else { return ControlFlow::Continue(()) };
+    stretch.passed.append(&mut passed);
+    let before = found.points.len();
+    found.append(points);
+    found.points[before..].iter().map(Shown::Point).try_for_each(each)
 }
 
 /// Shows the points that wait.

@@ -7,6 +7,7 @@ use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory,
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
+use super::accuracy::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
 use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};
@@ -112,6 +113,11 @@ impl ComputedBranch {
         self
     }
 
+    /// The stretches on which the accuracy that was asked for is not reached; none where none was asked for.
+    pub fn beyond_accuracy(&self) -> Vec<BeyondAccuracy> {
+        self.settings.accuracy.map_or_else(Vec::new, |wanted| beyond(&self.branch.points, wanted.error))
+    }
+
     /// The tongues of internal resonances on the branch.
     pub fn tongues(&self) -> Vec<Tongue> {
         tongues(&self.branch.points)
@@ -155,6 +161,11 @@ impl ComputedBranch {
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
             BranchMethod::Shooting => Err(StudyError::NotHarmonic),
         }
+    }
+
+    /// Whether its motions are exact, by shooting.
+    pub fn is_exact(&self) -> bool {
+        self.settings.method == BranchMethod::Shooting
     }
 
     /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.

@@ -3,9 +3,32 @@
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, RunLog, StepSettings, StopReason};
+use thiserror::Error;
 
-/// Most points on the way to a solution.
-const MOST: usize = 500;
+/// What may be spent on the way to a solution. A search for the arms of a corner on it, among a hundred unknowns, may take a hundred
+/// thousand evaluations: there are other ways.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    points: usize,
+    /// For each of them, so that a way that is gone on with after an interruption is the same.
+    evaluations: usize,
+}
+
+impl Effort {
+    /// For a beginning.
+    pub const FULL: Self = Self { points: 500, evaluations: 1000 };
+    /// For one of many tries.
+    pub const LITTLE: Self = Self { points: 20, evaluations: 60 };
+}
+
+/// Why the deformed problem is not evaluated.
+#[derive(Debug, Error)]
+enum HomotopyError<E: std::error::Error + 'static> {
+    #[error(transparent)]
+    System(E),
+    #[error("a step on the way to a solution takes too many evaluations")]
+    TooLong,
+}
 
 /// `R(z) = (1 − s) R(z₀)` with one coordinate of `z` kept, n + 1 equations for `z` with the parameter `s`: solved by `z₀` at
 /// `s = 0`, and by a solution of `R(z) = 0` at `s = 1`.
@@ -16,18 +39,25 @@ struct Homotopy<'a, S> {
     defect: Vec<f64>,
     coordinate: usize,
     value: f64,
+    /// Evaluations since the last step, and how many there may be.
+    spent: usize,
+    most: usize,
 }
 
 impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
-    type Error = S::Error;
+    type Error = HomotopyError<S::Error>;
 
     fn dim(&self) -> usize {
         self.defect.len() + 1
     }
 
-    fn linearize(&mut self, z: &[f64], s: f64, out: &mut Linearization) -> Result<(), S::Error> {
+    fn linearize(&mut self, z: &[f64], s: f64, out: &mut Linearization) -> Result<(), Self::Error> {
         let n = self.defect.len();
-        self.system.linearize(&z[..n], z[n], &mut self.inner)?;
+        self.spent += 1;
+        if self.spent > self.most {
+            return Err(HomotopyError::TooLong);
+        }
+        self.system.linearize(&z[..n], z[n], &mut self.inner).map_err(HomotopyError::System)?;
         for i in 0..n {
             out.residual[i] = self.inner.residual[i] - (1.0 - s) * self.defect[i];
             (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
@@ -45,25 +75,29 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
 
     fn accepted(&mut self, z: &[f64], _: f64) {
         let n = self.defect.len();
+        self.spent = 0;
         self.system.accepted(&z[..n], z[n]);
     }
 }
 
-/// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that leads nowhere.
+/// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that leads nowhere
+/// or takes more than it may.
 pub(super) fn solve<S: ParametricSystem>(
     system: &mut S,
     z: &[f64],
     coordinate: usize,
     step: &StepSettings,
+    effort: Effort,
     log: &mut dyn RunLog,
 ) -> Option<(Vec<f64>, f64)> {
     let n = z.len() - 1;
     let mut inner = Linearization::new(n);
     system.linearize(&z[..n], z[n], &mut inner).ok()?;
     let defect = inner.residual.clone();
-    let mut homotopy = Homotopy { system, inner, defect, coordinate, value: z[coordinate] };
+    let (value, most) = (z[coordinate], effort.evaluations);
+    let mut homotopy = Homotopy { system, inner, defect, coordinate, value, spent: 0, most };
     let bounds = vec![Bound { coordinate: n + 1, min: -0.5, max: 1.0 }];
-    let method = Continuation { step: step.clone(), bounds, max_points: MOST, ..Continuation::default() };
+    let method = Continuation { step: step.clone(), bounds, max_points: effort.points, ..Continuation::default() };
     let mut direction = vec![0.0; n + 2];
     direction[n + 1] = 1.0;
     let branch = method.run_with_log(&mut homotopy, z, 0.0, &direction, log, |_| ControlFlow::Continue(())).ok()?;

@@ -5,7 +5,7 @@ use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
 use nlmodes_modal::ModalPoint;
 
-use super::homotopy;
+use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::{continuation, periodic, problem, within_window};
 use super::touching::beginning;
@@ -175,7 +175,7 @@ fn exact_seed(
     let guess: Vec<f64> = x.into_iter().chain([p]).collect();
     let direction = along((&problem).into(), start, target, true);
     let (x, p) = one_point(settings, start, &mut problem, &guess, &direction, log)
-        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, log))
+        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, Effort::FULL, log))
         .ok_or_else(|| {
             target.not_found("Newton's method does not lead from harmonics to an exact motion".to_owned())
         })?;
@@ -206,7 +206,7 @@ fn refined_from(
         let (coordinate, _) = target.coordinate((&problem).into(), start);
         let mut problem = Periodic::Harmonics(Box::new(problem));
         let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
-            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, log))
+            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, Effort::FULL, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
         series = finer;
         (x, p) = corrected;

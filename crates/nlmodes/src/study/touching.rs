@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
 
-use super::homotopy;
+use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::problem;
 use super::start::{FEW, Seed, ladder, one_point};
@@ -73,7 +73,7 @@ fn refined_from(
         let mut energy = vec![0.0; dim + 1];
         energy[dim] = 1.0;
         let corrected = one_point(&finer, start, &mut problem, &guess, &energy, log)
-            .or_else(|| homotopy::solve(&mut problem, &guess, dim, &finer.step, log));
+            .or_else(|| homotopy::solve(&mut problem, &guess, dim, &finer.step, Effort::FULL, log));
         let Some((found, _)) = corrected else {
             return Err(StudyError::NoStartTouching {
                 reason: format!("Newton's method fails with {harmonics} harmonics"),

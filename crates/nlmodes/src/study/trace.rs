@@ -364,6 +364,13 @@ impl Found {
         self.last = None;
     }
 
+    /// Takes all points but the first `count` away.
+    pub(super) fn split_off(&mut self, count: usize) -> Found {
+        let (points, unknowns) = (self.points.split_off(count), self.unknowns.split_off(count));
+        self.last = None;
+        Found { points, unknowns, ..Found::default() }
+    }
+
     /// Takes the points of another run behind its own.
     pub fn append(&mut self, mut other: Found) {
         self.points.append(&mut other.points);

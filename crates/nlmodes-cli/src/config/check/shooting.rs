@@ -3,7 +3,7 @@
 use nlmodes::timestep::MAX_SHOOTING_MODES;
 
 use crate::config::raw::RawMethod;
-use crate::config::scene::{ContactSolver, Switching, Symmetry};
+use crate::config::scene::{Contact, ContactSolver, Switching, Symmetry};
 use crate::config::{Findings, Problem};
 
 pub fn check(method: &RawMethod, findings: &mut Findings<'_>) {
@@ -38,10 +38,43 @@ pub fn check(method: &RawMethod, findings: &mut Findings<'_>) {
     }
 }
 
+/// Refuses stops that touch at rest: shooting begins at a linear mode that grazes.
+pub fn check_gaps(contacts: &[Contact], findings: &mut Findings<'_>) {
+    let touching = contacts.iter().position(|contact| contact.gap == 0.0);
+    let Some(contact) = touching.filter(|_| contacts.iter().all(|contact| contact.gap >= 0.0)) else { return };
+    let problem = Problem::error("shooting has no start where a stop touches at rest")
+        .help("it begins at the linear mode that just touches; method.kind = \"ms-hbm\" starts with a gap of 0 too");
+    findings.put(&format!("contact.{contact}.gap_m"), problem, "expected a positive gap, in m; a small one will do");
+}
+
+/// Modes up to which a branch by shooting takes seconds.
+const MODES_OF_SECONDS: usize = 40;
+
+/// Evaluations a point that branches of structures with so many modes take: most go into the search for other branches where contacts change.
+const EVALUATIONS: f64 = 250.0;
+
+/// Seconds for an evaluation with a hundred modes, which goes with the third power of their number (release build).
+const SECONDS: f64 = 8e-4;
+
+/// Warns of more modes than are sensible.
+fn warn_of_size(found: usize, at: &str, findings: &mut Findings<'_>) {
+    let seconds = EVALUATIONS * SECONDS * (found as f64 / 100.0).powi(3);
+    let text =
+        format!("shooting with {found} modes: some {seconds:.1} s a point, and internal resonances with all of them");
+    let problem = Problem::warning(text).help(
+        "with the tongues of so many modes a branch takes a thousand points and more; `held_modes = 20` in this table \
+         leaves the others to answer statically",
+    );
+    findings.put(at, problem, "expected `held_modes` in this table, 5 to 40");
+}
+
 /// Refuses more held modes than shooting is sensible for; those of a beam that leave its stops at rest are known only when they are computed.
 pub fn check_size(modes: Option<usize>, findings: &mut Findings<'_>) {
-    let Some(found) = modes.filter(|modes| *modes > MAX_SHOOTING_MODES) else { return };
     let path = "method.held_modes";
+    let Some(found) = modes.filter(|modes| *modes > MODES_OF_SECONDS) else { return };
+    if found <= MAX_SHOOTING_MODES {
+        return warn_of_size(found, path, findings);
+    }
     let problem = Problem::error(format!("shooting with {found} modes costs too much"))
         .help("the modes left out answer statically; or take fewer `structure.elements`, or method.kind = \"ms-hbm\"");
     let label = format!("expected `held_modes` in this table: a whole number from 1 to {MAX_SHOOTING_MODES}");
