@@ -414,7 +414,6 @@ fn size() -> Vec<(String, Compute)> {
     vec![
         case("rod of 10, N_h = 3", || follow(tip_rod(10, 0.5)?, &to(20.0, 3))),
         case("rod of 10 000, N_h = 3", || follow(tip_rod(10_000, 0.5)?, &to(3.0, 3))),
-        case("rod of 100 000, N_h = 5", || follow(tip_rod(100_000, 0.5)?, &to(20.0, 5))),
         case("beam of 10 000, N_h = 3", || follow(tip_beam(10_000, 1e-3)?, &to(3.0, 3))),
         case("rod of 10, N_h = 100", || follow(tip_rod(10, 0.5)?, &to(3.0, 100))),
         case("rod of 100, N_h = 100", || follow(tip_rod(100, 0.5)?, &to(1.2, 100))),

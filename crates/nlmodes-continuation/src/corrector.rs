@@ -16,6 +16,10 @@ const FIRM: (f64, f64) = (8.0, 64.0);
 /// Ratio of the pivots above which no direction is nearly free.
 const REGULAR: f64 = 1e-3;
 
+/// Newton step up to which a point is accepted at such a residual whatever the Jacobian says: sums over many modes round more than
+/// most.
+const COARSEST: f64 = 1e-7;
+
 /// Largest distance by which rounding may blur a point that is accepted.
 const MOST_BLURRED: f64 = 1e-5;
 
@@ -242,8 +246,8 @@ impl Corrector {
         if update <= self.resolution {
             return stagnates || firm(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
         }
-        firm(FIRM.1)
-            && (update <= self.blur || ((stagnates || last) && update <= MOST_BLURRED && update <= self.blurred_by()))
+        let rests = update <= MOST_BLURRED && (stagnates || last);
+        firm(FIRM.1) && (update <= self.blur || (rests && update <= self.blurred_by().max(COARSEST)))
     }
 
     /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last: `ε ‖B⁻¹‖`, which is

@@ -98,6 +98,9 @@ impl Plane {
     /// What is large for row `d` of `A − B`, by which harmonics without contact are held: itself, or what a change of `ν²` by its own size
     /// makes of it where it vanishes, in resonance. Beside a contact node that is much stiffer than the structure both are small.
     pub fn size_of_row(&self, d: usize, nu2: f64) -> f64 {
+        if let ([a], [b], [da], [db]) = (&*self.a, &*self.b, &*self.da, &*self.db) {
+            return ((a - b).abs() + nu2 * (da - db).abs()).clamp(SMALLEST_ROW, 1.0);
+        }
         let n = self.a.len().isqrt();
         let row = d * n..(d + 1) * n;
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
