@@ -96,7 +96,8 @@ fn beyond_accuracy(computed: &ComputedBranch) -> Option<DataTable> {
     let stretches = computed.beyond_accuracy();
     let points = computed.accuracy?.points_beyond;
     let title = format!("{points} of {} points do not reach the accuracy", computed.branch.points.len());
-    let head = ["first point", "last point", "lowest frequency, Hz", "highest frequency, Hz", "largest estimated error"];
+    let head =
+        ["first point", "last point", "lowest frequency, Hz", "highest frequency, Hz", "largest estimated error"];
     let mut table = DataTable::new(title, &head);
     table.rows = stretches
         .iter()

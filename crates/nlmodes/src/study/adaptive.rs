@@ -175,7 +175,7 @@ impl Tracer<'_> {
                     (stretch.base, stretch.tried_from, stretch.in_vain) = (Some(undo.base.clone()), None, true);
                     let (base, series) = undo.base;
                     let seed = self.unchanged(control, &mut stretch, base, series)?;
-                    control.stay();
+                    control.undo();
                     seed
                 }
                 Change::To(harmonics) => {
