@@ -98,7 +98,7 @@ const HELPS: f64 = 0.5;
 const IN_VAIN: usize = 2;
 
 /// Changes that may be undone.
-const MOST_UNDONE: usize = 4;
+const MOST_UNDONE: usize = 2;
 
 /// Points for which the number stays after it was found that more do not help, the first time and at most; each time it doubles.
 const STAY: (usize, usize) = (8, 128);
