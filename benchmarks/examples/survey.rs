@@ -1,16 +1,15 @@
-//! Branches of the paper's structures with many numbers of harmonics, as tables of points, events, time and residual.
+//! Branches of the paper's structures with many numbers of harmonics, as tables of points, events, processor time and residual.
 //!
 //! `cargo run --release -p nlmodes-benchmarks --example survey [rod|meshes|beam]`; without an argument all three.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use nlmodes::fem::MassMatrix;
 use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, ResonanceRule, compute_branch};
-use nlmodes_benchmarks::{Failure, beam, rod};
+use nlmodes_benchmarks::{Failure, beam, rod, thread_time};
 
 fn main() -> Result<(), Failure> {
     let wanted = std::env::args().nth(1);
@@ -69,7 +68,7 @@ fn rod_settings(harmonics: usize, start: BranchStart) -> BranchSettings {
     BranchSettings { harmonics, start, frequency_hz, max_energy_ratio: Some(15.0), ..BranchSettings::default() }
 }
 
-const COLUMNS: [&str; 7] = ["points", "refused", "events", "tongues", "end", "largest residual", "ms"];
+const COLUMNS: [&str; 7] = ["points", "refused", "events", "tongues", "end", "largest residual", "CPU, ms"];
 
 fn header(title: &str, first: &[&str]) {
     let columns: Vec<&str> = first.iter().chain(&COLUMNS).copied().collect();
@@ -77,9 +76,9 @@ fn header(title: &str, first: &[&str]) {
 }
 
 fn row(first: &[String], model: MasslessContactModel, settings: &BranchSettings) {
-    let began = Instant::now();
+    let began = thread_time();
     let outcome = compute_branch(model, settings, |_| ControlFlow::Continue(()));
-    let time = began.elapsed().as_secs_f64() * 1e3;
+    let time = (thread_time() - began).as_secs_f64() * 1e3;
     let cells = match outcome {
         Ok(computed) => describe(&computed, time),
         Err(error) => format!("- | - | - | - | no branch: {error} | - | {time:.0}"),

@@ -56,7 +56,7 @@ pub fn cases() -> Result<Vec<Case>, Failure> {
         reduced("beam10", "Beam in ten modes", beam_structure()?, 10, -1.01)?,
         Case {
             leading_harmonics: 3,
-            most_harmonics: 160,
+            most_harmonics: 80,
             ..reduced("ten_stops", "Beam over ten stops, in three modes", stops, 3, -1.08)?
         },
     ])

@@ -17,7 +17,7 @@ use crate::reference::{INSTANTS, Reference, problem, resized};
 const OFF: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
 
 /// Errors of displacement and frequency from which on a solution is another motion.
-const ANOTHER: (f64, f64) = (0.3, 0.15);
+const ANOTHER: (f64, f64) = (0.3, 0.1);
 
 /// A method with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,14 +158,31 @@ pub type Neighbours = BTreeMap<usize, Vec<Vec<f64>>>;
 pub fn exact(case: &Case, reference: &Reference) -> Result<(Vec<Measurement>, Neighbours), Failure> {
     let structure = CondensedStructure::new(reference.model.clone(), usize::MAX)?;
     let (mut all, mut neighbours) = (Vec::new(), Neighbours::new());
-    for h in harmonics(case).into_iter().rev() {
+    for (h, wanted) in descent(case) {
         let setting =
             Setting { method: Method::Exact, harmonics: h, switching: Switching::Exact, solver: "active-set" };
-        let (m, found) = measure(&structure, reference, &setting, &starts(&structure, reference, &neighbours, h)?)?;
-        all.insert(0, m);
+        let starts = starts(&structure, reference, &neighbours, h)?;
+        let (m, found) = match wanted {
+            true => measure(&structure, reference, &setting, &starts)?,
+            false => errors(&structure, reference, &setting, &starts)?,
+        };
+        if wanted {
+            all.insert(0, m);
+        }
         neighbours.insert(h, found);
     }
     Ok((all, neighbours))
+}
+
+/// Numbers of harmonics from the most to the fewest, and whether the study wants them: the smaller ones one by one.
+pub fn descent(case: &Case) -> Vec<(usize, bool)> {
+    const ONE_BY_ONE: usize = 28;
+    let wanted = harmonics(case);
+    (1..=case.most_harmonics)
+        .rev()
+        .filter(|h| *h < ONE_BY_ONE || wanted.contains(h))
+        .map(|h| (h, wanted.contains(&h)))
+        .collect()
 }
 
 /// The exact motion in these harmonics, then what is known with as many or with the next more.
@@ -216,7 +233,7 @@ pub fn contact_solvers(case: &Case, reference: &Reference, known: &Neighbours) -
     Ok(all)
 }
 
-/// Contact stiffnesses over that of the contact node, each solution the start of the next.
+/// Contact stiffnesses over that of the contact node: from the exact motion, or else from the solution with the stiffness before.
 pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measurement>, Failure> {
     const STEPS: i32 = 3;
     let mut all = Vec::new();
@@ -230,26 +247,19 @@ pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measur
                 Err(HbmError::ContactTooStiff { .. }) => break,
                 Err(error) => return Err(error.into()),
             };
+            let itself = reference.unknowns(&structure, h)?;
             if k % STEPS > 0 {
                 // A step of the way only.
                 let mut problem = problem(&structure, h, Switching::Exact, "active-set")?;
-                let z = match before.take() {
-                    Some(z) => z,
-                    None => reference.unknowns(&structure, h)?,
-                };
-                let fixed = z.len() - 1;
-                before = Some(newton(&mut problem, &z, fixed).z);
+                before.iter_mut().for_each(|z| *z = newton(&mut problem, z, z.len() - 1).z);
                 continue;
             }
+            let starts: Vec<Vec<f64>> = std::iter::once(itself).chain(before.take()).collect();
             let method = Method::HarmonicBalance { stiffness };
             let setting = Setting { method, harmonics: h, switching: Switching::Exact, solver: "active-set" };
-            let start = match before.take() {
-                Some(z) => z,
-                None => reference.unknowns(&structure, h)?,
-            };
-            let (m, found) = measure(&structure, reference, &setting, std::slice::from_ref(&start))?;
+            let (m, found) = measure(&structure, reference, &setting, &starts)?;
             all.push(m);
-            before = Some(found.into_iter().next().unwrap_or(start));
+            before = found.into_iter().next().or(starts.into_iter().next_back());
         }
     }
     Ok(all)
@@ -272,6 +282,9 @@ fn with_springs(case: &Case, reference: &Reference, stiffness: f64) -> Result<Ma
     )?;
     Ok(MasslessContactModel::with_spring_tips(&model, Some(&Drop))?)
 }
+
+/// Error below which no nearer solution is looked for.
+const NEAR: f64 = 1e-3;
 
 /// What is measured.
 pub struct Setting {
@@ -298,8 +311,8 @@ fn measure(
     Ok((m, found))
 }
 
-/// Errors at the frequency and at the energy of the reference; with the unknowns found, those at the energy first. Each is sought from the
-/// starts in turn.
+/// Errors at the frequency and at the energy of the reference; with the unknowns found, those at the energy first. Of the solutions to which
+/// the starts lead, the nearest to the exact motion counts.
 pub fn errors(
     structure: &CondensedStructure,
     reference: &Reference,
@@ -322,21 +335,27 @@ pub fn errors(
         residual: 0.0,
         off: 0.0,
     };
-    let mut found = Vec::new();
+    let mut at_energy = None;
     for z in starts {
-        let at_energy = search(&mut problem, z, n);
-        let error = (problem.omega(&at_energy.z[..n]) / reference.omega - 1.0).abs();
-        if at_energy.residual >= FOUND || error > ANOTHER.1 || problem.modal_point(&at_energy.z[..n], 0.0).is_err() {
+        let mut guess = z.clone();
+        guess[n] = reference.parameter_of(structure)?;
+        let there = search(&mut problem, &guess, n);
+        let error = (problem.omega(&there.z[..n]) / reference.omega - 1.0).abs();
+        let better = error < if m.frequency.is_nan() { ANOTHER.1 } else { m.frequency };
+        if there.residual >= FOUND || !better || problem.modal_point(&there.z[..n], 0.0).is_err() {
             continue;
         }
         let mean_force: f64 = problem.mean_forces().iter().sum();
         m.frequency = error;
         m.mean_force = (mean_force / reference.mean_force - 1.0).abs();
-        m.residual = at_energy.residual;
-        found.push(at_energy.z);
-        break;
+        m.residual = there.residual;
+        at_energy = Some(there.z);
+        if error < NEAR {
+            break;
+        }
     }
-    for z in found.iter().chain(starts) {
+    let (mut at_frequency, mut residual) = (None, 0.0);
+    for z in starts.iter().chain(&at_energy) {
         let mut guess = z.clone();
         guess[frequency] *= reference.omega / problem.omega(&z[..n]);
         let there = search(&mut problem, &guess, frequency);
@@ -344,15 +363,16 @@ pub fn errors(
             continue;
         }
         let error = displacement_error(&mut problem, &there.z[..n], method, reference)?;
-        if error > ANOTHER.0 {
-            continue;
+        if error < if m.displacement.is_nan() { ANOTHER.0 } else { m.displacement } {
+            (m.displacement, residual) = (error, there.residual);
+            at_frequency = Some(there.z);
+            if error < NEAR {
+                break;
+            }
         }
-        m.displacement = error;
-        m.residual = m.residual.max(there.residual);
-        found.push(there.z);
-        break;
     }
-    Ok((m, found))
+    m.residual = m.residual.max(residual);
+    Ok((m, at_energy.into_iter().chain(at_frequency).collect()))
 }
 
 fn displacement_error(

@@ -9,7 +9,7 @@ use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSett
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
 use nlmodes::study::{BranchSettings, BranchStart, compute_branch};
-use nlmodes::timestep::{ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
+use nlmodes::timestep::{ClosedInterval, ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
 use nlmodes_benchmarks::Failure;
 
 use crate::cases::{Case, Whole};
@@ -103,7 +103,7 @@ impl Reference {
             displacements: (0..INSTANTS).map(at).collect(),
             mean_force: mean_force(&motion),
             residual,
-            intervals: intervals.len(),
+            intervals: stretches(&intervals, period),
             contact_share,
             stability,
             grazing: (start.energy, start.omega),
@@ -117,7 +117,7 @@ impl Reference {
     pub fn describe(&self) -> String {
         let ratio = self.kinetic_energy / self.grazing.0;
         format!(
-            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of contact over one period, \
+            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of contact a period, \
              the first contact closed in {:.2} % of it; largest multiplier {}; residual of the shooting equations {:.1e}",
             self.omega / TAU,
             self.omega / self.grazing.1,
@@ -165,8 +165,13 @@ impl Reference {
         };
         let mut z: Vec<f64> =
             (0..n).flat_map(|d| (0..=harmonics).map(move |m| (d, m))).map(|(d, m)| cosine(d, m)).collect();
-        z.extend([self.omega / start.omega, (self.kinetic_energy / start.energy).ln()]);
+        z.extend([self.omega / start.omega, self.parameter_of(structure)?]);
         Ok(z)
+    }
+
+    /// The parameter of the exact motion in the scales of `structure`.
+    pub fn parameter_of(&self, structure: &CondensedStructure) -> Result<f64, Failure> {
+        Ok((self.kinetic_energy / grazing(structure, 1)?.energy).ln())
     }
 
     /// Relative error in the L2 norm of a displacement of the first contact over the period.
@@ -179,6 +184,15 @@ impl Reference {
         }
         f64::sqrt(error / size)
     }
+}
+
+/// Stretches of contact in a period: one that goes on from its end to its beginning counts once.
+pub fn stretches(intervals: &[ClosedInterval], period: f64) -> usize {
+    let from_start = intervals.iter().filter(|i| i.from <= 0.0);
+    let goes_on = |first: &&ClosedInterval| {
+        first.to < period && intervals.iter().any(|last| last.contact == first.contact && last.to >= period)
+    };
+    intervals.len() - from_start.filter(goes_on).count()
 }
 
 /// Where the massless coordinates would be without stops, `b = −K_NN⁻¹ K_NL q_L`.

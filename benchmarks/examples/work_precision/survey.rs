@@ -6,7 +6,7 @@ use nlmodes::hbm::{CondensedStructure, Switching, grazing};
 use nlmodes_benchmarks::Failure;
 
 use crate::cases::{Case, cases};
-use crate::methods::{Method, Neighbours, Setting, errors, harmonics, starts};
+use crate::methods::{Method, Neighbours, Setting, descent, errors, starts};
 use crate::reference::{Reference, backbone};
 use crate::tables::figure;
 
@@ -57,11 +57,14 @@ fn at(case: &Case, ratio: f64) -> Result<Vec<(usize, String)>, Failure> {
         }
         let (mut known, mut from, mut text) = (Neighbours::new(), usize::MAX, String::new());
         let mut complete = true;
-        for h in harmonics(case).into_iter().rev() {
+        for (h, wanted) in descent(case) {
             let setting =
                 Setting { method: Method::Exact, harmonics: h, switching: Switching::Exact, solver: "active-set" };
             let (m, found) = errors(&structure, &reference, &setting, &starts(&structure, &reference, &known, h)?)?;
             known.insert(h, found);
+            if !wanted {
+                continue;
+            }
             complete &= m.displacement.is_finite() && m.frequency.is_finite();
             if complete {
                 from = h;

@@ -1,5 +1,7 @@
 //! What the modes that a reduced structure leaves out change, beside what harmonics leave out.
 
+use std::f64::consts::TAU;
+
 use nlmodes::hbm::{CondensedStructure, Switching};
 use nlmodes::model::{Drop, MasslessContactModel};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales, Verification};
@@ -9,11 +11,14 @@ use nlmodes_benchmarks::free_modes::FreeModes;
 use crate::cases::{Case, Whole};
 use crate::methods::{Method, Setting, errors};
 use crate::newton::{FOUND, search};
-use crate::reference::Reference;
+use crate::reference::{Reference, stretches};
 use crate::tables::figure;
 
 /// Relative change of the frequency from which on more modes lead to another motion.
 const ANOTHER: f64 = 0.1;
+
+/// Unknowns with all modes: beyond, a search takes minutes.
+const MOST_UNKNOWNS: usize = 200;
 
 /// Prints how far the whole structure and those with more modes are from the exact motion of the reduced one.
 pub fn print(case: &Case, reference: &Reference) -> Result<(), Failure> {
@@ -21,7 +26,7 @@ pub fn print(case: &Case, reference: &Reference) -> Result<(), Failure> {
     let mut dynamics = ContactDynamics::new(whole.model.clone())?;
     let displacement = whole.reduction.expand(&reference.displacements[0]);
     let state = dynamics.state(&displacement, &vec![0.0; displacement.len()])?;
-    let missing = Verification::new(&mut dynamics, &state, std::f64::consts::TAU / reference.omega)?;
+    let missing = Verification::new(&mut dynamics, &state, TAU / reference.omega)?;
     println!(
         "\nThe whole structure, all modes, started from there, misses after a period {:.1e} in the energy norm, {:.1e} of the largest displacement, \
          {:.1e} of the largest velocity",
@@ -38,7 +43,7 @@ pub fn print(case: &Case, reference: &Reference) -> Result<(), Failure> {
             None => println!("| {modes} | none beside it | |"),
         }
     }
-    harmonics_with_all_modes(case, whole, reference)
+    harmonics_with_all_modes(whole, reference)
 }
 
 /// The exact motion of more modes with the same energy: change of the frequency, and stretches of contact.
@@ -63,17 +68,18 @@ fn with_modes(
         return Ok(None);
     }
     let motion = shooting.motion(&found.z[..n])?;
-    Ok(Some((change, motion.trajectory.closed_intervals().len())))
+    Ok(Some((change, stretches(&motion.trajectory.closed_intervals(), TAU / motion.omega))))
 }
 
 /// MS-HBM of the whole structure against the exact motion of the reduced one.
-fn harmonics_with_all_modes(case: &Case, whole: &Whole, reference: &Reference) -> Result<(), Failure> {
+fn harmonics_with_all_modes(whole: &Whole, reference: &Reference) -> Result<(), Failure> {
     let structure = CondensedStructure::new(whole.model.clone(), usize::MAX)?;
     let expanded = reference.of_the_whole(whole);
     println!(
         "\n| `N_h`, all modes | displacement, from the exact motion in fewer | frequency |\n| ---: | ---: | ---: |"
     );
-    for harmonics in [3, 5, 10, 20, 40, 80].into_iter().filter(|h| *h <= case.most_harmonics) {
+    let most = MOST_UNKNOWNS / structure.n_contact_dofs();
+    for harmonics in [3, 5, 10, 20, 40, 80].into_iter().filter(|h| *h <= most) {
         let setting = Setting { method: Method::Exact, harmonics, switching: Switching::Exact, solver: "active-set" };
         let start = expanded.unknowns(&structure, harmonics)?;
         let (m, _) = errors(&structure, &expanded, &setting, &[start])?;

@@ -147,7 +147,7 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
                 }
                 last = found.max(last);
             } else if let (true, Some(kept)) = (line.starts_with("back to point"), number(&line)) {
-                // A tongue is skipped: its points do not count, be they of this run or of the one before.
+                // A tongue is skipped, or other harmonics are taken some points earlier: those points do not count, be they of this run or of the one before.
                 let withdrawn = last.map_or(0, |last: usize| (last + 1).saturating_sub(kept));
                 count.store(count.load(Ordering::SeqCst).saturating_sub(withdrawn), Ordering::SeqCst);
                 last = kept.checked_sub(1);
@@ -198,7 +198,7 @@ fn kill_once(
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         figures.torn += usize::from(whole.len() < text.len());
         let (_, reference) = expected.iter().find(|(known, _)| *known == name).ok_or("a table too many")?;
-        if !reference.starts_with(whole) && !call.iter().any(|word| word.contains("skip") || word.contains("both")) {
+        if !reference.starts_with(whole) && !withdraws(call) && !call.iter().any(|word| word.contains("both")) {
             return Err(format!("{} is not the beginning of the table of the whole run", name.display()).into());
         }
         total += rows(whole);
@@ -207,14 +207,23 @@ fn kill_once(
         figures.before_first_point += 1;
     }
     // Points that are said again are those that an earlier kill had left in the table but not in the steps.
-    let skips = call.iter().any(|word| word.contains("skip"));
-    let fewer = if skips { 0 } else { before.saturating_sub(total) };
+    let fewer = if withdraws(call) { 0 } else { before.saturating_sub(total) };
     let lost = fewer.max(new.saturating_sub(total));
     figures.lost = figures.lost.max(lost);
     let kept = steps(directory, figures)?;
     let again = total.saturating_sub(kept);
     figures.again = (figures.again.0.max(again), figures.again.1 + again);
     read_all(directory, figures)
+}
+
+/// Whether points that were found can be taken back: those on tongues that are skipped, and those before which an accuracy wants other
+/// harmonics. The scene or the call asks for it.
+fn withdraws(call: &[String]) -> bool {
+    let says = |text: &str| {
+        let keys = text.lines().filter(|line| !line.trim_start().starts_with('#'));
+        keys.into_iter().any(|line| line.contains("\"skip\"") || line.contains("=skip") || line.contains("accuracy"))
+    };
+    call.iter().any(|word| says(word) || fs::read_to_string(word).is_ok_and(|scene| says(&scene)))
 }
 
 /// Points in the steps on disk; a run takes these over.

@@ -71,6 +71,14 @@ impl Claim {
             say!("  `--out DIR` writes to another directory, `--force` overwrites what is there");
             return Err(Status::Wrong);
         }
+        if over == Over::Same
+            && let Some(points) = interrupted(directory)
+        {
+            say!(
+                "warning: {} holds an interrupted run of this scene, {points} points, which is computed anew; with `--resume` it goes on",
+                directory.display()
+            );
+        }
         Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
     }
 
@@ -203,6 +211,36 @@ fn read(directory: &Path) -> Result<Option<Value>, String> {
         return Err(format!("there is no {RUN}"));
     }
     Ok(None)
+}
+
+/// How many points the directory has of a run that was cut off or stopped; `None` where there is none.
+fn interrupted(directory: &Path) -> Option<usize> {
+    let stopped = match fs::read(directory.join("summary.json")) {
+        Ok(bytes) => {
+            let summary: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+            let ends = summary["branches"].as_array().into_iter().flatten().chain([&summary["end"]]);
+            ends.into_iter().any(|end| end["reason"] == "stopped")
+        }
+        // A run writes it at its end.
+        Err(_) => true,
+    };
+    let points = points_below(directory, 3).filter(|_| stopped)?;
+    (points > 0).then_some(points)
+}
+
+/// Rows of the tables that have steps beside them, in a directory and its folders.
+fn points_below(directory: &Path, depth: usize) -> Option<usize> {
+    let own = if directory.join(STEPS).is_file() {
+        let table = fs::read_to_string(directory.join("branch.csv")).unwrap_or_default();
+        table.lines().count().saturating_sub(1)
+    } else {
+        0
+    };
+    let below = |entry: fs::DirEntry| match entry.file_type() {
+        Ok(kind) if kind.is_dir() && depth > 0 => points_below(&entry.path(), depth - 1),
+        _ => None,
+    };
+    Some(own + fs::read_dir(directory).ok()?.flatten().filter_map(below).sum::<usize>())
 }
 
 /// Keys whose values differ, and what they are.

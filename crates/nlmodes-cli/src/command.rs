@@ -106,7 +106,7 @@ Example:
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Verify(verify::Arguments),
-    /// Read and check a scene, and say what would be computed; computes and writes nothing
+    /// Read and check a scene, and say what would be computed; computes no more than linear modes, writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
         #[command(flatten)]
@@ -189,11 +189,22 @@ pub fn run() -> Status {
                         return refuse(&said);
                     }
                     say_warnings(&files);
-                    each(files, |file| print(&check::summary(&file.scene)))
+                    each(files, |file| {
+                        if file.scene.contacts.is_empty() {
+                            return no_contact(&file);
+                        }
+                        match with_parameters(file.clone(), true, study::check) {
+                            Status::Done => print(&check::summary(&file.scene)),
+                            status => status,
+                        }
+                    })
                 }
                 AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
                 AnyScene::Test(file) => match memory::admit_test(&file, memory_limit) {
-                    Ok(()) => with_warnings(*file, |file| print(&virtual_test::summary(&file.scene))),
+                    Ok(()) => with_warnings(*file, |file| match virtual_test::check(&file) {
+                        Status::Done => print(&virtual_test::summary(&file.scene)),
+                        status => status,
+                    }),
                     Err(said) => refuse(&said),
                 },
             })
@@ -244,9 +255,26 @@ fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Sta
     })
 }
 
-/// One scene after the other, up to the first that cannot be done.
-fn each(files: Vec<SceneFile>, then: impl FnMut(SceneFile) -> Status) -> Status {
-    files.into_iter().map(then).find(|status| *status != Status::Done).unwrap_or(Status::Done)
+/// One scene after the other, each below the name of its method where there are several, up to the first that cannot be done.
+fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Status {
+    let count = files.len();
+    for (k, file) in files.into_iter().enumerate() {
+        let named = say_method(&file, k, count);
+        let status = if named == Status::Done { then(file) } else { named };
+        if status != Status::Done {
+            return status;
+        }
+    }
+    Status::Done
+}
+
+/// Says of which of several methods the lines that follow are.
+fn say_method(file: &SceneFile, number: usize, count: usize) -> Status {
+    if count < 2 {
+        return Status::Done;
+    }
+    let space = if number > 0 { "\n" } else { "" };
+    print(&format!("{space}[[method]] {} of {count}: {}", number + 1, file.scene.method.kind.name()))
 }
 
 /// Runs a scene with one method, or several that differ in it.
@@ -268,7 +296,11 @@ fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions
         Err(status) => return status,
     };
     let mut updated = Vec::new();
-    for file in files {
+    let count = files.len();
+    for (k, file) in files.into_iter().enumerate() {
+        if file.scene.updating.is_some() && !options.quiet {
+            say_method(&file, k, count);
+        }
         let status = with_parameters(file, options.quiet, |file| {
             updated.push(file.clone());
             Status::Done

@@ -24,6 +24,7 @@ pub mod scene;
 mod schema;
 mod set;
 mod sources;
+mod units;
 mod unknown;
 
 pub use document::{Document, Place};

@@ -2,6 +2,7 @@
 
 pub mod figures;
 mod modes;
+pub mod page;
 pub mod summary;
 pub mod table;
 
@@ -145,7 +146,9 @@ fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Box<dyn Error>
     outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
     table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
-    figures::write(directory, &scene.title, outcomes, &[])
+    let drawn = figures::write(directory, &scene.title, outcomes, &[])?;
+    let line = format!("Records: {}", scene.files.join(", "));
+    page::write(directory, &scene.title, &[line], outcomes, &[], &drawn, &[])
 }
 
 /// What `check` says about a scene of records.

@@ -22,7 +22,7 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
-    StabilityRule, StudyError, compute_tree_with_log,
+    StabilityRule, StudyError, check_study, compute_tree_with_log,
 };
 use nlmodes::timestep::TimestepError;
 
@@ -32,8 +32,8 @@ use crate::claim::{Claim, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::scene::{
-    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
-    Symmetry,
+    AtBranchPoint, Direction, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start,
+    StructureKind, Switching, Symmetry,
 };
 use crate::interrupt;
 use crate::modes::modal_model;
@@ -80,6 +80,19 @@ fn one_branch(file: &SceneFile, claim: &Claim, options: RunOptions) -> Result<(C
     let tree = tree.map_err(|error| refuse_study(file, &error))?;
     let status = finish(file, &model, &tree, began, options.quiet);
     Ok((tree, status))
+}
+
+/// Whether a run of the scene would begin, with each of its numbers of harmonics; says why where it would not.
+pub fn check(file: &SceneFile) -> Status {
+    let checked = models(file).and_then(|(_, massless)| {
+        let list = &file.scene.method.harmonics_list;
+        // They differ in size only.
+        let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
+        let (start, _) = starts(file.scene.continuation.start);
+        let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
+        check_study(&massless, &settings).map_err(|error| refuse_study(file, &error))
+    });
+    checked.err().unwrap_or(Status::Done)
 }
 
 /// Removes what a run writes at its end, which would not belong to the points of another one.
@@ -188,7 +201,10 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
         say!("error: {}", chain(error.as_ref()));
         return Status::EndedEarly;
     }
-    let statuses = tree.branches.iter().enumerate().map(|(number, computed)| tell(computed, number, began, quiet));
+    let statuses = tree.branches.iter().enumerate().map(|(number, computed)| {
+        let name = if tree.branches.len() > 1 { format!("branch {number}: ") } else { String::new() };
+        tell(computed, &name, began, quiet)
+    });
     if statuses.collect::<Vec<_>>().contains(&Status::EndedEarly) {
         say!("What was found is in {}", directory.display());
         if interrupt::requested() {
@@ -207,12 +223,11 @@ fn finish(file: &SceneFile, model: &StructuralModel, tree: &ComputedTree, began:
 }
 
 /// Says how a branch ended.
-fn tell(computed: &ComputedBranch, number: usize, began: Instant, quiet: bool) -> Status {
-    let name = if number == 0 { String::new() } else { format!("branch {number}: ") };
+fn tell(computed: &ComputedBranch, name: &str, began: Instant, quiet: bool) -> Status {
     let points = &computed.branch.points;
     let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
-    warn_of_accuracy(computed, &name);
+    warn_of_accuracy(computed, name);
     let time = began.elapsed().as_secs_f64();
     let advice = advice(computed).unwrap_or_default();
     let line = format!("{name}{} points in {time:.2} s; ended{at}: {}{advice}", points.len(), end.message);
@@ -285,6 +300,14 @@ fn warn_of_accuracy(computed: &ComputedBranch, name: &str) {
 /// An error of the study, at the key of the scene that it is about.
 pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
     let path = match error {
+        StudyError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
+            let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
+            let label = format!("mode {mode} moves across the beam: expected \"transverse\"");
+            let help =
+                "an axial stop is met by axial modes only: `nlmodes-cli modes` lists all, `method.mode` takes one";
+            say!("{}", file.error_at("contact.0.direction", &title, &label, &[help]));
+            return Status::Wrong;
+        }
         StudyError::Hbm(
             HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. },
         ) => "method.mode",
@@ -300,10 +323,16 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             say!("{}", file.error_at(key, &chain(error), &label, &[help]));
             return Status::Wrong;
         }
+        StudyError::StartOutsideWindow { .. } => {
+            let help =
+                "`nlmodes-cli modes` lists the linear frequencies; `continuation.start_frequency_hz` starts elsewhere";
+            let label = "expected a window that holds the start";
+            say!("{}", file.error_at("continuation.frequency_hz", &chain(error), label, &[help]));
+            return Status::Wrong;
+        }
         StudyError::NotEven => "method.symmetry",
         StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
         StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
-        StudyError::StartOutsideWindow { .. } => "continuation.frequency_hz",
         StudyError::NoStartTouching { .. } => "contact.0.gap_m",
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
@@ -321,6 +350,11 @@ pub fn refuse_study(file: &SceneFile, error: &StudyError) -> Status {
             | StudyError::Continuation(_)
     );
     if unlucky { Status::EndedEarly } else { status }
+}
+
+/// Whether all stops of a beam stand along its axis.
+fn stops_beside_bending(scene: &Scene) -> bool {
+    scene.structure.kind() == StructureKind::Beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
 }
 
 pub fn refuse(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> Status {

@@ -87,6 +87,14 @@ pub fn run(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
     if wrong.is_empty() { Status::Done } else { Status::EndedEarly }
 }
 
+/// Whether the test would begin; says why where it would not.
+pub fn check(file: &SceneFile<TestScene>) -> Status {
+    match Rig::new(&file.scene) {
+        Ok(_) => Status::Done,
+        Err(error) => refuse(file, error.path, &chain(error.source.as_ref())),
+    }
+}
+
 /// The output directory; a test is known by its scene in words.
 fn claim(file: &SceneFile<TestScene>, options: RunOptions) -> Result<Claim, Status> {
     let scene = TestScene { title: String::new(), output_directory: Default::default(), ..file.scene.clone() };

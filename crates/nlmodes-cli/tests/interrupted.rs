@@ -115,6 +115,94 @@ fn ctrl_c_ends_with_summary_and_figures_and_the_run_goes_on_later() -> Outcome {
     Ok(())
 }
 
+#[cfg(unix)]
+#[test]
+fn a_second_ctrl_c_ends_at_once_and_harms_nothing() -> Outcome {
+    let folder = tempdir()?;
+    let (expected, out) = (whole(folder.path(), &[])?, folder.path().join("stopped"));
+    let interrupt = |child: &Child| -> Outcome {
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status()?.success());
+        Ok(())
+    };
+    // The second one may come when the run has just ended by itself.
+    for _ in 0..10 {
+        let mut child = started(&out, &["--resume"], 15)?;
+        interrupt(&child)?;
+        let stderr = child.stderr.as_mut().ok_or("no standard error")?;
+        let mut lines = BufReader::with_capacity(1, stderr).lines().map_while(Result::ok);
+        assert!(lines.any(|line| line.starts_with("interrupted")));
+        drop(interrupt(&child));
+        let code = child.wait()?.code();
+        assert!(expected.starts_with(&table(&out)?));
+        // What is there is there as a whole.
+        if out.join("summary.json").is_file() {
+            summary(&out)?;
+        }
+        if code == Some(130) {
+            let output = rod(&out, &["--resume"])?;
+            assert_eq!((output.status.code(), table(&out)?), (Some(0), expected));
+            return Ok(());
+        }
+        assert_eq!(code, Some(1));
+        fs::remove_dir_all(&out)?;
+    }
+    Err("no run ended at the second Ctrl-C".into())
+}
+
+#[test]
+fn beginning_anew_over_an_interrupted_run_is_said() -> Outcome {
+    let folder = tempdir()?;
+    let out = folder.path().join("killed");
+    let mut child = started(&out, &[], 10)?;
+    child.kill()?;
+    child.wait()?;
+    let output = rod(&out, &["--set", "continuation.max_points=12"])?;
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    let output = rod(&out, &[])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let first = said(&output);
+    let warning = first.lines().next().unwrap_or_default();
+    assert!(warning.starts_with("warning") && warning.contains("an interrupted run") && warning.contains("--resume"));
+    // A complete run is not one that was cut off, and a run that goes on overwrites nothing.
+    for more in [&["--resume"][..], &[]] {
+        assert!(!said(&rod(&out, more)?).contains("an interrupted run of this scene"));
+    }
+    Ok(())
+}
+
+/// The numbers, the lengths or the meaning of a line in the middle are altered: from there on the branch is computed again.
+#[test]
+fn steps_that_were_altered_do_not_count() -> Outcome {
+    let folder = tempdir()?;
+    let (expected, out) = (whole(folder.path(), &[])?, folder.path().join("whole"));
+    let sound = fs::read_to_string(out.join("steps.jsonl"))?;
+    let lines: Vec<&str> = sound.split_inclusive('\n').collect();
+    let step: Value = serde_json::from_str(lines[lines.len() / 2])?;
+    let altered = |change: &dyn Fn(&mut Value)| {
+        let mut step = step.clone();
+        change(&mut step["step"]);
+        format!("{step}\n")
+    };
+    let half = lines.len() / 2;
+    let changed = [
+        altered(&|step| step["points"][0]["x"][0] = (step["points"][0]["x"][0].as_f64().unwrap_or(0.0) + 1e-3).into()),
+        altered(&|step| step["points"][0]["p"] = 1e300.into()),
+        altered(&|step| drop(step["points"][0]["x"].as_array_mut().and_then(Vec::pop))),
+        altered(&|step| step["points"][0]["tangent"] = Value::Array(Vec::new())),
+        altered(&|step| step["points"] = Value::Array(Vec::new())),
+        altered(&|step| step["next"] = 0.0.into()),
+        altered(&|step| step["evaluations"] = u64::MAX.into()),
+    ];
+    for line in changed {
+        let text = [&lines[..half], &[line.as_str()], &lines[half + 1..]].concat().concat();
+        fs::write(out.join("steps.jsonl"), text)?;
+        let output = rod(&out, &["--resume"])?;
+        assert_eq!((output.status.code(), table(&out)?), (Some(0), expected.clone()), "{line}");
+        assert_eq!(fs::read_to_string(out.join("steps.jsonl"))?, sound, "{line}");
+    }
+    Ok(())
+}
+
 #[test]
 fn more_points_may_be_asked_for_when_a_run_goes_on() -> Outcome {
     let folder = tempdir()?;

@@ -43,10 +43,10 @@ impl Arms {
         back: &[f64],
     ) -> Option<Self> {
         corrector.evaluate(system, center).ok()?;
-        let free = SingularDirections::of(corrector.jacobian())?;
-        let (tolerance, resolution) = (corrector.tolerance, corrector.resolution);
+        let free = SingularDirections::of(corrector.linearization())?;
+        let (tolerance, resolution) = (corrector.tolerance, corrector.resolution.max(corrector.blur));
         let mut own = Corrector::new(center.len() - 1, tolerance, ITERATIONS);
-        (own.trials, own.resolution) = (TRIALS, resolution);
+        (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
         let surface = Surface::Sphere { center: center.to_vec(), radius };
         let back = own.correct(system, back, &surface).ok()?;
         let sphere = Sphere { center, radius, tolerance, resolution, nesting };

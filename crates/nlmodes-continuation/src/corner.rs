@@ -113,9 +113,9 @@ fn across_boundary<S: ParametricSystem>(
     regular: f64,
 ) -> Option<Correction> {
     corrector.evaluate(system, &foot.z).ok()?;
-    let here = SingularDirections::of(corrector.jacobian())?;
+    let here = SingularDirections::of(corrector.linearization())?;
     corrector.evaluate(system, &along(&foot.z, 10.0 * settings.min, &foot.tangent)).ok()?;
-    let there = SingularDirections::of(corrector.jacobian())?;
+    let there = SingularDirections::of(corrector.linearization())?;
     if system.pattern() == foot.pattern || here.ratio.min(there.ratio) < regular {
         return None;
     }

@@ -6,8 +6,21 @@ use crate::{Linearization, ParametricSystem};
 /// Newton step below which a point counts as settled.
 const RESOLUTION: f64 = 1e-9;
 
-/// Newton step up to which a point is accepted where rounding prevents a better one.
-const COARSEST: f64 = 1e-7;
+/// Rounding of a residual of numbers near one.
+pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Residual over its rounding to which Newton's method goes on where directions are nearly free, and with which it may come to rest on
+/// rounding: the contact that a small step would open lets a larger residual pass for a solution.
+const FIRM: (f64, f64) = (8.0, 64.0);
+
+/// Ratio of the pivots above which no direction is nearly free.
+const REGULAR: f64 = 1e-3;
+
+/// Largest distance by which rounding may blur a point that is accepted.
+const MOST_BLURRED: f64 = 1e-5;
+
+/// Vectors of signs by which the norm of an inverse is estimated.
+const PROBES: usize = 8;
 
 /// The plane `normal · z = offset` on which a correction looks for its point.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,6 +121,10 @@ pub struct Corrector {
     pub(crate) evaluations: usize,
     /// Newton step below which a point counts as settled.
     pub(crate) resolution: f64,
+    /// How well points are known in spite of rounding where the branch is now; at least the resolution.
+    pub(crate) blur: f64,
+    /// Rounding of the residual.
+    pub(crate) rounding: f64,
     /// Steps tried, each half the one before, until the residual does not rise.
     pub(crate) trials: usize,
     linearization: Linearization,
@@ -125,6 +142,8 @@ impl Corrector {
             max_iterations,
             evaluations: 0,
             resolution: RESOLUTION,
+            blur: RESOLUTION,
+            rounding: ROUNDING,
             trials: 4,
             linearization: Linearization::new(n),
             bordered: Mat::zeros(n + 1, n + 1),
@@ -141,9 +160,9 @@ impl Corrector {
         Ok(self.linearization.residual_norm())
     }
 
-    /// Jacobian of the point evaluated last, n × (n + 1).
-    pub(crate) fn jacobian(&self) -> &Mat<f64> {
-        &self.linearization.jacobian
+    /// Residual and Jacobian of the point evaluated last.
+    pub(crate) fn linearization(&self) -> &Linearization {
+        &self.linearization
     }
 
     /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.
@@ -171,8 +190,9 @@ impl Corrector {
             self.newton_update(-defect);
             let update = dot(&self.update, &self.update).sqrt();
             if norm.max(defect.abs()) <= self.tolerance {
-                let attainable = update > 0.5 * last_update || iteration == self.max_iterations;
-                if update <= self.resolution || (attainable && update <= COARSEST) {
+                let stagnates = update > 0.5 * last_update;
+                let last = iteration == self.max_iterations;
+                if self.is_found(norm, update, stagnates, last) {
                     return Ok(self.finish(system, z, norm, iteration));
                 }
             }
@@ -214,6 +234,51 @@ impl Corrector {
         self.update[..n].iter_mut().zip(&self.linearization.residual).for_each(|(u, r)| *u = -r);
         self.update[n] = surface_defect;
         self.lu.solve_in_place(&mut self.update);
+    }
+
+    /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known.
+    fn is_found(&self, norm: f64, update: f64, stagnates: bool, last: bool) -> bool {
+        let firm = |factor: f64| norm <= factor * self.rounding;
+        if update <= self.resolution {
+            return stagnates || firm(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
+        }
+        firm(FIRM.1)
+            && (update <= self.blur || ((stagnates || last) && update <= MOST_BLURRED && update <= self.blurred_by()))
+    }
+
+    /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last: `ε ‖B⁻¹‖`, which is
+    /// `ε/σ` where a direction with the singular value σ is nearly free.
+    fn blurred_by(&self) -> f64 {
+        let n = self.update.len() - 1;
+        // Signs from a linear congruential generator: the mean of ‖B⁻¹ s‖² is the square of the norm of Frobenius.
+        let mut state = 1_u64;
+        let mut sign = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            if state >> 63 == 0 { 1.0 } else { -1.0 }
+        };
+        let squares: f64 = (0..PROBES)
+            .map(|_| {
+                let mut moved: Vec<f64> = (0..n).map(|_| sign()).chain([0.0]).collect();
+                self.lu.solve_in_place(&mut moved);
+                dot(&moved, &moved)
+            })
+            .sum();
+        self.rounding * (squares / PROBES as f64).sqrt()
+    }
+
+    /// Takes note of how well points near this one, with this tangent, are known in spite of rounding.
+    pub(crate) fn look_at_rounding<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64], tangent: &[f64]) {
+        self.blur = self.resolution;
+        if self.evaluate(system, z).is_ok() {
+            self.normal.copy_from_slice(tangent);
+            let blur = self.factor_bordered().map_or(MOST_BLURRED, |()| self.blurred_by());
+            self.blur = blur.clamp(self.resolution, MOST_BLURRED);
+        }
+    }
+
+    /// Whether rounding blurs points by more than the resolution where the branch is now.
+    pub(crate) fn is_blurred(&self) -> bool {
+        self.blur > self.resolution
     }
 
     /// The longest of four halved steps that does not raise the residual much; a semismooth residual may rise a little.

@@ -15,7 +15,10 @@ pub struct StepRecord {
     /// How far the Jacobian is from being singular at the last point, the ratio of the pivots.
     #[cfg_attr(feature = "serde", serde(with = "any_number"))]
     pub regularity: f64,
-    /// The same at the point from which the step was taken, and the distance of that; `None` behind a corner.
+    /// How well points are known in spite of rounding there; zero where that does not matter.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub blur: f64,
+    /// The regularity at the point from which the step was taken, and the distance of that; `None` behind a corner.
     pub before: Option<(f64, f64)>,
     /// Sense in which the coordinates whose turning points are events moved last.
     pub senses: Vec<f64>,
@@ -38,7 +41,8 @@ impl StepRecord {
     /// Whether this can be a step of a run with n unknowns, as far as can be told without the equations: vectors of the right lengths, finite
     /// numbers, a way on or a reason why there is none. Steps that are read back from a file that somebody has altered need not be.
     pub(crate) fn is_of(&self, n: usize) -> bool {
-        let numbers = [self.orientation, self.next].iter().chain(&self.senses).all(|number| number.is_finite());
+        let numbers =
+            [self.orientation, self.next, self.blur].iter().chain(&self.senses).all(|number| number.is_finite());
         let before = self.before.is_none_or(|(regularity, distance)| !regularity.is_nan() && distance > 0.0);
         let ends = self.stop.as_ref().map_or(self.next > 0.0 && !self.points.is_empty(), |stop| stop.is_of(n));
         numbers
@@ -46,6 +50,7 @@ impl StepRecord {
             && ends
             && self.points.iter().all(|point| point.is_of(n))
             && self.crossing.as_ref().is_none_or(|choice| choice.is_of(n))
+            && self.blur >= 0.0
             && self.evaluations < MOST
             && self.refused_steps < MOST
     }
@@ -72,9 +77,10 @@ pub trait RunLog {
     /// not one of its own: whose points have the wrong number of unknowns, say, or do not solve its equations.
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord>;
 
-    /// The run has repeated so many steps and from here on computes: it takes those behind them anew.
-    fn computing(&mut self, repeated: usize) {
+    /// The run has repeated so many steps and from here on computes: it takes those behind them anew. It stops if the log says so.
+    fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
         let _ = repeated;
+        ControlFlow::Continue(())
     }
 
     /// The run took a step. It stops if the log says so.

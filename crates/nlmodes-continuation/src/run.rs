@@ -7,10 +7,13 @@ use crate::events::{FoldWatch, Located, Search};
 use crate::record::{RunLog, StepRecord};
 use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, reach, step};
-use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StopReason};
+use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StepSettings, StopReason};
 
 /// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
 const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
+
+/// Shortest step, over the distance by which rounding blurs its foot: what is shorter says nothing about the curve.
+const ABOVE_ROUNDING: f64 = 50.0;
 
 /// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
 /// any case, beyond the third in none.
@@ -21,6 +24,8 @@ const UNSOLVED: f64 = 1e-3;
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
 pub(crate) struct Run<'a, S, F> {
     settings: &'a Continuation,
+    /// Those of the steps, with a shortest one that is no shorter than rounding permits at the foot.
+    limits: StepSettings,
     system: &'a mut S,
     observe: F,
     corrector: Corrector,
@@ -60,8 +65,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             refused_steps: 0,
         };
         let foot = Foot::from(start);
-        let (known, passed) = (None, None);
-        Self { settings, system, observe, corrector, branch, foot, before: None, folds, known, log, passed, shown: 0 }
+        let (limits, known, passed) = (settings.step.clone(), None, None);
+        let before = None;
+        Self { settings, limits, system, observe, corrector, branch, foot, before, folds, known, log, passed, shown: 0 }
     }
 
     /// As branch `number` of several, which does not go where another has been.
@@ -91,12 +97,12 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             h = self.repeat(record, h)?;
             repeated += 1;
         }
-        self.log.computing(repeated);
+        let told = self.log.computing(repeated);
         if self.branch.points.is_empty() {
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
             return self.record(0, outcome);
         }
-        ControlFlow::Continue(h)
+        if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(h) }
     }
 
     /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
@@ -148,6 +154,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             let _ = self.note(&choice, way);
             self.passed = None;
         }
+        self.corrector.blur = record.blur.max(self.corrector.resolution);
         self.corrector.evaluations = record.evaluations;
         self.branch.refused_steps = record.refused_steps;
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
@@ -164,6 +171,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             points: self.branch.points[from..].to_vec(),
             orientation: self.foot.orientation,
             regularity: self.foot.regularity,
+            blur: if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 },
             before: self.before,
             senses: self.folds.senses(),
             crossing: self.passed.take(),
@@ -177,22 +185,27 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     }
 
     fn follow(&mut self, mut h: f64) -> StopReason {
-        let limits = &self.settings.step;
         let mut refused_in_a_row = 0;
         loop {
             let from = self.branch.points.len();
+            if refused_in_a_row == 1 || (refused_in_a_row == 0 && self.corrector.is_blurred()) {
+                self.look_at_rounding();
+                h = h.max(self.limits.min);
+            }
+            let StepSettings { min, max_iterations, .. } = self.limits;
+            let max = self.longest_step();
             // Where steps are this short, one is worth more than the iterations saved by giving it up.
-            self.corrector.max_iterations = limits.max_iterations * if h < 100.0 * limits.min { 3 } else { 1 };
+            self.corrector.max_iterations = max_iterations * if h < 100.0 * min { 3 } else { 1 };
             let outcome = match self.try_step(h) {
                 Ok((end, crossing)) => {
                     let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
-                    let next = if end.iterations <= 3 { (h * growth).min(limits.max) } else { h };
+                    let next = if end.iterations <= 3 { (h * growth).min(max) } else { h };
                     self.accept(&end, crossing, h, next)
                 }
-                Err(_) if h > limits.min => {
+                Err(_) if h > min => {
                     refused_in_a_row += 1;
                     self.branch.refused_steps += 1;
-                    h = (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(limits.min);
+                    h = (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(min);
                     continue;
                 }
                 Err(refusal) => {
@@ -208,12 +221,26 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         }
     }
 
+    /// The longest step from the foot: far from zero, in proportion to the largest unknown.
+    fn longest_step(&self) -> f64 {
+        let largest = self.foot.z.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
+        self.limits.max * (largest / self.limits.far).max(1.0)
+    }
+
+    /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are nearly free,
+    /// with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a solution unknown up to ε/σ.
+    fn look_at_rounding(&mut self) {
+        self.corrector.look_at_rounding(self.system, &self.foot.z, &self.foot.tangent);
+        let blurred = if self.corrector.is_blurred() { ABOVE_ROUNDING * self.corrector.blur } else { 0.0 };
+        self.limits.min = self.settings.step.min.max(blurred).min(self.limits.max);
+    }
+
     /// A step that stays on the branch, and the crossing that it passes, if it does.
     ///
     /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
     /// a crossing is a jump to another arm.
     fn try_step(&mut self, h: f64) -> Result<(Correction, Option<Crossing>), String> {
-        let end = step(self.system, &mut self.corrector, &self.settings.step, &self.foot, h)?;
+        let end = step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
         if end.orientation * self.foot.orientation > 0.0 {
             let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(&end, h) };
             let passed = if touched.is_none() { self.passed_in_step(&end, h)? } else { touched };
@@ -230,7 +257,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     /// A crossing within a step that leaves the sign of `det [J; tᵀ]` as it was, for it has an even number of free directions beyond
     /// the tangent. Where other curves only come close, the step is refused: it may have jumped across.
     fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, String> {
-        let Some(before) = self.before.filter(|_| h > 10.0 * self.settings.step.min) else { return Ok(None) };
+        let Some(before) = self.before.filter(|_| h > 10.0 * self.limits.min) else { return Ok(None) };
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         let Some(dip) = search.dip(before) else { return Ok(None) };
         let dip = dip?;
@@ -244,7 +271,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         search.pattern_changes().into_iter().find_map(|mut change| {
             self.corrector.evaluate(self.system, &change.point.z).ok()?;
-            if SingularDirections::of(self.corrector.jacobian())?.ratio > NEARLY_FREE {
+            if SingularDirections::of(self.corrector.linearization())?.ratio > NEARLY_FREE {
                 return None;
             }
             change.kinds = vec![EventKind::BranchPoint];
@@ -257,16 +284,16 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
     fn arms_at(&mut self, at: &Located, end: &Correction, h: f64) -> Option<Choice> {
         // The Jacobian has no tangent to offer where arms meet.
         let tangent = between(&self.foot.tangent, &end.tangent, at.s / h);
-        corner::crossing(self.system, &mut self.corrector, &self.settings.step, &at.point.z, &tangent)
+        corner::crossing(self.system, &mut self.corrector, &self.limits, &at.point.z, &tangent)
     }
 
     /// Goes on along the arm that continues the branch through a corner or a crossing; `None` if no arm leaves.
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
-        corner::approach(self.system, &mut self.corrector, &self.settings.step, &mut self.foot);
+        corner::approach(self.system, &mut self.corrector, &self.limits, &mut self.foot);
         let (points, foot) = (&self.branch.points, &self.foot);
         let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
         let way_back = |radius| corner::way_back(latest(), foot, radius);
-        let passage = corner::pass(self.system, &mut self.corrector, &self.settings.step, 0, foot, way_back)?;
+        let passage = corner::pass(self.system, &mut self.corrector, &self.limits, 0, foot, way_back)?;
         Some(self.go_through(passage))
     }
 

@@ -1,7 +1,7 @@
 //! Arms on a small sphere, found along curves on which all equations but one hold.
 
 use crate::corner::{Passage, pass, way_back};
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface, distance, dot};
 use crate::events::Search;
 use crate::step::{Foot, step};
 use crate::{Linearization, ParametricSystem, StepSettings};
@@ -64,6 +64,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
             out.residual[i] = self.inner.residual[i] / self.sphere.radius + mu * self.left[i];
             (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
             out.jacobian[(i, n + 1)] = self.left[i];
+            out.sizes[i] = self.inner.sizes[i];
         }
         out.residual[n] = 0.5 * (dot(zeta, zeta) - 1.0);
         (0..=n).for_each(|j| out.jacobian[(n, j)] = zeta[j]);
@@ -107,7 +108,7 @@ impl Sphere<'_> {
             ..StepSettings::default()
         };
         let mut corrector = Corrector::new(n + 1, settings.tolerance, 2 * settings.max_iterations);
-        corrector.resolution = resolution;
+        (corrector.resolution, corrector.blur, corrector.rounding) = (resolution, resolution, ROUNDING / self.radius);
         let mut track = Track::default();
         if let Some(start) = self.start(&mut relaxed, &mut corrector, from) {
             let mut walk = Walk { system: &mut relaxed, corrector: &mut corrector, settings, nesting: self.nesting };

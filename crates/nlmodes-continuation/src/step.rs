@@ -13,6 +13,8 @@ pub struct StepSettings {
     pub arm: f64,
     /// Longest step. Default 0.1.
     pub max: f64,
+    /// Largest unknown beyond which the longest step grows in proportion to it. Default infinite: the longest step is the same everywhere.
+    pub far: f64,
     /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
     pub max_turn: f64,
     /// Largest distance from the predicted to the corrected point, as a share of the step. Default 0.3.
@@ -32,6 +34,7 @@ impl Default for StepSettings {
             min: 1e-6,
             arm: 1e-3,
             max: 0.1,
+            far: f64::INFINITY,
             max_turn: 0.35,
             max_correction: 0.3,
             checked_turn: 0.1,
@@ -56,6 +59,10 @@ impl StepSettings {
             if !(value.is_finite() && value > 0.0) {
                 return Err(ContinuationError::Setting { what, value, expected: "a positive number" });
             }
+        }
+        if self.far.is_nan() || self.far <= 0.0 {
+            let what = "largest unknown for which the longest step is meant";
+            return Err(ContinuationError::Setting { what, value: self.far, expected: "a positive number" });
         }
         if self.min > self.max {
             return Err(ContinuationError::Setting {
@@ -118,7 +125,7 @@ pub(crate) fn step<S: ParametricSystem>(
         return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
     }
     // An arc lies half its turn off its tangent; what lies further off may be another arm.
-    let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution;
+    let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution.max(0.1 * corrector.blur);
     if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
         let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
         check_middle(system, corrector, foot, h, &end, most.min(0.03 * h))?;

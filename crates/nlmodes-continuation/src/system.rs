@@ -8,12 +8,15 @@ pub struct Linearization {
     pub residual: Vec<f64>,
     /// `[∂R/∂x, ∂R/∂p]`, n × (n + 1).
     pub jacobian: Mat<f64>,
+    /// What is large for a derivative of each equation, n: one unless the system writes something else. Beside it is judged whether a
+    /// direction is nearly free; equations that are small as a whole do not make it so.
+    pub sizes: Vec<f64>,
 }
 
 impl Linearization {
     /// Room for a system of n equations.
     pub fn new(n: usize) -> Self {
-        Self { residual: vec![0.0; n], jacobian: Mat::zeros(n, n + 1) }
+        Self { residual: vec![0.0; n], jacobian: Mat::zeros(n, n + 1), sizes: vec![1.0; n] }
     }
 
     /// Largest entry of the residual in magnitude; infinite if any entry is not finite.

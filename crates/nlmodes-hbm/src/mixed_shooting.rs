@@ -240,6 +240,7 @@ impl<'s> MixedShooting<'s> {
                 out.jacobian[(row, out.residual.len())] = -moved * scale;
             }
             out.residual[row] = (value + unfolding * turn) * scale;
+            out.sizes[row] = self.plane.size_of_row(d, nu.squared);
             out.jacobian[(row, size)] = slope * nu.d_omega * self.scales.omega * scale;
             if self.settings.symmetry == Symmetry::None {
                 out.jacobian[(row, size + 1)] = turn * scale;

@@ -173,10 +173,12 @@ impl<'a> Tracer<'a> {
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option<f64> {
     // A gap that stays zero while another contact is closed is rounding and nothing else.
-    if f.bound(0) <= noise {
+    let bounds = [f.bound(2), f.bound(3)];
+    // Without finite numbers nothing would end the search before its shortest stretch, everywhere.
+    if f.bound(0) <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
         return None;
     }
-    search(f, noise, [f.bound(2), f.bound(3)], Instant::of(f, from), Instant::of(f, to))
+    search(f, noise, bounds, Instant::of(f, from), Instant::of(f, to))
 }
 
 /// An instant with the value of a function there and its first two derivatives.

@@ -3,6 +3,9 @@ use std::ops::Range;
 use crate::CondensedStructure;
 use crate::held_sums::Sums;
 
+/// Size of a row of `A − B` below which it is rounding.
+const SMALLEST_ROW: f64 = 1e-9;
+
 /// The linear structure at one harmonic: `A b_n = B q_N,n`, a form of eq. (8) without poles.
 ///
 /// `b_n = T(ν²) q_N,n` has a pole at each eigenfrequency `λ_p` of the held structure, where `q_N,n` vanishes while `b_n` stays
@@ -90,6 +93,16 @@ impl Plane {
                 }
             }
         }
+    }
+
+    /// What is large for row `d` of `A − B`, by which harmonics without contact are held: itself, or what a change of `ν²` by its own size
+    /// makes of it where it vanishes, in resonance. Beside a contact node that is much stiffer than the structure both are small.
+    pub fn size_of_row(&self, d: usize, nu2: f64) -> f64 {
+        let n = self.a.len().isqrt();
+        let row = d * n..(d + 1) * n;
+        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
+        let size = sum(&self.a[row.clone()], &self.b[row.clone()]) + nu2 * sum(&self.da[row.clone()], &self.db[row]);
+        size.clamp(SMALLEST_ROW, 1.0)
     }
 
     /// The same for one contact degree of freedom, where `h g = s`, in a fraction of the instructions.

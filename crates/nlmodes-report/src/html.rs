@@ -14,6 +14,7 @@ mod table;
 pub use table::DataTable;
 
 use crate::ReportError;
+use crate::figure::Figure;
 use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
 use serde::Serialize;
@@ -63,6 +64,7 @@ pub struct HtmlReport<'a> {
     contact_motion: Option<&'a ContactMotion<'a>>,
     histories: Vec<(String, Vec<&'a TimeHistory>)>,
     participation: &'a [&'a [Participation]],
+    figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
     documents: Vec<(String, Value)>,
 }
@@ -80,6 +82,7 @@ impl<'a> HtmlReport<'a> {
             contact_motion: None,
             histories: Vec::new(),
             participation: &[],
+            figures: Vec::new(),
             tables: Vec::new(),
             documents: Vec::new(),
         }
@@ -140,6 +143,12 @@ impl<'a> HtmlReport<'a> {
     fn participating_modes(&self) -> usize {
         let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.factors.len());
         if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
+    }
+
+    /// With a figure more, which stands still.
+    pub fn figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
+        self.figures.push((title.into(), figure));
+        self
     }
 
     /// With a table more.

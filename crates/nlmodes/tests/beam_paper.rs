@@ -38,6 +38,9 @@ fn both_rows_of_table_1_lie_at_40_10_hz() {
 #[test]
 fn five_harmonics_lead_smoothly_from_grazing_to_six_times_its_energy() {
     let computed = study(5, 6.0);
+    // Its corner is a regular one: all equations are small behind so stiff a contact node, which does not make directions free. (Curves around it
+    // took 6700 evaluations.)
+    assert!(computed.evaluations < 3000, "{}", computed.evaluations);
     let points = &computed.branch.points;
     for pair in points.windows(2) {
         assert!(pair[1].omega > pair[0].omega && pair[1].modal_amplitude > pair[0].modal_amplitude);

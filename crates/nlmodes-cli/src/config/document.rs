@@ -6,6 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::config::units::converted;
 use crate::config::{Problem, Sources, methods, render, set};
 
 /// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
@@ -132,6 +133,11 @@ fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
             .at(place, "expected a decimal point")
             .help(format!("write {number}"));
     }
+    if let Some((key, value)) = number_with_unit(text, place.start) {
+        return Problem::error(format!("`{key}` is a number with a unit behind it"))
+            .at(place, "expected the end of the line")
+            .help(format!("write {key} = {value}; the unit is part of the key"));
+    }
     let title = match message {
         "duplicate key" => "a key is given twice in the same table",
         _ => "the scene is not valid TOML",
@@ -144,6 +150,15 @@ fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
         }
         _ => problem,
     }
+}
+
+/// The key of the line, and what to write for its value, where that is a number with a unit behind it.
+fn number_with_unit(text: &str, at: usize) -> Option<(&str, String)> {
+    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text.get(start..)?.lines().next()?;
+    let (key, value) = line.split('#').next()?.split_once('=')?;
+    let key = key.trim();
+    Some((key, converted(key, value.trim())?))
 }
 
 /// The number around a comma between digits, with a point.

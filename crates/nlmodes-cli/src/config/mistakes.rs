@@ -5,6 +5,7 @@ use toml::de::DeValue;
 use crate::config::Problem;
 use crate::config::nearest::nearest;
 use crate::config::rule::{Kind, Rule};
+use crate::config::units::converted;
 use crate::config::unknown::heading;
 
 /// A number outside the limits, or one that is not finite.
@@ -63,7 +64,9 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Problem {
     let problem =
         Problem::error(format!("`{path}` must be {}, not {}", kind_wanted(rule), kind_found(found, rule.kind())));
     match (rule.kind(), found) {
-        (Kind::Number | Kind::Integer | Kind::Integers, DeValue::String(text)) => numeric_help(problem, text, rule),
+        (Kind::Number | Kind::Integer | Kind::Integers, DeValue::String(text)) => {
+            numeric_help(problem, path, text, rule)
+        }
         (Kind::Integer | Kind::Integers, DeValue::Float(x)) => match x.as_str().parse::<f64>() {
             Ok(x) if x.fract() == 0.0 && x.abs() < 1e9 => problem.help(format!("write {x:.0}")),
             _ => problem,
@@ -77,10 +80,17 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Problem {
     }
 }
 
-fn numeric_help(problem: Problem, text: &str, rule: Rule<'_>) -> Problem {
+fn numeric_help(problem: Problem, path: &str, text: &str, rule: Rule<'_>) -> Problem {
     let text = text.trim();
     if text.parse::<f64>().is_ok() {
         return problem.help(format!("write it without quotes: {text}"));
+    }
+    let with_point = text.replacen(',', ".", 1);
+    if with_point.parse::<f64>().is_ok() {
+        return problem.help(format!("numbers have a decimal point, not a comma: write {with_point}"));
+    }
+    if let Some(value) = converted(last(path), &with_point) {
+        return problem.help(format!("write {value}; the unit, {}, is part of the key", rule.unit("")));
     }
     let unit = rule.unit("");
     if unit.is_empty() || !text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '.') {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, contact_intervals};
+use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_intervals};
 use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::Outcome;
@@ -19,82 +19,94 @@ const NEAR_CONTACT: f64 = 0.995;
 /// Periods of a time history.
 const PERIODS: f64 = 2.0;
 
+/// A figure, its file and what it shows.
+pub struct Drawn {
+    pub file: String,
+    pub heading: String,
+    pub figure: Figure,
+}
+
 /// Writes frequency over modal amplitude (and over that of computed branches), damping and mode indicator over modal amplitude, and the time histories at the stop.
 pub fn write(
     directory: &Path,
     title: &str,
     outcomes: &[Outcome],
     computed: &[&ModalBranch],
-) -> Result<(), Box<dyn Error>> {
+) -> Result<Vec<Drawn>, Box<dyn Error>> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
-    frequency(directory, title, &found, computed)?;
-    damping(directory, title, &found)?;
-    restitution(directory, title, &found)?;
+    let mut all = frequency(title, &found, computed)?;
+    all.extend(damping(title, &found)?);
+    all.extend(restitution(title, &found)?);
     for (k, found) in found.iter().take(HISTORIES).enumerate() {
         if let Some(history) = found.contact.as_ref().and_then(|contact| contact.history.as_ref()) {
             let history = excerpt(history, PERIODS * TAU / found.omega.value);
-            let title = format!("{} ({:.4} Hz)", found.record, found.omega.value / TAU);
-            let figure = HistoryFigure::new(&[&history]).title(title).with_acceleration().render()?;
-            figure.write(directory.join(format!("history_{}.svg", k + 1)))?;
+            let heading = format!("{} ({:.4} Hz)", found.record, found.omega.value / TAU);
+            let figure = HistoryFigure::new(&[&history]).title(&heading).with_acceleration().render()?;
+            all.push(Drawn { file: format!("history_{}.svg", k + 1), heading, figure });
         }
-        stiffness(directory, found, k + 1)?;
+        all.extend(stiffness(found, k + 1)?);
     }
-    Ok(())
+    for drawn in &all {
+        drawn.figure.write(directory.join(&drawn.file))?;
+    }
+    Ok(all)
+}
+
+fn drawn(file: &str, heading: &str, figure: Figure) -> Drawn {
+    Drawn { file: file.into(), heading: heading.into(), figure }
 }
 
 fn frequency(
-    directory: &Path,
     title: &str,
     found: &[&RecordExtraction],
     computed: &[&ModalBranch],
-) -> Result<(), Box<dyn Error>> {
-    let points: Vec<ModalPoint> = found.iter().filter_map(|found| found.modal_point()).collect();
-    let Some(first) = found.iter().find(|found| found.modal.is_some()) else { return Ok(()) };
-    let positions = &first.positions;
+) -> Result<Vec<Drawn>, Box<dyn Error>> {
+    let Some(branch) = measured(found) else { return Ok(Vec::new()) };
     // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
     let starts =
         computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
     let grazing = starts.reduce(f64::min);
-    let in_contact: Vec<ModalPoint> =
-        points.iter().filter(|point| grazing.is_some_and(|least| point.modal_amplitude >= least)).cloned().collect();
-    frequency_figure(title, positions, points, computed)?.write(directory.join("frequency_amplitude.svg"))?;
-    if !in_contact.is_empty() {
+    let mut in_contact = branch.clone();
+    in_contact.points.retain(|point| grazing.is_some_and(|least| point.modal_amplitude >= least));
+    let figure = frequency_figure(title, &branch, computed)?;
+    let mut all = vec![drawn("frequency_amplitude.svg", "Frequency over modal amplitude", figure)];
+    if !in_contact.points.is_empty() {
         // Without its event the axis does not go down to the linear mode at amplitude zero.
         let mut close: Vec<ModalBranch> = computed.iter().map(|branch| (*branch).clone()).collect();
         let starts = close.iter_mut().filter_map(|branch| branch.points.first_mut());
         starts.for_each(|point| point.events.retain(|event| event != "grazing"));
-        let figure = frequency_figure(title, positions, in_contact, &close.iter().collect::<Vec<_>>())?;
-        figure.write(directory.join("frequency_contact.svg"))?;
+        let figure = frequency_figure(title, &in_contact, &close.iter().collect::<Vec<_>>())?;
+        all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
     }
-    Ok(())
+    Ok(all)
 }
 
-fn frequency_figure(
-    title: &str,
-    positions: &[f64],
-    points: Vec<ModalPoint>,
-    computed: &[&ModalBranch],
-) -> Result<Figure, Box<dyn Error>> {
+/// The modal points of all records; `None` where no record gives one.
+pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
+    let first = found.iter().find(|found| found.modal.is_some())?;
     let coordinate = |position: &f64| Coordinate { position: *position, kind: "sensor".into() };
-    let branch = ModalBranch {
+    Some(ModalBranch {
         label: "measured".into(),
-        coordinates: positions.iter().map(coordinate).collect(),
+        coordinates: first.positions.iter().map(coordinate).collect(),
         contact_coordinate: None,
         stop: None,
-        points,
+        points: found.iter().filter_map(|found| found.modal_point()).collect(),
         end: BranchEnd { reason: "records".into(), message: "all records".into(), complete: true },
-    };
-    let branches: Vec<&ModalBranch> = std::iter::once(&branch).chain(computed.iter().copied()).collect();
+    })
+}
+
+fn frequency_figure(title: &str, measured: &ModalBranch, computed: &[&ModalBranch]) -> Result<Figure, Box<dyn Error>> {
+    let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(computed.iter().copied()).collect();
     let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title);
-    for k in 0..branch.points.len() {
+    for k in 0..measured.points.len() {
         // More numbers than these would cover each other.
-        let name = if branch.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
+        let name = if measured.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
         figure = figure.mark(0, k, name);
     }
     Ok(figure.render()?)
 }
 
-fn damping(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Box<dyn Error>> {
     let usable: Vec<_> = found
         .iter()
         .filter_map(|found| {
@@ -103,7 +115,7 @@ fn damping(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result
         })
         .collect();
     let harmonics = usable.iter().map(|(.., harmonics)| *harmonics);
-    let (Some(least), Some(most)) = (harmonics.clone().min(), harmonics.max()) else { return Ok(()) };
+    let (Some(least), Some(most)) = (harmonics.clone().min(), harmonics.max()) else { return Ok(None) };
     let label = if least == most {
         format!("mode indicator ({most} harmonics)")
     } else {
@@ -113,26 +125,28 @@ fn damping(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result
     let damping: Vec<(f64, f64)> = usable.iter().map(|(_, damping, ..)| *damping).collect();
     let pbmif: Vec<(f64, f64)> = usable.iter().map(|(_, _, pbmif, _)| *pbmif).collect();
     let figure = MeasuredFigure::new(&amplitudes).title(title).panel("damping", &damping).panel(&label, &pbmif);
-    Ok(figure.render()?.write(directory.join("damping_amplitude.svg"))?)
+    Ok(Some(drawn("damping_amplitude.svg", "Damping and mode indicator", figure.render()?)))
 }
 
 /// Coefficient of restitution over the approach speed, a dot a record with the spread of its impacts.
-fn restitution(directory: &Path, title: &str, found: &[&RecordExtraction]) -> Result<(), Box<dyn Error>> {
+fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Box<dyn Error>> {
     let statistics = found.iter().filter_map(|found| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics()));
     let (speeds, values): (Vec<f64>, Vec<(f64, f64)>) = statistics.map(|s| (s.approach, (s.mean, s.std))).unzip();
     if speeds.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
-    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(title);
-    Ok(figure.panel("coefficient of restitution", &values).render()?.write(directory.join("restitution.svg"))?)
+    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(title).scattered();
+    let figure = figure.panel("coefficient of restitution", &values).render()?;
+    Ok(Some(drawn("restitution.svg", "Coefficient of restitution", figure)))
 }
 
 /// Contact force over displacement with the fitted line.
-fn stiffness(directory: &Path, found: &RecordExtraction, number: usize) -> Result<(), Box<dyn Error>> {
-    let Some(contact) = &found.contact else { return Ok(()) };
-    let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(()) };
+fn stiffness(found: &RecordExtraction, number: usize) -> Result<Option<Drawn>, Box<dyn Error>> {
+    let Some(contact) = &found.contact else { return Ok(None) };
+    let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(None) };
     let figure = StiffnessFigure::new(history, fit).title(&found.record).render()?;
-    Ok(figure.write(directory.join(format!("contact_{number}.svg")))?)
+    let heading = format!("{}: contact force over displacement", found.record);
+    Ok(Some(Drawn { file: format!("contact_{number}.svg"), heading, figure }))
 }
 
 fn pair(measured: Measured) -> (f64, f64) {
@@ -162,8 +176,9 @@ fn excerpt(history: &TimeHistory, duration: f64) -> TimeHistory {
 /// Removes the figures of an earlier extraction, which would not belong to the records of this one.
 pub fn remove(directory: &Path) {
     let histories = (1..=HISTORIES).flat_map(|k| [format!("history_{k}.svg"), format!("contact_{k}.svg")]);
-    let common = ["frequency_amplitude.svg", "frequency_contact.svg", "damping_amplitude.svg", "restitution.svg"]
-        .map(str::to_owned);
+    let common =
+        ["frequency_amplitude.svg", "frequency_contact.svg", "damping_amplitude.svg", "restitution.svg", "report.html"]
+            .map(str::to_owned);
     // What cannot be removed cannot be overwritten either, which is said when it is.
     histories.chain(common).for_each(|name| drop(std::fs::remove_file(directory.join(name))));
 }

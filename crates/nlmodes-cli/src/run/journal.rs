@@ -205,7 +205,7 @@ impl RunLog for Journal<'_> {
         Vec::new()
     }
 
-    fn computing(&mut self, repeated: usize) {
+    fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
         let run = self.begun.checked_sub(1).and_then(|run| self.known.get(run));
         match run.and_then(|run| run.offsets.get(repeated)) {
             // Steps that are none of this run.
@@ -213,6 +213,7 @@ impl RunLog for Journal<'_> {
             None => self.forget_the_rest(),
         }
         self.computing.set(true);
+        ControlFlow::Continue(())
     }
 
     fn record(&mut self, step: &StepRecord) -> ControlFlow<()> {

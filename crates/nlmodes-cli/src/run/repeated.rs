@@ -105,13 +105,19 @@ impl Interrupted {
     ) -> Result<(), String> {
         let (first, other) = starts(self.scene.continuation.start);
         let ways: [Option<BranchStart>; 2] = [Some(first), other];
+        let mut ended = false;
         for start in ways.into_iter().flatten() {
+            if ended {
+                break;
+            }
             let settings = BranchSettings { start, ..branch_settings(&self.scene) };
             let observe = |progress: BranchProgress| match progress {
                 BranchProgress::Found { point, .. } => each(point),
                 _ => ControlFlow::Continue(()),
             };
-            compute_tree_with_log(self.model.clone(), &settings, log, observe).map_err(|error| chain(&error))?;
+            let tree = compute_tree_with_log(self.model.clone(), &settings, log, observe);
+            let tree = tree.map_err(|error| chain(&error))?;
+            ended = tree.branches.iter().any(|computed| computed.branch.end.reason == "stopped");
         }
         Ok(())
     }
@@ -123,6 +129,11 @@ struct Known<'j, 'a>(&'j mut Journal<'a>);
 impl RunLog for Known<'_, '_> {
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord> {
         if self.0.knows(start) { self.0.begin(start) } else { Vec::new() }
+    }
+
+    fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
+        let _ = self.0.computing(repeated);
+        ControlFlow::Break(())
     }
 
     fn record(&mut self, _: &StepRecord) -> ControlFlow<()> {

@@ -15,7 +15,7 @@ use super::bench::Rig;
 use super::summary;
 use crate::config::scene::{BackboneMethod, RecordFormat, TestScene};
 use crate::experiment::table::Table;
-use crate::experiment::{Outcome, figures};
+use crate::experiment::{Outcome, figures, page};
 
 /// Folder of the records.
 pub const RECORDS: &str = "records";
@@ -77,7 +77,9 @@ pub fn write(
         .collect();
     let text = summary::json(scene, rig, told, &backbones, wrong, wall_time);
     write_summary(directory.join("summary.json"), &text)?;
-    figures::write(directory, &scene.title, &outcomes, &backbones)
+    let drawn = figures::write(directory, &scene.title, &outcomes, &backbones)?;
+    let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
+    page::write(directory, &scene.title, &lines, &outcomes, &backbones, &drawn, wrong)
 }
 
 /// The table of the levels.

@@ -4,6 +4,7 @@ mod corners;
 mod crossings;
 mod ends;
 mod resumed;
+mod rounding;
 mod samples;
 mod smooth;
 mod three_free;

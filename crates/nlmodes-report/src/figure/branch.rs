@@ -58,10 +58,11 @@ impl<'a> BranchFigure<'a> {
     /// a mark on a point that does not exist.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let mut events = EventSymbols::default();
-        let mut symbols = self.event_symbols(&mut events);
-        symbols.extend(self.mark_symbols()?);
         let (x, y) = self.scales()?;
+        // Dots that only carry names lie below what happens there.
+        let mut symbols = self.mark_symbols()?;
         symbols.extend(self.tongue_symbols(x, y));
+        symbols.extend(self.event_symbols(&mut events));
         let lines = self.linear_modes(x.ends().0);
         let legend = self.legend(!lines.is_empty(), &events);
         let curves = lines.into_iter().chain(self.curves()).chain(self.skipped()).collect();
@@ -162,12 +163,15 @@ impl<'a> BranchFigure<'a> {
     fn event_symbols(&self, events: &mut EventSymbols) -> Vec<Symbol> {
         let points = self.branches.iter().flat_map(|branch| &branch.points).filter(|point| self.is_visible(point));
         let pairs = points.flat_map(|point| point.events.iter().map(move |event| (point, event)));
-        pairs
+        let mut found: Vec<(usize, Symbol)> = pairs
             .map(|(point, event)| {
                 let (shape, fill) = events.of(event);
-                Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None }
+                let symbol = Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None };
+                (EventSymbols::layer(event), symbol)
             })
-            .collect()
+            .collect();
+        found.sort_by_key(|(layer, _)| *layer);
+        found.into_iter().map(|(_, symbol)| symbol).collect()
     }
 
     fn mark_symbols(&self) -> Result<Vec<Symbol>, ReportError> {

@@ -11,6 +11,8 @@ const KNOWN: [(&str, Shape, &str); 7] = [
     ("contact-change", Shape::TriangleDown, "#e69f00"),
     ("stability-change", Shape::Star, "#d55e00"),
 ];
+/// Events that are drawn above all others, the last one on top.
+const TOPMOST: [&str; 3] = ["grazing", "kink", "branch-point"];
 const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
 const FURTHER_FILLS: [&str; 2] = ["#009e73", "#bbbbbb"];
 
@@ -37,6 +39,11 @@ impl EventSymbols {
         let index = self.n_further;
         self.n_further += 1;
         (FURTHER[index % FURTHER.len()], FURTHER_FILLS[index / FURTHER.len() % FURTHER_FILLS.len()])
+    }
+
+    /// Where an event is drawn: what is rarer and says more lies above what may hide it.
+    pub fn layer(event: &str) -> usize {
+        TOPMOST.iter().position(|name| *name == event).map_or(0, |place| place + 1)
     }
 
     /// Name, shape and colour of each event that occurred.

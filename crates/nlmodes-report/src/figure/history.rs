@@ -13,7 +13,8 @@ const INSTANT: Stroke = Stroke { color: "#999999", width: 0.8, dash: Some("2 3")
 
 /// Displacement, velocity and contact force over time, as in Fig. 9: a panel each, several histories in each.
 ///
-/// The stop is a blue line; touching is marked red, leaving green, with different symbols.
+/// The stop is a blue line; touching is marked red, leaving green, with different symbols. Of several histories each has these symbols in
+/// the colour of its curve.
 #[derive(Debug, Clone)]
 pub struct HistoryFigure<'a> {
     histories: &'a [&'a TimeHistory],
@@ -94,7 +95,7 @@ impl<'a> HistoryFigure<'a> {
             Curve { class: "history", points, stroke: curve_stroke(index) }
         });
         let symbols = self.symbols(quantity, per_second, unit.per_si);
-        let verticals = self.instants().map(|(_, instant)| (instant.time * per_second, INSTANT)).collect();
+        let verticals = self.instants().map(|(.., instant)| (instant.time * per_second, INSTANT)).collect();
         let y = Axis { label: format!("{} in {}", quantity.name, unit.symbol), scale };
         Ok(Panel { y, curves: stop.into_iter().chain(curves).collect(), symbols, verticals })
     }
@@ -106,16 +107,18 @@ impl<'a> HistoryFigure<'a> {
         Curve { class: "stop", points: ends.map(|time| (time * per_second, stop)).to_vec(), stroke: STOP }
     }
 
-    fn instants(&self) -> impl Iterator<Item = (&TimeHistory, &ContactInstant)> {
-        self.histories.iter().flat_map(|history| history.instants.iter().map(move |instant| (*history, instant)))
+    fn instants(&self) -> impl Iterator<Item = (usize, &TimeHistory, &ContactInstant)> {
+        let histories = self.histories.iter().enumerate();
+        histories.flat_map(|(index, history)| history.instants.iter().map(move |instant| (index, *history, instant)))
     }
 
     /// Instants of touching and leaving, on the displacement only: the others may jump there.
     fn symbols(&self, quantity: &Quantity, per_second: f64, per_si: f64) -> Vec<Symbol> {
         let instants = self.instants().filter(|_| quantity.name == DISPLACEMENT.name);
-        let symbols = instants.filter_map(|(history, instant)| {
+        let symbols = instants.filter_map(|(index, history, instant)| {
             let value = interpolate(&history.time, &history.displacement, instant.time)?;
             let (shape, fill) = if instant.touching { TOUCHING } else { LEAVING };
+            let fill = if self.histories.len() > 1 { curve_stroke(index).color } else { fill };
             let class = if instant.touching { "touching" } else { "leaving" };
             Some(Symbol {
                 class: class.into(),
@@ -134,9 +137,12 @@ impl<'a> HistoryFigure<'a> {
             .map(|(index, history)| LegendEntry { key: Key::Line(curve_stroke(index)), name: history.label.clone() });
         let stop = LegendEntry { key: Key::Line(STOP), name: "stop".into() };
         let instants = [(TOUCHING, true, "touching"), (LEAVING, false, "leaving")].into_iter();
-        let instants = instants.filter(|(_, touching, _)| self.instants().any(|(_, i)| i.touching == *touching));
-        let instants =
-            instants.map(|((shape, fill), _, name)| LegendEntry { key: Key::Symbol(shape, fill), name: name.into() });
+        let instants = instants.filter(|(_, touching, _)| self.instants().any(|(.., i)| i.touching == *touching));
+        let several = self.histories.len() > 1;
+        let instants = instants.map(|((shape, fill), _, name)| LegendEntry {
+            key: Key::Symbol(shape, if several { "#ffffff" } else { fill }),
+            name: name.into(),
+        });
         histories.chain([stop]).chain(instants).collect()
     }
 }

@@ -14,12 +14,19 @@ pub struct MeasuredFigure<'a> {
     x_label: &'a str,
     title: &'a str,
     panels: Vec<(&'a str, &'a [(f64, f64)])>,
+    is_scattered: bool,
 }
 
 impl<'a> MeasuredFigure<'a> {
     /// A figure of records with these modal amplitudes (m·√kg), and no panel yet.
     pub fn new(amplitudes: &'a [f64]) -> Self {
-        Self { abscissae: amplitudes, x_label: "modal amplitude in m √kg", title: "", panels: Vec::new() }
+        Self {
+            abscissae: amplitudes,
+            x_label: "modal amplitude in m √kg",
+            title: "",
+            panels: Vec::new(),
+            is_scattered: false,
+        }
     }
 
     /// Over something else than modal amplitudes; `label` holds the unit.
@@ -31,6 +38,12 @@ impl<'a> MeasuredFigure<'a> {
     /// With a title; without one otherwise.
     pub fn title(mut self, title: &'a str) -> Self {
         self.title = title;
+        self
+    }
+
+    /// Without a line from record to record, whose order says nothing then.
+    pub fn scattered(mut self) -> Self {
+        self.is_scattered = true;
         self
     }
 
@@ -62,11 +75,11 @@ impl<'a> MeasuredFigure<'a> {
         let bar = |(_, y, error): &(f64, f64, f64)| if error.is_finite() { [y - error, y + error] } else { [*y, *y] };
         let scale = Scale::linear(visible.iter().flat_map(bar), 0.08)?;
         let colour = palette::curve(0);
-        let line = Curve {
+        let line = (!self.is_scattered).then(|| Curve {
             class: "measured",
             points: visible.iter().map(|(x, y, _)| (*x, *y)).collect(),
             stroke: Stroke::solid(colour, 1.2),
-        };
+        });
         let bars = visible.iter().map(|value| Curve {
             class: "uncertainty",
             points: bar(value).map(|y| (value.0, y)).to_vec(),
@@ -81,7 +94,7 @@ impl<'a> MeasuredFigure<'a> {
         };
         let symbols = visible.iter().map(dot).collect();
         let y = Axis { label: label.to_owned(), scale };
-        Some(Panel { y, curves: std::iter::once(line).chain(bars).collect(), symbols, verticals: Vec::new() })
+        Some(Panel { y, curves: line.into_iter().chain(bars).collect(), symbols, verticals: Vec::new() })
     }
 }
 
@@ -98,6 +111,9 @@ mod tests {
         let svg = figure.render().unwrap().as_svg().to_owned();
         assert_eq!(svg.matches("class=\"record\"").count(), 3 + 2);
         assert_eq!(svg.matches("class=\"uncertainty\"").count(), 3 + 2);
+        assert_eq!(svg.matches("class=\"measured\"").count(), 2);
+        let scattered = figure.scattered().render().unwrap();
+        assert!(!scattered.as_svg().contains("class=\"measured\""));
         assert!(MeasuredFigure::new(&[f64::NAN]).panel("damping", &[(1.0, 0.0)]).render().is_err());
         assert!(MeasuredFigure::new(&[1.0]).panel("damping", &[(0.0019, 0.0)]).render().is_ok());
     }

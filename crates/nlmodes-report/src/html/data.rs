@@ -27,6 +27,8 @@ struct EventSymbol {
     name: String,
     shape: &'static str,
     fill: &'static str,
+    /// Place among those drawn over each other; the highest is on top.
+    layer: usize,
 }
 
 #[derive(Serialize)]
@@ -77,6 +79,7 @@ impl Data {
         }
         let symbol = |(name, shape, fill): (&str, crate::chart::Shape, _)| EventSymbol {
             name: name.into(),
+            layer: EventSymbols::layer(name),
             shape: shape.name(),
             fill,
         };

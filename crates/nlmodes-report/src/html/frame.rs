@@ -18,8 +18,8 @@ const SCRIPT: &str = concat!(
 );
 
 /// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
-const STYLE_HASH: &str = "QS9rSVDL/16IHEyce/QPWALhl9i1mzKLdB7Y7D+XuGQ=";
-const SCRIPT_HASH: &str = "gqMgZLV4lSv99aRT/WLk9qB2sRmjPMpE4kJrKrnvoj8=";
+const STYLE_HASH: &str = "iB15JtQ8kP4SEHBkfNvDQMw8LSYJXRVIf2SCawgUMvI=";
+const SCRIPT_HASH: &str = "/txcw/fpXfNdy+/qQVGxHWE2iq1jgtyX7EiHwd9e4Nc=";
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
     let policy = format!(

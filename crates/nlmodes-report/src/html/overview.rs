@@ -6,6 +6,9 @@ use crate::svg::escape;
 use crate::unit::Unit;
 use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
 
+/// Most branches whose range has a place in the head.
+const MOST_RANGES: usize = 6;
+
 impl HtmlReport<'_> {
     pub(super) fn overview(&self) -> String {
         let lines: String =
@@ -16,24 +19,32 @@ impl HtmlReport<'_> {
     }
 
     fn cards(&self, branch: &ModalBranch) -> Vec<(String, String)> {
-        let points = || branch.points.iter().filter(|point| point.omega.is_finite());
-        let (Some(first), Some(last)) = (points().next(), points().next_back()) else { return Vec::new() };
-        let start = if first.has_event("grazing") { "where the stop is first touched" } else { "at the first point" };
-        let change = 100.0 * (last.omega / first.omega - 1.0);
-        let sign = if change > 0.0 { "+" } else { "" };
-        let n_points: usize = self.branches.iter().map(|branch| branch.points.len()).sum();
-        let n_branches = self.branches.len();
-        let of = if n_branches == 1 { "points".into() } else { format!("points on {n_branches} branches") };
+        let mut cards = match self.branches {
+            [_] => ends(branch),
+            all => all.iter().filter_map(|branch| range(branch)).take(MOST_RANGES).collect(),
+        };
+        let points = || self.branches.iter().flat_map(|branch| &branch.points).filter(|point| point.omega.is_finite());
+        if points().next().is_none() {
+            return Vec::new();
+        }
         let energies = || points().map(|point| point.kinetic_energy).filter(|energy| energy.is_finite());
         let (least, most) = (energies().fold(f64::INFINITY, f64::min), energies().fold(0.0, f64::max));
-        let mut cards = vec![
-            (format!("{} Hz", hertz(first.omega)), start.into()),
-            (format!("{} Hz", hertz(last.omega)), format!("at the last point, {sign}{} %", significant(change, 3))),
-            (format!("{} … {} J", significant(least, 3), significant(most, 3)), "averaged kinetic energy".into()),
-            (force(branch), "largest contact force".into()),
-            (n_points.to_string(), of),
-        ];
-        let resonances: Vec<String> = tongues(&branch.points).iter().map(|t| t.resonance.to_string()).collect();
+        let n_branches = self.branches.len();
+        let of = if n_branches == 1 { "points".into() } else { format!("points on {n_branches} branches") };
+        let n_points: usize = self.branches.iter().map(|branch| branch.points.len()).sum();
+        if least.is_finite() {
+            let text = format!("{} … {} J", significant(least, 3), significant(most, 3));
+            cards.push((text, "averaged kinetic energy".into()));
+        }
+        cards.push((force(points()), "largest contact force".into()));
+        cards.push((n_points.to_string(), of));
+        let mut resonances: Vec<String> = Vec::new();
+        for tongue in self.branches.iter().flat_map(|branch| tongues(&branch.points)) {
+            let name = tongue.resonance.to_string();
+            if !resonances.contains(&name) {
+                resonances.push(name);
+            }
+        }
         if !resonances.is_empty() {
             cards.push((resonances.join(", "), "internal resonance".into()));
         }
@@ -41,26 +52,71 @@ impl HtmlReport<'_> {
     }
 }
 
+/// First and last point that can be shown, and the change of frequency between them in per cent.
+fn first_and_last(branch: &ModalBranch) -> Option<(&ModalPoint, &ModalPoint, String)> {
+    let mut points = branch.points.iter().filter(|point| point.omega.is_finite());
+    let first = points.next()?;
+    let last = points.next_back().unwrap_or(first);
+    let change = 100.0 * (last.omega / first.omega - 1.0);
+    let sign = if change > 0.0 { "+" } else { "" };
+    Some((first, last, format!("{sign}{} %", significant(change, 3))))
+}
+
+/// Where the only branch begins and ends.
+fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
+    let Some((first, last, change)) = first_and_last(branch) else { return Vec::new() };
+    let start = if first.has_event("grazing") { "where the stop is first touched" } else { "at the first point" };
+    vec![
+        (format!("{} Hz", hertz(first.omega)), start.into()),
+        (format!("{} Hz", hertz(last.omega)), format!("at the last point, {change}")),
+    ]
+}
+
+/// The same of one of several.
+fn range(branch: &ModalBranch) -> Option<(String, String)> {
+    let (first, last, change) = first_and_last(branch)?;
+    Some((format!("{} → {} Hz", hertz(first.omega), hertz(last.omega)), format!("{}, {change}", branch.label)))
+}
+
 fn card(value: &str, name: &str) -> String {
     format!("<li><strong>{}</strong><span>{}</span></li>\n", escape(value), escape(name))
 }
 
-fn force(branch: &ModalBranch) -> String {
-    let forces = branch.points.iter().map(|point: &ModalPoint| point.peak_contact_force);
+fn force<'p>(points: impl Iterator<Item = &'p ModalPoint>) -> String {
+    let forces = points.map(|point| point.peak_contact_force);
     let largest = forces.filter(|force| force.is_finite()).fold(0.0, f64::max);
     let unit = Unit::coarse("N", largest);
     format!("{} {}", significant(largest * unit.per_si, 4), unit.symbol)
 }
 
-/// How the main branch ended, and whether another one did not end where it should.
+/// The internal resonance on whose tongue a branch ends.
+pub(super) fn tongue_at_end(branch: &ModalBranch) -> Option<String> {
+    branch.points.last()?.resonance.as_ref().map(ToString::to_string)
+}
+
+/// How the branches ended: each of several by its name, and whether one did not end where it should.
 fn outcome(branches: &[&ModalBranch]) -> String {
     let early = branches.iter().filter(|branch| !branch.end.complete).count();
-    let end = branches.first().map_or("", |branch| branch.end.message.as_str());
-    let (class, word) = if early == 0 { ("done", "✓ Complete") } else { ("early", "⚠ Ended early") };
-    let of = if branches.len() > 1 && early > 0 {
-        format!(" ({early} of {} branches)", branches.len())
-    } else {
-        String::new()
+    let on_tongue = branches.iter().filter(|branch| branch.end.complete && tongue_at_end(branch).is_some()).count();
+    let (class, word) = match (early, on_tongue) {
+        (0, 0) => ("done", "✓ Complete"),
+        (0, _) => ("early", "⚠ Ended on the tongue of an internal resonance"),
+        _ => ("early", "⚠ Ended early"),
     };
-    format!("<p class=\"outcome {class}\">{word}{of}: {}.</p>\n", escape(end))
+    let of = match (branches.len(), early, on_tongue) {
+        (1, ..) | (_, 0, 0) => String::new(),
+        (n, 0, count) | (n, count, _) => format!(" ({count} of {n} branches)"),
+    };
+    let said = |branch: &&ModalBranch| match tongue_at_end(branch) {
+        Some(tongue) => format!("{}, on the tongue {tongue}", escape(&branch.end.message)),
+        None => escape(&branch.end.message),
+    };
+    let text = match branches {
+        [only] => format!(": {}.", said(only)),
+        all => {
+            let lines = all.iter().map(|branch| format!("<br/>{}: {}", escape(&branch.label), said(branch)));
+            lines.collect::<String>()
+        }
+    };
+    format!("<p class=\"outcome {class}\">{word}{of}{text}</p>\n")
 }

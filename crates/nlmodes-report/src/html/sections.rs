@@ -3,6 +3,7 @@
 use super::history::thinned;
 use super::motion::{shown, word};
 use super::number::{hertz, significant};
+use super::overview::tongue_at_end;
 use super::table::{DataTable, cell, point_cell};
 use super::{HtmlReport, data, document};
 use crate::ReportError;
@@ -31,6 +32,7 @@ impl HtmlReport<'_> {
             section("participations", "Participation of linear modes", self.participation_figure()?),
             section("moving", "Motion", self.motion_figure()),
             section("histories", "Time histories", self.history_figures()?),
+            section("figures", "Figures", self.further_figures()),
             section("tables", "Tables", self.all_tables()),
             section("scene", "Scene and method", self.all_documents()),
         ];
@@ -112,6 +114,16 @@ impl HtmlReport<'_> {
         Ok(if boxes.is_empty() { boxes } else { format!("<div class=\"pair\">{boxes}</div>\n") })
     }
 
+    /// Figures that were given, as they are.
+    fn further_figures(&self) -> String {
+        let one = |(title, figure): &(String, Figure)| {
+            let (title, svg) = (escape(title), figure.as_svg());
+            format!("<figure class=\"box\"><h3>{title}</h3><div class=\"fixed\">{svg}</div></figure>\n")
+        };
+        let all: String = self.figures.iter().map(one).collect();
+        if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }
+    }
+
     fn all_tables(&self) -> String {
         let own = [self.key_points(), self.events(), self.resonances(), self.ends()].concat();
         let further: String = self.tables.iter().map(DataTable::html).collect();
@@ -176,9 +188,13 @@ impl HtmlReport<'_> {
     fn ends(&self) -> String {
         let row = |branch: &&nlmodes_modal::ModalBranch| {
             let (end, n) = (&branch.end, branch.points.len().to_string());
-            let complete = if end.complete { "yes" } else { "no, ended early" };
+            let complete = match tongue_at_end(branch) {
+                _ if !end.complete => "no, ended early".to_owned(),
+                Some(tongue) => format!("yes, but on the tongue {tongue}"),
+                None => "yes".to_owned(),
+            };
             let label = cell(" ", &escape(&branch.label));
-            vec![label, cell(&n, &n), cell(" ", &escape(&end.message)), cell(" ", complete)]
+            vec![label, cell(&n, &n), cell(" ", &escape(&end.message)), cell(" ", &escape(&complete))]
         };
         let rows: Vec<Vec<String>> = self.branches.iter().map(row).collect();
         DataTable::new("Branches and why they end", &["branch", "points", "end", "complete"]).html_with(rows)

@@ -151,7 +151,7 @@ fn with_modes(
 }
 
 /// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.
-fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
+pub(super) fn begin(structure: &CondensedStructure, settings: &BranchSettings) -> Result<Grazing, StudyError> {
     match settings.method {
         BranchMethod::HarmonicBalance => linear_start(structure, settings),
         BranchMethod::Shooting => {

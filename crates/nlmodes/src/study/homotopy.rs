@@ -62,6 +62,7 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
             out.residual[i] = self.inner.residual[i] - (1.0 - s) * self.defect[i];
             (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
             out.jacobian[(i, n + 1)] = self.defect[i];
+            out.sizes[i] = self.inner.sizes[i];
         }
         out.residual[n] = z[self.coordinate] - self.value;
         (0..=n + 1).for_each(|j| out.jacobian[(n, j)] = if j == self.coordinate { 1.0 } else { 0.0 });

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_contact::solver_by_name;
-use nlmodes_continuation::{AtBranchPoint, Bound, Continuation};
+use nlmodes_continuation::{AtBranchPoint, Bound, Continuation, StepSettings};
 use nlmodes_hbm::{
     CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
@@ -15,6 +15,9 @@ use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, StudyErr
 
 /// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
 const MIN_ENERGY_RATIO: f64 = 1e-3;
+
+/// Largest unknown, over the length of the contact's amplitude at grazing, beyond which steps grow with the motion.
+const FAR: f64 = 10.0;
 
 /// Of so many modes of a beam at least one moves a contact: the others are held apart by its direction.
 const HIDDEN_MODES: usize = 3;
@@ -145,7 +148,8 @@ pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency
         BranchPointRule::Stay | BranchPointRule::All => AtBranchPoint::Stay,
     };
     Continuation {
-        step: settings.step.clone(),
+        // Far from grazing, motions grow while the gap stays what it is: what happens to them does so over a share of their size.
+        step: StepSettings { far: FAR.min(settings.step.far), ..settings.step.clone() },
         bounds,
         watched: vec![frequency],
         at_branch_point,

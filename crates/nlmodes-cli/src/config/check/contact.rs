@@ -1,6 +1,6 @@
 use nlmodes_fem::Mesh;
 
-use crate::config::check::nodes::{holds, nearest, node_at};
+use crate::config::check::nodes::{beside, holds, node_at};
 use crate::config::raw::{RawContact, RawScene, RawStructure};
 use crate::config::rule::number;
 use crate::config::scene::{Contact, Direction, StructureKind, Support};
@@ -64,14 +64,16 @@ fn node(i: usize, contact: &RawContact, mesh: &Mesh, findings: &mut Findings<'_>
 
 fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
     let path = format!("contact.{i}.at_m");
-    let nearest = nearest(mesh, at);
     let length = mesh.length();
-    let label = format!(
-        "found {}, expected the position of a node; the nearest is {} m (node {nearest} of {})",
-        findings.written(&path),
-        number(mesh.nodes()[nearest]),
-        mesh.elements(),
-    );
+    let [low, high] = beside(mesh, at);
+    let position = |node: usize| number(mesh.nodes()[node]);
+    let nearest = if low == high {
+        format!("the nearest is {} m (node {low}", position(low))
+    } else {
+        format!("the nearest are {} m and {} m (nodes {low} and {high}", position(low), position(high))
+    };
+    let (found, last) = (findings.written(&path), mesh.elements());
+    let label = format!("found {found}, expected the position of a node; {nearest} of {last})");
     let problem = if at > length {
         let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
         perhaps_millimetres(Problem::error(title), at, length)

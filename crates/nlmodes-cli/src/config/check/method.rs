@@ -74,7 +74,7 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
     match kind {
         MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
             let problem = Problem::error("contact nodes that keep their mass need elastic stops");
-            let problem = problem.help("mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            let problem = problem.help("this for all of them, or `stiffness_n_m` below each [[contact]]; mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
             findings.put(
                 path,
                 problem,
@@ -83,7 +83,8 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
         }
         MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
             let problem = Problem::error(format!("`{path}` is missing"));
-            let problem = problem.help("hbm needs elastic stops; method.kind = \"ms-hbm\" takes rigid ones");
+            let problem = problem
+                .help("hbm needs elastic stops: this for all of them, or `stiffness_n_m` below each [[contact]]; method.kind = \"ms-hbm\" takes rigid ones");
             findings.put(
                 path,
                 problem,

@@ -34,6 +34,12 @@ pub fn nearest(mesh: &Mesh, at: f64) -> usize {
     if (nodes[before] - at).abs() < (nodes[after] - at).abs() { before } else { after }
 }
 
+/// The nodes on both sides of a position; beyond the end the last one twice.
+pub fn beside(mesh: &Mesh, at: f64) -> [usize; 2] {
+    let after = mesh.nodes().partition_point(|x| *x < at);
+    if after > mesh.elements() { [mesh.elements(); 2] } else { [after.saturating_sub(1), after] }
+}
+
 /// The node at a position, if there is one.
 pub fn node_at(mesh: &Mesh, at: f64) -> Option<usize> {
     let node = nearest(mesh, at);

@@ -27,10 +27,6 @@ pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
     if sound {
         window::warn(scene, findings);
     }
-    if scene.contacts.is_empty() && !findings.has("contact") {
-        let problem = Problem::warning("the structure has no stop").help("stops stand under headings [[contact]]");
-        findings.push(problem);
-    }
 }
 
 pub fn structure(structure: &Structure, findings: &mut Findings<'_>) {

@@ -41,6 +41,7 @@ function describePoint(curve, index) {
 
 function branchSpec({ name, label, kind, column }, onHover, onChoose) {
   const curves = [], symbols = [];
+  const happening = [];
   const shapes = Object.fromEntries(DATA.eventSymbols.map(entry => [entry.name, entry]));
   DATA.branches.forEach((branch, key) => {
     const [x, y] = [branch[column], branch.frequency];
@@ -55,7 +56,7 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
     for (const [index, names] of Object.entries(branch.events)) {
       for (const event of names) {
         const entry = shapes[event];
-        symbols.push({ key, x: x[index], y: y[index], shape: entry.shape, fill: entry.fill });
+        happening.push({ key, x: x[index], y: y[index], shape: entry.shape, fill: entry.fill, layer: entry.layer });
       }
     }
     for (const [index, text] of branch.tongues) symbols.push({ key, x: x[index], y: y[index], shape: "dot", fill: "currentColor", name: text });
@@ -64,6 +65,8 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
     const branch = DATA.branches[key];
     symbols.push({ key, x: branch[column][index], y: branch.frequency[index], shape: "dot", fill: "currentColor", name: text });
   }
+  // What happens lies above the dots that only carry names, and what is rare above what may hide it.
+  symbols.push(...happening.sort((a, b) => a.layer - b.layer));
   const view = span(curves.flatMap(curve => curve.x.map(value => toPlace(kind, value))), 0.04);
   DATA.branches.forEach((branch, key) => addLinearMode(curves, branch, key, branch[column], kind, view));
   return {

@@ -33,6 +33,8 @@ function historySpec(name, history, height) {
         const at = { x: t * clock.perSi, y: interpolated(one.time, one[series], t) * unit.perSi };
         const look = touching ? { shape: "circle", fill: DATA.colors.touching, title: "touching" }
           : { shape: "square", fill: DATA.colors.leaving, title: "leaving" };
+        // Of several histories each has the colour of its curve.
+        if (all.length > 1) Object.assign(look, { fill: one.color || "currentColor", title: `${look.title}: ${one.label}` });
         panel.symbols.push({ ...at, ...look });
       }
     }
