@@ -97,6 +97,9 @@ const HELPS: f64 = 0.5;
 /// Trials of more harmonics in a row that do not help before the most are tried.
 const IN_VAIN: usize = 2;
 
+/// Changes that may be undone.
+const MOST_UNDONE: usize = 2;
+
 /// Points for which the number stays after it was found that more do not help, the first time and at most; each time it doubles.
 const STAY: (usize, usize) = (8, 128);
 
@@ -143,6 +146,8 @@ pub(super) struct Control {
     raised: Raised,
     /// Points in a row that reach the accuracy.
     good: usize,
+    /// Changes that were undone.
+    undone: usize,
 }
 
 /// Trials of more harmonics from one point on.
@@ -168,6 +173,7 @@ impl Control {
             next_stay: STAY.0,
             raised: Raised::default(),
             good: 0,
+            undone: 0,
         }
     }
 
@@ -191,6 +197,12 @@ impl Control {
         (self.stays, self.pause) = (self.next_stay, self.next_stay);
         self.next_stay = (2 * self.next_stay).min(STAY.1);
         self.raised = Raised::default();
+    }
+
+    /// The last change led back. After some of them there are no more: the branch goes on to its limit with the number that it has.
+    pub fn undo(&mut self) {
+        self.undone += 1;
+        self.stay();
     }
 
     /// Points of the present number of harmonics are shown: it serves.
@@ -221,15 +233,15 @@ impl Control {
             return Decision::Keep;
         }
         self.easy = (self.easy.0 + 1, self.easy.1.max(needed));
-        if self.easy.0 < PATIENCE { Decision::Keep } else { Decision::Fewer(self.easy.1) }
+        if self.easy.0 < PATIENCE || self.undone >= MOST_UNDONE { Decision::Keep } else { Decision::Fewer(self.easy.1) }
     }
 
     /// What is done after a point whose harmonics leave out too much.
     fn too_large(&mut self, error: &TruncationError, needed: usize) -> Decision {
         let (harmonics, max) = (self.harmonics, self.accuracy.max_harmonics);
         let as_it_is = if error.frequency <= self.accuracy.error { Decision::Keep } else { Decision::Limit };
-        if self.stays > 0 {
-            self.stays -= 1;
+        if self.stays > 0 || self.undone >= MOST_UNDONE {
+            self.stays = self.stays.saturating_sub(1);
             return as_it_is;
         }
         // Where both are infinite their difference is not a number.
@@ -359,6 +371,18 @@ mod tests {
                 assert_eq!(control.decide(&large), Decision::Limit);
             }
             assert_eq!(control.decide(&large), Decision::More(16));
+        }
+    }
+
+    #[test]
+    fn changes_that_lead_back_are_not_tried_for_ever() {
+        let mut control = control(10);
+        (0..MOST_UNDONE).for_each(|_| control.undo());
+        for estimate in [1e-3, 1e-12, 1e-3] {
+            for _ in 0..300 {
+                let decision = control.decide(&error(estimate, 0.0));
+                assert!(matches!(decision, Decision::Keep | Decision::Limit), "{decision:?}");
+            }
         }
     }
 

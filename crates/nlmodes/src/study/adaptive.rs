@@ -57,6 +57,9 @@ const BELOW: f64 = 1e-4;
 /// Share of the energy in the tangent above which the energy is kept when the number of harmonics changes.
 const ENERGY_CHANGES: f64 = 0.05;
 
+/// A point that was shown with its accuracy, the layout of its unknowns, and the number of points shown by then.
+type Passed = (BranchPoint, RealSeries, usize);
+
 /// Points that wait to be shown until one without events behind them counts, and where the branch goes on if none does.
 struct Stretch {
     /// The last point without events that counts, and the layout of its unknowns.
@@ -68,7 +71,7 @@ struct Stretch {
     /// Events of the first point of the next run.
     first: Vec<String>,
     /// Points without events that were shown with this accuracy, each with the number of points shown by then.
-    passed: Vec<(BranchPoint, RealSeries, usize)>,
+    passed: Vec<Passed>,
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
@@ -100,7 +103,7 @@ struct Trial {
     base_is_accurate: bool,
     first: Vec<String>,
     known: bool,
-    taken_back: Option<(Found, Vec<(BranchPoint, RealSeries, usize)>)>,
+    taken_back: Option<(Found, Vec<Passed>)>,
 }
 
 /// Why a run with one number of harmonics gives way to another.
@@ -175,7 +178,7 @@ impl Tracer<'_> {
                     (stretch.base, stretch.tried_from, stretch.in_vain) = (Some(undo.base.clone()), None, true);
                     let (base, series) = undo.base;
                     let seed = self.unchanged(control, &mut stretch, base, series)?;
-                    control.stay();
+                    control.undo();
                     seed
                 }
                 Change::To(harmonics) => {

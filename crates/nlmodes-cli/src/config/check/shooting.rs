@@ -62,7 +62,7 @@ fn warn_of_size(found: usize, at: &str, findings: &mut Findings<'_>) {
     let text =
         format!("shooting with {found} modes: some {seconds:.1} s a point, and internal resonances with all of them");
     let problem = Problem::warning(text).help(
-        "with the tongues of so many modes a branch takes a thousand points and more; `held_modes = 20` in this table \
+        "an exact branch follows the tongues of all of them, in small steps; `held_modes = 20` in this table \
          leaves the others to answer statically",
     );
     findings.put(at, problem, "expected `held_modes` in this table, 5 to 40");
