@@ -12,9 +12,11 @@ use nlmodes::hbm::{
 };
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
-use nlmodes::study::{Accuracy, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
+use nlmodes::study::{
+    Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch, compute_tree,
+};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
-use support::unit_rod;
+use support::{massless_beam, unit_rod};
 
 fn rod(elements: usize) -> MasslessContactModel {
     unit_rod(elements, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0)])
@@ -136,6 +138,35 @@ fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     assert!(reached.points_beyond > 0 && reached.points_beyond < points.len(), "{reached:?}");
     // It does not turn back: after the linear mode has been left, the contact closes at every point.
     assert!(points[1..].iter().all(|p| p.contact_fraction > 0.0));
+}
+
+/// Numbers of harmonics can lead back to each other. Points are taken back only where the branch has come further than when some were last
+/// taken back, but for the two changes that may be undone: so there is an end to it.
+#[test]
+fn points_are_not_taken_back_for_ever() {
+    for accuracy in [1e-2, 5e-3] {
+        let (mut shown, mut tops) = (0, Vec::new());
+        let watched = |progress: BranchProgress| {
+            match progress {
+                BranchProgress::Found { .. } => shown += 1,
+                BranchProgress::Withdrawn { kept, .. } => {
+                    tops.push((shown, kept));
+                    shown = kept;
+                }
+                _ => {}
+            }
+            ControlFlow::Continue(())
+        };
+        let wanted = BranchSettings { frequency_hz: Some([39.0, 55.0]), ..settings(accuracy, 6.0) };
+        let tree = compute_tree(massless_beam(), &wanted, watched).unwrap();
+        let end = &tree.branches[0].branch.end;
+        assert_eq!(end.reason, "max-energy", "{}", end.message);
+        // None is kept where the branch begins again with more held modes.
+        for run in tops.split(|(_, kept)| *kept == 0) {
+            let again = run.windows(2).filter(|pair| pair[1].0 <= pair[0].0).count();
+            assert!(again <= 2, "{tops:?}");
+        }
+    }
 }
 
 /// A resonance with a harmonic between 15 and 20 makes the error of the rod of 10 elements with 6 of them: the estimate has to reach that far.

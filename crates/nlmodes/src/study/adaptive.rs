@@ -72,6 +72,9 @@ struct Stretch {
     first: Vec<String>,
     /// Points without events that were shown with this accuracy, each with the number of points shown by then.
     passed: Vec<Passed>,
+    /// Most points that were shown when some were taken back. Only a branch that has come further is taken back again, or there would be
+    /// no end to it where numbers of harmonics lead back to each other.
+    furthest: usize,
     /// The first point of the next run is known and is not kept.
     known: bool,
     at_limit: bool,
@@ -141,6 +144,7 @@ impl Tracer<'_> {
             base_is_accurate: true,
             waiting: Vec::new(),
             passed: Vec::new(),
+            furthest: 0,
             first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
@@ -380,13 +384,15 @@ impl Tracer<'_> {
         series: RealSeries,
         harmonics: usize,
     ) -> Result<Option<Seed>, StudyError> {
-        if harmonics <= series.n_harmonics {
+        let shown = found.points.len();
+        if harmonics <= series.n_harmonics || shown <= stretch.furthest {
             return Ok(None);
         }
         for back in BACK {
             let Some(index) = stretch.passed.len().checked_sub(back + 1) else { return Ok(None) };
             let (base, series, kept) = stretch.passed[index].clone();
             if let Some(seed) = self.carried_over(found, &base, series, harmonics, false)? {
+                stretch.furthest = shown;
                 let passed = stretch.passed.split_off(index + 1);
                 let mut taken_back = (found.split_off(kept), passed);
                 if let Some(trial) = &mut stretch.tried_from {
