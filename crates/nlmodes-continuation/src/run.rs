@@ -1,10 +1,12 @@
+mod replay;
+
 use std::ops::ControlFlow;
 
 use crate::corner::{self, Passage};
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
-use crate::record::{RunLog, StepRecord};
+use crate::record::RunLog;
 use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, reach, step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StepSettings, StopReason};
@@ -14,12 +16,6 @@ const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 
 /// Shortest step, over the distance by which rounding blurs its foot: what is shorter says nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
-
-/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
-/// any case, beyond the third in none.
-const WORSE: f64 = 1e3;
-const SOLVED: f64 = 1e-9;
-const UNSOLVED: f64 = 1e-3;
 
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
 pub(crate) struct Run<'a, S, F> {
@@ -103,85 +99,6 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             return self.record(0, outcome);
         }
         if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(h) }
-    }
-
-    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
-    fn holds(&mut self, record: &StepRecord) -> bool {
-        if !record.is_of(self.system.dim()) {
-            return false;
-        }
-        let evaluations = self.corrector.evaluations;
-        let points = record.points.iter().map(|point| (point.z(), point.residual));
-        let arms = record.crossing.iter().flat_map(|choice| &choice.arms).map(|arm| (arm.z.clone(), arm.residual));
-        let holds = points.chain(arms).all(|(z, residual)| match self.corrector.evaluate(self.system, &z) {
-            Ok(now) => now <= (WORSE * residual).clamp(SOLVED, UNSOLVED),
-            // The foot of a corner, where the residual may not exist.
-            Err(_) => residual.is_infinite(),
-        });
-        self.corrector.evaluations = evaluations;
-        holds
-    }
-
-    /// Takes a step of an earlier run; `h` is its length.
-    fn repeat(&mut self, record: StepRecord, h: f64) -> ControlFlow<StopReason, f64> {
-        let (from, count) = (self.branch.points.len(), record.points.len());
-        for point in record.points {
-            let told = (self.observe)(&point);
-            self.branch.points.push(point);
-            self.go_on_if(told)?;
-        }
-        if record.stop.as_ref().is_some_and(StopReason::is_asked_for) {
-            // Nobody asks this time: the step is to be taken to its end.
-            self.branch.points.truncate(from);
-            self.shown = count;
-            return ControlFlow::Continue(h);
-        }
-        if let Some(last) = self.branch.points.last() {
-            self.foot = Foot {
-                z: last.z(),
-                tangent: last.tangent.clone(),
-                orientation: record.orientation,
-                regularity: record.regularity,
-                pattern: last.pattern,
-            };
-            self.before = record.before;
-            self.system.accepted(&last.x, last.p);
-        }
-        self.folds.set_senses(&record.senses);
-        if let Some(choice) = record.crossing {
-            let way = self.choose(&choice);
-            // A branch that ends here has that for its recorded end.
-            let _ = self.note(&choice, way);
-            self.passed = None;
-        }
-        self.corrector.blur = record.blur.max(self.corrector.resolution);
-        self.corrector.evaluations = record.evaluations;
-        self.branch.refused_steps = record.refused_steps;
-        record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
-    }
-
-    /// Hands the points from number `from` on, and what goes with them, to the log.
-    fn record(&mut self, from: usize, outcome: ControlFlow<StopReason, f64>) -> ControlFlow<StopReason, f64> {
-        self.shown = 0;
-        let (next, stop) = match &outcome {
-            ControlFlow::Continue(next) => (*next, None),
-            ControlFlow::Break(stop) => (0.0, Some(stop.clone())),
-        };
-        let told = self.log.record(&StepRecord {
-            points: self.branch.points[from..].to_vec(),
-            orientation: self.foot.orientation,
-            regularity: self.foot.regularity,
-            blur: if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 },
-            before: self.before,
-            senses: self.folds.senses(),
-            crossing: self.passed.take(),
-            next,
-            evaluations: self.corrector.evaluations,
-            refused_steps: self.branch.refused_steps,
-            stop,
-        });
-        outcome?;
-        if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(next) }
     }
 
     fn follow(&mut self, mut h: f64) -> StopReason {

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod adaptive;
+mod beyond;
 mod branch;
 mod compute;
 mod equal;
@@ -21,7 +22,8 @@ mod start;
 mod touching;
 mod trace;
 
-pub use accuracy::{Accuracy, AccuracyReached, BeyondAccuracy};
+pub use accuracy::{Accuracy, AccuracyReached};
+pub use beyond::BeyondAccuracy;
 pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use equal::PointBetween;

@@ -7,7 +7,7 @@ use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory,
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
-use super::accuracy::{BeyondAccuracy, beyond};
+use super::beyond::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
 use super::{AccuracyReached, BranchMethod, BranchSettings, StudyError};

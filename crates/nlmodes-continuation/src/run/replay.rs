@@ -1,0 +1,99 @@
+//! Steps that a log knows from an earlier run, and those that it is to know.
+
+use std::ops::ControlFlow;
+
+use super::Run;
+use crate::record::StepRecord;
+use crate::step::Foot;
+use crate::{BranchPoint, ParametricSystem, StopReason};
+
+/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
+/// any case, beyond the third in none.
+const WORSE: f64 = 1e3;
+const SOLVED: f64 = 1e-9;
+const UNSOLVED: f64 = 1e-3;
+
+impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, F> {
+    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
+    pub(super) fn holds(&mut self, record: &StepRecord) -> bool {
+        if !record.is_of(self.system.dim()) {
+            return false;
+        }
+        let evaluations = self.corrector.evaluations;
+        let points = record.points.iter().map(|point| (point.z(), point.residual));
+        let arms = record.crossing.iter().flat_map(|choice| &choice.arms).map(|arm| (arm.z.clone(), arm.residual));
+        let holds = points.chain(arms).all(|(z, residual)| match self.corrector.evaluate(self.system, &z) {
+            Ok(now) => now <= (WORSE * residual).clamp(SOLVED, UNSOLVED),
+            // The foot of a corner, where the residual may not exist.
+            Err(_) => residual.is_infinite(),
+        });
+        self.corrector.evaluations = evaluations;
+        holds
+    }
+
+    /// Takes a step of an earlier run; `h` is its length.
+    pub(super) fn repeat(&mut self, record: StepRecord, h: f64) -> ControlFlow<StopReason, f64> {
+        let (from, count) = (self.branch.points.len(), record.points.len());
+        for point in record.points {
+            let told = (self.observe)(&point);
+            self.branch.points.push(point);
+            self.go_on_if(told)?;
+        }
+        if record.stop.as_ref().is_some_and(StopReason::is_asked_for) {
+            // Nobody asks this time: the step is to be taken to its end.
+            self.branch.points.truncate(from);
+            self.shown = count;
+            return ControlFlow::Continue(h);
+        }
+        if let Some(last) = self.branch.points.last() {
+            self.foot = Foot {
+                z: last.z(),
+                tangent: last.tangent.clone(),
+                orientation: record.orientation,
+                regularity: record.regularity,
+                pattern: last.pattern,
+            };
+            self.before = record.before;
+            self.system.accepted(&last.x, last.p);
+        }
+        self.folds.set_senses(&record.senses);
+        if let Some(choice) = record.crossing {
+            let way = self.choose(&choice);
+            // A branch that ends here has that for its recorded end.
+            let _ = self.note(&choice, way);
+            self.passed = None;
+        }
+        self.corrector.blur = record.blur.max(self.corrector.resolution);
+        self.corrector.evaluations = record.evaluations;
+        self.branch.refused_steps = record.refused_steps;
+        record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
+    }
+
+    /// Hands the points from number `from` on, and what goes with them, to the log.
+    pub(super) fn record(
+        &mut self,
+        from: usize,
+        outcome: ControlFlow<StopReason, f64>,
+    ) -> ControlFlow<StopReason, f64> {
+        self.shown = 0;
+        let (next, stop) = match &outcome {
+            ControlFlow::Continue(next) => (*next, None),
+            ControlFlow::Break(stop) => (0.0, Some(stop.clone())),
+        };
+        let told = self.log.record(&StepRecord {
+            points: self.branch.points[from..].to_vec(),
+            orientation: self.foot.orientation,
+            regularity: self.foot.regularity,
+            blur: if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 },
+            before: self.before,
+            senses: self.folds.senses(),
+            crossing: self.passed.take(),
+            next,
+            evaluations: self.corrector.evaluations,
+            refused_steps: self.branch.refused_steps,
+            stop,
+        });
+        outcome?;
+        if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(next) }
+    }
+}
