@@ -72,10 +72,11 @@ fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
     ]
 }
 
-/// The same of one of several.
+/// Lowest and highest frequency of one of several: a test may go up and come down again.
 fn range(branch: &ModalBranch) -> Option<(String, String)> {
-    let (first, last, change) = first_and_last(branch)?;
-    Some((format!("{} → {} Hz", hertz(first.omega), hertz(last.omega)), format!("{}, {change}", branch.label)))
+    let frequencies = || branch.points.iter().map(|point| point.omega).filter(|omega| omega.is_finite());
+    let (lowest, highest) = (frequencies().reduce(f64::min)?, frequencies().reduce(f64::max)?);
+    Some((format!("{} … {} Hz", hertz(lowest), hertz(highest)), branch.label.clone()))
 }
 
 fn card(value: &str, name: &str) -> String {
