@@ -156,7 +156,7 @@ fn points_are_not_taken_back_for_ever() {
         }
         ControlFlow::Continue(())
     };
-    let wanted = BranchSettings { frequency_hz: Some([39.0, 55.0]), ..settings(1e-2, 6.0) };
+    let wanted = BranchSettings { frequency_hz: Some([39.0, 55.0]), ..settings(3e-3, 6.0) };
     let tree = compute_tree(massless_beam(), &wanted, watched).unwrap();
     let end = &tree.branches[0].branch.end;
     assert_eq!(end.reason, "max-energy", "{}", end.message);
