@@ -2,10 +2,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
-use nlmodes_cli::{config, readers};
+use nlmodes_cli::readers;
 use nlmodes_experiment::records::{
     Channel, Quantity, RecordError, RecordTable, Role, read_csv, read_npy, read_uff, read_wav,
 };
+use nlmodes_scene as config;
 
 use crate::corpus;
 use crate::resumed::Runs;

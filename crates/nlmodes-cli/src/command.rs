@@ -8,11 +8,10 @@ use clap_complete::Shell;
 use serde_json::Value;
 
 use crate::claim::{Claim, Over, identity};
-use crate::config::{self, AnyScene, Refused, SceneFile, wants_colours};
+use crate::config::{self, AnyScene, Refused, SceneFile, memory, wants_colours};
 use crate::options::RunOptions;
 use crate::{
-    Status, check, compare, experiment, interrupt, lcp, links, memory, modes, new, run as study, updating, verify,
-    virtual_test,
+    Status, check, compare, experiment, interrupt, lcp, links, modes, new, run as study, updating, verify, virtual_test,
 };
 
 /// Nonlinear modes of structures with one-sided contact

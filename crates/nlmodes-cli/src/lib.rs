@@ -1,6 +1,6 @@
 //! The command line of nlmodes: from a scene file to branch, tables and figures.
 //!
-//! [`config`] reads and checks scenes, [`command`] takes the command line apart, and each command is a module of its own.
+//! `nlmodes-scene` reads and checks scenes, [`command`] takes the command line apart, and each command is a module of its own.
 
 /// Prints a line to standard error; one that nobody can read is no error.
 macro_rules! say {
@@ -10,17 +10,14 @@ macro_rules! say {
     }};
 }
 
-mod assemble;
 mod check;
 mod claim;
 pub mod command;
 mod compare;
-pub mod config;
 mod experiment;
 mod interrupt;
 mod lcp;
 mod links;
-mod memory;
 mod modes;
 mod new;
 mod options;
@@ -32,4 +29,5 @@ mod updating;
 mod verify;
 mod virtual_test;
 
+use nlmodes_scene as config;
 pub use status::Status;

@@ -6,12 +6,12 @@ use nlmodes::model::{MasslessContactModel, StructuralModel, held_modes, linear_m
 use serde::Serialize;
 
 use crate::Status;
-use crate::assemble::{StructureError, element_model, redistribution, structural_model};
 use crate::command::print;
 use crate::config::SceneFile;
 use crate::config::number;
 use crate::config::scene::{Scene, Structure, StructureKind};
 use crate::run::chain;
+use nlmodes_scene::assemble::{StructureError, element_model, redistribution, structural_model};
 
 /// Modes of the table.
 const COUNT: usize = 10;

@@ -27,7 +27,6 @@ use nlmodes::study::{
 use nlmodes::timestep::TimestepError;
 
 use crate::Status;
-use crate::assemble::{contact_model, structural_model};
 use crate::claim::{Claim, unwritable};
 use crate::command::print;
 use crate::config::SceneFile;
@@ -39,6 +38,7 @@ use crate::interrupt;
 use crate::modes::modal_model;
 use crate::options::RunOptions;
 use journal::Journal;
+use nlmodes_scene::assemble::{contact_model, structural_model};
 use progress::Progress;
 use sink::{Sink, branch_directory};
 pub use starts::STARTS;

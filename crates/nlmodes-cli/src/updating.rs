@@ -8,10 +8,10 @@ use nlmodes::updating::{FrequencyTarget, UpdatingError, update_parameters};
 use thiserror::Error as ThisError;
 
 use crate::Status;
-use crate::assemble::{element_model, redistribution};
 use crate::config::SceneFile;
 use crate::config::scene::{Scene, UpdatedParameter, Updating, UpdatingDone};
 use crate::run::chain;
+use nlmodes_scene::assemble::{element_model, redistribution};
 
 /// A model with trial values that cannot be made or has no modes.
 #[derive(Debug, ThisError)]

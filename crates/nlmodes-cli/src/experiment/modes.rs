@@ -6,8 +6,8 @@ use nlmodes::experiment::records::Channel;
 use nlmodes::modal::LinearModes;
 use nlmodes::model::linear_modes;
 
-use crate::assemble::{Elements, imposed};
 use crate::config::scene::Structure;
+use nlmodes_scene::assemble::{Elements, imposed};
 
 /// Most modes that are taken.
 const MAX_MODES: usize = 6;

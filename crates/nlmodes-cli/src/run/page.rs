@@ -11,9 +11,9 @@ use nlmodes::study::{ComputedBranch, StudyError, figure_points, reference_points
 use super::figures::{HISTORY_SAMPLES, SHOWN_MODES, held_ends};
 use super::histories::Reference;
 use super::summary::method_used;
-use crate::assemble::structural_model;
 use crate::config::scene::Scene;
 use crate::modes::{LinearFrequencies, linear_frequencies, modal_model};
+use nlmodes_scene::assemble::structural_model;
 
 /// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
 const MOTION_SAMPLES: usize = 2000;

@@ -9,10 +9,10 @@ use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
 use super::error::VerifyError;
-use crate::assemble::{contact_model, structural_model};
 use crate::config::scene::{MethodKind, Scene, Symmetry};
 use crate::lcp::archive::Archive;
 use crate::run::{STARTS, chain};
+use nlmodes_scene::assemble::{contact_model, structural_model};
 
 const SUMMARY: &str = "summary.json";
 const HARMONICS: &str = "harmonics.npz";

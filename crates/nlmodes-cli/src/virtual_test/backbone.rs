@@ -10,8 +10,8 @@ use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 
 use super::bench::Rig;
-use crate::assemble::{Elements, moving_kind};
 use crate::config::scene::{self, Backbone, BackboneMethod, StructureKind, TestScene};
+use nlmodes_scene::assemble::{Elements, moving_kind};
 
 /// Points of a backbone at most.
 const MAX_POINTS: usize = 2000;

@@ -9,8 +9,8 @@ use nlmodes::model::{ContactLaw, Side};
 use nlmodes::rig::ModalReduction;
 use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
 
-use crate::assemble::{Elements, imposed, moving_kind};
 use crate::config::scene::{self, LoopDetector, TestScene};
+use nlmodes_scene::assemble::{Elements, imposed, moving_kind};
 
 /// Start of the loop below the frequency of the mode, relative.
 const BELOW: f64 = 0.0025;

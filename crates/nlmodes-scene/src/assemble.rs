@@ -1,0 +1,185 @@
+//! From a checked scene to the structural model.
+
+use std::f64::consts::TAU;
+
+use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::model::{
+    Conserve, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel, ModelError, Move, Side,
+    StructuralModel,
+};
+use thiserror::Error;
+
+use crate::scene::{self, MassRule, MethodKind, Scene, StructureKind};
+
+/// A structure of one of the two theories.
+#[derive(Debug, Clone)]
+pub enum Elements {
+    /// A rod, which moves along itself.
+    Rod(Rod),
+    /// A beam, which bends and moves along itself.
+    Beam(Beam),
+}
+
+impl Elements {
+    /// Of a checked structure.
+    ///
+    /// # Errors
+    /// What the element library has against it; a checked scene gives no reason for that.
+    pub fn new(structure: &scene::Structure) -> Result<Self, FemError> {
+        let mesh = if structure.grading == 1.0 {
+            Mesh::uniform(structure.length, structure.elements)?
+        } else {
+            Mesh::graded(structure.length, structure.elements, structure.grading)?
+        };
+        let material = Material::new(structure.youngs_modulus, structure.density)?;
+        let mass_matrix = match structure.mass_matrix {
+            scene::MassMatrix::Consistent => MassMatrix::Consistent,
+            scene::MassMatrix::Lumped => MassMatrix::Lumped,
+        };
+        let [start, end] = [structure.start, structure.end].map(support);
+        Ok(match structure.section {
+            scene::Section::Rod { area } => Self::Rod(Rod { material, area, mesh, mass_matrix, start, end }),
+            scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Self::Beam(Beam {
+                material: material.with_poissons_ratio(poissons_ratio)?,
+                section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
+                mesh,
+                mass_matrix,
+                start,
+                end,
+            }),
+        })
+    }
+
+    /// The assembled model.
+    ///
+    /// # Errors
+    /// [`FemError`].
+    pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
+        match self {
+            Self::Rod(rod) => rod.assemble(stops),
+            Self::Beam(beam) => beam.assemble(stops),
+        }
+    }
+
+    /// Displacement along a rod or across a beam at a position (m), as indices and weights of the degrees of freedom.
+    ///
+    /// # Errors
+    /// [`FemError::OutsideMesh`].
+    pub fn displacement_at(&self, model: &StructuralModel, position: f64) -> Result<Vec<(usize, f64)>, FemError> {
+        match self {
+            Self::Rod(rod) => rod.displacement_at(model.dofs(), position),
+            Self::Beam(beam) => beam.deflection_at(model.dofs(), position),
+        }
+    }
+}
+
+/// Why there is no structure.
+#[derive(Debug, Error)]
+pub enum StructureError {
+    /// What the element library has against it; a checked scene gives no reason for that.
+    #[error(transparent)]
+    Elements(#[from] FemError),
+    /// Frequencies that cannot be imposed on its modes.
+    #[error(transparent)]
+    Imposed(#[from] ModelError),
+}
+
+impl StructureError {
+    /// The key of the scene that it is about.
+    pub fn path(&self) -> &'static str {
+        match self {
+            Self::Elements(_) => "structure",
+            Self::Imposed(_) => "structure.modes.frequencies_hz",
+        }
+    }
+}
+
+/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it.
+///
+/// # Errors
+/// [`StructureError`].
+pub fn structural_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
+    let model = element_model(scene)?;
+    match imposed(&scene.structure, &model, redistribution(scene))? {
+        Some(imposed) => Ok(imposed.model),
+        None => Ok(model),
+    }
+}
+
+/// The structure of the scene as its elements give it.
+///
+/// # Errors
+/// What the element library has against it.
+pub fn element_model(scene: &Scene) -> Result<StructuralModel, FemError> {
+    let stops: Vec<Stop> = scene.contacts.iter().map(stop).collect();
+    Elements::new(&scene.structure)?.assemble(&stops)
+}
+
+/// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there are none.
+///
+/// # Errors
+/// [`ModelError`].
+pub fn imposed(
+    structure: &scene::Structure,
+    model: &StructuralModel,
+    rule: Option<&dyn MassRedistribution>,
+) -> Result<Option<ImposedFrequencies>, ModelError> {
+    let Some(modes) = &structure.modes else { return Ok(None) };
+    let kind = moving_kind(structure.kind());
+    let omega: Vec<f64> = modes.frequencies_hz.iter().map(|hz| TAU * hz).collect();
+    let rule = rule.filter(|_| !model.contacts().is_empty());
+    model.with_frequencies(rule, kind, &omega).map(Some)
+}
+
+/// What moves in the modes that a test sees: across a beam, along a rod.
+pub fn moving_kind(kind: StructureKind) -> DofKind {
+    match kind {
+        StructureKind::Rod => DofKind::Axial,
+        StructureKind::Beam => DofKind::Deflection,
+    }
+}
+
+/// The rule by which the scene takes the mass away from its contacts; `None` where it stays.
+pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> {
+    match scene.method.mass_redistribution {
+        MassRule::Drop => Some(&Drop),
+        MassRule::Move => Some(&Move),
+        MassRule::Conserve => Some(&Conserve),
+        MassRule::None => None,
+    }
+}
+
+/// The model that the method of the scene works on: massless contact nodes, or nodes that carry the springs of their stops.
+///
+/// # Errors
+/// [`ModelError`] if the mass cannot be redistributed.
+pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessContactModel, ModelError> {
+    let rule = redistribution(scene);
+    match (scene.method.kind, rule) {
+        (MethodKind::MsHbm | MethodKind::Shooting, Some(rule)) => MasslessContactModel::new(model, rule),
+        // A checked scene has no ms-hbm without a rule, and no shooting without one on rigid stops.
+        (_, rule) => MasslessContactModel::with_spring_tips(model, rule),
+    }
+}
+
+fn support(support: scene::Support) -> Support {
+    match support {
+        scene::Support::Clamped => Support::Clamped,
+        scene::Support::Pinned => Support::Pinned,
+        scene::Support::Sliding => Support::Sliding,
+        scene::Support::Free => Support::Free,
+    }
+}
+
+fn stop(contact: &scene::Contact) -> Stop {
+    let direction = match contact.direction {
+        scene::Direction::Axial => nlmodes::fem::Direction::Axial,
+        scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
+    };
+    let side = match contact.side {
+        scene::Side::Positive => Side::Positive,
+        scene::Side::Negative => Side::Negative,
+    };
+    let stop = Stop::rigid(contact.at, direction, side, contact.gap);
+    contact.stiffness.map_or(stop, |stiffness| stop.on_spring(stiffness))
+}

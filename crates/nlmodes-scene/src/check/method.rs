@@ -1,0 +1,204 @@
+use super::shooting;
+use crate::check::nodes::free_dofs;
+use crate::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawScene};
+use crate::scene::{
+    Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
+    Symmetry,
+};
+use crate::{Findings, Problem};
+
+/// Fewest samples a period where the scene does not say.
+const MIN_DEFAULT_SAMPLES: usize = 256;
+
+/// Fewest harmonics that an accuracy chooses where the scene does not say.
+const FEWEST: usize = 2;
+
+pub fn check(
+    method: &RawMethod,
+    scene: &RawScene,
+    contacts: &[Contact],
+    findings: &mut Findings<'_>,
+) -> Option<Method> {
+    let kind = method.kind.unwrap_or(MethodKind::MsHbm);
+    let mass_rule = mass_rule(method, kind, findings);
+    let stiffness = stiffness(method, scene, kind, findings);
+    let samples = samples(method, findings);
+    let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, findings) };
+    let mode = method.mode.map_or(1, |mode| mode as usize);
+    check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
+    if kind == MethodKind::Shooting {
+        shooting::check(method, findings);
+        let is_rod = scene.structure.as_ref().is_some_and(|s| s.kind == Some(StructureKind::Rod));
+        let all = modes(scene, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        shooting::check_gaps(contacts, findings);
+        shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
+    }
+    Some(Method {
+        kind,
+        mode,
+        harmonics: most_harmonics(method)?,
+        accuracy,
+        harmonics_list: harmonics_list(method),
+        switching: method.switching.unwrap_or(Switching::Exact),
+        samples: samples?,
+        mass_redistribution: mass_rule,
+        contact_solver: method.contact_solver.unwrap_or(ContactSolver::ActiveSet),
+        contact_stiffness: stiffness,
+        symmetry: method.symmetry.unwrap_or(Symmetry::Even),
+        held_modes: method.held_modes.map(|n| n as usize),
+    })
+}
+
+fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> MassRule {
+    let default = match kind {
+        MethodKind::MsHbm | MethodKind::Shooting => MassRule::Drop,
+        MethodKind::Hbm => MassRule::None,
+    };
+    let rule = method.mass_redistribution.unwrap_or(default);
+    if (kind, rule) == (MethodKind::MsHbm, MassRule::None) {
+        let path = "method.mass_redistribution";
+        let problem = Problem::error(format!("`{path}` cannot be \"none\" with method \"ms-hbm\""));
+        let problem = problem.help("ms-hbm rests on contact nodes without mass; \"none\" is for method.kind = \"hbm\"");
+        findings.put(path, problem, "expected \"drop\", \"move\" or \"conserve\"");
+    }
+    rule
+}
+
+/// Contact stiffness of the stops that have none of their own; only harmonic balance has such a default.
+fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
+    let path = "method.contact_stiffness_n_m";
+    let contacts = scene.contact.as_deref().unwrap_or_default();
+    let each_has_its_own =
+        !contacts.is_empty() && (0..contacts.len()).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
+    let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
+    match kind {
+        MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
+            let problem = Problem::error("contact nodes that keep their mass need elastic stops");
+            let problem = problem.help("this for all of them, or `stiffness_n_m` below each [[contact]]; mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            findings.put(
+                path,
+                problem,
+                "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
+            );
+        }
+        MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
+            let problem = Problem::error(format!("`{path}` is missing"));
+            let problem = problem
+                .help("hbm needs elastic stops: this for all of them, or `stiffness_n_m` below each [[contact]]; method.kind = \"ms-hbm\" takes rigid ones");
+            findings.put(
+                path,
+                problem,
+                "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
+            );
+        }
+        MethodKind::MsHbm if findings.has(path) => {
+            let problem = Problem::warning(format!("`{path}` has no effect"));
+            findings.put(path, problem, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
+        }
+        _ => {}
+    }
+    method.contact_stiffness_n_m.filter(|_| kind != MethodKind::MsHbm)
+}
+
+/// The accuracy, with what it cannot stand together with.
+fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Accuracy> {
+    let path = "method.max_harmonics";
+    let Some(error) = method.accuracy else {
+        if findings.has(path) && !findings.has("method.accuracy") {
+            let problem = Problem::warning(format!("`{path}` has no effect"));
+            findings.put(path, problem, "only `accuracy` chooses a number of harmonics");
+        }
+        return None;
+    };
+    let max_harmonics = method.max_harmonics.unwrap_or(DEFAULT_MAX_HARMONICS) as usize;
+    let list = harmonics_list(method);
+    if list.len() > 1 {
+        let problem = Problem::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
+        let problem =
+            problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
+        findings.put("method.harmonics", problem, "expected a single number beside `accuracy`");
+    } else if let Some(fewest) = list.first().filter(|fewest| **fewest > max_harmonics) {
+        let problem = Problem::error("`method.harmonics` is more than `method.max_harmonics`");
+        findings.put("method.harmonics", problem, format!("found {fewest}, expected at most {max_harmonics}"));
+    }
+    if method.switching == Some(Switching::Sampled) {
+        let problem = Problem::error("`method.accuracy` does not see the error of sampling");
+        let problem = problem.help("leave `switching` out: exact instants have no such error and cost less");
+        findings.put("method.switching", problem, "expected \"exact\" beside `accuracy`");
+    }
+    let all = scene.continuation.as_ref().and_then(|c| c.at_branch_point) == Some(AtBranchPoint::All);
+    if all {
+        let path = "continuation.at_branch_point";
+        let problem = Problem::error("`method.accuracy` cannot follow all arms of branch points");
+        let problem =
+            problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
+        findings.put(path, problem, "found \"all\" beside `method.accuracy`");
+    }
+    Some(Accuracy { error, max_harmonics })
+}
+
+/// The numbers of harmonics, ascending, each once; the smallest that an accuracy may choose where only that is given.
+fn harmonics_list(method: &RawMethod) -> Vec<usize> {
+    let mut list: Vec<usize> = method.harmonics.iter().flatten().map(|h| *h as usize).collect();
+    if method.harmonics.is_none() && method.accuracy.is_some() {
+        list.push(FEWEST.min(method.max_harmonics.map_or(FEWEST, |most| most as usize)));
+    }
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+fn most_harmonics(method: &RawMethod) -> Option<usize> {
+    harmonics_list(method).last().copied()
+}
+
+/// The samples of the scene, at least 4 times the harmonics, or enough of them where the scene does not say.
+fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
+    let harmonics = most_harmonics(method)?;
+    let Some(samples) = method.samples.map(|n| n as usize) else {
+        return Some((32 * harmonics).next_power_of_two().max(MIN_DEFAULT_SAMPLES));
+    };
+    if samples < 4 * harmonics && method.switching == Some(Switching::Sampled) {
+        let path = "method.samples";
+        let problem = Problem::error(format!("`{path}` is too small for {harmonics} harmonics"))
+            .help("a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower `harmonics`");
+        findings.put(path, problem, format!("found {samples}, expected {} or more (4 × {harmonics})", 4 * harmonics));
+        return None;
+    }
+    Some(samples)
+}
+
+/// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None` if the mesh is
+/// not known.
+fn modes(scene: &RawScene, kind: MethodKind, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
+    let structure = scene.structure.as_ref()?;
+    let ends = [structure.start?, structure.end.unwrap_or(Support::Free)];
+    let dofs = free_dofs(structure.kind?, structure.elements? as usize, ends);
+    let mut places: Vec<_> = contacts.iter().map(|contact| (contact.node, contact.direction.name())).collect();
+    places.sort_unstable();
+    places.dedup();
+    let held = dofs.saturating_sub(places.len());
+    let free = if mass_rule == MassRule::None { dofs } else { held };
+    Some([free, if kind == MethodKind::Hbm || mass_rule == MassRule::None { free } else { held }])
+}
+
+fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {
+    let Some([modes, held]) = available else { return };
+    if modes == 0 {
+        let problem = Problem::error("nothing with mass is left to move").help(
+            "the supports hold all nodes but those whose mass is taken away at a stop; take more `structure.elements`",
+        );
+        findings.put("structure.elements", problem, format!("found {}", findings.written("structure.elements")));
+        return;
+    }
+    if mode > modes {
+        let problem = Problem::error(format!("`method.mode`: the structure has no mode {mode}"));
+        let problem =
+            problem.help("it has one for each degree of freedom with mass; more `structure.elements` give more");
+        findings.put("method.mode", problem, format!("found {mode}, expected a whole number from 1 to {modes}"));
+    }
+    if let Some(wanted) = held_modes.filter(|wanted| *wanted as usize > held) {
+        let problem = Problem::error("`method.held_modes` is more than the structure has");
+        findings.put("method.held_modes", problem, format!("found {wanted}, expected a whole number from 1 to {held}"));
+    }
+}

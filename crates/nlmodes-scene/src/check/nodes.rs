@@ -1,0 +1,115 @@
+//! Nodes of the mesh and what the supports leave free at them.
+
+use nlmodes_fem::{FemError, Mesh};
+
+use crate::raw::RawStructure;
+use crate::scene::{Direction, StructureKind, Support};
+use crate::{Findings, Problem};
+
+/// A stop is at a node if it is nearer to it than this part of the shorter element beside it.
+const TOLERANCE: f64 = 1e-4;
+
+/// The mesh of the structure, if what it depends on is sound.
+pub fn mesh(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Mesh> {
+    let (length, elements, grading) = (raw.length_m?, raw.elements? as usize, raw.grading.unwrap_or(1.0));
+    match Mesh::graded(length, elements, grading) {
+        Ok(mesh) => Some(mesh),
+        Err(error) => {
+            findings.put("structure.grading", unusable(&error), "expected elements that can be told apart");
+            None
+        }
+    }
+}
+
+fn unusable(error: &FemError) -> Problem {
+    let problem = Problem::error(format!("the mesh cannot be made: {error}"));
+    problem.help("take fewer `structure.elements`, or a `structure.grading` nearer to 1")
+}
+
+/// The node nearest to a position.
+pub fn nearest(mesh: &Mesh, at: f64) -> usize {
+    let nodes = mesh.nodes();
+    let after = nodes.partition_point(|x| *x < at).min(mesh.elements());
+    let before = after.saturating_sub(1);
+    if (nodes[before] - at).abs() < (nodes[after] - at).abs() { before } else { after }
+}
+
+/// The nodes on both sides of a position; beyond the end the last one twice.
+pub fn beside(mesh: &Mesh, at: f64) -> [usize; 2] {
+    let after = mesh.nodes().partition_point(|x| *x < at);
+    if after > mesh.elements() { [mesh.elements(); 2] } else { [after.saturating_sub(1), after] }
+}
+
+/// The node at a position, if there is one.
+pub fn node_at(mesh: &Mesh, at: f64) -> Option<usize> {
+    let node = nearest(mesh, at);
+    let beside = &mesh.element_lengths()[node.saturating_sub(1)..(node + 1).min(mesh.elements())];
+    let shorter = beside.iter().copied().fold(f64::INFINITY, f64::min);
+    ((mesh.nodes()[node] - at).abs() <= TOLERANCE * shorter).then_some(node)
+}
+
+/// Whether a support holds the motion in a direction. A sliding end of a beam moves across its axis, that of a rod along it.
+pub fn holds(kind: StructureKind, support: Support, direction: Direction) -> bool {
+    match support {
+        Support::Clamped | Support::Pinned => true,
+        Support::Sliding => (kind, direction) == (StructureKind::Beam, Direction::Axial),
+        Support::Free => false,
+    }
+}
+
+/// Number of degrees of freedom that the supports leave free.
+pub fn free_dofs(kind: StructureKind, elements: usize, ends: [Support; 2]) -> usize {
+    let a_node = match kind {
+        StructureKind::Rod => 1,
+        StructureKind::Beam => 3,
+    };
+    let held: usize = ends.iter().map(|end| held_dofs(kind, *end)).sum();
+    (a_node * (elements + 1)).saturating_sub(held)
+}
+
+fn held_dofs(kind: StructureKind, support: Support) -> usize {
+    match (kind, support) {
+        (StructureKind::Rod, _) => usize::from(holds(kind, support, Direction::Axial)),
+        (StructureKind::Beam, Support::Clamped) => 3,
+        (StructureKind::Beam, Support::Pinned | Support::Sliding) => 2,
+        (StructureKind::Beam, Support::Free) => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_as_they_are_shown_in_messages_are_found_again() {
+        let mesh = Mesh::graded(1234.56789, 50, 30.0).unwrap();
+        for (node, x) in mesh.nodes().iter().enumerate() {
+            let shown: f64 = crate::number(*x).parse().unwrap();
+            assert_eq!(node_at(&mesh, shown), Some(node));
+        }
+        assert_eq!(node_at(&mesh, 1234.5), None);
+        assert_eq!(nearest(&mesh, 2000.0), 50);
+    }
+
+    #[test]
+    fn degrees_of_freedom_are_those_of_the_assembled_structure() {
+        use nlmodes_fem as fem;
+        let pairs = [
+            (Support::Clamped, fem::Support::Clamped),
+            (Support::Pinned, fem::Support::Pinned),
+            (Support::Sliding, fem::Support::Sliding),
+            (Support::Free, fem::Support::Free),
+        ];
+        for ((start, fem_start), (end, fem_end)) in pairs.into_iter().flat_map(|a| pairs.map(|b| (a, b))) {
+            let material = fem::Material::new(1.0, 1.0).unwrap();
+            let mesh = Mesh::uniform(1.0, 3).unwrap();
+            let mass_matrix = fem::MassMatrix::Consistent;
+            let rod = fem::Rod { material, area: 1.0, mesh: mesh.clone(), mass_matrix, start: fem_start, end: fem_end };
+            let section = fem::Section::rectangle(0.1, 0.1).unwrap();
+            let beam = fem::Beam { material, section, mesh, mass_matrix, start: fem_start, end: fem_end };
+            let count = |kind| free_dofs(kind, 3, [start, end]);
+            assert_eq!(count(StructureKind::Rod), rod.assemble(&[]).unwrap().dofs().len());
+            assert_eq!(count(StructureKind::Beam), beam.assemble(&[]).unwrap().dofs().len());
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Values that are possible, but look like slips: of units mostly.
+
+mod material;
+mod section;
+mod stop;
+mod test;
+mod window;
+
+pub use test::{damping, warn as warn_of_test};
+
+use crate::rule::number;
+use crate::scene::{Scene, Section, Structure, Support};
+use crate::{Findings, Problem};
+
+/// Structures that are longer are rare, m.
+const LONG: f64 = 100.0;
+
+pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
+    let before = findings.count();
+    structure(&scene.structure, findings);
+    let sound = findings.count() == before;
+    for (i, contact) in scene.contacts.iter().enumerate() {
+        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, &scene.structure, findings);
+        stop::stiffness(i, contact, &scene.structure, findings);
+    }
+    // With a slip in the structure its frequencies are wrong too.
+    if sound {
+        window::warn(scene, findings);
+    }
+}
+
+pub fn structure(structure: &Structure, findings: &mut Findings<'_>) {
+    rigid_body(structure, findings);
+    let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_deref());
+    damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), findings);
+    if is_dimensionless(structure) {
+        return;
+    }
+    material::warn(structure, findings);
+    if !section::warn(structure, findings) {
+        slenderness(structure, findings);
+    }
+    length(structure.length, findings);
+}
+
+/// Whether the scene is written in units of its own, as `EA = ρA = 1`: then nothing can be said about sizes.
+fn is_dimensionless(structure: &Structure) -> bool {
+    (structure.youngs_modulus, structure.density) == (1.0, 1.0)
+}
+
+/// `if 210 GPa is meant, write 2.1e11`
+fn meant(value: f64, unit: &str, factor: f64) -> String {
+    format!("if {} {unit} is meant, write {}", number(value), number(value * factor))
+}
+
+fn length(length: f64, findings: &mut Findings<'_>) {
+    let path = "structure.length_m";
+    if length > LONG {
+        let problem = Problem::warning(format!("`{path}` is very long"))
+            .help(format!("{}; all lengths of a scene are in m", meant(length, "mm", 1e-3)));
+        findings.put(path, problem, format!("{} m", number(length)));
+    }
+}
+
+fn slenderness(structure: &Structure, findings: &mut Findings<'_>) {
+    let Section::Beam { area, second_moment, .. } = structure.section else { return };
+    let height = (12.0 * second_moment / area).sqrt();
+    if structure.length < 2.0 * height {
+        let label = format!("{} m, but {} m high", number(structure.length), number(height));
+        let problem = Problem::warning("the beam is too short for beam theory")
+            .help("a Timoshenko beam should be at least twice as long as it is high; lengths are in m");
+        findings.put("structure.length_m", problem, label);
+    }
+}
+
+fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
+    if (structure.start, structure.end) == (Support::Free, Support::Free) {
+        let problem = Problem::warning("the structure is held nowhere")
+            .help("its first modes are rigid-body motions at 0 Hz; start = \"clamped\" would hold it");
+        findings.put("structure.start", problem, "free, as is the end");
+    }
+}

@@ -1,0 +1,43 @@
+use super::{is_dimensionless, meant};
+use crate::rule::number;
+use crate::scene::{Contact, Direction, Section, Structure};
+use crate::{Findings, Problem};
+
+/// Displacements of this share of the length are beyond linear theory.
+const LARGE: f64 = 0.2;
+/// A stop softer than the structure by this factor is hardly felt.
+const SOFT: f64 = 1e-3;
+
+pub fn gap(path: &str, gap: f64, structure: &Structure, findings: &mut Findings<'_>) {
+    let part = gap.abs() / structure.length;
+    let size = match (part > 1.0, gap > 0.0) {
+        (true, true) => "longer than the structure",
+        (true, false) => "pressed in by more than the structure's length",
+        (false, _) if part > LARGE && !is_dimensionless(structure) => "a large part of the structure's length",
+        _ => return,
+    };
+    let label = format!("{} m, beside a length of {} m", number(gap), number(structure.length));
+    findings.put(path, Problem::warning(format!("`{path}` is {size}")).help(meant(gap, "mm", 1e-3)), label);
+}
+
+pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, findings: &mut Findings<'_>) {
+    let Some(stiffness) = contact.stiffness.filter(|_| !is_dimensionless(structure)) else { return };
+    let (length, modulus) = (structure.length, structure.youngs_modulus);
+    let own = match (structure.section, contact.direction) {
+        (Section::Beam { second_moment, .. }, Direction::Transverse) => 3.0 * modulus * second_moment / length.powi(3),
+        (Section::Beam { area, .. } | Section::Rod { area }, _) => modulus * area / length,
+    };
+    if stiffness >= SOFT * own {
+        return;
+    }
+    let own_path = format!("contact.{i}.stiffness_n_m");
+    let path = if findings.has(&own_path) { own_path } else { "method.contact_stiffness_n_m".into() };
+    let problem = Problem::warning(format!("`{path}` is so soft that the stop is hardly felt"));
+    let label = format!("{} N/m; the structure has some {} N/m", number(stiffness), short(own));
+    findings.put(&path, problem.help(meant(stiffness, "N/mm", 1e3)), label);
+}
+
+/// Two digits.
+fn short(x: f64) -> String {
+    number(format!("{x:.1e}").parse().unwrap_or(x))
+}

@@ -1,0 +1,253 @@
+//! Scenes of measured records: what must hold between their values.
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use nlmodes::experiment::extraction::{ExtractionSettings, Stop};
+use nlmodes::experiment::records::{Channel, Quantity, Recording, Role};
+use nlmodes::modal::LinearModes;
+
+use crate::nearest::nearest;
+use crate::raw::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
+use crate::rule::either;
+use crate::scene::{ChannelRole, MeasuredQuantity, RecordScene, Side};
+use crate::{Findings, Problem};
+
+const HARMONICS: u32 = 20;
+
+/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file, `base` its directory.
+pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Findings<'_>) -> Option<RecordScene> {
+    let channels = channels(raw.channel.as_deref().unwrap_or_default(), findings);
+    let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, findings));
+    let settings = settings(raw, modes, findings);
+    let structure = raw.structure.as_ref().and_then(|structure| super::structure::check(structure, findings));
+    if let Some(structure) = &structure {
+        super::plausible::structure(structure, findings);
+    }
+    one_source_of_modes(raw, findings);
+    let recording = raw.recording.as_ref()?;
+    let files = recording.files.clone()?;
+    rate(&files, recording.sample_rate_hz, recording.time_column.as_deref(), findings);
+    Some(RecordScene {
+        title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
+        files,
+        base,
+        recording: Recording {
+            channels: channels?,
+            sample_rate: recording.sample_rate_hz,
+            time_column: recording.time_column.clone(),
+        },
+        structure,
+        settings: settings?,
+        output_directory: super::output_directory(raw.output.as_ref(), stem),
+        warnings: Vec::new(),
+    })
+}
+
+/// Linear modes are given or computed, not both.
+fn one_source_of_modes(raw: &RawRecordScene, findings: &mut Findings<'_>) {
+    if raw.structure.is_some() && raw.linear_modes.is_some() {
+        let problem = Problem::error("the linear modes are given twice");
+        let help = "leave out [structure] to use the given modes, or [linear_modes] to have them computed";
+        findings.put("structure", problem.help(help), "there are `linear_modes` too");
+    }
+}
+
+/// Files that tell no sampling rate need one in the scene.
+fn rate(files: &[String], rate: Option<f64>, time_column: Option<&str>, findings: &mut Findings<'_>) {
+    let needs = |file: &String| {
+        let file = file.to_lowercase();
+        file.ends_with(".npy") || (file.ends_with(".csv") && time_column.is_none())
+    };
+    if let Some(file) = files.iter().find(|file| rate.is_none() && needs(file)) {
+        let problem = Problem::error(format!("no sampling rate is known for \"{file}\""));
+        let help = "give `sample_rate_hz`, or for .csv files the name of their `time_column`";
+        findings.put("recording", problem.help(help), "expected `sample_rate_hz` in this table");
+    }
+}
+
+fn channels(raw: &[RawChannel], findings: &mut Findings<'_>) -> Option<Vec<Channel>> {
+    let mut channels: Vec<Channel> = Vec::new();
+    let mut sound = true;
+    for (i, raw) in raw.iter().enumerate() {
+        match channel(raw, &format!("channel.{i}"), findings) {
+            Some(channel) if channels.iter().any(|other| other.name == channel.name) => {
+                let problem = Problem::error(format!("two channels have the name \"{}\"", channel.name));
+                findings.put(&format!("channel.{i}.name"), problem, "the second one");
+                sound = false;
+            }
+            Some(channel) => channels.push(channel),
+            None => sound = false,
+        }
+    }
+    sound.then_some(channels)
+}
+
+fn channel(raw: &RawChannel, path: &str, findings: &mut Findings<'_>) -> Option<Channel> {
+    let (quantity, role) = (quantity(raw.quantity?), role(raw.role?));
+    if !role.fits(quantity) {
+        let fitting: Vec<&str> = Quantity::ALL.into_iter().filter(|q| role.fits(*q)).map(Quantity::name).collect();
+        let problem = Problem::error(format!("a channel with the role \"{}\" cannot measure {quantity}", role.name()));
+        findings.put(&format!("{path}.quantity"), problem, format!("expected {}", either(&fitting)));
+        return None;
+    }
+    let unit = raw.unit.clone().unwrap_or_else(|| quantity.si_unit().to_owned());
+    if quantity.factor(&unit).is_none() {
+        unknown_unit(&unit, quantity, path, findings);
+        return None;
+    }
+    if raw.sign == Some(0) {
+        let problem = Problem::error(format!("`{path}.sign` cannot be 0"));
+        findings.put(&format!("{path}.sign"), problem, "found 0, expected 1 or -1");
+        return None;
+    }
+    if let Some([low, high]) = raw.range.filter(|[low, high]| low >= high) {
+        let problem = Problem::error(format!("`{path}.range` is empty"));
+        findings.put(&format!("{path}.range"), problem, format!("{low} is not less than {high}"));
+        return None;
+    }
+    Some(Channel {
+        unit,
+        sign: f64::from(raw.sign.unwrap_or(1)),
+        sensitivity: raw.sensitivity.unwrap_or(1.0),
+        delay: raw.delay_s.unwrap_or(0.0),
+        range: raw.range,
+        ..Channel::new(raw.name.clone()?, quantity, role, raw.position_m)
+    })
+}
+
+fn unknown_unit(unit: &str, quantity: Quantity, path: &str, findings: &mut Findings<'_>) {
+    let known: Vec<&str> = quantity.units().iter().map(|(name, _)| *name).collect();
+    let problem = Problem::error(format!("\"{unit}\" is not a unit of {quantity}"));
+    let problem = match nearest(unit, known.iter().copied()) {
+        Some(meant) => problem.help(format!("did you mean \"{meant}\"?")),
+        None => problem,
+    };
+    findings.put(&format!("{path}.unit"), problem, format!("expected {}", either(&known)));
+}
+
+fn quantity(quantity: MeasuredQuantity) -> Quantity {
+    match quantity {
+        MeasuredQuantity::Force => Quantity::Force,
+        MeasuredQuantity::Displacement => Quantity::Displacement,
+        MeasuredQuantity::Velocity => Quantity::Velocity,
+        MeasuredQuantity::Acceleration => Quantity::Acceleration,
+        MeasuredQuantity::Phase => Quantity::Phase,
+    }
+}
+
+fn role(role: ChannelRole) -> Role {
+    match role {
+        ChannelRole::Excitation => Role::Excitation,
+        ChannelRole::DrivePoint => Role::DrivePoint,
+        ChannelRole::Response => Role::Response,
+        ChannelRole::Contact => Role::Contact,
+        ChannelRole::ExcitationPhase => Role::ExcitationPhase,
+    }
+}
+
+fn linear_modes(raw: &RawLinearModes, findings: &mut Findings<'_>) -> Option<LinearModes> {
+    let (frequencies, positions) = (raw.frequencies_hz.as_ref()?, raw.positions_m.as_ref()?);
+    let shapes = raw.shapes.as_ref()?;
+    let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f).collect();
+    let damping = raw.damping_ratios.clone().unwrap_or_else(|| vec![0.0; omegas.len()]);
+    super::plausible::damping("linear_modes.damping_ratios", &damping, findings);
+    match table(positions, shapes, omegas.len(), damping.len(), findings) {
+        Some(rows) => given(positions, &omegas, &damping, shapes, rows, findings),
+        None => None,
+    }
+}
+
+/// The table of shapes, if its rows fit; the number of its columns.
+fn table(
+    positions: &[f64],
+    shapes: &[Vec<f64>],
+    frequencies: usize,
+    damping: usize,
+    findings: &mut Findings<'_>,
+) -> Option<usize> {
+    let path = "linear_modes.shapes";
+    let columns = shapes.first().map_or(0, Vec::len);
+    if shapes.len() != positions.len() {
+        let problem = Problem::error(format!("`{path}` has {} rows for {} positions", shapes.len(), positions.len()));
+        findings.put(path, problem, format!("expected a row for each of the {} `positions_m`", positions.len()));
+        return None;
+    }
+    if let Some(row) = shapes.iter().position(|row| row.len() != columns) {
+        let problem =
+            Problem::error(format!("`{path}.{row}` has {} entries, the first row {columns}", shapes[row].len()));
+        findings.put(&format!("{path}.{row}"), problem, "expected as many entries as in the first row");
+        return None;
+    }
+    for (key, found) in [("frequencies_hz", frequencies), ("damping_ratios", damping)] {
+        if found < columns {
+            let problem =
+                Problem::error(format!("`{path}` has {columns} modes, but `linear_modes.{key}` only {found}"));
+            findings.put(&format!("linear_modes.{key}"), problem, format!("expected {columns} numbers"));
+            return None;
+        }
+    }
+    Some(columns)
+}
+
+/// The modes, of which only so many are kept as the positions of the table can tell apart.
+fn given(
+    positions: &[f64],
+    omegas: &[f64],
+    damping: &[f64],
+    shapes: &[Vec<f64>],
+    columns: usize,
+    findings: &mut Findings<'_>,
+) -> Option<LinearModes> {
+    let kept = columns.min(positions.len());
+    let shapes: Vec<Vec<f64>> = shapes.iter().map(|row| row[..kept].to_vec()).collect();
+    match LinearModes::new(positions, omegas, damping, &shapes) {
+        Ok(modes) if kept < columns => {
+            let problem = Problem::warning(format!("{columns} linear modes, but shapes at {kept} positions only"));
+            findings.put("linear_modes.shapes", problem, format!("the first {kept} modes are used"));
+            Some(modes)
+        }
+        Ok(modes) => Some(modes),
+        Err(error) => {
+            findings.put("linear_modes.shapes", Problem::error(error.to_string()), "these shapes");
+            None
+        }
+    }
+}
+
+fn settings(
+    raw: &RawRecordScene,
+    modes: Option<LinearModes>,
+    findings: &mut Findings<'_>,
+) -> Option<ExtractionSettings> {
+    let default = RawExtraction::default();
+    let extraction = raw.extraction.as_ref().unwrap_or(&default);
+    let mode = extraction.mode.unwrap_or(1) as usize;
+    if let Some(n) = modes.as_ref().map(LinearModes::n_modes).filter(|n| mode > *n) {
+        let problem = Problem::error(format!("there is no mode {mode}: `linear_modes` has {n}"));
+        findings.put("extraction.mode", problem, format!("expected a whole number from 1 to {n}"));
+        return None;
+    }
+    let stop = raw.stop.as_ref().and_then(stop);
+    Some(ExtractionSettings { linear_modes: modes, stop, ..self::extraction(extraction) })
+}
+
+/// What the table says, so far without modes and stop.
+pub fn extraction(raw: &RawExtraction) -> ExtractionSettings {
+    ExtractionSettings {
+        mode: raw.mode.unwrap_or(1) as usize,
+        periods: raw.periods.map(|n| n as usize),
+        harmonics: raw.harmonics.unwrap_or(HARMONICS) as usize,
+        pbmif_harmonics: match raw.pbmif_harmonics {
+            Some(RawPbmifHarmonics::Number(n)) => Some(n as usize),
+            Some(RawPbmifHarmonics::Word(_)) | None => None,
+        },
+        omega: raw.frequency_hz.map(|f| TAU * f),
+        ..ExtractionSettings::default()
+    }
+}
+
+fn stop(raw: &RawStop) -> Option<Stop> {
+    let positive = raw.side.unwrap_or(Side::Positive) == Side::Positive;
+    Some(Stop { position: raw.position_m?, gap: raw.gap_m?, positive })
+}

@@ -1,0 +1,196 @@
+//! A scene as TOML, with the place of each key.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::units::converted;
+use crate::{Problem, Sources, methods, render, set};
+
+/// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
+const MAX_SYNTAX_ERRORS: usize = 3;
+
+/// The texts of a scene, with the place of each key.
+#[derive(Debug, Clone)]
+pub struct Document {
+    sources: Sources,
+    places: BTreeMap<String, Place>,
+}
+
+/// Where a key and its value stand, on the common axis of the [`Sources`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The key, or what stands for it.
+    pub key: Range<usize>,
+    /// The value; of a table, its heading.
+    pub value: Range<usize>,
+}
+
+impl Document {
+    /// Reads the text of the file and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
+    /// is left as the only one, `[method]`. Problems go to `problems`; there is no table if the text is not TOML.
+    pub fn parse<'a>(
+        name: &str,
+        text: &'a str,
+        overrides: &'a [String],
+        method: usize,
+        problems: &mut Vec<Problem>,
+    ) -> (Self, Option<Spanned<DeTable<'a>>>) {
+        let (mut root, errors) = DeTable::parse_recoverable(text);
+        problems.extend(syntax_problems(text, &errors));
+        let mut sources = Sources::new(name, text);
+        // `method.1.mode=2` is for one of several methods, `method.mode=2` for all of them.
+        let (of_one, of_all): (Vec<_>, Vec<_>) =
+            overrides.iter().partition(|argument| methods::is_for_one(argument, root.get_mut()));
+        for argument in of_one {
+            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+        }
+        problems.extend(methods::keep(root.get_mut(), method).err());
+        for argument in of_all {
+            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+        }
+        let mut places = BTreeMap::new();
+        index(root.get_ref(), "", &mut places);
+        (Self { sources, places }, errors.is_empty().then_some(root))
+    }
+
+    /// The texts.
+    pub fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// Where the key of the path stands, as `contact.0.gap_m`.
+    pub fn place(&self, path: &str) -> Option<&Place> {
+        self.places.get(path)
+    }
+
+    /// The value at a path as it is written.
+    pub fn written(&self, path: &str) -> String {
+        self.place(path).map_or_else(String::new, |place| self.sources.excerpt(&place.value))
+    }
+
+    /// Puts a problem at the value of the key, or at the heading of the nearest table around it that is written.
+    pub fn put(&self, problem: Problem, path: &str, label: impl Into<String>) -> Problem {
+        let around = std::iter::successors(Some(path), |path| path.rsplit_once('.').map(|(parent, _)| parent));
+        match around.filter_map(|path| self.place(path)).next() {
+            Some(place) => problem.at(place.value.clone(), label),
+            None => problem,
+        }
+    }
+
+    /// Problems of this document as text.
+    pub fn render(&self, problems: &[Problem], colours: bool) -> String {
+        render::render(problems, &self.sources, colours)
+    }
+}
+
+fn index(table: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String, Place>) {
+    for (key, value) in table {
+        index_value(key.span(), value, format!("{prefix}{}", key.get_ref()), places);
+    }
+}
+
+fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, places: &mut BTreeMap<String, Place>) {
+    match value.get_ref() {
+        DeValue::Table(table) => index(table, &format!("{path}."), places),
+        DeValue::Array(items) => {
+            for (i, item) in items.iter().enumerate() {
+                index_value(item.span(), item, format!("{path}.{i}"), places);
+            }
+        }
+        _ => {}
+    }
+    places.insert(path, Place { key, value: value.span() });
+}
+
+/// The first syntax errors, at most one a line.
+fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
+    let place = |error: &toml::de::Error| error.span().unwrap_or(text.len()..text.len());
+    let line = |error: &toml::de::Error| text.bytes().take(place(error).start).filter(|byte| *byte == b'\n').count();
+    let mut shown: Vec<&toml::de::Error> = Vec::new();
+    for error in errors {
+        if shown.last().is_none_or(|last| line(last) != line(error)) {
+            shown.push(error);
+        }
+    }
+    let more = shown.len().saturating_sub(MAX_SYNTAX_ERRORS);
+    shown.truncate(MAX_SYNTAX_ERRORS);
+    let mut problems: Vec<Problem> =
+        shown.iter().map(|error| syntax_problem(text, error.message(), place(error))).collect();
+    if more > 0
+        && let Some(last) = problems.last_mut()
+    {
+        last.help.push("the lines that follow cannot be read either; mend these first".into());
+    }
+    problems
+}
+
+fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
+    if let Some(number) = decimal_comma(text, place.start) {
+        return Problem::error("a number is written with a decimal comma")
+            .at(place, "expected a decimal point")
+            .help(format!("write {number}"));
+    }
+    if let Some((key, value)) = number_with_unit(text, place.start) {
+        return Problem::error(format!("`{key}` is a number with a unit behind it"))
+            .at(place, "expected the end of the line")
+            .help(format!("write {key} = {value}; the unit is part of the key"));
+    }
+    let title = match message {
+        "duplicate key" => "a key is given twice in the same table",
+        _ => "the scene is not valid TOML",
+    };
+    let problem = Problem::error(title).at(place, message);
+    match message {
+        _ if message.contains("must be quoted") => problem.help("texts stand in quotes: kind = \"rod\""),
+        _ if message.contains("array") => {
+            problem.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
+        }
+        _ => problem,
+    }
+}
+
+/// The key of the line, and what to write for its value, where that is a number with a unit behind it.
+fn number_with_unit(text: &str, at: usize) -> Option<(&str, String)> {
+    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text.get(start..)?.lines().next()?;
+    let (key, value) = line.split('#').next()?.split_once('=')?;
+    let key = key.trim();
+    Some((key, converted(key, value.trim())?))
+}
+
+/// The number around a comma between digits, with a point.
+fn decimal_comma(text: &str, at: usize) -> Option<String> {
+    let behind = text.get(at..)?.strip_prefix(',')?;
+    let is_part = |c: &char| c.is_ascii_digit() || *c == '_';
+    let whole: String = text.get(..at)?.chars().rev().take_while(is_part).collect();
+    let decimals: String = behind.chars().take_while(is_part).collect();
+    let number =
+        format!("{}.{decimals}{}", whole.chars().rev().collect::<String>(), exponent(&behind[decimals.len()..]));
+    (!whole.is_empty() && !decimals.is_empty()).then_some(number)
+}
+
+/// The power of ten with which the text begins, as `e-3`; nothing if there is none.
+fn exponent(text: &str) -> &str {
+    let Some(power) = text.strip_prefix(['e', 'E']) else { return "" };
+    let signed = power.strip_prefix(['+', '-']).unwrap_or(power);
+    let digits = signed.chars().take_while(char::is_ascii_digit).count();
+    if digits == 0 { "" } else { &text[..text.len() - signed.len() + digits] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_comma_keeps_sign_and_size() {
+        let number = |text: &str| decimal_comma(text, text.find(',').unwrap_or(0));
+        assert_eq!(number("gap_m = 1,5e-3").as_deref(), Some("1.5e-3"));
+        assert_eq!(number("gap_m = 1,0E+2 # m").as_deref(), Some("1.0E+2"));
+        assert_eq!(number("gap_m = 20,25").as_deref(), Some("20.25"));
+        assert_eq!(number("gap_m = 1,5e").as_deref(), Some("1.5"));
+        assert_eq!(number("a = [1, 2]"), None);
+    }
+}

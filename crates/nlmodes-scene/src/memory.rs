@@ -1,0 +1,229 @@
+//! How much memory a scene needs, before anything is computed: what does not fit is refused, and not killed half-way.
+
+use std::fs;
+use std::str::FromStr;
+
+use nlmodes::hbm::MAX_RECORDED;
+
+use crate::SceneFile;
+use crate::scene::{RecordScene, Scene, Switching, Symmetry, TestScene};
+
+const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+const UNITS: [(&str, f64); 7] =
+    [("KiB", 1024.0), ("MiB", 1024.0 * 1024.0), ("GiB", GIB), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
+/// Where the machine does not say what it has.
+const UNKNOWN: f64 = 4.0 * GIB;
+// The figures below come to 1.2 to 1.6 times what was measured: rods of 590 and 20000 elements, a beam of 3000, 300 harmonics.
+
+/// Share of the machine's memory that a run may take.
+const SHARE: f64 = 0.75;
+/// A branch of fewer points is not worth the attempt.
+const FEWEST_POINTS: f64 = 20.0;
+
+/// Bytes of the program itself.
+const PROGRAM: f64 = 20.0 * 1024.0 * 1024.0;
+/// Bytes a degree of freedom, in sparse matrices, their factors and parts.
+const BYTES_OF_A_DOF: f64 = 1500.0;
+/// Copies of a dense matrix that its factorisation takes.
+const DENSE_COPIES: f64 = 6.0;
+/// Copies of a table of modes: basis, vectors, and the shapes kept.
+const MODE_COPIES: f64 = 5.0;
+/// Copies of the Jacobian in problem and continuation.
+const JACOBIAN_COPIES: f64 = 10.0;
+/// Bytes of a point beside its coefficients.
+const BYTES_OF_A_POINT: f64 = 500.0;
+/// Up to this size the linear modes are found densely, and all held modes are taken up to the second one.
+const DENSE: [f64; 2] = [600.0, 400.0];
+
+/// Most memory that a run may take, bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit(f64);
+
+impl Limit {
+    /// Three quarters of the memory that machine or container has.
+    pub fn of_machine() -> Self {
+        let total = fs::read_to_string("/proc/meminfo").ok().and_then(|text| total(&text));
+        let container = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+        let container = container.iter().find_map(|path| fs::read_to_string(path).ok()?.trim().parse::<f64>().ok());
+        let all = [total, container].into_iter().flatten().reduce(f64::min);
+        Self(all.map_or(UNKNOWN, |bytes| SHARE * bytes))
+    }
+
+    fn help(self, needed: f64) -> String {
+        let wanted = (1.2 * needed / GIB).ceil().max(1.0);
+        format!("the limit is {}; --memory-limit {wanted}GiB raises it", text(self.0))
+    }
+}
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "expected a number with a unit, as 8GiB, 500MB or 1000000B".to_owned();
+        let (name, factor) = UNITS.into_iter().find(|(name, _)| text.ends_with(name)).ok_or_else(wrong)?;
+        let number = text.trim_end_matches(name).trim().parse::<f64>().map_err(|_| wrong())?;
+        if number.is_finite() && number > 0.0 { Ok(Self(number * factor)) } else { Err(wrong()) }
+    }
+}
+
+/// `MemTotal:   16318712 kB`
+fn total(meminfo: &str) -> Option<f64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    Some(1024.0 * line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()?)
+}
+
+/// Bytes in words.
+fn text(bytes: f64) -> String {
+    let (name, factor) = [UNITS[2], UNITS[1]].into_iter().find(|(_, f)| bytes >= *f).unwrap_or(UNITS[0]);
+    format!("{:.1} {name}", bytes / factor)
+}
+
+/// What a branch needs, bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Needs {
+    /// Matrices and modes.
+    structure: f64,
+    /// The problem with its Jacobian.
+    problem: f64,
+    /// Each point.
+    point: f64,
+}
+
+impl Needs {
+    fn of(scene: &Scene) -> Self {
+        let (dofs, method) = (scene.structure.free_dofs() as f64, &scene.method);
+        // An accuracy may choose its most everywhere.
+        let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics) as f64;
+        let chosen = if dofs <= DENSE[1] { dofs } else { 2.0 * (32.0 + 8.0 * harmonics) };
+        let modes = method.held_modes.map_or(chosen, |n| n as f64).min(dofs);
+        let dense = dofs <= DENSE[0] || 3.0 * modes > dofs;
+        let modes = if dense { 8.0 * DENSE_COPIES * dofs * dofs } else { 8.0 * MODE_COPIES * dofs * modes };
+        let width = match method.symmetry {
+            Symmetry::Even => harmonics + 1.0,
+            Symmetry::None => 2.0 * harmonics + 1.0,
+        };
+        let contacts = scene.contacts.len() as f64;
+        let unknowns = contacts * width + 2.0;
+        let samples = if method.switching == Switching::Sampled { method.samples as f64 } else { 0.0 };
+        Self {
+            structure: PROGRAM + BYTES_OF_A_DOF * dofs + modes,
+            problem: 8.0 * JACOBIAN_COPIES * unknowns * unknowns + 8.0 * samples * (2.0 * width + 4.0 * contacts),
+            point: 16.0 * dofs.min(MAX_RECORDED as f64) * (harmonics + 1.0) + 16.0 * unknowns + BYTES_OF_A_POINT,
+        }
+    }
+
+    fn fixed(self) -> f64 {
+        self.structure + self.problem
+    }
+}
+
+/// Refuses scenes that do not fit, with what is to be said, and lowers the number of points to what fits.
+///
+/// # Errors
+/// The message at its place in the scene.
+pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), String> {
+    let limit = limit.unwrap_or_else(Limit::of_machine);
+    let needs: Vec<Needs> = files.iter().map(|file| Needs::of(&file.scene)).collect();
+    for (file, needs) in files.iter().zip(&needs) {
+        let least = needs.fixed() + FEWEST_POINTS * needs.point;
+        if least > limit.0 {
+            return Err(too_large(file, *needs, least, limit));
+        }
+    }
+    // All branches of a file are kept until their common figures are drawn.
+    let branches = |file: &SceneFile| file.scene.method.harmonics_list.len().max(1) as f64;
+    let point: f64 = files.iter().zip(&needs).map(|(file, needs)| branches(file) * needs.point).sum();
+    let fixed = needs.iter().map(|needs| needs.fixed()).fold(0.0, f64::max);
+    let fit = ((limit.0 - fixed) / point).max(2.0);
+    for file in files.iter_mut().filter(|file| file.scene.continuation.max_points as f64 > fit) {
+        let label = format!("each point takes {}: {fit:.0} of them fit", text(point));
+        let all = fixed + point * file.scene.continuation.max_points as f64;
+        file.scene.continuation.max_points = fit as usize;
+        file.warn_at(
+            "continuation.max_points",
+            "not all points of the branch may fit into memory",
+            &label,
+            &limit.help(all),
+        );
+    }
+    Ok(())
+}
+
+fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> String {
+    let scene = &file.scene;
+    let path = if needs.structure > needs.problem { "structure.elements" } else { "method.harmonics" };
+    let title = format!("the scene needs some {} of memory", text(least));
+    let counts =
+        [(scene.structure.elements, "element"), (scene.method.harmonics, "harmonic"), (scene.contacts.len(), "stop")];
+    let label = counts.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).join(", ");
+    let less = "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less";
+    format!("{}\n\nnothing was computed or written", file.error_at(path, &title, &label, &[&limit.help(least), less]))
+}
+
+/// The same for a virtual test, of which the records of all levels are kept.
+///
+/// # Errors
+/// The message at its place in the scene.
+pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), String> {
+    let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
+    let samples = scene.schedule.record * scene.sample_rate;
+    let channels = scene.accelerometers.len() as f64 + 7.0;
+    // One record is taken apart at a time.
+    let needed = 8.0 * samples * channels * (scene.schedule.levels.len() as f64 + 4.0);
+    if needed <= limit.0 {
+        return Ok(());
+    }
+    let label = format!("{} levels, {samples:.0} samples, {channels} channels", scene.schedule.levels.len());
+    let title = format!("the records need some {} of memory", text(needed));
+    Err(file.error_at("virtual_test.schedule", &title, &label, &[&limit.help(needed)]))
+}
+
+/// The same for measured records, which are read all at once.
+///
+/// # Errors
+/// The message at its place in the scene.
+pub fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<(), String> {
+    let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
+    let bytes = |name: &String| fs::metadata(scene.base.join(name)).map_or(0.0, |data| data.len() as f64);
+    // Two bytes of a sound file become a number of eight; text and its numbers are there at the same time.
+    let needed = 4.0 * scene.files.iter().map(bytes).sum::<f64>();
+    if needed <= limit.0 {
+        return Ok(());
+    }
+    let title = format!("the records need some {} of memory", text(needed));
+    Err(file.error_at("recording.files", &title, "all of these files", &[&limit.help(needed)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rod(arguments: &[&str]) -> Vec<SceneFile> {
+        let arguments: Vec<String> = arguments.iter().map(|argument| (*argument).to_owned()).collect();
+        vec![crate::parse("rod.toml", include_str!("../../../configs/rod.toml"), &arguments).unwrap()]
+    }
+
+    #[test]
+    fn sizes_are_read_as_people_write_them() {
+        assert_eq!("8GiB".parse::<Limit>(), Ok(Limit(8.0 * GIB)));
+        assert_eq!("500 MB".parse::<Limit>(), Ok(Limit(5e8)));
+        assert_eq!("12B".parse::<Limit>(), Ok(Limit(12.0)));
+        for wrong in ["", "8", "-1GB", "nanGB", "GiB", "1e999GB"] {
+            assert!(wrong.parse::<Limit>().is_err(), "{wrong}");
+        }
+        assert_eq!(total("MemTotal:       16318712 kB\nMemFree: 1 kB\n"), Some(16318712.0 * 1024.0));
+    }
+
+    #[test]
+    fn what_fits_is_admitted_and_what_does_not_is_refused_with_both_figures() {
+        let limit = Some(Limit(GIB));
+        admit(&mut rod(&[]), limit).unwrap();
+        let said = admit(&mut rod(&["method.harmonics=1000", "structure.elements=100000"]), limit).unwrap_err();
+        assert!(said.contains("GiB of memory") && said.contains("the limit is 1.0 GiB"), "{said}");
+        // 10⁵ elements with 5 harmonics are to be computed within 2 GiB.
+        let mut large = rod(&["method.harmonics=5", "structure.elements=100000"]);
+        admit(&mut large, Some(Limit(2.0 * GIB))).unwrap();
+        assert!(large[0].scene.continuation.max_points < 5000);
+        assert!(large[0].warnings_text().contains("may fit into memory"));
+    }
+}

@@ -1,0 +1,84 @@
+//! The tables of a scene file as they are written, one struct a table.
+//!
+//! Every field is optional here, whatever the scene demands: what is missing or wrong is reported by the check against the
+//! [schema](crate::schema), all of it at once, and then taken out. The attributes carry that schema: `required`,
+//! limits, `default` and `unit` are read by the check and printed by `nlmodes-cli schema`, and the field's comment becomes its
+//! description in both.
+
+mod continuation;
+mod method;
+mod records;
+mod structure;
+mod updating;
+mod virtual_test;
+
+pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
+pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
+pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
+pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
+pub use updating::RawUpdating;
+pub use virtual_test::{
+    RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
+};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::{Direction, Side, StabilityChoice};
+
+/// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "nlmodes scene")]
+pub struct RawScene {
+    /// Title of tables and figures; default: the name of the file
+    pub title: Option<String>,
+    /// The structure: geometry, mesh and supports
+    #[schemars(required)]
+    pub structure: Option<RawStructure>,
+    /// One-sided stops, any number, each under its own heading `[[contact]]`
+    pub contact: Option<Vec<RawContact>>,
+    /// Parameters that are fitted to given linear frequencies first
+    pub updating: Option<RawUpdating>,
+    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
+    #[schemars(required)]
+    pub method: Option<RawMethod>,
+    /// How far the branch is followed
+    #[schemars(required)]
+    pub continuation: Option<RawContinuation>,
+    /// Where results go
+    pub output: Option<RawOutput>,
+}
+
+/// A stop on one side of a node.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawContact {
+    /// Position along the axis, measured from the start; must be a node of the mesh
+    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: Option<f64>,
+    /// Direction of the motion that the stop limits
+    #[schemars(required)]
+    pub direction: Option<Direction>,
+    /// Side on which the stop stands
+    #[schemars(required)]
+    pub side: Option<Side>,
+    /// Clearance at rest; 0 touches, a negative one presses
+    #[schemars(required, extend("unit" = "m"))]
+    pub gap_m: Option<f64>,
+    /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has `method.contact_stiffness_n_m`
+    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
+    pub stiffness_n_m: Option<f64>,
+}
+
+/// Where results go.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawOutput {
+    /// Directory of the result files, from where the program is started; default: results/<name of the file>
+    #[schemars(length(min = 1))]
+    pub directory: Option<String>,
+    /// For which points Floquet multipliers are computed
+    #[schemars(extend("default" = "auto"))]
+    pub stability: Option<StabilityChoice>,
+}

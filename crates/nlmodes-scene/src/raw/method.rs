@@ -1,0 +1,68 @@
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+
+use crate::scene::{ContactSolver, MassRule, MethodKind, Switching, Symmetry};
+
+/// Most harmonics that a scene may ask for.
+pub const MAX_HARMONICS: u32 = 1000;
+/// Most harmonics that an accuracy chooses where the scene does not say.
+pub const DEFAULT_MAX_HARMONICS: u32 = 60;
+/// Most samples a period that a scene may ask for.
+pub const MAX_SAMPLES: u32 = 1 << 20;
+
+/// How the periodic motion is computed.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("required" = [], "oneRequired" = ["harmonics", "accuracy"]))]
+pub struct RawMethod {
+    /// Method
+    #[schemars(extend("default" = "ms-hbm"))]
+    pub kind: Option<MethodKind>,
+    /// Number of the linear mode from which the branch starts, 1 for the lowest
+    #[schemars(range(min = 1), extend("default" = 1))]
+    pub mode: Option<u32>,
+    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each. With shooting, number of harmonics of the
+    /// exact motion that are written
+    #[schemars(schema_with = "one_or_several_harmonics")]
+    pub harmonics: Option<Vec<u32>>,
+    /// Largest relative error of the frequency, at the same energy, that may come from harmonics and held modes left out: chooses their
+    /// numbers, that of the harmonics anew along the branch, `harmonics` or 2 of them at least; default: none, `harmonics` holds
+    #[schemars(range(min = 1e-10, max = 0.01))]
+    pub accuracy: Option<f64>,
+    /// Most harmonics that `accuracy` may choose
+    #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = DEFAULT_MAX_HARMONICS))]
+    pub max_harmonics: Option<u32>,
+    /// How the instants of touching and leaving are found
+    #[schemars(extend("default" = "exact"))]
+    pub switching: Option<Switching>,
+    /// Samples of the contact a period, at least 4 times `harmonics`; default: a power of two, 256 or more and at least 32 times
+    /// `harmonics`. Exact switching has no use for it
+    #[schemars(range(min = 4, max = MAX_SAMPLES))]
+    pub samples: Option<u32>,
+    /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm and shooting, "none" for hbm
+    pub mass_redistribution: Option<MassRule>,
+    /// Solver of the contact problem
+    #[schemars(extend("default" = "active-set"))]
+    pub contact_solver: Option<ContactSolver>,
+    /// Contact stiffness of the stops that have no `stiffness_n_m` of their own, for hbm and shooting
+    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
+    pub contact_stiffness_n_m: Option<f64>,
+    /// Time symmetry that the motion is assumed to have
+    #[schemars(extend("default" = "even"))]
+    pub symmetry: Option<Symmetry>,
+    /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the program, for shooting all
+    #[schemars(range(min = 1))]
+    pub held_modes: Option<u32>,
+}
+
+/// A whole number, or a list of them; a single one is read as a list.
+fn one_or_several_harmonics(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["integer", "array"],
+        "minimum": 1,
+        "maximum": MAX_HARMONICS,
+        "items": { "type": "integer", "minimum": 1, "maximum": MAX_HARMONICS },
+        "minItems": 1,
+        "maxItems": 100,
+    })
+}

@@ -1,0 +1,166 @@
+//! The tables of a scene of measured records.
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+
+use crate::raw::method::MAX_HARMONICS;
+use crate::raw::{RawOutput, RawStructure};
+use crate::scene::{ChannelRole, MeasuredQuantity, Side};
+
+/// Most numbers of a list.
+const MAX_LIST: u32 = 4096;
+
+/// Records of a test, and what is to be extracted from them. SI units unless a channel says otherwise.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "nlmodes scene of measured records")]
+pub struct RawRecordScene {
+    /// Title of tables and figures; default: the name of the file
+    pub title: Option<String>,
+    /// The files of the records, and how they were sampled
+    #[schemars(required)]
+    pub recording: Option<RawRecording>,
+    /// Channels of the records, each under its own heading `[[channel]]`
+    #[schemars(required, length(min = 1))]
+    pub channel: Option<Vec<RawChannel>>,
+    /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
+    pub linear_modes: Option<RawLinearModes>,
+    /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
+    pub structure: Option<RawStructure>,
+    /// What is to be extracted
+    pub extraction: Option<RawExtraction>,
+    /// The stop, for restitution and contact stiffness
+    pub stop: Option<RawStop>,
+    /// Where results go
+    pub output: Option<RawOutput>,
+}
+
+/// Files of records.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRecording {
+    /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy; paths from where the scene is
+    #[schemars(required, length(min = 1, max = MAX_LIST))]
+    pub files: Option<Vec<String>>,
+    /// Sampling rate; must agree with the time column or the header to 1e-6
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub sample_rate_hz: Option<f64>,
+    /// Name of the time column of .csv files, in s
+    #[schemars(length(min = 1))]
+    pub time_column: Option<String>,
+}
+
+/// A channel of the records.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawChannel {
+    /// Name of the column, or in the header; files without names (.wav, .npy) are taken in the order of the headings
+    #[schemars(required, length(min = 1))]
+    pub name: Option<String>,
+    /// What the channel measures
+    #[schemars(required)]
+    pub quantity: Option<MeasuredQuantity>,
+    /// Unit of the recorded numbers, for instance N, m, mm, m/s, m/s^2, g, rad; default: the SI unit
+    #[schemars(length(min = 1))]
+    pub unit: Option<String>,
+    /// What the channel is there for
+    #[schemars(required)]
+    pub role: Option<ChannelRole>,
+    /// Position along the structure, where the channel has one
+    #[schemars(extend("unit" = "m"))]
+    pub position_m: Option<f64>,
+    /// 1, or -1 for a sensor that is turned round
+    #[schemars(range(min = -1, max = 1), extend("default" = 1))]
+    pub sign: Option<i32>,
+    /// Recorded number per unit
+    #[schemars(extend("default" = 1.0, "exclusiveMinimum" = 0.0))]
+    pub sensitivity: Option<f64>,
+    /// By how much the signal arrived late
+    #[schemars(extend("default" = 0.0, "unit" = "s"))]
+    pub delay_s: Option<f64>,
+    /// Smallest and largest value that the sensor can give, in `unit`
+    pub range: Option<[f64; 2]>,
+}
+
+/// Mass-normalised linear modes.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawLinearModes {
+    /// Eigenfrequencies
+    #[schemars(required, inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
+    pub frequencies_hz: Option<Vec<f64>>,
+    /// Damping ratios; default: zero
+    #[schemars(inner(range(min = 0.0)), length(min = 1, max = MAX_LIST))]
+    pub damping_ratios: Option<Vec<f64>>,
+    /// Positions that the rows of `shapes` belong to
+    #[schemars(required, length(min = 1, max = MAX_LIST), extend("unit" = "m"))]
+    pub positions_m: Option<Vec<f64>>,
+    /// Mode shapes, mass-normalised: a row a position, an entry a mode
+    #[schemars(required, inner(length(min = 1, max = MAX_LIST)), length(min = 1, max = MAX_LIST), extend("unit" = "1/√kg"))]
+    pub shapes: Option<Vec<Vec<f64>>>,
+}
+
+/// What is to be extracted.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawExtraction {
+    /// Number of the linear mode that is excited, 1 for the lowest
+    #[schemars(range(min = 1), extend("default" = 1))]
+    pub mode: Option<u32>,
+    /// Periods to take from the end of each record; default: as many as there are
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub periods: Option<u32>,
+    /// Harmonics of the mode shape and of the participation
+    #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = 20))]
+    pub harmonics: Option<u32>,
+    /// Harmonics of the power-based mode indicator, or "nyquist" for all that the sampling rate carries, 1000 at most
+    #[serde(default)]
+    #[schemars(schema_with = "number_or_nyquist")]
+    pub pbmif_harmonics: Option<RawPbmifHarmonics>,
+    /// A first guess of the frequency; default: from the record
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub frequency_hz: Option<f64>,
+}
+
+/// A number of harmonics, or all of them.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged)]
+pub enum RawPbmifHarmonics {
+    /// So many.
+    Number(u32),
+    /// All of them.
+    Word(Nyquist),
+}
+
+/// The one word that stands for all harmonics.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub enum Nyquist {
+    /// Up to half the sampling rate.
+    #[serde(rename = "nyquist")]
+    Nyquist,
+}
+
+fn number_or_nyquist(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["integer", "string"],
+        "minimum": 1,
+        "maximum": 5000,
+        "pattern": "^nyquist$",
+        "default": "nyquist",
+    })
+}
+
+/// Where the stop is.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawStop {
+    /// Position along the structure
+    #[schemars(required, extend("unit" = "m"))]
+    pub position_m: Option<f64>,
+    /// Clearance at rest
+    #[schemars(required, extend("unit" = "m"))]
+    pub gap_m: Option<f64>,
+    /// Side on which the stop stands
+    #[schemars(extend("default" = "positive"))]
+    pub side: Option<Side>,
+}

@@ -1,0 +1,92 @@
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::{MassMatrix, StructureKind, Support};
+
+/// Most elements that a scene may ask for.
+pub const MAX_ELEMENTS: u32 = 1_000_000;
+/// Most modes with imposed frequencies.
+const MAX_MODES: u32 = 1000;
+
+/// Geometry, mesh and supports.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawStructure {
+    /// Which motions the structure has
+    #[schemars(required)]
+    pub kind: Option<StructureKind>,
+    /// Length along the axis
+    #[schemars(required, extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub length_m: Option<f64>,
+    /// Number of elements
+    #[schemars(required, range(min = 1, max = MAX_ELEMENTS))]
+    pub elements: Option<u32>,
+    /// Length of the first element over that of the last, in geometric progression
+    #[schemars(range(min = 1e-6, max = 1e6), extend("default" = 1.0))]
+    pub grading: Option<f64>,
+    /// Mass matrix of the elements
+    #[schemars(extend("default" = "consistent"))]
+    pub mass_matrix: Option<MassMatrix>,
+    /// Support at the start, at position 0
+    #[schemars(required)]
+    pub start: Option<Support>,
+    /// Support at the end, at position `length_m`
+    #[schemars(extend("default" = "free"))]
+    pub end: Option<Support>,
+    /// What the structure is made of
+    #[schemars(required)]
+    pub material: Option<RawMaterial>,
+    /// Cross section of the structure
+    #[schemars(required)]
+    pub section: Option<RawSection>,
+    /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
+    pub modes: Option<RawModes>,
+}
+
+/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes stay.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawModes {
+    /// The frequencies, ascending from the lowest mode, with contacts open and the contact mass as `method` has it
+    #[schemars(required, inner(range(min = 1e-9)), length(min = 1, max = MAX_MODES), extend("unit" = "Hz"))]
+    pub frequencies_hz: Option<Vec<f64>>,
+    /// Damping ratios of these modes, for a virtual test; nonlinear modes are conservative
+    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_MODES))]
+    pub damping_ratios: Option<Vec<f64>>,
+}
+
+/// A linear elastic material.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawMaterial {
+    /// Young's modulus
+    #[schemars(required, extend("unit" = "Pa", "exclusiveMinimum" = 0.0))]
+    pub youngs_modulus_pa: Option<f64>,
+    /// Mass per volume
+    #[schemars(required, extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
+    pub density_kg_m3: Option<f64>,
+    /// Poisson's ratio, for the shear modulus of a beam
+    #[schemars(extend("default" = 0.3, "minimum" = 0.0, "exclusiveMaximum" = 0.5))]
+    pub poissons_ratio: Option<f64>,
+}
+
+/// Cross section: width and height of a rectangle, or the area (and, of a beam, the second moment of area).
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawSection {
+    /// Area, instead of width and height
+    #[schemars(extend("unit" = "m²", "exclusiveMinimum" = 0.0))]
+    pub area_m2: Option<f64>,
+    /// Second moment of area of a beam about its bending axis, together with the area
+    #[schemars(extend("unit" = "m⁴", "exclusiveMinimum" = 0.0))]
+    pub second_moment_m4: Option<f64>,
+    /// Width of a rectangle, across the bending direction
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub width_m: Option<f64>,
+    /// Height of a rectangle, in the bending direction
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub height_m: Option<f64>,
+    /// Shear correction factor of a beam; default 5/6, that of a rectangle
+    #[schemars(extend("default" = 5.0 / 6.0, "exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub shear_factor: Option<f64>,
+}

@@ -1,0 +1,254 @@
+//! A scene that was checked: plain values in SI units, every default filled in.
+
+mod choices;
+mod records;
+mod virtual_test;
+
+pub use choices::{
+    AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
+    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat,
+    Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+};
+
+pub use records::RecordScene;
+pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::free_dofs;
+
+/// A structure with one-sided stops, and how its nonlinear mode is to be computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Title of tables and figures.
+    pub title: String,
+    /// The structure.
+    pub structure: Structure,
+    /// One-sided stops, in the order of the file.
+    pub contacts: Vec<Contact>,
+    /// Parameters that are fitted to given linear frequencies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub updating: Option<Updating>,
+    /// How the periodic motion is computed.
+    pub method: Method,
+    /// How far the branch is followed.
+    pub continuation: Continuation,
+    /// Directory of the result files.
+    pub output_directory: PathBuf,
+    /// For which points Floquet multipliers are computed.
+    #[serde(default = "auto")]
+    pub stability: StabilityChoice,
+    /// What looks wrong with the scene, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// What a scene that was written before there was a choice means.
+fn auto() -> StabilityChoice {
+    StabilityChoice::Auto
+}
+
+/// Geometry, mesh, supports, material and section.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Structure {
+    /// Length along the axis, m.
+    pub length: f64,
+    /// Number of elements.
+    pub elements: usize,
+    /// Length of the first element over that of the last.
+    pub grading: f64,
+    /// Mass matrix of the elements.
+    pub mass_matrix: MassMatrix,
+    /// Support at position 0.
+    pub start: Support,
+    /// Support at position `length`.
+    pub end: Support,
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Cross section, and with it the theory.
+    pub section: Section,
+    /// Frequencies that are imposed on the lowest modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<ImposedModes>,
+}
+
+/// Frequencies of the lowest modes, as measured ones, in place of those of the elements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImposedModes {
+    /// The frequencies, Hz, ascending.
+    pub frequencies_hz: Vec<f64>,
+    /// Damping ratios of these modes, where they are known; nonlinear modes are conservative and do not use them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_ratios: Option<Vec<f64>>,
+}
+
+impl Structure {
+    /// Rod or beam.
+    pub fn kind(&self) -> StructureKind {
+        match self.section {
+            Section::Rod { .. } => StructureKind::Rod,
+            Section::Beam { .. } => StructureKind::Beam,
+        }
+    }
+
+    /// Number of degrees of freedom that the supports leave free.
+    pub fn free_dofs(&self) -> usize {
+        free_dofs(self.kind(), self.elements, [self.start, self.end])
+    }
+}
+
+/// Cross section, and with it the theory.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Section {
+    /// Axial motion only.
+    Rod {
+        /// Area, m².
+        area: f64,
+    },
+    /// Axial motion, deflection and rotation (Timoshenko).
+    Beam {
+        /// Area, m².
+        area: f64,
+        /// Second moment of area about the bending axis, m⁴.
+        second_moment: f64,
+        /// Shear correction factor.
+        shear_factor: f64,
+        /// Poisson's ratio.
+        poissons_ratio: f64,
+    },
+}
+
+/// A stop on one side of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Number of the node, 0 at the start.
+    pub node: usize,
+    /// Position of the node, m.
+    pub at: f64,
+    /// Direction of the motion that the stop limits.
+    pub direction: Direction,
+    /// Side on which the stop stands.
+    pub side: Side,
+    /// Clearance at rest, m; 0 touches, a negative one presses.
+    pub gap: f64,
+    /// Contact stiffness, N/m; a rigid stop has none. Always there for [`MethodKind::Hbm`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<f64>,
+}
+
+/// Parameters that are fitted to given linear frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Updating {
+    /// The parameters.
+    pub parameters: Vec<UpdatedParameter>,
+    /// The given frequencies, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Number of the mode of each, 1 for the lowest.
+    pub modes: Vec<usize>,
+    /// What was found; nothing before the computation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub done: Option<UpdatingDone>,
+}
+
+/// What an updating changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UpdatingDone {
+    /// Values of the parameters before.
+    pub from: Vec<f64>,
+    /// Values of the parameters after.
+    pub to: Vec<f64>,
+    /// Frequencies before, Hz.
+    pub from_hz: Vec<f64>,
+    /// Frequencies after, Hz.
+    pub to_hz: Vec<f64>,
+}
+
+/// How the periodic motion is computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Method {
+    /// Method.
+    pub kind: MethodKind,
+    /// Number of the linear mode, 1 for the lowest.
+    pub mode: usize,
+    /// Number of harmonics beside the mean; the largest where several are asked for.
+    pub harmonics: usize,
+    /// What chooses harmonics and held modes instead; `harmonics` is then the smallest number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
+    /// All numbers of harmonics for which a branch is computed, ascending.
+    #[serde(default, skip_serializing_if = "is_single")]
+    pub harmonics_list: Vec<usize>,
+    /// How the instants of touching and leaving are found.
+    pub switching: Switching,
+    /// Samples of the contact a period.
+    pub samples: usize,
+    /// What happens to the mass of the contact degrees of freedom.
+    pub mass_redistribution: MassRule,
+    /// Solver of the contact problem.
+    pub contact_solver: ContactSolver,
+    /// Stiffness of the stops that have none of their own, N/m; not for [`MethodKind::MsHbm`].
+    pub contact_stiffness: Option<f64>,
+    /// Time symmetry that the motion is assumed to have.
+    pub symmetry: Symmetry,
+    /// Number of held modes that carry the dynamics; `None`: chosen by the program.
+    pub held_modes: Option<usize>,
+}
+
+/// An accuracy by which harmonics and held modes are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// Largest relative error of the frequency at the same energy.
+    pub error: f64,
+    /// Most harmonics.
+    pub max_harmonics: usize,
+}
+
+fn is_single(list: &[usize]) -> bool {
+    list.len() == 1
+}
+
+/// How far the branch is followed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Continuation {
+    /// Averaged kinetic energy at which the branch ends, over that at grazing.
+    pub max_energy_ratio: Option<f64>,
+    /// Frequency window, Hz, lower limit first.
+    pub frequency_hz: Option<[f64; 2]>,
+    /// Most points of the branch.
+    pub max_points: usize,
+    /// Which arm is followed at a branch point.
+    pub at_branch_point: AtBranchPoint,
+    /// Most branches, where all arms are followed.
+    pub max_branches: usize,
+    /// What is done where an internal resonance leads the branch away.
+    pub internal_resonance: InternalResonance,
+    /// Where it starts.
+    pub start: Start,
+}
+
+/// Where a branch starts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "at")]
+pub enum Start {
+    /// At the linear mode that just touches the stop.
+    Grazing,
+    /// On the backbone at a frequency.
+    Frequency {
+        /// The frequency, Hz.
+        hz: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+    /// On the backbone at an energy.
+    Energy {
+        /// Averaged kinetic energy over that at grazing.
+        ratio: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+}
