@@ -5,6 +5,7 @@
 //! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
+//! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
 //!
@@ -40,8 +41,9 @@ pub use dense::DenseLu;
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use faer::Mat;
-pub use modes::{Modes, lowest_modes};
+pub use modes::{Modes, Pencil, lowest_modes};
 pub use sparse::{
-    SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, multiply, select, sparse_from_triplets, triplets,
+    SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, multiply, multiply_many, multiply_transposed, select,
+    sparse_from_triplets, triplets,
 };
 pub use symmetric::symmetric_eigen;

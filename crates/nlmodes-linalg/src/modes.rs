@@ -51,16 +51,10 @@ pub struct Modes {
 /// [`LinalgError::ModesNotConverged`].
 pub fn lowest_modes(stiffness: &SparseMatrix, mass: &SparseMatrix, count: usize) -> Result<Modes, LinalgError> {
     check(stiffness, mass)?;
-    let massless: Vec<usize> = (0..mass.nrows()).filter(|&i| diagonal(mass, i) <= 0.0).collect();
-    let wanted = count.min(mass.nrows() - massless.len());
-    if wanted == 0 {
+    if count == 0 || (0..mass.nrows()).all(|i| diagonal(mass, i) <= 0.0) {
         return Ok(Modes { eigenvalues: Vec::new(), vectors: Mat::zeros(mass.nrows(), 0) });
     }
-    let pencil = Pencil::new(stiffness, mass)?;
-    let mut modes = pencil.solve(wanted)?;
-    follow_statically(stiffness, &massless, &mut modes.vectors)?;
-    orient(&mut modes.vectors);
-    Ok(modes)
+    Pencil::of_checked(stiffness, mass)?.lowest(count)
 }
 
 fn check(stiffness: &SparseMatrix, mass: &SparseMatrix) -> Result<(), LinalgError> {
@@ -84,8 +78,10 @@ fn diagonal(a: &SparseMatrix, i: usize) -> f64 {
     a.get(i, i).copied().unwrap_or(0.0)
 }
 
-/// The pencil with the factor of `K + sM`.
-struct Pencil<'a> {
+/// The pencil `K φ = λ M φ` with the Cholesky factor of `K + sM`, for whoever needs both modes and statics of one structure: it is
+/// factored once. `s` is zero where `K` is positive definite, else of the size of the first elastic λ.
+#[derive(Debug)]
+pub struct Pencil<'a> {
     stiffness: &'a SparseMatrix,
     mass: &'a SparseMatrix,
     shift: f64,
@@ -93,8 +89,48 @@ struct Pencil<'a> {
 }
 
 impl<'a> Pencil<'a> {
-    /// Factors `K`, or `K + sM` if `K` is singular.
-    fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
+    /// Checks the two matrices and factors `K`, or `K + sM` if `K` is singular.
+    ///
+    /// # Errors
+    /// As [`lowest_modes`], except that nothing iterates yet where `K` is positive definite.
+    pub fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
+        check(stiffness, mass)?;
+        Self::of_checked(stiffness, mass)
+    }
+
+    /// The lowest `count` modes, as [`lowest_modes`] gives them.
+    ///
+    /// # Errors
+    /// [`LinalgError::NotPositiveDefinite`] if the stiffness of the massless degrees of freedom is singular,
+    /// [`LinalgError::ModesNotConverged`], [`LinalgError::OutOfMemory`].
+    pub fn lowest(&self, count: usize) -> Result<Modes, LinalgError> {
+        let massless: Vec<usize> = (0..self.mass.nrows()).filter(|&i| diagonal(self.mass, i) <= 0.0).collect();
+        let wanted = count.min(self.mass.nrows() - massless.len());
+        if wanted == 0 {
+            return Ok(Modes { eigenvalues: Vec::new(), vectors: Mat::zeros(self.mass.nrows(), 0) });
+        }
+        let mut modes = self.solve(wanted)?;
+        follow_statically(self.stiffness, &massless, &mut modes.vectors)?;
+        orient(&mut modes.vectors);
+        Ok(modes)
+    }
+
+    /// The shift `s`, rad²/s²; zero where `K` itself was factored.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    /// The factor of `K + sM`.
+    pub fn factor(&self) -> &SparseCholesky {
+        &self.factor
+    }
+
+    /// The factor of `K + sM`, kept beyond the pencil.
+    pub fn into_factor(self) -> SparseCholesky {
+        self.factor
+    }
+
+    fn of_checked(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
         match SparseCholesky::factor(stiffness, "stiffness matrix") {
             Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor }),
             Err(LinalgError::NotPositiveDefinite { .. }) => Self::singular(stiffness, mass),

@@ -1,6 +1,6 @@
 use faer::sparse::{CreationError, SparseColMat, Triplet as FaerTriplet};
 
-use crate::LinalgError;
+use crate::{LinalgError, Mat};
 
 /// A sparse matrix in compressed columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
@@ -54,6 +54,36 @@ pub fn multiply(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
             y[i] += v * xj;
         }
     }
+}
+
+/// `A X` for a dense `X` (columns of `a` × any), column by column.
+///
+/// # Panics
+/// If `x` has not as many rows as `a` has columns.
+pub fn multiply_many(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    assert_eq!(x.nrows(), a.ncols(), "rows of X in A X");
+    let mut product = Mat::zeros(a.nrows(), x.ncols());
+    for c in 0..x.ncols() {
+        let (from, mut to) = (x.col(c), product.col_mut(c));
+        for j in 0..a.ncols() {
+            for (&i, v) in a.symbolic().row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+                to[i] += v * from[j];
+            }
+        }
+    }
+    product
+}
+
+/// `Aᵀ X` for a dense `X` (rows of `a` × any): columns of `a` × any.
+///
+/// # Panics
+/// If `x` has not as many rows as `a`.
+pub fn multiply_transposed(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
+    assert_eq!(x.nrows(), a.nrows(), "rows of X in Aᵀ X");
+    Mat::from_fn(a.ncols(), x.ncols(), |i, c| {
+        let rows = a.symbolic().row_idx_of_col_raw(i);
+        rows.iter().zip(a.val_of_col(i)).map(|(&row, v)| v * x[(row, c)]).sum()
+    })
 }
 
 /// `xᵀ A y`.

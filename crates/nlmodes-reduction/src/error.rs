@@ -1,0 +1,72 @@
+use nlmodes_linalg::LinalgError;
+use thiserror::Error;
+
+/// Why a structure cannot be reduced.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ReductionError {
+    /// Two parts have different sizes.
+    #[error("{what}: {found} where {expected} was expected")]
+    Dimension {
+        /// The part.
+        what: &'static str,
+        /// The size that it should have.
+        expected: usize,
+        /// The size that it has.
+        found: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("{what} {index} is {value}, which is not a finite number")]
+    NotFinite {
+        /// The quantity.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
+    /// The compliance of a stop is negative.
+    #[error(
+        "the stop of contact {contact} has the compliance {value:e} m/N; it is zero for a rigid stop and positive otherwise"
+    )]
+    StopCompliance {
+        /// Index of the contact.
+        contact: usize,
+        /// Its compliance, m/N.
+        value: f64,
+    },
+    /// The limit of frequency up to which modes are wanted is not a positive number.
+    #[error("modes are wanted up to {omega} rad/s; expected a positive frequency")]
+    FrequencyLimit {
+        /// The limit, rad/s.
+        omega: f64,
+    },
+    /// No mode is left to describe the motion.
+    #[error("the structure has no mode to retain ({wanted} wanted)")]
+    NoMode {
+        /// Modes asked for.
+        wanted: usize,
+    },
+    /// A structure that floats, with fewer modes than rigid-body motions: what is left out has no static answer.
+    #[error("the {retained} retained modes are all rigid-body motions: retain more")]
+    OnlyRigidModes {
+        /// Modes retained.
+        retained: usize,
+    },
+    /// A factorisation or eigenproblem failed.
+    #[error("{what}")]
+    Linalg {
+        /// What was being computed.
+        what: &'static str,
+        /// The failure.
+        #[source]
+        source: LinalgError,
+    },
+}
+
+impl ReductionError {
+    /// Names what was being computed when linear algebra failed.
+    pub(crate) fn during(what: &'static str) -> impl FnOnce(LinalgError) -> Self {
+        move |source| Self::Linalg { what, source }
+    }
+}

@@ -1,0 +1,54 @@
+//! Reduction of linear structures with unilateral contacts to few modes, with the statics of what is left out.
+//!
+//! ```text
+//! M q̈ + K q = W λ + f ,   g = g₀ + Wᵀ q ,   0 ≤ λ ⊥ g + C λ ≥ 0
+//! K φ_r = ω_r² M φ_r ,   φᵀ M φ = 1 ,   r = 1 … m                      contacts open, mass as it is
+//! η̈_r + ω_r² η_r = y_rᵀ λ + φ_rᵀ f ,   g = g₀ + Y η + A λ + a f         Y = Wᵀ Φ
+//! A = Wᵀ K⁻¹ W − Y Ω⁻² Yᵀ ,   a = Wᵀ K⁻¹ f − Y Ω⁻² Φᵀ f                 residual flexibility
+//! q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ + [K⁻¹ f − Φ Ω⁻² Φᵀ f]                 recovery, at the places that are asked for
+//! ```
+//!
+//! The modes beyond the `m` retained ones answer statically (MacNeal): statics are exact for any contact force, and the frequencies
+//! of the open structure are untouched. No mass is moved, and yet the contacts have none: `A` alone stands between the force and the
+//! gap at each instant, so that no impact law is needed.
+//!
+//! | symbol | name | unit | shape | item |
+//! | --- | --- | --- | --- | --- |
+//! | `ω_r²` | squared open frequencies | rad²/s² | m | [`OpenModes::omega_squared`] |
+//! | `Y` | the modes as the gaps see them | 1/√kg | c × m | [`OpenModes::contact_rows`] |
+//! | `A` | residual flexibility | m/N | c × c | [`OpenModes::flexibility`] |
+//! | `g₀`, `C` | gaps at rest, compliance of the stops | m, m/N | c | [`OpenModes::gaps`], [`OpenModes::stop_compliance`] |
+//! | `Φᵀf`, `a` | a load | N/√kg, m | m, c | [`OpenModes::load`] |
+//! | | displacement at chosen places | | | [`OpenModes::rows`] |
+//!
+//! ```
+//! use nlmodes_linalg::sparse_from_triplets;
+//! use nlmodes_reduction::{ModeCount, OpenModes};
+//!
+//! // Two unit masses on unit springs, the second one in front of a stop; one of two modes is retained.
+//! let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
+//! let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
+//! let w = sparse_from_triplets(2, 1, &[(1, 0, -1.0)])?;
+//! let open = OpenModes::new(m, k, w, vec![0.1], vec![0.0], ModeCount::Lowest(1))?;
+//!
+//! // The mode and the residual flexibility together are the flexibility of two springs in series.
+//! let y = open.contact_rows()[(0, 0)];
+//! let total = y * y / open.omega_squared()[0] + open.flexibility()[(0, 0)];
+//! assert!((total - 2.0).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! R. H. MacNeal, *A hybrid method of component mode synthesis*, Computers & Structures 1 (1971) 581-601; the massless boundary of
+//! contact: D. Monjaraz-Tec, J. Gross, M. Krack, *A massless boundary component mode synthesis method for elastodynamic contact
+//! problems*, Computers & Structures 260 (2022) 106698.
+
+mod error;
+mod mode_count;
+mod open_modes;
+mod residual;
+mod rows;
+
+pub use error::ReductionError;
+pub use mode_count::ModeCount;
+pub use open_modes::OpenModes;
+pub use rows::{ModalLoad, ResponseRows};

@@ -1,0 +1,234 @@
+use std::sync::Arc;
+
+use nlmodes_linalg::{Mat, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets};
+use nlmodes_model::{MasslessContactModel, StructuralModel};
+
+use crate::residual::{Residual, blocks, dense_columns};
+use crate::{ModeCount, ReductionError};
+
+/// Up to this many numbers the residual shapes of the contact forces are kept (n × c); beyond, they are solved for again where they are asked for.
+const KEPT_SHAPES: usize = 1 << 21;
+
+/// A structure with contacts, reduced to its lowest open modes and the residual flexibility of the contacts.
+///
+/// ```text
+/// η̈_r + ω_r² η_r = y_rᵀ λ ,   g = g₀ + Y η + A λ ,   A = Wᵀ K⁻¹ W − Y Ω⁻² Yᵀ
+/// ```
+///
+/// The mass may be that of the structure, or one without the mass of the contact nodes. With the latter and all its modes, `A` is `W̄ᵀ K_NN⁻¹ W̄`, the
+/// compliance of the nodes with everything else held. `A` is symmetric and positive semidefinite; it is singular where contacts share a direction, and it vanishes
+/// when all modes of a structure whose contact nodes have mass are retained: then nothing without mass is left that could be pressed.
+///
+/// A structure that floats has its rigid-body motions among the modes, with `ω_r² = 0` up to rounding. The residual flexibility is then that of
+/// loads in balance with the inertia forces of the retained modes.
+#[derive(Debug, Clone)]
+pub struct OpenModes {
+    pub(crate) omega_squared: Vec<f64>,
+    pub(crate) shapes: Mat<f64>,
+    pub(crate) contact_rows: Mat<f64>,
+    pub(crate) flexibility: Mat<f64>,
+    pub(crate) directions: SparseMatrix,
+    pub(crate) residual: Residual,
+    /// `K⁻¹ W − Φ Ω⁻² Yᵀ` (n × c), of structures so small that keeping it costs nothing.
+    pub(crate) residual_shapes: Option<Mat<f64>>,
+    gaps: Vec<f64>,
+    stop_compliance: Vec<f64>,
+}
+
+impl OpenModes {
+    /// Reduces the structure with mass `M` and stiffness `K` (n × n) and the contact directions `W` (n × c, one column a contact,
+    /// `g = g₀ + Wᵀ q`). `gaps` (m) and `stop_compliance` (m/N, zero for rigid stops) have one entry a contact.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`], [`ReductionError::StopCompliance`],
+    /// [`ReductionError::FrequencyLimit`], [`ReductionError::NoMode`], [`ReductionError::OnlyRigidModes`];
+    /// [`ReductionError::Linalg`] if the matrices are not symmetric, the structure is unstable, or its modes do not converge.
+    pub fn new(
+        mass: impl Into<Arc<SparseMatrix>>,
+        stiffness: impl Into<Arc<SparseMatrix>>,
+        directions: SparseMatrix,
+        gaps: Vec<f64>,
+        stop_compliance: Vec<f64>,
+        modes: ModeCount,
+    ) -> Result<Self, ReductionError> {
+        let (mass, stiffness) = (mass.into(), stiffness.into());
+        check(&stiffness, &directions, &gaps, &stop_compliance)?;
+        let pencil =
+            Pencil::new(&stiffness, &mass).map_err(ReductionError::during("factorisation of the open structure"))?;
+        let retained = modes.select(&pencil, stiffness.nrows())?;
+        let shift = pencil.shift();
+        match retained.eigenvalues.last() {
+            None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
+            Some(&last) if last <= 1e-6 * shift && retained.eigenvalues.len() < stiffness.nrows() => {
+                return Err(ReductionError::OnlyRigidModes { retained: retained.eigenvalues.len() });
+            }
+            Some(_) => {}
+        }
+        let residual = Residual { factor: Arc::new(pencil.into_factor()), mass, shift };
+        let mut open = Self {
+            contact_rows: multiply_transposed(&directions, &retained.vectors),
+            flexibility: Mat::zeros(gaps.len(), gaps.len()),
+            omega_squared: retained.eigenvalues,
+            shapes: retained.vectors,
+            residual_shapes: None,
+            directions,
+            residual,
+            gaps,
+            stop_compliance,
+        };
+        open.press_contacts();
+        Ok(open)
+    }
+
+    /// Reduces `model` with its mass as it is.
+    ///
+    /// # Errors
+    /// As [`OpenModes::new`].
+    pub fn of_model(model: &StructuralModel, modes: ModeCount) -> Result<Self, ReductionError> {
+        Self::of_parts(model.mass().clone(), model.stiffness().clone(), model.contacts(), modes)
+    }
+
+    /// Reduces `model` with the mass that it left after that of its contact nodes has been taken away.
+    ///
+    /// # Errors
+    /// As [`OpenModes::new`].
+    pub fn of_massless(model: &MasslessContactModel, modes: ModeCount) -> Result<Self, ReductionError> {
+        Self::of_parts(model.mass().clone(), model.stiffness().clone(), model.contacts(), modes)
+    }
+
+    fn of_parts(
+        mass: SparseMatrix,
+        stiffness: SparseMatrix,
+        contacts: &[nlmodes_model::Contact],
+        modes: ModeCount,
+    ) -> Result<Self, ReductionError> {
+        let entries: Vec<_> = contacts.iter().enumerate().map(|(i, c)| (c.dof, i, c.direction())).collect();
+        let directions = sparse_from_triplets(stiffness.nrows(), contacts.len(), &entries)
+            .map_err(ReductionError::during("directions of the contacts"))?;
+        let gaps = contacts.iter().map(|c| c.gap).collect();
+        let compliance = contacts.iter().map(|c| c.law.compliance()).collect();
+        Self::new(mass, stiffness, directions, gaps, compliance, modes)
+    }
+
+    /// Residual flexibility of the contacts, and the shapes that go with it if they are small.
+    fn press_contacts(&mut self) {
+        let (n, c) = (self.shapes.nrows(), self.gaps.len());
+        let mut kept = (n * c <= KEPT_SHAPES).then(|| Mat::zeros(n, c));
+        let mut flexibility = Mat::zeros(c, c);
+        for block in blocks(c) {
+            let (first, count) = (block.start, block.len());
+            let shapes = self.residual.answer(&self.shapes, dense_columns(&self.directions, block));
+            flexibility.subcols_mut(first, count).copy_from(&multiply_transposed(&self.directions, &shapes));
+            if let Some(kept) = &mut kept {
+                kept.subcols_mut(first, count).copy_from(&shapes);
+            }
+        }
+        self.flexibility = Mat::from_fn(c, c, |i, j| 0.5 * (flexibility[(i, j)] + flexibility[(j, i)]));
+        self.residual_shapes = kept;
+    }
+
+    /// The same structure with only the lowest `count` of these modes; the others join what answers statically. Nothing is solved
+    /// again: what comes out next to the full one gives the error of the truncation. `A` grows by `Σ y_r y_rᵀ/ω_r²` of the modes that go.
+    ///
+    /// # Errors
+    /// [`ReductionError::NoMode`] for none, [`ReductionError::OnlyRigidModes`] if only rigid-body motions would stay.
+    pub fn truncated(&self, count: usize) -> Result<Self, ReductionError> {
+        let count = count.min(self.n_modes());
+        let Some(last) = count.checked_sub(1) else { return Err(ReductionError::NoMode { wanted: 0 }) };
+        if count < self.n_modes() && self.omega_squared[last] <= 1e-6 * self.residual.shift {
+            return Err(ReductionError::OnlyRigidModes { retained: count });
+        }
+        let mut fewer = self.clone();
+        for r in count..self.n_modes() {
+            let weight = 1.0 / self.omega_squared[r];
+            let y = |i: usize| self.contact_rows[(i, r)];
+            for j in 0..self.n_contacts() {
+                (0..self.n_contacts()).for_each(|i| fewer.flexibility[(i, j)] += weight * (y(i) * y(j)));
+                if let Some(shapes) = &mut fewer.residual_shapes {
+                    (0..shapes.nrows()).for_each(|i| shapes[(i, j)] += weight * self.shapes[(i, r)] * y(j));
+                }
+            }
+        }
+        fewer.omega_squared.truncate(count);
+        fewer.shapes = self.shapes.subcols(0, count).to_owned();
+        fewer.contact_rows = self.contact_rows.subcols(0, count).to_owned();
+        Ok(fewer)
+    }
+
+    /// Number of retained modes m.
+    pub fn n_modes(&self) -> usize {
+        self.omega_squared.len()
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.gaps.len()
+    }
+
+    /// Number of degrees of freedom n of the structure that was reduced.
+    pub fn n_dofs(&self) -> usize {
+        self.shapes.nrows()
+    }
+
+    /// `ω_r²`, ascending, rad²/s²; zero for rigid-body motions, up to rounding.
+    pub fn omega_squared(&self) -> &[f64] {
+        &self.omega_squared
+    }
+
+    /// `Φ`, n × m, mass-normalised; the largest component of each mode is positive.
+    pub fn shapes(&self) -> &Mat<f64> {
+        &self.shapes
+    }
+
+    /// `Y = Wᵀ Φ`, c × m, 1/√kg: how each mode moves the gaps.
+    pub fn contact_rows(&self) -> &Mat<f64> {
+        &self.contact_rows
+    }
+
+    /// `A = Wᵀ K⁻¹ W − Y Ω⁻² Yᵀ`, c × c, m/N: residual flexibility, without the stops' own compliance.
+    pub fn flexibility(&self) -> &Mat<f64> {
+        &self.flexibility
+    }
+
+    /// `W`, n × c: `g = g₀ + Wᵀ q`.
+    pub fn directions(&self) -> &SparseMatrix {
+        &self.directions
+    }
+
+    /// Clearances at rest `g₀`, m, one a contact; negative where the stop presses.
+    pub fn gaps(&self) -> &[f64] {
+        &self.gaps
+    }
+
+    /// Compliance `C` of the stops, m/N, one a contact; zero where they are rigid.
+    pub fn stop_compliance(&self) -> &[f64] {
+        &self.stop_compliance
+    }
+}
+
+fn wanted(modes: ModeCount) -> usize {
+    match modes {
+        ModeCount::Lowest(count) => count,
+        ModeCount::UpTo(_) => 1,
+    }
+}
+
+fn check(k: &SparseMatrix, w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -> Result<(), ReductionError> {
+    let sizes = [
+        ("rows of the contact directions", k.nrows(), w.nrows()),
+        ("gaps of the contacts", w.ncols(), gaps.len()),
+        ("compliances of the stops", w.ncols(), compliance.len()),
+    ];
+    if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+        return Err(ReductionError::Dimension { what, expected, found });
+    }
+    for (what, values) in [("gap of contact", gaps), ("entry of the contact directions", w.val())] {
+        if let Some((index, &value)) = values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(ReductionError::NotFinite { what, index, value });
+        }
+    }
+    match compliance.iter().enumerate().find(|(_, v)| !(v.is_finite() && **v >= 0.0)) {
+        Some((contact, &value)) => Err(ReductionError::StopCompliance { contact, value }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,84 @@
+//! Static answers of what the retained modes leave out.
+
+use std::sync::Arc;
+
+use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, multiply_many};
+
+/// Right-hand sides that are solved for at once: single ones cost three to nine times as much each.
+pub(crate) const BLOCK: usize = 32;
+
+/// A floating structure: the iteration ends when it changes the answer by less than this share.
+const SETTLED: f64 = 1e-15;
+/// The change shrinks by a half at least each time, so that this many leave rounding only.
+const MOST_ITERATIONS: usize = 60;
+
+/// What answers statically: `G = K⁻¹ − Φ Ω⁻² Φᵀ`, never written out.
+#[derive(Debug, Clone)]
+pub(crate) struct Residual {
+    pub mass: Arc<SparseMatrix>,
+    /// Factor of `K + sM`.
+    pub factor: Arc<SparseCholesky>,
+    pub shift: f64,
+}
+
+impl Residual {
+    /// `G P` for the columns of `loads` (n × any).
+    ///
+    /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is taken out of the load, not out of the answer, where it would leave the
+    /// rounding of the larger part behind. A floating structure has no `K⁻¹`, but such loads are in balance, and
+    /// `x ← (K + sM)⁻¹ (P + s M x)` converges by `s/(ω² + s)` a time, ω that of the first mode left out.
+    pub fn answer(&self, shapes: &Mat<f64>, loads: Mat<f64>) -> Mat<f64> {
+        let modal = shapes.transpose() * &loads;
+        let balanced = loads - multiply_many(&self.mass, &(shapes * modal));
+        let mut x = balanced.clone();
+        self.factor.solve_many(&mut x);
+        self.take_out(shapes, &mut x);
+        if self.shift == 0.0 {
+            return x;
+        }
+        for _ in 0..MOST_ITERATIONS {
+            let mut next = &balanced + scaled(multiply_many(&self.mass, &x), self.shift);
+            self.factor.solve_many(&mut next);
+            self.take_out(shapes, &mut next);
+            let settled = (0..x.ncols()).all(|j| largest(&next, j, Some(&x)) <= SETTLED * largest(&next, j, None));
+            x = next;
+            if settled {
+                break;
+            }
+        }
+        x
+    }
+
+    /// Makes the columns of `x` M-orthogonal to the modes.
+    fn take_out(&self, shapes: &Mat<f64>, x: &mut Mat<f64>) {
+        let overlap = shapes.transpose() * multiply_many(&self.mass, x);
+        *x -= shapes * overlap;
+    }
+}
+
+fn scaled(mut a: Mat<f64>, factor: f64) -> Mat<f64> {
+    (0..a.ncols()).for_each(|j| a.col_mut(j).iter_mut().for_each(|v| *v *= factor));
+    a
+}
+
+/// Largest component of column `j` of `x`, or of its difference from that of `from`.
+fn largest(x: &Mat<f64>, j: usize, from: Option<&Mat<f64>>) -> f64 {
+    let of = |i: usize| x[(i, j)] - from.map_or(0.0, |from| from[(i, j)]);
+    (0..x.nrows()).map(|i| of(i).abs()).fold(0.0, f64::max)
+}
+
+/// Columns `from..to` of a sparse matrix, dense.
+pub(crate) fn dense_columns(a: &SparseMatrix, columns: std::ops::Range<usize>) -> Mat<f64> {
+    let mut dense = Mat::zeros(a.nrows(), columns.len());
+    for (to, j) in columns.enumerate() {
+        for (&i, v) in a.symbolic().row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+            dense[(i, to)] += v;
+        }
+    }
+    dense
+}
+
+/// The columns `0..count` in blocks.
+pub(crate) fn blocks(count: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+    (0..count).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(count))
+}
