@@ -1,10 +1,11 @@
 use std::collections::HashMap;
 
+use nlmodes_contact::{ContactBody, LcpMatrix};
 use nlmodes_linalg::Mat;
 
-use crate::{CondensedStructure, HbmError};
+use crate::HbmError;
 
-/// The contact problem while one set of contacts is closed: everything is linear in `y = Wᵀ b + g₀`.
+/// The contact problem while one set of contacts is closed: everything is linear in the gaps `y` without contact forces.
 #[derive(Debug, Clone)]
 pub(crate) struct ClosedSet {
     pub closed: Vec<bool>,
@@ -13,21 +14,17 @@ pub(crate) struct ClosedSet {
     /// Row i is what must not turn negative, as a combination of `y`: the gap of an open contact, the force of a closed one
     /// times its own compliance (so that both are lengths).
     pub guard: Vec<f64>,
-    /// `D = −K_NN⁻¹ W S Wᵀ`, n_N × n_N, row-major: `q_N = b − D b + r`.
-    pub d: Vec<f64>,
-    /// `r = K_NN⁻¹ W S g₀`, n_N.
-    pub r: Vec<f64>,
 }
 
 impl ClosedSet {
-    pub fn new(structure: &CondensedStructure, closed: &[bool]) -> Result<Self, HbmError> {
+    pub fn new(matrix: &LcpMatrix, closed: &[bool]) -> Result<Self, HbmError> {
         let c = closed.len();
-        let response = structure.body.response(closed).map_err(HbmError::Compliance)?;
-        let a = structure.body.matrix().a();
-        let guard =
-            |i: usize, j: usize| if closed[i] { a[(i, i)] * response.lambda[(i, j)] } else { response.gaps[(i, j)] };
-        let (s, d) = (rows(&response.lambda), rows(&response.blocked));
-        Ok(Self { closed: closed.to_vec(), s, guard: rows(&Mat::from_fn(c, c, guard)), d, r: response.offset })
+        let s = matrix.sensitivity(closed).map_err(HbmError::Compliance)?;
+        let a = matrix.a();
+        let gaps = a * &s;
+        let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let guard = |i: usize, j: usize| if closed[i] { a[(i, i)] * s[(i, j)] } else { gaps[(i, j)] + identity(i, j) };
+        Ok(Self { closed: closed.to_vec(), guard: rows(&Mat::from_fn(c, c, guard)), s: rows(&s) })
     }
 
     /// Guard `i` at the given `y`.
@@ -52,6 +49,22 @@ impl ClosedSet {
     }
 }
 
+/// The displacements of the contact nodes while one set of contacts is closed, `q_N = b − D b + r`.
+#[derive(Debug, Clone)]
+pub(crate) struct NodeResponse {
+    /// `D = −K_NN⁻¹ W S Wᵀ`, n_N × n_N, row-major.
+    pub d: Vec<f64>,
+    /// `r = K_NN⁻¹ W S g₀`, n_N.
+    pub r: Vec<f64>,
+}
+
+impl NodeResponse {
+    pub fn new(body: &ContactBody, closed: &[bool]) -> Result<Self, HbmError> {
+        let response = body.response(closed).map_err(HbmError::Compliance)?;
+        Ok(Self { d: rows(&response.blocked), r: response.offset })
+    }
+}
+
 fn rows(m: &Mat<f64>) -> Vec<f64> {
     (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
 }
@@ -59,6 +72,7 @@ fn rows(m: &Mat<f64>) -> Vec<f64> {
 /// The closed sets met so far; a period has few, and neighbouring iterates share them.
 #[derive(Debug, Clone)]
 pub(crate) struct SetTable {
+    matrix: LcpMatrix,
     sets: Vec<ClosedSet>,
     index: HashMap<Vec<bool>, usize>,
 }
@@ -67,17 +81,17 @@ impl SetTable {
     /// Index of the set in which all contacts are open.
     pub const OPEN: usize = 0;
 
-    pub fn new(structure: &CondensedStructure) -> Result<Self, HbmError> {
-        let mut table = Self { sets: Vec::new(), index: HashMap::new() };
-        table.find(structure, &vec![false; structure.n_contacts()])?;
+    pub fn new(matrix: &LcpMatrix) -> Result<Self, HbmError> {
+        let mut table = Self { matrix: matrix.clone(), sets: Vec::new(), index: HashMap::new() };
+        table.find(&vec![false; matrix.n_contacts()])?;
         Ok(table)
     }
 
-    pub fn find(&mut self, structure: &CondensedStructure, closed: &[bool]) -> Result<usize, HbmError> {
+    pub fn find(&mut self, closed: &[bool]) -> Result<usize, HbmError> {
         if let Some(&i) = self.index.get(closed) {
             return Ok(i);
         }
-        self.sets.push(ClosedSet::new(structure, closed)?);
+        self.sets.push(ClosedSet::new(&self.matrix, closed)?);
         self.index.insert(closed.to_vec(), self.sets.len() - 1);
         Ok(self.sets.len() - 1)
     }

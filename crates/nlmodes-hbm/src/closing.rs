@@ -70,7 +70,7 @@ impl ParametricSystem for Closing<'_, '_> {
     fn linearize(&mut self, x: &[f64], s: f64, out: &mut Linearization) -> Result<(), HbmError> {
         if let Some(opening) = &mut self.problem.opening {
             opening.s = s;
-            self.problem.sweep.opening.iter_mut().zip(&opening.full).for_each(|(o, full)| *o = s * s * full);
+            self.problem.standing_back.iter_mut().zip(&opening.full).for_each(|(o, full)| *o = s * s * full);
         }
         self.problem.linearize(x, 0.0, out)
     }
@@ -87,6 +87,6 @@ impl ParametricSystem for Closing<'_, '_> {
 impl Drop for Closing<'_, '_> {
     fn drop(&mut self) {
         self.problem.opening = None;
-        self.problem.sweep.opening.fill(0.0);
+        self.problem.standing_back.fill(0.0);
     }
 }

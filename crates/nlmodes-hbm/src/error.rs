@@ -54,6 +54,16 @@ pub enum HbmError {
         /// Its gap.
         gap: f64,
     },
+    /// A contact presses at rest: the open modes are not those of the motion about rest.
+    #[error(
+        "contact {contact} presses at rest (gap {gap} m): damped and forced motions in open modes start from open contacts"
+    )]
+    PressedAtRest {
+        /// Index of the contact.
+        contact: usize,
+        /// Its gap.
+        gap: f64,
+    },
     /// The mode has no frequency (a rigid-body mode).
     #[error("mode {mode} is a rigid-body mode: it has no frequency to start from")]
     RigidBodyMode {
@@ -67,6 +77,48 @@ pub enum HbmError {
         omega: f64,
         /// Averaged kinetic energy.
         energy: f64,
+    },
+    /// Frequency, negative damping or level are not usable numbers.
+    #[error(
+        "the motion has frequency {omega} rad/s, negative damping {xi} 1/s and load level {level}; the frequency must be positive, all finite"
+    )]
+    OperatingPoint {
+        /// Angular frequency.
+        omega: f64,
+        /// Negative damping.
+        xi: f64,
+        /// Level of the load.
+        level: f64,
+    },
+    /// The drive point does not move, so that it has no phase.
+    #[error("the drive point does not move in harmonic {harmonic}: it has no phase")]
+    DriveAtRest {
+        /// The harmonic.
+        harmonic: usize,
+    },
+    /// The load has harmonics that the motion has not.
+    #[error("the load has harmonic {load}, the motion only {harmonics}")]
+    LoadBeyond {
+        /// Highest harmonic of the load.
+        load: usize,
+        /// Harmonics of the motion.
+        harmonics: usize,
+    },
+    /// Parts of a problem have different sizes.
+    #[error("{what}: {found} where {expected} are expected")]
+    Size {
+        /// The part.
+        what: &'static str,
+        /// Its size should be this.
+        expected: usize,
+        /// Its size is this.
+        found: usize,
+    },
+    /// A part of a problem is not finite.
+    #[error("{what}: not all numbers are finite")]
+    NotFinite {
+        /// The part.
+        what: &'static str,
     },
     /// The contact problem at one instant has no solution.
     #[error("the contact problem at phase {tau:.6} rad")]

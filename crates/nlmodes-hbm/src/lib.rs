@@ -64,6 +64,8 @@
 mod closed_set;
 mod closing;
 mod condensed;
+mod contact_operator;
+mod contact_statistics;
 mod energy;
 mod error;
 mod estimate;
@@ -72,23 +74,28 @@ mod held_sums;
 mod history;
 mod mixed_shooting;
 mod motion;
+mod periodic;
 mod projection;
 mod recording;
 mod series;
 mod start;
-mod sweep;
 mod switching;
 mod transfer;
 mod trigonometric;
 
 pub use closing::Closing;
 pub use condensed::{CondensedStructure, HeldMode};
+pub use contact_operator::{ContactOperator, PatternInterval, Switching};
 pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
+pub use periodic::{
+    ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, EnergyGiven, Floquet, Functional,
+    Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion,
+    PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, ResponseRow, Source, modal_grazing,
+};
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;
 pub use series::{RealSeries, Symmetry};
 pub use start::{Grazing, grazing, grazing_opened};
-pub use sweep::{PatternInterval, Switching};

@@ -1,11 +1,13 @@
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_linalg::Mat;
+use num_complex::Complex64;
 
+use crate::closed_set::NodeResponse;
 use crate::closing::Opening;
+use crate::contact_operator::{ContactOperator, Switching};
 use crate::energy::KineticEnergy;
 use crate::series::{RealSeries, Symmetry};
-use crate::sweep::{ContactSweep, Switching};
 use crate::transfer::Plane;
 use crate::{CondensedStructure, HbmError};
 
@@ -35,6 +37,13 @@ pub struct Scales {
     pub energy: f64,
 }
 
+impl Scales {
+    /// From a length (m), an angular frequency (rad/s) and an energy (J).
+    pub fn new(length: f64, omega: f64, energy: f64) -> Self {
+        Self { length, omega, energy }
+    }
+}
+
 /// Mixed shooting-harmonic balance with massless contacts, eqs. (6)-(16), as a system for continuation.
 ///
 /// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, and the
@@ -60,7 +69,11 @@ pub struct MixedShooting<'s> {
     pub(crate) structure: &'s CondensedStructure,
     settings: MixedShootingSettings,
     pub(crate) scales: Scales,
-    pub(crate) sweep: ContactSweep,
+    pub(crate) sweep: ContactOperator,
+    /// By how much each contact stands back from its gap, m.
+    pub(crate) standing_back: Vec<f64>,
+    /// The contact nodes with each closed set of the sweep.
+    nodes: Vec<NodeResponse>,
     pub(crate) b: Vec<f64>,
     pub(crate) q: Vec<f64>,
     /// `dq_N/db`, row-major.
@@ -100,7 +113,9 @@ impl<'s> MixedShooting<'s> {
             structure,
             settings,
             scales,
-            sweep: ContactSweep::new(structure, series, settings.switching, solver)?,
+            sweep: ContactOperator::new(structure.body.matrix(), series, settings.switching, solver)?,
+            standing_back: vec![0.0; structure.n_contacts()],
+            nodes: Vec::new(),
             b: vec![0.0; size],
             q: vec![0.0; size],
             dq_db: vec![0.0; size * size],
@@ -172,7 +187,11 @@ impl<'s> MixedShooting<'s> {
     /// Contact pattern, coefficients of `q_N` and their derivative for the unknown vector `x`.
     pub(crate) fn solve_contact(&mut self, x: &[f64]) -> Result<(), HbmError> {
         self.b.iter_mut().zip(x).for_each(|(b, x)| *b = x * self.scales.length);
-        self.sweep.run(self.structure, &self.b)?;
+        self.form_gaps();
+        self.sweep.run()?;
+        for set in self.nodes.len()..self.sweep.sets.len() {
+            self.nodes.push(NodeResponse::new(&self.structure.body, &self.sweep.sets.get(set).closed)?);
+        }
         let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
         let size = n * width;
         self.dq_db.fill(0.0);
@@ -180,7 +199,7 @@ impl<'s> MixedShooting<'s> {
         let mut constant = vec![0.0; width];
         self.q.fill(0.0);
         for (set, averages) in &self.sweep.spectra {
-            let set = self.sweep.sets.get(*set);
+            let set = &self.nodes[*set];
             self.sweep.series.multiplication(averages, &mut self.product);
             self.sweep.series.coefficients_of(averages, &mut constant);
             for d in 0..n {
@@ -203,6 +222,20 @@ impl<'s> MixedShooting<'s> {
         Ok(())
     }
 
+    /// Gaps without contact forces, `y = Wᵀ b + g₀`, of each contact.
+    fn form_gaps(&mut self) {
+        let (series, w) = (self.sweep.series, self.structure.model.w());
+        let (width, mut of_dof) = (series.width(), vec![Complex64::default(); series.n_harmonics + 1]);
+        for (i, y) in self.sweep.y.iter_mut().enumerate() {
+            y.fill(Complex64::default());
+            y[0].re = self.structure.gaps[i] + self.standing_back[i];
+            for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
+                series.to_complex(&self.b[d * width..(d + 1) * width], &mut of_dof);
+                y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
+            }
+        }
+    }
+
     /// Writes the coefficients of `b` and `q_N` belonging to real coefficient `m`, for the point evaluated last.
     pub(crate) fn coefficients(&self, m: usize, b: &mut [f64], q: &mut [f64]) {
         let width = self.sweep.series.width();
@@ -215,7 +248,7 @@ impl<'s> MixedShooting<'s> {
     fn connectivity_rows(&mut self, m: usize, nu: Nu, unfolding: f64, out: &mut Linearization) {
         let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
         let (size, scale) = (n * width, 1.0 / self.scales.length);
-        let rotated = self.rotated(m);
+        let rotated = self.sweep.series.turned(m);
         let plane = &self.plane;
         for d in 0..n {
             let row = d * width + m;
@@ -246,13 +279,6 @@ impl<'s> MixedShooting<'s> {
                 out.jacobian[(row, size + 1)] = turn * scale;
             }
         }
-    }
-
-    /// The coefficient of `b` that `db/dτ` brings to coefficient `m`, and its factor.
-    fn rotated(&self, m: usize) -> Option<(usize, f64)> {
-        let (n, is_sine) = self.sweep.series.harmonic(m);
-        let sine = (n > 0).then(|| self.sweep.series.sine(n)).flatten()?;
-        Some(if is_sine { (n, -(n as f64)) } else { (sine, n as f64) })
     }
 
     fn energy_row(
@@ -367,10 +393,7 @@ impl ParametricSystem for MixedShooting<'_> {
     }
 
     fn pattern(&self) -> u64 {
-        // FNV-1a over the sequence of closed contacts.
-        let bits =
-            self.sweep.intervals.iter().flat_map(|i| self.sweep.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
-        bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
+        self.sweep.pattern()
     }
 
     fn accepted(&mut self, x: &[f64], _p: f64) {
@@ -380,7 +403,7 @@ impl ParametricSystem for MixedShooting<'_> {
         let (width, size) = (self.sweep.series.width(), self.b.len());
         for i in 0..size {
             let (d, m) = (i / width, i % width);
-            self.anchor[i] = self.rotated(m).map_or(0.0, |(other, factor)| factor * x[d * width + other]);
+            self.anchor[i] = self.sweep.series.turned(m).map_or(0.0, |(other, factor)| factor * x[d * width + other]);
         }
         let length = crate::energy::inner(&self.anchor, &self.anchor).sqrt();
         self.anchor.iter_mut().for_each(|a| *a /= length);

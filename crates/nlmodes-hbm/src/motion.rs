@@ -2,11 +2,10 @@ use nlmodes_linalg::Mat;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
 use num_complex::Complex64;
 
+use crate::contact_statistics::largest;
 use crate::energy::held_coordinates;
 use crate::held_motion::{HeldMotion, Part};
-use crate::sweep::PatternInterval;
 use crate::transfer::Plane;
-use crate::trigonometric::Trigonometric;
 use crate::{HbmError, MixedShooting, Symmetry};
 
 impl MixedShooting<'_> {
@@ -155,18 +154,7 @@ impl MixedShooting<'_> {
 
     /// Mean contact forces over a period, N.
     pub fn mean_forces(&self) -> Vec<f64> {
-        let mut mean = vec![0.0; self.structure().n_contacts()];
-        for (set, averages) in &self.sweep.spectra {
-            let set = self.sweep.sets.get(*set);
-            for (i, mean) in mean.iter_mut().enumerate() {
-                for (j, y) in self.sweep.y.iter().enumerate() {
-                    // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
-                    let weighted: f64 = y.iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum();
-                    *mean += set.s[i * self.sweep.y.len() + j] * weighted;
-                }
-            }
-        }
-        mean
+        self.sweep.mean_forces()
     }
 
     fn signed_fundamental(&self, q: Complex64) -> f64 {
@@ -178,85 +166,25 @@ impl MixedShooting<'_> {
 
     /// Share of the period in which contact 0 is closed, and closed intervals a period over all contacts.
     fn contact_statistics(&self) -> (f64, usize) {
-        let sweep = &self.sweep;
-        let end = sweep.end();
-        let closed_length = |i: &PatternInterval| if sweep.closed(i)[0] { i.to - i.from } else { 0.0 };
-        let fraction = sweep.intervals.iter().map(closed_length).sum::<f64>() / end;
-        let (Some(first), Some(last)) = (sweep.intervals.first(), sweep.intervals.last()) else { return (0.0, 0) };
-        let mut count = 0;
-        for contact in 0..self.structure().n_contacts() {
-            let is_closed = |i: &PatternInterval| sweep.closed(i)[contact];
-            let (mut runs, mut before) = (0, false);
-            for interval in &sweep.intervals {
-                let now = is_closed(interval);
-                runs += usize::from(now && !before);
-                before = now;
-            }
-            let (at_start, at_end) = (usize::from(is_closed(first)), usize::from(is_closed(last)));
-            let always = sweep.intervals.iter().all(is_closed);
-            count += match self.series().symmetry {
-                _ if always => 1,
-                // Mirrored at both ends: an interval that touches one is continued beyond it.
-                Symmetry::Even => 2 * runs - at_start - at_end,
-                Symmetry::None => runs - at_start.min(at_end),
-            };
-        }
-        (fraction, count)
+        (self.sweep.closed_share(0), (0..self.sweep.n_contacts()).map(|i| self.sweep.touches(i)).sum())
     }
 
     /// Largest displacement of the first contact toward its stop, with what an elastic stop yields.
     fn peak(&self, touches: bool) -> f64 {
         let contact = self.structure().model().contacts()[0];
         if touches {
-            return contact.gap + contact.law.compliance() * self.peak_force_of(0);
+            return contact.gap + contact.law.compliance() * self.sweep.peak_force(0);
         }
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min g; other contacts may be closed meanwhile.
         let toward = self.sweep.intervals.iter().map(|interval| {
             let set = self.sweep.sets.get(interval.set);
             let opposite: Vec<f64> = set.guard[..self.sweep.y.len()].iter().map(|g| -g).collect();
-            largest(&self.combination(&opposite), interval.from, interval.to)
+            largest(&self.sweep.combination(&opposite), interval.from, interval.to)
         });
         contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// `Σ_j weight_j y_j(τ)`.
-    fn combination(&self, weights: &[f64]) -> Trigonometric {
-        let mut sum = Trigonometric { z: vec![Complex64::default(); self.series().n_harmonics + 1] };
-        for (y, weight) in self.sweep.y.iter().zip(weights) {
-            sum.z.iter_mut().zip(y).for_each(|(s, y)| *s += y * *weight);
-        }
-        sum
-    }
-
     fn peak_force(&self) -> f64 {
-        (0..self.structure().n_contacts()).map(|i| self.peak_force_of(i)).fold(0.0, f64::max)
+        (0..self.structure().n_contacts()).map(|i| self.sweep.peak_force(i)).fold(0.0, f64::max)
     }
-
-    /// Largest force of contact `i`, N.
-    fn peak_force_of(&self, i: usize) -> f64 {
-        let c = self.structure().n_contacts();
-        let mut peak = 0.0_f64;
-        for interval in &self.sweep.intervals {
-            let set = self.sweep.sets.get(interval.set);
-            if set.closed[i] {
-                let force = self.combination(&set.s[i * c..(i + 1) * c]);
-                peak = peak.max(largest(&force, interval.from, interval.to));
-            }
-        }
-        peak
-    }
-}
-
-/// Largest value of `f` in `[from, to]`: samples, then the zero of the slope beside the best one.
-fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
-    let cells = 16 + 8 * f.z.len();
-    let width = (to - from) / cells as f64;
-    let at = |j: usize| from + width * j as f64;
-    let best = (0..=cells).map(|j| (j, f.evaluate(at(j))[0])).max_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((j, value)) = best else { return f64::NEG_INFINITY };
-    let (low, high) = (at(j.saturating_sub(1)), at((j + 1).min(cells)));
-    if f.evaluate(low)[1] > 0.0 && f.evaluate(high)[1] < 0.0 {
-        return value.max(f.evaluate(f.root(1, low, high))[0]);
-    }
-    value
 }

@@ -38,6 +38,21 @@ impl RealSeries {
         (self.symmetry == Symmetry::None).then_some(self.n_harmonics + n)
     }
 
+    /// The coefficient that the derivative by τ brings to coefficient `m`, and its factor.
+    pub(crate) fn turned(&self, m: usize) -> Option<(usize, f64)> {
+        let (n, is_sine) = self.harmonic(m);
+        let sine = (n > 0).then(|| self.sine(n)).flatten()?;
+        Some(if is_sine { (n, -(n as f64)) } else { (sine, n as f64) })
+    }
+
+    /// Writes the complex coefficient `z = c_n − i s_n` into a series.
+    pub(crate) fn put(&self, z: Complex64, n: usize, real: &mut [f64]) {
+        real[n] = z.re;
+        if let (true, Some(sine)) = (n > 0, self.sine(n)) {
+            real[sine] = -z.im;
+        }
+    }
+
     /// Complex coefficients `c_n − i s_n` of eq. (7).
     pub fn to_complex(&self, real: &[f64], complex: &mut [Complex64]) {
         for (n, z) in complex.iter_mut().enumerate() {

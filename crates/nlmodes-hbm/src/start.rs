@@ -142,7 +142,7 @@ impl LinearStart {
         }
         let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
         let unit = free_position(structure, &shape);
-        let set = ClosedSet::new(structure, &rest.closed)?;
+        let set = ClosedSet::new(structure.body.matrix(), &rest.closed)?;
         let w = structure.model.w();
         let project = |b: &[f64]| -> Vec<f64> {
             (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()

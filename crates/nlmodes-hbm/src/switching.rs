@@ -1,9 +1,9 @@
 use num_complex::Complex64;
 
+use crate::HbmError;
 use crate::closed_set::{ClosedSet, SetTable};
-use crate::sweep::PatternInterval;
+use crate::contact_operator::PatternInterval;
 use crate::trigonometric::{Trigonometric, bound};
-use crate::{CondensedStructure, HbmError};
 
 /// Samples of `y` and of `dy/dτ`, and the sample that is meant.
 type Sample<'a> = (&'a Vec<Vec<f64>>, &'a Vec<Vec<f64>>, usize);
@@ -80,7 +80,6 @@ impl<'a> Tracer<'a> {
     /// One cell from `ends[0]` to `ends[1]`, with the closed contacts known at both ends.
     pub fn cell(
         &mut self,
-        structure: &CondensedStructure,
         sets: &mut SetTable,
         solve: &mut Solve,
         ends: [f64; 2],
@@ -93,7 +92,7 @@ impl<'a> Tracer<'a> {
             found.push(PatternInterval { from: tau, to: instant, set });
             let mut closed = sets.get(set).closed.clone();
             closed[contact] = !closed[contact];
-            set = sets.find(structure, &closed)?;
+            set = sets.find(&closed)?;
             tau = instant;
         }
         // Where contacts are redundant several sets give the same motion, and the solver may have found another one.
@@ -102,13 +101,12 @@ impl<'a> Tracer<'a> {
             found.iter().filter(|i| i.to > i.from).for_each(|i| self.extend(i.set, i.from, i.to));
             return Ok(set);
         }
-        self.bisect(structure, sets, solve, ends, at_ends)
+        self.bisect(sets, solve, ends, at_ends)
     }
 
     /// Where single changes do not explain what the solver finds (several contacts at once, degenerate instants): halve the cell.
     fn bisect(
         &mut self,
-        structure: &CondensedStructure,
         sets: &mut SetTable,
         solve: &mut Solve,
         ends: [f64; 2],
@@ -123,9 +121,9 @@ impl<'a> Tracer<'a> {
         let y = self.y_at(middle);
         let mut closed = sets.get(at_ends[0]).closed.clone();
         solve(middle, &y, &mut closed)?;
-        let set = sets.find(structure, &closed)?;
-        let set = self.cell(structure, sets, solve, [ends[0], middle], [at_ends[0], set])?;
-        self.cell(structure, sets, solve, [middle, ends[1]], [set, at_ends[1]])
+        let set = sets.find(&closed)?;
+        let set = self.cell(sets, solve, [ends[0], middle], [at_ends[0], set])?;
+        self.cell(sets, solve, [middle, ends[1]], [set, at_ends[1]])
     }
 
     fn y_at(&self, tau: f64) -> Vec<f64> {

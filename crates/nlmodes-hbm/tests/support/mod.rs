@@ -1,6 +1,8 @@
 //! Structures made by hand, so that these tests owe nothing to the finite-element crate.
 #![allow(dead_code)]
 
+pub mod modal;
+
 use std::ops::ControlFlow;
 
 use nlmodes_contact::solver_by_name;

@@ -1,13 +1,14 @@
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_contact::{LcpSolver, LcpWorkspace};
+use nlmodes_contact::{LcpMatrix, LcpSolver, LcpWorkspace};
 use nlmodes_modal::HarmonicBasis;
 use num_complex::Complex64;
 
+use crate::HbmError;
 use crate::closed_set::SetTable;
+use crate::energy::inner;
 use crate::series::{RealSeries, Symmetry};
 use crate::switching::Tracer;
-use crate::{CondensedStructure, HbmError};
 
 /// How the instants of touching and leaving are treated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,24 +30,31 @@ pub struct PatternInterval {
     pub from: f64,
     /// Phase at which it ends, rad.
     pub to: f64,
-    /// The closed contacts, as an index into the sets of the sweep.
+    /// The closed contacts, as an index into the sets of the operator.
     pub(crate) set: usize,
 }
 
-/// One period of the static contact problem, eqs. (11), (13): from `b` to the contact pattern.
-pub(crate) struct ContactSweep {
-    pub series: RealSeries,
-    pub sets: SetTable,
+/// The contact operator: one period of the static contact problem, eqs. (11), (13), from gaps without contact forces to forces.
+///
+/// ```text
+/// 0 ≤ λ_i(τ) ⊥ [A λ(τ) + y(τ)]_i ≥ 0 ,   y_i(τ) = Re Σ_n y_i,n e^{inτ} ,   n = 0 … H
+/// λ(τ) = Σ_S χ_S(τ) S y(τ)                       S = dλ/dy while one set of contacts is closed, χ_S its share of the period
+/// λ_n = 𝓕_n(λ) = Σ_S S 𝓕_n(χ_S y)                which is also dλ/dy: λ is continuous, so that the instants add nothing
+/// ```
+///
+/// `A` (c × c, m/N) is the compliance of body and stops. It needs nothing else of a structure, so conservative and forced motions, held and
+/// open modes share it. Coefficients are those of [`RealSeries`], `width` a contact, one contact after the other.
+pub struct ContactOperator {
+    pub(crate) series: RealSeries,
+    pub(crate) sets: SetTable,
     /// Intervals over `[0, π]` for even motions, else over `[0, 2π]`.
-    pub intervals: Vec<PatternInterval>,
+    pub(crate) intervals: Vec<PatternInterval>,
     /// Averages `(1/2π) ∫ χ e^{−ikτ}`, k = 0 … 2H, of each set with a closed contact that occurs.
-    pub spectra: Vec<(usize, Vec<Complex64>)>,
-    /// `y = Wᵀ b + g₀` of each contact, complex coefficients.
-    pub y: Vec<Vec<Complex64>>,
-    /// By how much each contact stands back from its gap, m.
-    pub opening: Vec<f64>,
+    pub(crate) spectra: Vec<(usize, Vec<Complex64>)>,
+    /// `y` of each contact, complex coefficients.
+    pub(crate) y: Vec<Vec<Complex64>>,
     /// Iterations of the contact solver so far, over all its problems.
-    pub iterations: usize,
+    pub(crate) iterations: usize,
     switching: Switching,
     workspace: Box<dyn LcpWorkspace>,
     basis: HarmonicBasis,
@@ -58,14 +66,18 @@ pub(crate) struct ContactSweep {
     at: Vec<f64>,
 }
 
-impl ContactSweep {
+impl ContactOperator {
+    /// For contacts with the compliance `matrix` and gaps with the coefficients of `series`; contact problems are solved by `solver`.
+    ///
+    /// # Errors
+    /// [`HbmError::Samples`], or what the solver has against the compliance.
     pub fn new(
-        structure: &CondensedStructure,
+        matrix: &LcpMatrix,
         series: RealSeries,
         switching: Switching,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let (c, h) = (structure.n_contacts(), series.n_harmonics);
+        let (c, h) = (matrix.n_contacts(), series.n_harmonics);
         let samples = match switching {
             // Where nothing can happen between two samples is proven cell by cell: their number decides the cost, not the result.
             Switching::Exact => (3 * (h + 1)).next_power_of_two().max(32),
@@ -78,14 +90,13 @@ impl ContactSweep {
         let zero = Complex64::default();
         Ok(Self {
             series,
-            sets: SetTable::new(structure)?,
+            sets: SetTable::new(matrix)?,
             intervals: Vec::new(),
             spectra: Vec::new(),
             y: vec![vec![zero; h + 1]; c],
-            opening: vec![0.0; c],
             iterations: 0,
             switching,
-            workspace: solver.workspace(structure.body.matrix()).map_err(HbmError::Compliance)?,
+            workspace: solver.workspace(matrix).map_err(HbmError::Compliance)?,
             basis: HarmonicBasis::new(h, samples)?,
             y_t: vec![vec![0.0; samples]; c],
             dy_t: vec![vec![0.0; samples]; c],
@@ -96,29 +107,110 @@ impl ContactSweep {
         })
     }
 
-    /// Last phase of the sweep: π for even motions, else 2π.
+    /// Layout of the coefficients of one contact.
+    pub fn series(&self) -> RealSeries {
+        self.series
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.y.len()
+    }
+
+    /// Iterations of the contact solver so far, over all contact problems, in the unit of that solver.
+    pub fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    /// Solves the contact problem over a period for the coefficients `y` (c × width, m) of the gaps without contact forces.
+    ///
+    /// # Errors
+    /// [`HbmError::Contact`] if it has no solution at some instant.
+    pub fn solve(&mut self, y: &[f64]) -> Result<(), HbmError> {
+        let width = self.series.width();
+        self.y.iter_mut().zip(y.chunks(width)).for_each(|(z, real)| self.series.to_complex(real, z));
+        self.run()
+    }
+
+    /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the forces.
+    pub fn apply(&self, dy: &[f64], out: &mut [f64]) {
+        let (c, width) = (self.n_contacts(), self.series.width());
+        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; width]);
+        out.fill(0.0);
+        for (set, averages) in &self.spectra {
+            let set = self.sets.get(*set);
+            self.series.multiplication(averages, &mut product);
+            for (j, dy) in dy.chunks(width).enumerate().take(c) {
+                let weights = || (0..c).map(|i| set.s[i * c + j]);
+                if weights().all(|s| s == 0.0) {
+                    continue;
+                }
+                part.iter_mut().zip(product.chunks(width)).for_each(|(p, row)| *p = inner(row, dy));
+                for (out, s) in out.chunks_mut(width).zip(weights()).filter(|(_, s)| *s != 0.0) {
+                    out.iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
+                }
+            }
+        }
+    }
+
+    /// `(dλ/dy)ᵀ df`: what weights `df` (c × width) of the forces are as weights of the gaps.
+    pub(crate) fn apply_transposed(&self, df: &[f64], out: &mut [f64]) {
+        let (c, width) = (self.n_contacts(), self.series.width());
+        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; width]);
+        out.fill(0.0);
+        for (set, averages) in &self.spectra {
+            let set = self.sets.get(*set);
+            self.series.multiplication(averages, &mut product);
+            for (i, df) in df.chunks(width).enumerate().take(c) {
+                let weights = &set.s[i * c..(i + 1) * c];
+                if weights.iter().all(|s| *s == 0.0) || df.iter().all(|f| *f == 0.0) {
+                    continue;
+                }
+                part.fill(0.0);
+                for (row, f) in product.chunks(width).zip(df) {
+                    part.iter_mut().zip(row).for_each(|(p, r)| *p += f * r);
+                }
+                for (out, s) in out.chunks_mut(width).zip(weights).filter(|(_, s)| **s != 0.0) {
+                    out.iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
+                }
+            }
+        }
+    }
+
+    /// Number of the smooth piece: a hash of the sequence of closed contacts.
+    pub fn pattern(&self) -> u64 {
+        // FNV-1a.
+        let bits = self.intervals.iter().flat_map(|i| self.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
+        bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    /// Intervals with one contact pattern each, in order from 0 to [`end`](Self::end).
+    pub fn intervals(&self) -> &[PatternInterval] {
+        &self.intervals
+    }
+
+    /// Last phase of the intervals: π for even motions, else 2π.
     pub fn end(&self) -> f64 {
         if self.series.symmetry == Symmetry::Even { PI } else { TAU }
     }
 
-    /// Solves the contact problem over a period for the coefficients `b` (n_N × width, one degree of freedom after the other).
-    pub fn run(&mut self, structure: &CondensedStructure, b: &[f64]) -> Result<(), HbmError> {
-        self.form_y(structure, b);
+    /// The contact pattern over a period for the complex coefficients `self.y`.
+    pub(crate) fn run(&mut self) -> Result<(), HbmError> {
         let samples = self.basis.n_samples();
         for i in 0..self.y.len() {
             self.basis.synthesize_with_slope(&self.y[i], &mut self.y_t[i], &mut self.dy_t[i]);
         }
         match self.series.symmetry {
             Symmetry::None => {
-                (0..samples).try_for_each(|j| self.solve_sample(structure, j))?;
+                (0..samples).try_for_each(|j| self.solve_sample(j))?;
                 self.set_t[samples] = self.set_t[0];
             }
             Symmetry::Even => {
-                (0..=samples / 2).try_for_each(|j| self.solve_sample(structure, j))?;
+                (0..=samples / 2).try_for_each(|j| self.solve_sample(j))?;
             }
         }
         match self.switching {
-            Switching::Exact => self.trace(structure),
+            Switching::Exact => self.trace(),
             Switching::Sampled { .. } => {
                 if self.series.symmetry == Symmetry::Even {
                     (samples / 2 + 1..=samples).for_each(|j| self.set_t[j] = self.set_t[samples - j]);
@@ -129,22 +221,9 @@ impl ContactSweep {
         }
     }
 
-    fn form_y(&mut self, structure: &CondensedStructure, b: &[f64]) {
-        let (width, w) = (self.series.width(), structure.model.w());
-        let mut of_dof = vec![Complex64::default(); self.series.n_harmonics + 1];
-        for (i, y) in self.y.iter_mut().enumerate() {
-            y.fill(Complex64::default());
-            y[0].re = structure.gaps[i] + self.opening[i];
-            for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
-                self.series.to_complex(&b[d * width..(d + 1) * width], &mut of_dof);
-                y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
-            }
-        }
-    }
-
     /// Closed contacts at sample `j`. Those of the same sample of the iterate before are taken where their gaps and forces are still
     /// positive, which makes them the solution; else the solver starts from them.
-    fn solve_sample(&mut self, structure: &CondensedStructure, j: usize) -> Result<(), HbmError> {
+    fn solve_sample(&mut self, j: usize) -> Result<(), HbmError> {
         self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[j]);
         if self.set_t[j] == SetTable::OPEN && self.at.iter().all(|y| *y >= 0.0) {
             return Ok(());
@@ -162,12 +241,12 @@ impl ContactSweep {
                 .solve(&self.at, &mut self.closed_t[j], &mut self.lambda)
                 .map_err(|source| HbmError::Contact { tau, source })?;
             self.iterations += statistics.iterations;
-            self.sets.find(structure, &self.closed_t[j])?
+            self.sets.find(&self.closed_t[j])?
         };
         Ok(())
     }
 
-    fn trace(&mut self, structure: &CondensedStructure) -> Result<(), HbmError> {
+    fn trace(&mut self) -> Result<(), HbmError> {
         let samples = self.basis.n_samples();
         let cells = if self.series.symmetry == Symmetry::Even { samples / 2 } else { samples };
         let mut tracer = Tracer::new(&self.y);
@@ -186,7 +265,7 @@ impl ContactSweep {
                 let solved = workspace.solve(y, closed, lambda);
                 solved.map(|s| *iterations += s.iterations).map_err(|source| HbmError::Contact { tau, source })
             };
-            current = tracer.cell(structure, &mut self.sets, &mut solve, ends, [from, to])?;
+            current = tracer.cell(&mut self.sets, &mut solve, ends, [from, to])?;
         }
         self.intervals = tracer.intervals;
         self.integrate();
@@ -244,6 +323,9 @@ impl ContactSweep {
     }
 
     /// The closed contacts during an interval.
+    ///
+    /// # Panics
+    /// If the interval is one of another operator.
     pub fn closed(&self, interval: &PatternInterval) -> &[bool] {
         &self.sets.get(interval.set).closed
     }

@@ -1,0 +1,101 @@
+use num_complex::Complex64;
+
+use crate::Symmetry;
+use crate::contact_operator::{ContactOperator, PatternInterval};
+use crate::trigonometric::Trigonometric;
+
+/// What users ask of a period with contact.
+impl ContactOperator {
+    /// Mean contact forces over a period, N, c.
+    pub fn mean_forces(&self) -> Vec<f64> {
+        let mut mean = vec![0.0; self.n_contacts()];
+        for (set, averages) in &self.spectra {
+            let set = self.sets.get(*set);
+            for (i, mean) in mean.iter_mut().enumerate() {
+                for (j, y) in self.y.iter().enumerate() {
+                    // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
+                    let weighted: f64 = y.iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum();
+                    *mean += set.s[i * self.y.len() + j] * weighted;
+                }
+            }
+        }
+        mean
+    }
+
+    /// Share of the period in which a contact is closed.
+    pub fn closed_share(&self, contact: usize) -> f64 {
+        let closed_length = |i: &PatternInterval| if self.closed(i)[contact] { i.to - i.from } else { 0.0 };
+        self.intervals.iter().map(closed_length).sum::<f64>() / self.end()
+    }
+
+    /// Closed intervals a period of a contact.
+    pub fn touches(&self, contact: usize) -> usize {
+        let (Some(first), Some(last)) = (self.intervals.first(), self.intervals.last()) else { return 0 };
+        let is_closed = |i: &PatternInterval| self.closed(i)[contact];
+        let (mut runs, mut before) = (0, false);
+        for interval in &self.intervals {
+            let now = is_closed(interval);
+            runs += usize::from(now && !before);
+            before = now;
+        }
+        let (at_start, at_end) = (usize::from(is_closed(first)), usize::from(is_closed(last)));
+        let always = self.intervals.iter().all(is_closed);
+        match self.series.symmetry {
+            _ if always => 1,
+            // Mirrored at both ends: an interval that touches one is continued beyond it.
+            Symmetry::Even => 2 * runs - at_start - at_end,
+            Symmetry::None => runs - at_start.min(at_end),
+        }
+    }
+
+    /// Largest force of a contact, N.
+    pub fn peak_force(&self, contact: usize) -> f64 {
+        let c = self.n_contacts();
+        let mut peak = 0.0_f64;
+        for interval in &self.intervals {
+            let set = self.sets.get(interval.set);
+            if set.closed[contact] {
+                let force = self.combination(&set.s[contact * c..(contact + 1) * c]);
+                peak = peak.max(largest(&force, interval.from, interval.to));
+            }
+        }
+        peak
+    }
+
+    /// Smallest gap of a contact over the period, m; zero or less where it closes.
+    pub(crate) fn smallest_gap(&self, contact: usize) -> f64 {
+        let c = self.n_contacts();
+        let gaps = self.intervals.iter().map(|interval| {
+            let set = self.sets.get(interval.set);
+            if set.closed[contact] {
+                return 0.0;
+            }
+            let opposite: Vec<f64> = set.guard[contact * c..(contact + 1) * c].iter().map(|g| -g).collect();
+            -largest(&self.combination(&opposite), interval.from, interval.to)
+        });
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// `Σ_j weight_j y_j(τ)`.
+    pub(crate) fn combination(&self, weights: &[f64]) -> Trigonometric {
+        let mut sum = Trigonometric { z: vec![Complex64::default(); self.series.n_harmonics + 1] };
+        for (y, weight) in self.y.iter().zip(weights) {
+            sum.z.iter_mut().zip(y).for_each(|(s, y)| *s += y * *weight);
+        }
+        sum
+    }
+}
+
+/// Largest value of `f` in `[from, to]`: samples, then the zero of the slope beside the best one.
+pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
+    let cells = 16 + 8 * f.z.len();
+    let width = (to - from) / cells as f64;
+    let at = |j: usize| from + width * j as f64;
+    let best = (0..=cells).map(|j| (j, f.evaluate(at(j))[0])).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((j, value)) = best else { return f64::NEG_INFINITY };
+    let (low, high) = (at(j.saturating_sub(1)), at((j + 1).min(cells)));
+    if f.evaluate(low)[1] > 0.0 && f.evaluate(high)[1] < 0.0 {
+        return value.max(f.evaluate(f.root(1, low, high))[0]);
+    }
+    value
+}

@@ -1,0 +1,196 @@
+use std::sync::Arc;
+
+use nlmodes_contact::LcpSolver;
+
+use super::block::LinearResponse;
+use super::conditions::{ClosingConditions, Source};
+use super::contact_response::ContactResponse;
+use super::damping::ModalDamping;
+use super::directions::Directions;
+use super::equations::{EnergyGiven, PhaseAnchor, PhaseLag};
+use super::load::Load;
+use super::modal_response::ModalResponse;
+use super::structure::ModalStructure;
+use super::system::{PeriodicSettings, PeriodicSystem};
+use crate::{HbmError, Scales, Symmetry};
+
+/// The unknowns that stand for the linear structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Coordinates {
+    /// Motions of the contacts where these are fewer than the modes, no modes are coupled and no two of them can be resonant at once; else modes.
+    #[default]
+    Automatic,
+    /// Motions of the contacts: c × (2 N_h + 1) unknowns. Where damping couples modes, these are taken nevertheless.
+    Contact,
+    /// Modal coordinates: m × (2 N_h + 1) unknowns.
+    Modal,
+}
+
+/// Relative distance of squared frequencies below which two modes can be resonant at once.
+const REPEATED: f64 = 1e-5;
+
+impl Coordinates {
+    pub(crate) fn response(self, structure: &Arc<ModalStructure>, even: bool) -> Box<dyn LinearResponse + Send> {
+        let contact = structure.damping().is_diagonal()
+            && match self {
+                Self::Automatic => is_small_and_plain(structure),
+                Self::Contact => true,
+                Self::Modal => false,
+            };
+        if contact {
+            Box::new(ContactResponse::new(structure.clone(), even))
+        } else {
+            Box::new(ModalResponse::new(structure.clone()))
+        }
+    }
+}
+
+/// Whether contact coordinates are fewer, free of each other, and no two modes can be resonant at once.
+fn is_small_and_plain(structure: &ModalStructure) -> bool {
+    let directions = Directions::of(structure);
+    let few = directions.first.len() <= structure.n_modes();
+    few && directions.are_independent(structure) && !has_repeated(structure)
+}
+
+/// Whether two modes that move contacts have the same frequency, or are both rigid-body motions.
+fn has_repeated(structure: &ModalStructure) -> bool {
+    let moving = (0..structure.n_modes()).filter(|&k| structure.moves_a_contact(k));
+    let mut squares: Vec<f64> = moving.map(|k| structure.omega_squared()[k]).collect();
+    squares.sort_by(f64::total_cmp);
+    let largest = squares.last().copied().unwrap_or(0.0);
+    squares.windows(2).any(|w| w[1] - w[0] <= REPEATED * w[1].abs().max(REPEATED * REPEATED * largest))
+}
+
+impl PeriodicSystem {
+    /// The conservative nonlinear mode of the structure without its damping: parameter `p = ln(E_av/E_ref)`, unknown ω, and with
+    /// [`Symmetry::None`] also ξ, which unfolds the free phase and vanishes on solutions.
+    ///
+    /// # Errors
+    /// [`HbmError::Harmonics`], [`HbmError::Samples`], or what the contact solver has against the compliance.
+    pub fn conservative_mode(
+        structure: &ModalStructure,
+        symmetry: Symmetry,
+        settings: PeriodicSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let undamped = Arc::new(structure.with_damping(ModalDamping::none(structure.n_modes()))?);
+        let conditions = match symmetry {
+            Symmetry::Even => {
+                ClosingConditions { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) }
+            }
+            Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseAnchor>::default()]),
+        };
+        Self::assemble(undamped, Load::default(), conditions, (settings, symmetry), scales, solver)
+    }
+
+    /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`, parameter
+    /// `p = ln(E_av/E_ref)`, unknowns ω and ξ. The damping ratio is `D = ξ/(2ω)`, and `ξ = P_diss/(2 E_av)`.
+    ///
+    /// # Errors
+    /// As [`conservative_mode`](Self::conservative_mode).
+    pub fn damped_mode(
+        structure: &ModalStructure,
+        settings: PeriodicSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let conditions = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseAnchor>::default()]);
+        let parts = (Arc::new(structure.clone()), Load::default());
+        Self::assemble(parts.0, parts.1, conditions, (settings, Symmetry::None), scales, solver)
+    }
+
+    /// The response to a load of the given level over the base frequency: the parameter is ω in units of `unit` (rad/s).
+    ///
+    /// # Errors
+    /// As [`conservative_mode`](Self::conservative_mode), and [`HbmError::LoadBeyond`].
+    pub fn frequency_response(
+        structure: &ModalStructure,
+        load: Load,
+        level: f64,
+        unit: f64,
+        settings: PeriodicSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let conditions = ClosingConditions {
+            omega: Source::Parameter { scale: unit },
+            xi: Source::Fixed(0.0),
+            level: Source::Fixed(level),
+            equations: Vec::new(),
+        };
+        let structure = Arc::new(structure.clone());
+        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+    }
+
+    /// The response at the base frequency `omega` (rad/s) over the level of the load: the parameter is the level in units of `unit`. At the
+    /// level zero the structure rests, all unknowns zero where its gaps are open.
+    ///
+    /// # Errors
+    /// As [`frequency_response`](Self::frequency_response).
+    pub fn force_response(
+        structure: &ModalStructure,
+        load: Load,
+        omega: f64,
+        unit: f64,
+        settings: PeriodicSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let conditions = ClosingConditions {
+            omega: Source::Fixed(omega),
+            xi: Source::Fixed(0.0),
+            level: Source::Parameter { scale: unit },
+            equations: Vec::new(),
+        };
+        let structure = Arc::new(structure.clone());
+        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+    }
+
+    /// Motions whose drive point lags the load by a given angle, what a phase-locked loop holds: the parameter is `ln(level/reference)`, the
+    /// unknown ω.
+    ///
+    /// # Errors
+    /// As [`frequency_response`](Self::frequency_response), and [`HbmError::Size`] for a drive point of another structure.
+    pub fn phase_resonance(
+        structure: &ModalStructure,
+        load: Load,
+        drive: PhaseLag,
+        reference: f64,
+        settings: PeriodicSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let sizes = [
+            ("modes of the drive point", structure.n_modes(), drive.row.modes.len()),
+            ("contacts of the drive point", structure.n_contacts(), drive.row.contacts.len()),
+        ];
+        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+            return Err(HbmError::Size { what, expected, found });
+        }
+        if drive.harmonic == 0 || drive.harmonic > settings.harmonics {
+            return Err(HbmError::LoadBeyond { load: drive.harmonic, harmonics: settings.harmonics });
+        }
+        let conditions = ClosingConditions {
+            omega: Source::Unknown { index: 0, scale: scales.omega },
+            xi: Source::Fixed(0.0),
+            level: Source::LogParameter { reference },
+            equations: vec![Box::new(drive)],
+        };
+        let structure = Arc::new(structure.clone());
+        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+    }
+}
+
+fn energy(scales: Scales) -> EnergyGiven {
+    EnergyGiven { reference: scales.energy }
+}
+
+fn free_motion(scales: Scales, equations: Vec<Box<dyn super::equations::ClosingEquation>>) -> ClosingConditions {
+    ClosingConditions {
+        omega: Source::Unknown { index: 0, scale: scales.omega },
+        xi: Source::Unknown { index: 1, scale: scales.omega },
+        level: Source::Fixed(0.0),
+        equations,
+    }
+}

@@ -1,0 +1,85 @@
+use nlmodes_linalg::Mat;
+use num_complex::Complex64;
+
+/// Viscous damping in open modes, `Ĉ = Φᵀ C Φ` (1/s): of the structure with its contacts open.
+#[derive(Debug, Clone)]
+pub enum ModalDamping {
+    /// Uncoupled modes, `ĉ_k = 2 ζ_k ω_k`, m.
+    Diagonal(Vec<f64>),
+    /// Modes that damping couples, m × m, symmetric.
+    Full(Mat<f64>),
+}
+
+impl ModalDamping {
+    /// No damping of m modes.
+    pub fn none(modes: usize) -> Self {
+        Self::Diagonal(vec![0.0; modes])
+    }
+
+    /// Damping ratios `ζ_k` mode by mode; the last one goes on for all modes behind it, none of them stands for no damping.
+    pub fn ratios(omega_squared: &[f64], ratios: &[f64]) -> Self {
+        let last = ratios.last().copied().unwrap_or(0.0);
+        let ratio = |k: usize| ratios.get(k).copied().unwrap_or(last);
+        Self::Diagonal(omega_squared.iter().enumerate().map(|(k, w)| 2.0 * ratio(k) * w.max(0.0).sqrt()).collect())
+    }
+
+    /// Rayleigh damping `C = mass M + stiffness K` with `mass` in 1/s and `stiffness` in s: `ĉ_k = mass + stiffness ω_k²`.
+    pub fn rayleigh(omega_squared: &[f64], mass: f64, stiffness: f64) -> Self {
+        Self::Diagonal(omega_squared.iter().map(|w| mass + stiffness * w).collect())
+    }
+
+    /// This damping and that of dashpots, each a row of the open modes (m, 1/√kg) and its constant (N s/m): `Ĉ + Σ d φ φᵀ`.
+    #[must_use]
+    pub fn with_dashpots(self, dashpots: &[(Vec<f64>, f64)]) -> Self {
+        if dashpots.is_empty() {
+            return self;
+        }
+        let m = self.n_modes();
+        let dashpot = |i: usize, j: usize| dashpots.iter().map(|(row, d)| d * row[i] * row[j]).sum::<f64>();
+        Self::Full(Mat::from_fn(m, m, |i, j| self.entry(i, j) + dashpot(i, j)))
+    }
+
+    /// Number of modes m.
+    pub fn n_modes(&self) -> usize {
+        match self {
+            Self::Diagonal(c) => c.len(),
+            Self::Full(c) => c.nrows(),
+        }
+    }
+
+    /// Entry `ĉ_ij`, 1/s.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::Diagonal(c) if i == j => c[i],
+            Self::Diagonal(_) => 0.0,
+            Self::Full(c) => c[(i, j)],
+        }
+    }
+
+    /// Whether modes are uncoupled.
+    pub fn is_diagonal(&self) -> bool {
+        matches!(self, Self::Diagonal(_))
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        let m = self.n_modes();
+        (0..m).all(|i| (0..m).all(|j| self.entry(i, j) == 0.0))
+    }
+
+    /// `tr Ĉ`, 1/s.
+    pub fn trace(&self) -> f64 {
+        (0..self.n_modes()).map(|k| self.entry(k, k)).sum()
+    }
+
+    /// `ηᴴ Ĉ η` of complex amplitudes.
+    pub fn form(&self, eta: &[Complex64]) -> f64 {
+        let row = |i: usize| -> Complex64 {
+            match self {
+                Self::Diagonal(c) => eta[i] * c[i],
+                Self::Full(c) => (0..eta.len()).map(|j| eta[j] * c[(i, j)]).sum(),
+            }
+        };
+        (0..eta.len()).map(|i| (eta[i].conj() * row(i)).re).sum()
+    }
+}

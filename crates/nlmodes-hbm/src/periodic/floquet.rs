@@ -1,0 +1,167 @@
+use std::f64::consts::TAU;
+
+use nlmodes_linalg::{Mat, eigenvalues};
+use num_complex::Complex64;
+
+use super::matrix_exponential::matrix_exponential;
+use super::system::PeriodicSystem;
+use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
+
+/// How a periodic response loses its stability: by the multiplier that is largest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instability {
+    /// At +1: a fold, or a branch point.
+    Fold,
+    /// At −1: motions of twice the period.
+    PeriodDoubling,
+    /// A complex pair: quasiperiodic motions.
+    NeimarkSacker,
+}
+
+/// Floquet multipliers of a periodic response from its contact instants.
+///
+/// ```text
+/// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy ;    M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
+/// ```
+///
+/// Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three times the
+/// harmonics, whose additional ones follow from the contact forces; what they change against those of the solution itself is the error band.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Floquet {
+    /// The 2m multipliers, by falling magnitude.
+    pub multipliers: Vec<Complex64>,
+    /// Estimated error of the largest one.
+    pub error: f64,
+}
+
+impl Floquet {
+    /// The largest multiplier, imaginary part not negative.
+    pub fn largest(&self) -> Complex64 {
+        self.multipliers.first().map_or(Complex64::default(), |m| Complex64::new(m.re, m.im.abs()))
+    }
+
+    /// Whether small disturbances die out; `None` where the largest multiplier is as close to the unit circle as it is uncertain.
+    pub fn is_stable(&self) -> Option<bool> {
+        let beyond = self.largest().norm() - 1.0;
+        (beyond.abs() > self.error).then_some(beyond < 0.0)
+    }
+
+    /// What happens where the largest multiplier leaves the unit circle.
+    pub fn instability(&self) -> Instability {
+        let largest = self.largest();
+        if largest.im.abs() > 1e-6 * largest.norm() {
+            Instability::NeimarkSacker
+        } else if largest.re > 0.0 {
+            Instability::Fold
+        } else {
+            Instability::PeriodDoubling
+        }
+    }
+}
+
+/// Harmonics of the motion with better instants, over those of the solution.
+const FINER: usize = 3;
+
+impl PeriodicSystem {
+    /// Floquet multipliers of the response with the unknowns `x` at the parameter `p`. A free motion has the multiplier +1 by its phase.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
+    pub fn floquet(&mut self, x: &[f64], p: f64, solver: &dyn nlmodes_contact::LcpSolver) -> Result<Floquet, HbmError> {
+        let at = self.solve(x, p)?;
+        let coarse = self.multipliers(&self.operator, at.omega, at.xi)?;
+        let series = RealSeries { symmetry: Symmetry::None, n_harmonics: FINER * self.settings().harmonics };
+        let mut finer = ContactOperator::new(self.structure.compliance(), series, crate::Switching::Exact, solver)?;
+        let y = self.finer_gaps(&mut finer, at.omega, at.xi)?;
+        finer.solve(&y)?;
+        let multipliers = self.multipliers(&finer, at.omega, at.xi)?;
+        let error = (multipliers[0].norm() - coarse[0].norm()).abs();
+        Ok(Floquet { multipliers, error: error.max(1e-9) })
+    }
+
+    /// Gaps with more harmonics, by the forces of the gaps that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`, uncoupled damping.
+    fn finer_gaps(&self, finer: &mut ContactOperator, omega: f64, xi: f64) -> Result<Vec<f64>, HbmError> {
+        let (own, series) = (self.series(), finer.series());
+        let (c, m) = (self.structure.n_contacts(), self.structure.n_modes());
+        let mut y: Vec<f64> =
+            self.y.chunks(own.width()).flat_map(|y| as_unsymmetric(own, y).resized_to(series)).collect();
+        finer.solve(&y)?;
+        let mut forces = vec![0.0; y.len()];
+        finer.apply(&y, &mut forces);
+        let rows = self.structure.rows();
+        for n in own.n_harmonics + 1..=series.n_harmonics {
+            let nu = n as f64 * omega;
+            let force: Vec<Complex64> = super::rows::complex_harmonic(series, &forces, n);
+            let mut gap = vec![Complex64::default(); c];
+            for k in 0..m {
+                let damping = self.structure.damping().entry(k, k) - xi;
+                let d = Complex64::new(self.structure.omega_squared()[k] - nu * nu, nu * damping);
+                let drive: Complex64 = (0..c).map(|i| force[i] * rows[(i, k)]).sum();
+                if drive.norm_sqr() > 0.0 && d.norm_sqr() > 0.0 {
+                    gap.iter_mut().enumerate().for_each(|(i, g)| *g += drive / d * rows[(i, k)]);
+                }
+            }
+            for (i, gap) in gap.iter().enumerate() {
+                series.put(*gap, n, &mut y[i * series.width()..(i + 1) * series.width()]);
+            }
+        }
+        Ok(y)
+    }
+
+    /// Multipliers for the contact pattern of an operator, by falling magnitude.
+    fn multipliers(&self, operator: &ContactOperator, omega: f64, xi: f64) -> Result<Vec<Complex64>, HbmError> {
+        let (m, even) = (self.structure.n_modes(), operator.series().symmetry == Symmetry::Even);
+        let mut monodromy = Mat::<f64>::identity(2 * m, 2 * m);
+        let mirrored = operator.intervals().iter().rev().filter(|_| even);
+        for interval in operator.intervals().iter().chain(mirrored) {
+            let step = matrix_exponential(&self.flow(operator, interval, omega, xi))?;
+            monodromy = step * monodromy;
+        }
+        let mut multipliers =
+            eigenvalues(&monodromy).map_err(|source| HbmError::Linalg { what: "Floquet multipliers", source })?;
+        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+        Ok(multipliers)
+    }
+
+    /// `A_j Δτ/ω` for the state `(z, ż/ω)`.
+    fn flow(&self, operator: &ContactOperator, interval: &crate::PatternInterval, omega: f64, xi: f64) -> Mat<f64> {
+        let (m, c) = (self.structure.n_modes(), self.structure.n_contacts());
+        let (rows, s) = (self.structure.rows(), &operator.sets.get(interval.set).s);
+        let width = (interval.to - interval.from).clamp(0.0, TAU);
+        let contact = |k: usize, l: usize| -> f64 {
+            let pairs = (0..c).flat_map(|i| (0..c).map(move |j| (i, j))).filter(|(i, j)| s[i * c + j] != 0.0);
+            pairs.map(|(i, j)| rows[(i, k)] * s[i * c + j] * rows[(j, l)]).sum()
+        };
+        Mat::from_fn(2 * m, 2 * m, |i, j| {
+            let (k, l) = (i % m, j % m);
+            let own = f64::from(u8::from(k == l));
+            width
+                * match (i < m, j < m) {
+                    (true, true) => 0.0,
+                    (true, false) => own,
+                    (false, true) => (contact(k, l) - own * self.structure.omega_squared()[k]) / (omega * omega),
+                    (false, false) => -(self.structure.damping().entry(k, l) - own * xi) / omega,
+                }
+        })
+    }
+}
+
+/// Coefficients of a series without symmetry.
+struct Unsymmetric {
+    series: RealSeries,
+    coefficients: Vec<f64>,
+}
+
+fn as_unsymmetric(series: RealSeries, y: &[f64]) -> Unsymmetric {
+    let mut coefficients = y.to_vec();
+    if series.symmetry == Symmetry::Even {
+        coefficients.resize(2 * series.n_harmonics + 1, 0.0);
+    }
+    Unsymmetric { series: RealSeries { symmetry: Symmetry::None, ..series }, coefficients }
+}
+
+impl Unsymmetric {
+    fn resized_to(&self, to: RealSeries) -> Vec<f64> {
+        self.series.resized(&self.coefficients, to)
+    }
+}

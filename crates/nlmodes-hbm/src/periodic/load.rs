@@ -1,0 +1,102 @@
+use num_complex::Complex64;
+
+use super::conditions::OperatingPoint;
+use super::structure::ModalStructure;
+use crate::HbmError;
+
+/// One harmonic of a periodic load, for a unit level: `Re(amplitude ω^power e^{inωt})`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadTerm {
+    /// Harmonic `n` of the base frequency ω of the motion.
+    pub harmonic: usize,
+    /// Power of ω by which the load grows: 0 for a force, 2 for a base that moves by a given amplitude, −2 for the displacement that
+    /// belongs to a given acceleration.
+    pub omega_power: i32,
+    /// `Φᵀ f`, m, N/√kg.
+    pub modal: Vec<Complex64>,
+    /// What it adds to the gaps by itself, m, c: residual flexibility of a force, motion of a base past a fixed stop.
+    pub gaps: Vec<Complex64>,
+}
+
+/// A periodic load: terms that a level multiplies.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Load {
+    terms: Vec<LoadTerm>,
+}
+
+/// A value with its derivatives with respect to ω, ξ and the level.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Varied {
+    pub value: Complex64,
+    pub by: [Complex64; 3],
+}
+
+impl Load {
+    /// The terms of a load of `structure`.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] or [`HbmError::NotFinite`].
+    pub fn new(structure: &ModalStructure, terms: Vec<LoadTerm>) -> Result<Self, HbmError> {
+        for term in &terms {
+            let sizes = [
+                ("modes of a load", structure.n_modes(), term.modal.len()),
+                ("contacts of a load", structure.n_contacts(), term.gaps.len()),
+            ];
+            if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+                return Err(HbmError::Size { what, expected, found });
+            }
+            if !term.modal.iter().chain(&term.gaps).all(|v| v.is_finite()) {
+                return Err(HbmError::NotFinite { what: "a load" });
+            }
+        }
+        Ok(Self { terms })
+    }
+
+    /// The terms.
+    pub fn terms(&self) -> &[LoadTerm] {
+        &self.terms
+    }
+
+    /// Highest harmonic, zero for no load.
+    pub fn highest_harmonic(&self) -> usize {
+        self.terms.iter().map(|t| t.harmonic).max().unwrap_or(0)
+    }
+
+    /// Modal load of mode k in harmonic n.
+    pub(crate) fn modal(&self, n: usize, k: usize, at: OperatingPoint) -> Varied {
+        self.sum(n, at, |term| term.modal[k])
+    }
+
+    /// What harmonic n adds to gap i.
+    pub(crate) fn gap(&self, n: usize, i: usize, at: OperatingPoint) -> Varied {
+        self.sum(n, at, |term| term.gaps[i])
+    }
+
+    pub(crate) fn moves_gaps(&self) -> bool {
+        self.terms.iter().any(|t| t.gaps.iter().any(|g| *g != Complex64::default()))
+    }
+
+    fn sum(&self, n: usize, at: OperatingPoint, amplitude: impl Fn(&LoadTerm) -> Complex64) -> Varied {
+        let terms = self.terms.iter().filter(|t| t.harmonic == n);
+        terms.fold(Varied::default(), |sum, term| sum.plus(vary(amplitude(term), term.omega_power, at)))
+    }
+
+    /// What the terms in harmonic n add to a response row.
+    pub(crate) fn row(&self, n: usize, amplitudes: &[Complex64], at: OperatingPoint) -> Varied {
+        let terms = self.terms.iter().zip(amplitudes).filter(|(t, _)| t.harmonic == n);
+        terms.fold(Varied::default(), |sum, (term, a)| sum.plus(vary(*a, term.omega_power, at)))
+    }
+}
+
+fn vary(amplitude: Complex64, power: i32, at: OperatingPoint) -> Varied {
+    let per_level = amplitude * at.omega.powi(power);
+    let d_omega = per_level * (at.level * f64::from(power) / at.omega);
+    Varied { value: per_level * at.level, by: [d_omega, Complex64::default(), per_level] }
+}
+
+impl Varied {
+    fn plus(self, other: Self) -> Self {
+        let by = [0, 1, 2].map(|i| self.by[i] + other.by[i]);
+        Self { value: self.value + other.value, by }
+    }
+}

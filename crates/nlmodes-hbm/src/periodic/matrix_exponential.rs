@@ -1,0 +1,85 @@
+use nlmodes_linalg::{DenseLu, Mat};
+
+use crate::HbmError;
+
+/// Coefficients of the diagonal Padé approximation of order 13.
+const PADE: [f64; 14] = [
+    64764752532480000.0,
+    32382376266240000.0,
+    7771770303897600.0,
+    1187353796428800.0,
+    129060195264000.0,
+    10559470521600.0,
+    670442572800.0,
+    33522128640.0,
+    1323241920.0,
+    40840800.0,
+    960960.0,
+    16380.0,
+    182.0,
+    1.0,
+];
+
+/// Largest 1-norm for which that approximation is good to rounding.
+const LARGEST: f64 = 5.371920351148152;
+
+/// `e^A` of a square matrix, by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193).
+pub(crate) fn matrix_exponential(a: &Mat<f64>) -> Result<Mat<f64>, HbmError> {
+    let n = a.nrows();
+    let norm = (0..n).map(|j| a.col(j).iter().map(|v| v.abs()).sum::<f64>()).fold(0.0_f64, f64::max);
+    if !norm.is_finite() {
+        return Err(HbmError::NotFinite { what: "equations between two contact instants" });
+    }
+    let squarings = (norm / LARGEST).log2().ceil().max(0.0);
+    let scale = 2.0_f64.powf(-squarings);
+    let a = Mat::from_fn(n, n, |i, j| a[(i, j)] * scale);
+    let identity = Mat::<f64>::identity(n, n);
+    let a2 = &a * &a;
+    let a4 = &a2 * &a2;
+    let a6 = &a4 * &a2;
+    let sum = |from: usize| {
+        let term = |i: usize, j: usize| {
+            let at = |k: usize, m: &Mat<f64>| PADE[from + k] * m[(i, j)];
+            at(0, &identity) + at(2, &a2) + at(4, &a4) + at(6, &a6)
+        };
+        Mat::from_fn(n, n, term)
+    };
+    let high = |from: usize| {
+        let inner = Mat::from_fn(n, n, |i, j| {
+            PADE[from + 8] * a2[(i, j)] + PADE[from + 10] * a4[(i, j)] + PADE[from + 12] * a6[(i, j)]
+        });
+        &a6 * inner
+    };
+    let u = &a * (sum(1) + high(1));
+    let v = sum(0) + high(0);
+    let lu = DenseLu::factor(&(&v - &u))
+        .map_err(|source| HbmError::Linalg { what: "matrix exponential between two contact instants", source })?;
+    let mut exponential = &v + &u;
+    for j in 0..n {
+        let mut column: Vec<f64> = exponential.col(j).iter().copied().collect();
+        lu.solve_in_place(&mut column);
+        exponential.col_mut(j).iter_mut().zip(&column).for_each(|(to, from)| *to = *from);
+    }
+    for _ in 0..squarings as usize {
+        exponential = &exponential * &exponential;
+    }
+    Ok(exponential)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rotation_and_a_decay_come_out_exactly() {
+        for angle in [1e-3, 0.7, 40.0, 900.0] {
+            let a = Mat::from_fn(2, 2, |i, j| [[0.0, angle], [-angle, 0.0]][i][j]);
+            let e = matrix_exponential(&a).unwrap();
+            assert!((e[(0, 0)] - f64::cos(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
+            assert!((e[(0, 1)] - f64::sin(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
+        }
+        // A Jordan block: e^{a} [1 1; 0 1].
+        let e = matrix_exponential(&Mat::from_fn(2, 2, |i, j| [[-3.0, 1.0], [0.0, -3.0]][i][j])).unwrap();
+        assert!((e[(0, 1)] - f64::exp(-3.0)).abs() < 1e-16 && e[(1, 0)].abs() < 1e-16);
+    }
+}

@@ -1,0 +1,128 @@
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
+use super::conditions::OperatingPoint;
+use super::load::Load;
+use super::structure::ModalStructure;
+
+/// The linear structure in its open modes, `x = η`: for many contacts, and for damping that couples modes.
+///
+/// ```text
+/// r_k = (Σ_j D_kj η_j − ŷ_k − p_k)/ρ_k ,   ŷ = Yᵀ λ ,   ρ_k = √(|D_kk|² + s_k²)
+/// ```
+///
+/// Modes that move no contact and are coupled to none are no unknowns: they answer by themselves, `η_k = p_k/D_k`.
+pub(crate) struct ModalResponse {
+    structure: Arc<ModalStructure>,
+    /// The mode of each coordinate.
+    active: Vec<usize>,
+    coupling: Vec<f64>,
+    largest_row: f64,
+}
+
+/// Least `s_k` over the largest.
+const LEAST: f64 = 1e-9;
+
+impl ModalResponse {
+    pub fn new(structure: Arc<ModalStructure>) -> Self {
+        let m = structure.n_modes();
+        let coupled = !structure.damping().is_diagonal();
+        let active: Vec<usize> = (0..m).filter(|&k| coupled || structure.moves_a_contact(k)).collect();
+        let largest = (0..m).map(|k| structure.coupling(k)).fold(0.0_f64, f64::max);
+        let coupling = (0..m).map(|k| structure.coupling(k).max(LEAST * largest)).collect();
+        let entries = (0..m).flat_map(|k| structure.rows().col(k).iter().copied());
+        let largest_row = entries.fold(0.0_f64, |m, y| m.max(y.abs()));
+        Self { active, coupling, largest_row, structure }
+    }
+}
+
+impl LinearResponse for ModalResponse {
+    fn n_coordinates(&self) -> usize {
+        self.active.len()
+    }
+
+    fn gap_row(&self, i: usize, j: usize) -> f64 {
+        self.structure.rows()[(i, self.active[j])]
+    }
+
+    fn of_mode(&self, k: usize) -> Vec<f64> {
+        self.active.iter().map(|&j| f64::from(u8::from(j == k))).collect()
+    }
+
+    fn scale(&self, length: f64) -> f64 {
+        length / self.largest_row.max(f64::MIN_POSITIVE)
+    }
+
+    fn evaluate(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        load: &Load,
+        x: &[Complex64],
+        force: &[Complex64],
+        out: &mut HarmonicBlock,
+    ) {
+        let (d, m) = (self.active.len(), self.structure.n_modes());
+        out.reset(d, m);
+        let stiffness: Vec<_> = (0..m).map(|k| dynamic_stiffness(&self.structure, n, k, at)).collect();
+        out.d.iter_mut().zip(&stiffness).for_each(|(d, s)| *d = s.0);
+        for k in (0..m).filter(|k| !self.active.contains(k)) {
+            self.answer_alone(k, n, at, load, &stiffness[k], out);
+        }
+        let damping = self.structure.damping();
+        let nu = n as f64 * at.omega;
+        for (row, &k) in self.active.iter().enumerate() {
+            let (value, change) = stiffness[k];
+            let rho = value.norm().hypot(self.coupling[k]);
+            let p = load.modal(n, k, at);
+            let mut sum = value * x[row] - force[row] - p.value;
+            let mut by = [change[0] * x[row] - p.by[0], change[1] * x[row] - p.by[1], -p.by[2]];
+            out.l[row * d + row] = value / rho;
+            out.g[row * d + row] = Complex64::new(1.0 / rho, 0.0);
+            if !damping.is_diagonal() {
+                for (column, &j) in self.active.iter().enumerate().filter(|(_, j)| **j != k) {
+                    let coupled = Complex64::new(0.0, nu * damping.entry(k, j));
+                    sum += coupled * x[column];
+                    by[0] += Complex64::new(0.0, n as f64 * damping.entry(k, j)) * x[column];
+                    out.l[row * d + column] = coupled / rho;
+                }
+            }
+            out.residual[row] = sum / rho;
+            for t in 0..3 {
+                let d_rho = if t < 2 { (value.conj() * change[t]).re / rho } else { 0.0 };
+                out.d_residual[t][row] = (by[t] - sum * (d_rho / rho)) / rho;
+            }
+            out.eta[k] = x[row];
+        }
+    }
+
+    fn pull(&self, _block: &HarmonicBlock, weights: &[Complex64]) -> (Vec<Complex64>, Vec<Complex64>) {
+        let by_x = self.active.iter().map(|&k| weights[k]).collect();
+        (by_x, vec![Complex64::default(); self.active.len()])
+    }
+}
+
+impl ModalResponse {
+    fn answer_alone(
+        &self,
+        k: usize,
+        n: usize,
+        at: OperatingPoint,
+        load: &Load,
+        (d, dd): &(Complex64, [Complex64; 2]),
+        out: &mut HarmonicBlock,
+    ) {
+        let p = load.modal(n, k, at);
+        if p.value == Complex64::default() && p.by.iter().all(|by| *by == Complex64::default()) {
+            return;
+        }
+        let eta = p.value / d;
+        out.eta[k] = eta;
+        for t in 0..3 {
+            let dd = if t < 2 { dd[t] } else { Complex64::default() };
+            out.d_eta[t][k] = (p.by[t] - eta * dd) / d;
+        }
+    }
+}

@@ -1,0 +1,114 @@
+use num_complex::Complex64;
+
+use super::conditions::OperatingPoint;
+use super::rows::complex_harmonic;
+use super::structure::ResponseRow;
+use super::system::PeriodicSystem;
+use crate::HbmError;
+
+/// What a contact does over a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactMotion {
+    /// Share of the period in which it is closed.
+    pub closed_share: f64,
+    /// Closed intervals a period.
+    pub touches: usize,
+    /// Largest force, N.
+    pub peak_force: f64,
+    /// Mean force, N.
+    pub mean_force: f64,
+    /// Largest displacement toward the stop, m: the gap and what an elastic stop yields where it touches.
+    pub peak: f64,
+    /// Complex amplitude of the fundamental of the displacement away from the stop, m.
+    pub fundamental: Complex64,
+    /// The same of the displacement that there would be without contact forces of this instant, m: `Y η + a`.
+    pub free_fundamental: Complex64,
+}
+
+/// A periodic motion, free or forced: amplitudes are those of `Re Σ z_n e^{inωt}`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeriodicMotion {
+    /// Base frequency, negative damping and level.
+    pub at: OperatingPoint,
+    /// Modal coordinates, harmonic by harmonic, m each, m √kg.
+    pub eta: Vec<Vec<Complex64>>,
+    /// Contact forces, harmonic by harmonic, c each, N.
+    pub forces: Vec<Vec<Complex64>>,
+    /// The contacts.
+    pub contacts: Vec<ContactMotion>,
+    /// Averaged kinetic energy, J.
+    pub kinetic_energy: f64,
+    /// Mean power that the load puts in, W.
+    pub input_power: f64,
+    /// Mean power that the damping of the structure takes out, W.
+    pub dissipated_power: f64,
+}
+
+impl PeriodicMotion {
+    /// Complex amplitudes of a displacement, harmonic by harmonic, m; without what the load moves statically.
+    pub fn displacement(&self, row: &ResponseRow) -> Vec<Complex64> {
+        let of = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
+        self.eta.iter().zip(&self.forces).map(|(eta, force)| of(&row.modes, eta) + of(&row.contacts, force)).collect()
+    }
+
+    /// Damping ratio `D = ξ/(2ω)` of a damped nonlinear mode.
+    pub fn damping_ratio(&self) -> f64 {
+        self.at.xi / (2.0 * self.at.omega)
+    }
+
+    /// Modal amplitude `√(η_1ᴴ η_1)` of the fundamental, m √kg, eqs. (21), (22).
+    pub fn modal_amplitude(&self) -> f64 {
+        self.eta.get(1).map_or(0.0, |eta| eta.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt())
+    }
+}
+
+impl PeriodicSystem {
+    /// The motion with the unknowns `x` at the parameter `p`.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn motion(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, HbmError> {
+        let at = self.solve(x, p)?;
+        let (series, c) = (self.series(), self.structure.n_contacts());
+        let eta: Vec<Vec<Complex64>> = self.blocks.iter().map(|b| b.eta.clone()).collect();
+        let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
+        let free = complex_harmonic(series, &self.y, 1);
+        let mean = self.operator.mean_forces();
+        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], &forces[1])).collect();
+        let nu = |n: usize| n as f64 * at.omega;
+        let kinetic = |n: usize| 0.25 * nu(n).powi(2) * eta[n].iter().map(|e| e.norm_sqr()).sum::<f64>();
+        let damped = |n: usize| 0.5 * nu(n).powi(2) * self.structure.damping().form(&eta[n]);
+        let power = |n: usize| {
+            let modal = (0..self.structure.n_modes()).map(|k| (self.load.modal(n, k, at).value, eta[n][k]));
+            let gaps = (0..c).map(|i| (self.load.gap(n, i, at).value, forces[n][i]));
+            0.5 * nu(n) * modal.chain(gaps).map(|(load, z)| (load * (Complex64::I * z).conj()).re).sum::<f64>()
+        };
+        let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
+        Ok(PeriodicMotion {
+            at,
+            contacts,
+            kinetic_energy: sum(&kinetic),
+            input_power: sum(&power),
+            dissipated_power: sum(&damped),
+            eta,
+            forces,
+        })
+    }
+
+    fn contact_motion(&self, i: usize, mean: f64, free: Complex64, forces: &[Complex64]) -> ContactMotion {
+        let (operator, structure) = (&self.operator, &self.structure);
+        let (a, own) = (structure.compliance().a(), structure.stop_compliance()[i]);
+        let pressed: Complex64 = forces.iter().enumerate().map(|(j, f)| f * a[(i, j)]).sum();
+        let (gap, peak_force) = (structure.gaps()[i], operator.peak_force(i));
+        let closest = operator.smallest_gap(i);
+        ContactMotion {
+            closed_share: operator.closed_share(i),
+            touches: operator.touches(i),
+            peak_force,
+            mean_force: mean,
+            peak: if peak_force > 0.0 { gap + own * peak_force } else { gap - closest },
+            fundamental: free + pressed - forces[i] * own,
+            free_fundamental: free,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+use nlmodes_contact::LcpMatrix;
+use nlmodes_linalg::Mat;
+use num_complex::Complex64;
+
+use super::damping::ModalDamping;
+use crate::HbmError;
+
+/// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
+///
+/// ```text
+/// η̈ + Ĉ η̇ + diag(ω_k²) η = Yᵀ λ + p(t) ,   y = g₀ + Y η + a(t) ,   0 ≤ λ ⊥ (A + C) λ + y ≥ 0
+/// ```
+///
+/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance of the stops.
+/// The contacts themselves have no mass. A structure whose contact nodes are massless is of this form with all its modes.
+#[derive(Debug, Clone)]
+pub struct ModalStructure {
+    omega_squared: Vec<f64>,
+    rows: Mat<f64>,
+    compliance: LcpMatrix,
+    stop_compliance: Vec<f64>,
+    gaps: Vec<f64>,
+    damping: ModalDamping,
+}
+
+/// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the load moves statically.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseRow {
+    /// `φ`, m, 1/√kg.
+    pub modes: Vec<f64>,
+    /// `s`, c, m/N: residual flexibility between the contacts and this place.
+    pub contacts: Vec<f64>,
+    /// Complex amplitude by a unit level of each term of the load, m; empty for none.
+    pub loads: Vec<Complex64>,
+}
+
+impl ModalStructure {
+    /// From squared open frequencies (m, rad²/s²), `Y` (c × m), `A` (c × c), gaps `g₀` (c, m), compliances of the stops (c, m/N, zero for
+    /// rigid ones) and damping.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`], [`HbmError::NotFinite`], or [`HbmError::Compliance`] where a rigid stop meets a contact without flexibility.
+    pub fn new(
+        omega_squared: Vec<f64>,
+        rows: Mat<f64>,
+        flexibility: &Mat<f64>,
+        gaps: Vec<f64>,
+        stop_compliance: &[f64],
+        damping: ModalDamping,
+    ) -> Result<Self, HbmError> {
+        let (m, c) = (omega_squared.len(), gaps.len());
+        let sizes = [
+            ("modes of the contact rows", m, rows.ncols()),
+            ("contacts of the contact rows", c, rows.nrows()),
+            ("rows of the residual flexibility", c, flexibility.nrows()),
+            ("columns of the residual flexibility", c, flexibility.ncols()),
+            ("compliances of the stops", c, stop_compliance.len()),
+            ("modes of the damping", m, damping.n_modes()),
+        ];
+        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+            return Err(HbmError::Size { what, expected, found });
+        }
+        let damped = (0..m).all(|i| (0..m).all(|j| damping.entry(i, j).is_finite()));
+        let numbers = [
+            ("squared frequencies", omega_squared.iter().all(|v| v.is_finite())),
+            ("contact rows", rows.is_all_finite()),
+            ("gaps", gaps.iter().all(|v| v.is_finite())),
+            ("damping", damped),
+        ];
+        if let Some((what, _)) = numbers.iter().find(|(_, fine)| !fine) {
+            return Err(HbmError::NotFinite { what });
+        }
+        let own = |i: usize, j: usize| if i == j { stop_compliance[i] } else { 0.0 };
+        let compliance = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| flexibility[(i, j)] + own(i, j)));
+        let mut structure = Self {
+            omega_squared,
+            rows,
+            compliance: compliance.map_err(HbmError::Compliance)?,
+            stop_compliance: stop_compliance.to_vec(),
+            gaps,
+            damping,
+        };
+        structure.silence_modes_at_rest();
+        Ok(structure)
+    }
+
+    /// The same structure with other damping.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] or [`HbmError::NotFinite`].
+    pub fn with_damping(&self, damping: ModalDamping) -> Result<Self, HbmError> {
+        let m = self.n_modes();
+        if damping.n_modes() != m {
+            return Err(HbmError::Size { what: "modes of the damping", expected: m, found: damping.n_modes() });
+        }
+        if !(0..m).all(|i| (0..m).all(|j| damping.entry(i, j).is_finite())) {
+            return Err(HbmError::NotFinite { what: "damping" });
+        }
+        Ok(Self { damping, ..self.clone() })
+    }
+
+    /// Rounding in the rows of modes that leave the contacts at rest would be a pole of its own: it becomes zero.
+    fn silence_modes_at_rest(&mut self) {
+        let strength = |k: usize| self.coupling(k);
+        let strongest = (0..self.n_modes()).map(strength).fold(0.0_f64, f64::max);
+        let at_rest: Vec<usize> = (0..self.n_modes()).filter(|&k| strength(k) <= 1e-20 * strongest).collect();
+        at_rest.iter().for_each(|&k| self.rows.col_mut(k).fill(0.0));
+    }
+
+    /// Number of modes m.
+    pub fn n_modes(&self) -> usize {
+        self.omega_squared.len()
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.gaps.len()
+    }
+
+    /// Squared open frequencies, rad²/s², m.
+    pub fn omega_squared(&self) -> &[f64] {
+        &self.omega_squared
+    }
+
+    /// The modes as the gaps see them, `Y`, c × m, 1/√kg.
+    pub fn rows(&self) -> &Mat<f64> {
+        &self.rows
+    }
+
+    /// `A + C`, c × c, m/N.
+    pub fn compliance(&self) -> &LcpMatrix {
+        &self.compliance
+    }
+
+    /// Compliances of the stops alone, m/N, c.
+    pub fn stop_compliance(&self) -> &[f64] {
+        &self.stop_compliance
+    }
+
+    /// Gaps `g₀`, m, c.
+    pub fn gaps(&self) -> &[f64] {
+        &self.gaps
+    }
+
+    /// Damping with open contacts.
+    pub fn damping(&self) -> &ModalDamping {
+        &self.damping
+    }
+
+    /// How strongly a mode takes part in the motion of the contacts, `s_k = max_i y_ik²/A_ii`, rad²/s².
+    pub(crate) fn coupling(&self, k: usize) -> f64 {
+        let a = self.compliance.a();
+        (0..self.n_contacts()).map(|i| self.rows[(i, k)].powi(2) / a[(i, i)]).fold(0.0_f64, f64::max)
+    }
+
+    /// Whether mode k moves a contact.
+    pub(crate) fn moves_a_contact(&self, k: usize) -> bool {
+        self.rows.col(k).iter().any(|y| *y != 0.0)
+    }
+}

@@ -1,0 +1,335 @@
+use std::sync::Arc;
+
+use nlmodes_contact::LcpSolver;
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use num_complex::Complex64;
+
+use super::analysis::Coordinates;
+use super::block::{HarmonicBlock, LinearResponse};
+use super::conditions::{ClosingConditions, Column, OperatingPoint};
+use super::equations::{Functional, Motion};
+use super::load::Load;
+use super::rows::{Assembly, add_weights, complex_harmonic};
+use super::structure::ModalStructure;
+use crate::energy::inner;
+use crate::{ContactOperator, HbmError, MAX_HARMONICS, RealSeries, Scales, Switching, Symmetry};
+
+/// What distinguishes one periodic problem from another on the same structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PeriodicSettings {
+    /// Highest harmonic `N_h`.
+    pub harmonics: usize,
+    /// How the instants of contact are treated.
+    pub switching: Switching,
+    /// Unknowns of the linear structure.
+    pub coordinates: Coordinates,
+}
+
+impl Default for PeriodicSettings {
+    fn default() -> Self {
+        Self { harmonics: 10, switching: Switching::Exact, coordinates: Coordinates::Automatic }
+    }
+}
+
+/// A periodic motion of a structure with one-sided contacts as a system for continuation: linear response, contact operator, closing conditions.
+///
+/// ```text
+/// L_n x_n − G_n Pᵀ λ_n − load_n = 0 ,   n = 0 … N_h       the linear structure, harmonic by harmonic
+/// λ_n = 𝓕_n(λ(y(τ))) ,   y = g₀ + P x + a                 the contact operator
+/// closing equations                                        energy, phase, …, one for each unknown behind the coefficients
+/// ```
+///
+/// `x` are the motions of the contacts (`P = I`) or modal coordinates (`P = Y`), [`Coordinates`]. Unknown vector: coefficients of the coordinates in their
+/// unit, one coordinate after the other ([`RealSeries`]), then the unknowns of the [`ClosingConditions`].
+pub struct PeriodicSystem {
+    pub(crate) structure: Arc<ModalStructure>,
+    pub(crate) response: Box<dyn LinearResponse + Send>,
+    pub(crate) operator: ContactOperator,
+    pub(crate) load: Load,
+    pub(crate) conditions: ClosingConditions,
+    pub(crate) scales: Scales,
+    settings: PeriodicSettings,
+    /// `P`, c × d, row-major.
+    gap_map: Vec<f64>,
+    /// `Pᵀ S P` of each closed set that has been met, d × d.
+    maps: Vec<Option<Vec<f64>>>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) forces: Vec<f64>,
+    pub(crate) blocks: Vec<HarmonicBlock>,
+    assembly: Assembly,
+}
+
+impl PeriodicSystem {
+    pub(crate) fn assemble(
+        structure: Arc<ModalStructure>,
+        load: Load,
+        conditions: ClosingConditions,
+        (settings, symmetry): (PeriodicSettings, Symmetry),
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let harmonics = settings.harmonics;
+        if harmonics == 0 || harmonics > MAX_HARMONICS {
+            return Err(HbmError::Harmonics { found: harmonics, most: MAX_HARMONICS });
+        }
+        if load.highest_harmonic() > harmonics {
+            return Err(HbmError::LoadBeyond { load: load.highest_harmonic(), harmonics });
+        }
+        let series = RealSeries { symmetry, n_harmonics: harmonics };
+        let response = settings.coordinates.response(&structure, symmetry == Symmetry::Even);
+        let (c, d) = (structure.n_contacts(), response.n_coordinates());
+        let gap_map = (0..c).flat_map(|i| (0..d).map(move |j| (i, j))).map(|(i, j)| response.gap_row(i, j)).collect();
+        Ok(Self {
+            operator: ContactOperator::new(structure.compliance(), series, settings.switching, solver)?,
+            gap_map,
+            maps: Vec::new(),
+            y: vec![0.0; c * series.width()],
+            forces: vec![0.0; c * series.width()],
+            blocks: vec![HarmonicBlock::default(); harmonics + 1],
+            assembly: Assembly::new(d, series),
+            structure,
+            response,
+            load,
+            conditions,
+            scales,
+            settings,
+        })
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &ModalStructure {
+        &self.structure
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> PeriodicSettings {
+        self.settings
+    }
+
+    /// The load.
+    pub fn load(&self) -> &Load {
+        &self.load
+    }
+
+    /// Layout of the coefficients of one coordinate.
+    pub fn series(&self) -> RealSeries {
+        self.operator.series()
+    }
+
+    /// Number of coefficients, which are the first unknowns.
+    pub fn n_coefficients(&self) -> usize {
+        self.assembly.size()
+    }
+
+    /// The closing conditions.
+    pub fn conditions(&self) -> &ClosingConditions {
+        &self.conditions
+    }
+
+    /// Frequency, negative damping and level of the unknowns `x` at the parameter `p`.
+    pub fn operating_point(&self, x: &[f64], p: f64) -> OperatingPoint {
+        self.conditions.at(&x[self.n_coefficients()..], p)
+    }
+
+    /// Unit of the coefficients.
+    pub fn unit(&self) -> f64 {
+        self.response.scale(self.scales.length)
+    }
+
+    /// Holds the phase of these unknowns from now on, where the phase is free.
+    pub fn hold_phase(&mut self, x: &[f64]) {
+        let (size, series) = (self.n_coefficients(), self.series());
+        self.conditions.equations.iter_mut().for_each(|e| e.accepted(&x[..size], series));
+    }
+
+    /// An unknown vector of a problem on the same structure with another number of harmonics as one of this problem.
+    ///
+    /// # Panics
+    /// If `x` is shorter than the coefficients of `from`.
+    pub fn resized(&self, x: &[f64], from: RealSeries) -> Vec<f64> {
+        let (d, old) = (self.response.n_coordinates(), from.width());
+        let coefficients = (0..d).flat_map(|k| from.resized(&x[k * old..(k + 1) * old], self.series()));
+        coefficients.chain(x[d * old..].iter().copied()).collect()
+    }
+
+    /// Contact pattern, forces and the linear structure at the unknowns `x` and the parameter `p`.
+    pub(crate) fn solve(&mut self, x: &[f64], p: f64) -> Result<OperatingPoint, HbmError> {
+        let at = self.operating_point(x, p);
+        if !(at.omega.is_finite() && at.omega > 0.0 && at.xi.is_finite() && at.level.is_finite()) {
+            return Err(HbmError::OperatingPoint { omega: at.omega, xi: at.xi, level: at.level });
+        }
+        let (series, unit, d) = (self.series(), self.unit(), self.response.n_coordinates());
+        let (c, width) = (self.structure.n_contacts(), series.width());
+        let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
+        self.y.fill(0.0);
+        for i in 0..c {
+            let y = &mut self.y[i * width..(i + 1) * width];
+            for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
+                let factor = self.gap_map[i * d + j];
+                y.iter_mut().zip(&coefficients[j * width..]).for_each(|(y, x)| *y += factor * x);
+            }
+            y[0] += self.structure.gaps()[i];
+        }
+        let moved = self.load_gaps(at);
+        self.y.iter_mut().zip(&moved[3]).for_each(|(y, a)| *y += a);
+        self.operator.solve(&self.y)?;
+        self.operator.apply(&self.y, &mut self.forces);
+        let generalised = self.generalised(&self.forces);
+        for n in 0..=series.n_harmonics {
+            let x = complex_harmonic(series, &coefficients, n);
+            let force = complex_harmonic(series, &generalised, n);
+            self.response.evaluate(n, at, &self.load, &x, &force, &mut self.blocks[n]);
+        }
+        Ok(at)
+    }
+
+    /// What the load adds to the gaps (c × width): derivatives with respect to ω, ξ and the level, and, last, the value.
+    fn load_gaps(&self, at: OperatingPoint) -> [Vec<f64>; 4] {
+        let (series, c) = (self.series(), self.structure.n_contacts());
+        let mut moved = [0, 1, 2, 3].map(|_| vec![0.0; c * series.width()]);
+        if !self.load.moves_gaps() {
+            return moved;
+        }
+        for n in 0..=series.n_harmonics {
+            for i in 0..c {
+                let gap = self.load.gap(n, i, at);
+                for (to, z) in moved.iter_mut().zip([gap.by[0], gap.by[1], gap.by[2], gap.value]) {
+                    series.put(z, n, &mut to[i * series.width()..(i + 1) * series.width()]);
+                }
+            }
+        }
+        moved
+    }
+
+    /// `Pᵀ λ`, d × width, from λ (c × width).
+    fn generalised(&self, forces: &[f64]) -> Vec<f64> {
+        let (d, width) = (self.response.n_coordinates(), self.series().width());
+        let mut out = vec![0.0; d * width];
+        for (i, force) in forces.chunks(width).enumerate() {
+            for (j, out) in out.chunks_mut(width).enumerate().filter(|(j, _)| self.gap_map[i * d + j] != 0.0) {
+                let factor = self.gap_map[i * d + j];
+                out.iter_mut().zip(force).for_each(|(out, f)| *out += factor * f);
+            }
+        }
+        out
+    }
+
+    /// `Pᵀ (dλ/dy) P` over a period, kept in the assembly.
+    fn differentiate_forces(&mut self) {
+        let (c, d) = (self.structure.n_contacts(), self.response.n_coordinates());
+        self.maps.resize(self.operator.sets.len(), None);
+        self.assembly.clear_forces();
+        for (set, averages) in &self.operator.spectra {
+            let map = self.maps[*set].get_or_insert_with(|| {
+                let s = &self.operator.sets.get(*set).s;
+                let p = &self.gap_map;
+                let mut map = vec![0.0; d * d];
+                for (i, j) in (0..c).flat_map(|i| (0..c).map(move |j| (i, j))).filter(|(i, j)| s[i * c + j] != 0.0) {
+                    for (k, row) in map.chunks_mut(d).enumerate().filter(|(k, _)| p[i * d + k] != 0.0) {
+                        let factor = p[i * d + k] * s[i * c + j];
+                        row.iter_mut().zip(&p[j * d..(j + 1) * d]).for_each(|(m, p)| *m += factor * p);
+                    }
+                }
+                map
+            });
+            self.assembly.add_forces(map, averages);
+        }
+    }
+}
+
+impl PeriodicSystem {
+    /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the level; `forces_by` are
+    /// those of the forces with respect to the latter through the gaps.
+    fn gradient(&self, functional: &Functional, forces_by: &[Vec<f64>; 3]) -> (Vec<f64>, [f64; 3]) {
+        let (series, d) = (self.series(), self.response.n_coordinates());
+        let width = series.width();
+        let (mut by_x, mut by_generalised) = (vec![0.0; d * width], vec![0.0; d * width]);
+        let (mut by_force, mut by) = (vec![0.0; self.forces.len()], functional.by);
+        for (n, weights) in &functional.eta {
+            let block = &self.blocks[*n];
+            let (x, force) = self.response.pull(block, weights);
+            add_weights(series, *n, &x, &mut by_x);
+            add_weights(series, *n, &force, &mut by_generalised);
+            for (by, d_eta) in by.iter_mut().zip(&block.d_eta) {
+                *by += weights.iter().zip(d_eta).map(|(w, d)| (w * d).re).sum::<f64>();
+            }
+        }
+        for (n, weights) in &functional.forces {
+            add_weights(series, *n, weights, &mut by_force);
+        }
+        for (i, by_force) in by_force.chunks_mut(width).enumerate() {
+            for (j, from) in by_generalised.chunks(width).enumerate().filter(|(j, _)| self.gap_map[i * d + j] != 0.0) {
+                let factor = self.gap_map[i * d + j];
+                by_force.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+            }
+        }
+        by.iter_mut().zip(forces_by).for_each(|(by, change)| *by += inner(&by_force, change));
+        let mut by_gap = vec![0.0; by_force.len()];
+        self.operator.apply_transposed(&by_force, &mut by_gap);
+        by_x.iter_mut().zip(self.generalised(&by_gap)).for_each(|(to, from)| *to += from);
+        (by_x, by)
+    }
+}
+
+impl ParametricSystem for PeriodicSystem {
+    type Error = HbmError;
+
+    fn dim(&self) -> usize {
+        self.n_coefficients() + self.conditions.n_unknowns()
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), HbmError> {
+        let at = self.solve(x, p)?;
+        self.differentiate_forces();
+        (0..out.jacobian.ncols()).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
+        let (size, dim, unit) = (self.n_coefficients(), self.dim(), self.unit());
+        let column = |column: Column| match column {
+            Column::Unknown(index) => size + index,
+            Column::Parameter => dim,
+        };
+        let slopes = self.conditions.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
+        let moved = self.load_gaps(at);
+        let moves_gaps = self.load.moves_gaps();
+        let mut forces_by = [0, 1, 2].map(|_| vec![0.0; self.forces.len()]);
+        for t in (0..3).filter(|_| moves_gaps) {
+            self.operator.apply(&moved[t], &mut forces_by[t]);
+        }
+        let generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
+        for n in 0..self.blocks.len() {
+            self.assembly.rows_of(n, &self.blocks[n], unit, &mut out.residual);
+            for (t, slope) in slopes.iter().enumerate() {
+                let Some((column, slope)) = slope else { continue };
+                let force = complex_harmonic(self.operator.series(), &generalised_by[t], n);
+                self.assembly.scalar_column(n, &self.blocks[n], t, &force, slope / unit, *column, &mut out.jacobian);
+            }
+        }
+        let series = self.operator.series();
+        let eta: Vec<&[Complex64]> = self.blocks.iter().map(|b| b.eta.as_slice()).collect();
+        let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
+        let motion = Motion { at, p, x: &x[..size], eta: &eta, forces: &forces, load: &self.load };
+        for (k, equation) in self.conditions.equations.iter().enumerate() {
+            let functional = equation.evaluate(&motion)?;
+            out.residual[size + k] = functional.value;
+            let (entries, by) = self.gradient(&functional, &forces_by);
+            for (j, entry) in entries.iter().enumerate() {
+                out.jacobian[(size + k, j)] = entry * unit + functional.x.get(j).copied().unwrap_or(0.0);
+            }
+            for (by, slope) in by.iter().zip(&slopes) {
+                if let Some((column, slope)) = slope {
+                    out.jacobian[(size + k, *column)] += by * slope;
+                }
+            }
+            out.jacobian[(size + k, dim)] += functional.by_parameter;
+        }
+        self.assembly.write(&mut out.jacobian);
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.operator.pattern()
+    }
+
+    fn accepted(&mut self, x: &[f64], _p: f64) {
+        self.hold_phase(x);
+    }
+}
