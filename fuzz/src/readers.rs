@@ -2,10 +2,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
-use nlmodes_cli::readers;
 use nlmodes_experiment::records::{
     Channel, Quantity, RecordError, RecordTable, Role, read_csv, read_npy, read_uff, read_wav,
 };
+use nlmodes_run::readers;
 use nlmodes_scene as config;
 
 use crate::corpus;
@@ -68,7 +68,7 @@ fn scene(bytes: &[u8]) {
     let argument = text.lines().next_back().unwrap_or_default().to_owned();
     for arguments in [&[][..], &[argument]] {
         match config::parse_each_method("scene.toml", &text, arguments) {
-            Ok(files) => drop(config::warnings_text(&files)),
+            Ok(files) => drop(config::warnings_text(&files, false)),
             Err(refused) => shown(&refused),
         }
     }
@@ -76,14 +76,14 @@ fn scene(bytes: &[u8]) {
 
 fn record_scene(bytes: &[u8]) {
     match config::parse_records("scene.toml", &String::from_utf8_lossy(bytes), &[]) {
-        Ok(file) => drop(file.warnings_text()),
+        Ok(file) => drop(file.warnings_text(false)),
         Err(refused) => shown(&refused),
     }
 }
 
 fn test_scene(bytes: &[u8]) {
     match config::parse_test("scene.toml", &String::from_utf8_lossy(bytes), &[]) {
-        Ok(file) => drop(file.warnings_text()),
+        Ok(file) => drop(file.warnings_text(false)),
         Err(refused) => shown(&refused),
     }
 }

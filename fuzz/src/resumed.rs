@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nlmodes_cli::readers::{Interrupted, Left};
+use nlmodes_run::readers::{Interrupted, Left};
 
 use crate::Reader;
 

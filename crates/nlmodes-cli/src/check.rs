@@ -1,7 +1,10 @@
 //! `nlmodes-cli check`: what would be computed, in a few lines.
 
-use crate::config::number;
-use crate::config::scene::{
+pub mod records;
+pub mod test;
+
+use nlmodes_scene::number;
+use nlmodes_scene::scene::{
     AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, Method, MethodKind, Scene, Section, Start,
     Structure, Updating,
 };

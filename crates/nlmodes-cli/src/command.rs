@@ -1,18 +1,18 @@
 //! The command line.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
-use serde_json::Value;
+use nlmodes_run::updating::updated;
+use nlmodes_run::{chain, no_contact};
+use nlmodes_scene::scene::TestScene;
+use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory};
 
-use crate::claim::{Claim, Over, identity};
-use crate::config::{self, AnyScene, Refused, SceneFile, memory, wants_colours};
 use crate::options::RunOptions;
-use crate::{
-    Status, check, compare, experiment, interrupt, lcp, links, modes, new, run as study, updating, verify, virtual_test,
-};
+use crate::terminal::{print, refuse, refuse_run, wants_colours};
+use crate::watch::Watch;
+use crate::{Status, check, compare, extract, interrupt, lcp, modes, new, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -168,47 +168,25 @@ pub fn run() -> Status {
     match CommandLine::parse().command {
         Command::Run { scene, out, options } => {
             let limit = scene.memory_limit;
-            with(config::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, options))
+            with(scenes::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, options))
         }
         Command::New(arguments) => new::write(&arguments),
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
             if file.scene.contacts.is_empty() {
-                return no_contact(&file);
+                return refuse(&no_contact(&file));
             }
-            with_parameters(file, false, |file| compare::run(file, &compare))
+            with_parameters(file, |file| compare::run(file, &compare))
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
-        Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, false, modes::modes)),
-        Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => extract(&scene, out, force, quiet),
-        Command::Check { scene: SceneArguments { path, overrides, memory_limit } } => {
-            with(config::load_any(&path, &overrides), |scene| match scene {
-                AnyScene::Structure(mut files) => {
-                    if let Err(said) = memory::admit(&mut files, memory_limit) {
-                        return refuse(&said);
-                    }
-                    say_warnings(&files);
-                    each(files, |file| {
-                        if file.scene.contacts.is_empty() {
-                            return no_contact(&file);
-                        }
-                        match with_parameters(file.clone(), true, study::check) {
-                            Status::Done => print(&check::summary(&file.scene)),
-                            status => status,
-                        }
-                    })
-                }
-                AnyScene::Records(file) => with_warnings(*file, |file| print(&experiment::summary(&file.scene))),
-                AnyScene::Test(file) => match memory::admit_test(&file, memory_limit) {
-                    Ok(()) => with_warnings(*file, |file| match virtual_test::check(&file) {
-                        Status::Done => print(&virtual_test::summary(&file.scene)),
-                        status => status,
-                    }),
-                    Err(said) => refuse(&said),
-                },
-            })
+        Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, modes::run)),
+        Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => {
+            extract_records(&scene, out, force, quiet)
         }
-        Command::Schema => print(&format!("{:#}", config::whole_schema())),
+        Command::Check { scene: SceneArguments { path, overrides, memory_limit } } => {
+            with(scenes::load_any(&path, &overrides), |scene| check_any(scene, memory_limit))
+        }
+        Command::Schema => print(&format!("{:#}", scenes::whole_schema())),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut CommandLine::command(), "nlmodes-cli", &mut script);
@@ -217,21 +195,49 @@ pub fn run() -> Status {
     }
 }
 
+/// Says what a scene would compute.
+fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
+    match scene {
+        AnyScene::Structure(mut files) => {
+            if let Err(said) = memory::admit(&mut files, limit) {
+                return refuse(&said);
+            }
+            say_warnings(&files);
+            each(files, |file| {
+                if file.scene.contacts.is_empty() {
+                    return refuse(&no_contact(&file));
+                }
+                match updated(file.clone()).and_then(|updated| nlmodes_run::check(&updated)) {
+                    Ok(()) => print(&check::summary(&file.scene)),
+                    Err(error) => refuse_run(&error),
+                }
+            })
+        }
+        AnyScene::Records(file) => with_warnings(*file, |file| print(&check::records::summary(&file.scene))),
+        AnyScene::Test(file) => match memory::admit_test(&file, limit) {
+            Ok(()) => with_warnings(*file, |file| match nlmodes_run::virtual_test::check(&file) {
+                Ok(()) => print(&check::test::summary(&file.scene)),
+                Err(error) => refuse_run(&error),
+            }),
+            Err(said) => refuse(&said),
+        },
+    }
+}
+
 /// Computes what the scene describes.
 fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, options: RunOptions) -> Status {
     interrupt::install();
     match scene {
         AnyScene::Structure(mut files) => match memory::admit(&mut files, limit) {
-            Ok(()) => run_each(files, out, options),
+            Ok(()) => run_structure(files, out, options),
             Err(said) => refuse(&said),
         },
         AnyScene::Test(file) => with_warnings(*file, |mut file| {
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            let admitted = memory::admit_test(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
-            match admitted {
-                Ok(()) => virtual_test::run(&file, options),
+            match memory::admit_test(&file, limit) {
+                Ok(()) => run_test(&file, options),
                 Err(said) => refuse(&said),
             }
         }),
@@ -240,11 +246,42 @@ fn run_any(scene: AnyScene, out: Option<PathBuf>, limit: Option<memory::Limit>, 
     }
 }
 
+/// Runs a scene with one method, or several that differ in it.
+fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions) -> Status {
+    say_warnings(&files);
+    if let Some(out) = &out {
+        files.iter_mut().for_each(|file| file.scene.output_directory.clone_from(out));
+    }
+    let mut watch = Watch::new(options);
+    match nlmodes_run::run(files, options.over(), &mut watch) {
+        Ok(outcome) => {
+            if let Some(error) = &outcome.failure {
+                say!("error: {}", chain(error.as_ref()));
+            }
+            if outcome.is_complete() { watch.status } else { Status::EndedEarly }
+        }
+        Err(error) => refuse_run(&error),
+    }
+}
+
+/// Runs a virtual test.
+fn run_test(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
+    let outcome = match nlmodes_run::virtual_test::run(file, options.over(), &mut Watch::new(options)) {
+        Ok(outcome) => outcome,
+        Err(error) => return refuse_run(&error),
+    };
+    outcome.wrong.iter().for_each(|reason| say!("warning: {reason}"));
+    if !options.quiet {
+        print(&format!("Results in {}", file.scene.output_directory.display()));
+    }
+    if outcome.wrong.is_empty() { Status::Done } else { Status::EndedEarly }
+}
+
 /// Reads the scene of a structure, says what is wrong or looks wrong with it, and goes on if nothing stands in the way.
 ///
 /// A scene with several methods is gone through for each of them.
 fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Status) -> Status {
-    let loaded = config::load_each_method(&arguments.path, &arguments.overrides);
+    let loaded = scenes::load_each_method(&arguments.path, &arguments.overrides);
     with(loaded, |mut files| {
         if let Err(said) = memory::admit(&mut files, arguments.memory_limit) {
             return refuse(&said);
@@ -258,7 +295,7 @@ fn with_scene(arguments: &SceneArguments, mut then: impl FnMut(SceneFile) -> Sta
 fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let count = files.len();
     for (k, file) in files.into_iter().enumerate() {
-        let named = say_method(&file, k, count);
+        let named = modes::say_method(&file.scene, k, count);
         let status = if named == Status::Done { then(file) } else { named };
         if status != Status::Done {
             return status;
@@ -267,70 +304,15 @@ fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Sta
     Status::Done
 }
 
-/// Says of which of several methods the lines that follow are.
-fn say_method(file: &SceneFile, number: usize, count: usize) -> Status {
-    if count < 2 {
-        return Status::Done;
-    }
-    let space = if number > 0 { "\n" } else { "" };
-    print(&format!("{space}[[method]] {} of {count}: {}", number + 1, file.scene.method.kind.name()))
-}
-
-/// Runs a scene with one method, or several that differ in it.
-fn run_each(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOptions) -> Status {
-    say_warnings(&files);
-    for file in &mut files {
-        if let Some(out) = &out {
-            file.scene.output_directory.clone_from(out);
-        }
-        if file.scene.contacts.is_empty() {
-            return no_contact(file);
-        }
-        if let Err(said) = links::refuse(&file.scene.output_directory) {
-            return refuse(&said);
-        }
-    }
-    let claim = match claim(&files, options) {
-        Ok(claim) => claim,
-        Err(status) => return status,
-    };
-    let mut updated = Vec::new();
-    let count = files.len();
-    for (k, file) in files.into_iter().enumerate() {
-        if file.scene.updating.is_some() && !options.quiet {
-            say_method(&file, k, count);
-        }
-        let status = with_parameters(file, options.quiet, |file| {
-            updated.push(file.clone());
-            Status::Done
-        });
-        if status != Status::Done {
-            return status;
-        }
-    }
-    study::run(&updated, &claim, options)
-}
-
-/// The output directory of scenes that differ in their method only.
-fn claim(files: &[SceneFile], options: RunOptions) -> Result<Claim, Status> {
-    let Some(first) = files.first() else { return Err(Status::Wrong) };
-    let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
-    let scenes = Value::Array(files.iter().map(scene).collect());
-    Claim::new(&first.scene.output_directory, &first.document, scenes, Over::of(options))
-}
-
-/// The same for a scene of measured records.
-fn extract(arguments: &SceneArguments, out: Option<PathBuf>, force: bool, quiet: bool) -> Status {
-    with(config::load_records(&arguments.path, &arguments.overrides), |file| {
+/// Extracts modal points from the records of a scene.
+fn extract_records(arguments: &SceneArguments, out: Option<PathBuf>, force: bool, quiet: bool) -> Status {
+    with(scenes::load_records(&arguments.path, &arguments.overrides), |file| {
         with_warnings(file, |mut file| {
             if let Some(out) = out {
                 file.scene.output_directory = out;
             }
-            let limit = arguments.memory_limit;
-            let admitted =
-                memory::admit_records(&file, limit).and_then(|()| links::refuse(&file.scene.output_directory));
-            match admitted {
-                Ok(()) => experiment::extract(&file, RunOptions { force, quiet, ..RunOptions::default() }),
+            match memory::admit_records(&file, arguments.memory_limit) {
+                Ok(()) => extract::run(&file, RunOptions { force, quiet, ..RunOptions::default() }),
                 Err(said) => refuse(&said),
             }
         })
@@ -349,22 +331,21 @@ fn with<T>(loaded: Result<T, Box<Refused>>, then: impl FnOnce(T) -> Status) -> S
 }
 
 /// Updates the parameters that the scene asks for, says so, and goes on.
-fn with_parameters(file: SceneFile, quiet: bool, then: impl FnOnce(&SceneFile) -> Status) -> Status {
-    match updating::updated(file) {
-        Ok(file) => {
-            let said = file.scene.updating.as_ref().and_then(updating::said).filter(|_| !quiet);
-            match said.map_or(Status::Done, |text| print(&format!("{text}\n"))) {
-                Status::Done => then(&file),
-                status => status,
-            }
-        }
-        Err(status) => status,
+fn with_parameters(file: SceneFile, then: impl FnOnce(&SceneFile) -> Status) -> Status {
+    let file = match updated(file) {
+        Ok(file) => file,
+        Err(error) => return refuse_run(&error),
+    };
+    let said = file.scene.updating.as_ref().and_then(modes::updated);
+    match said.map_or(Status::Done, |text| print(&format!("{text}\n"))) {
+        Status::Done => then(&file),
+        status => status,
     }
 }
 
 /// Says what looks wrong with the scenes of one file, each thing once.
 fn say_warnings(files: &[SceneFile]) {
-    let warnings = config::warnings_text(files);
+    let warnings = scenes::warnings_text(files, wants_colours());
     if !warnings.is_empty() {
         say!("{warnings}\n");
     }
@@ -373,30 +354,7 @@ fn say_warnings(files: &[SceneFile]) {
 /// Says what looks wrong with the scene, and goes on.
 fn with_warnings<S>(file: SceneFile<S>, then: impl FnOnce(SceneFile<S>) -> Status) -> Status {
     if !file.warnings.is_empty() {
-        say!("{}\n", file.warnings_text());
+        say!("{}\n", file.warnings_text(wants_colours()));
     }
     then(file)
-}
-
-/// Says what stands in the way of a sound scene.
-fn refuse(said: &str) -> Status {
-    say!("{said}");
-    Status::Wrong
-}
-
-fn no_contact(file: &SceneFile) -> Status {
-    let help = ["a stop stands under a heading [[contact]]; `nlmodes-cli modes` computes the linear modes without one"];
-    say!("{}", file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help));
-    Status::Wrong
-}
-
-/// Prints a line or several to standard output. A reader that has gone away, as in `| head`, is no error.
-pub(crate) fn print(text: &str) -> Status {
-    match writeln!(io::stdout(), "{text}") {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            say!("error: cannot write to standard output: {error}");
-            Status::EndedEarly
-        }
-        _ => Status::Done,
-    }
 }

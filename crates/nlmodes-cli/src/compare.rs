@@ -1,26 +1,15 @@
 //! `nlmodes-cli compare`: the same branch with several contact solvers.
 
-mod difference;
-mod measure;
-mod table;
-
 use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use nlmodes::contact::SOLVER_NAMES;
-use nlmodes::hbm::HbmError;
-use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{ComputedBranch, StudyError};
+use nlmodes_run::compare::{Difference, Row, Run, rows, write};
+use nlmodes_scene::SceneFile;
 
 use crate::Status;
-use crate::command::print;
-use crate::config::SceneFile;
-use crate::config::scene::MethodKind;
-use crate::run::{chain, models, refuse_study};
-use difference::difference;
-use measure::{branch, largest_violation};
-use table::{Row, Run};
+use crate::terminal::{print, refuse_run};
 
 /// What stands on the command line beside the scene.
 #[derive(Debug, Args)]
@@ -41,54 +30,18 @@ pub struct Arguments {
 
 /// Computes the branch with each solver and prints the table; the first branch is the reference of the others.
 pub fn run(file: &SceneFile, arguments: &Arguments) -> Status {
-    if file.scene.method.kind == MethodKind::Shooting {
-        let title = "there are no contact solvers to compare in method \"shooting\"";
-        let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at each instant";
-        say!("{}", file.error_at("method.kind", title, "expected \"ms-hbm\" or \"hbm\" here", &[help]));
-        return Status::Wrong;
-    }
-    match models(file).and_then(|(_, massless)| rows(file, &massless, &arguments.solvers)) {
+    match rows(file, &arguments.solvers) {
         Ok(rows) => finish(file, arguments, &rows),
-        Err(status) => status,
+        Err(error) => refuse_run(&error),
     }
-}
-
-fn rows(file: &SceneFile, model: &MasslessContactModel, solvers: &[String]) -> Result<Vec<Row>, Status> {
-    let mut reference: Option<ComputedBranch> = None;
-    let mut rows = Vec::new();
-    for solver in solvers {
-        let outcome = match branch(&file.scene, model, solver) {
-            Ok((computed, time)) => {
-                let violation = largest_violation(&computed).map_err(|error| refuse_study(file, &error))?;
-                let difference = reference.as_ref().map(|first| difference(&first.branch, &computed.branch));
-                let run = Run::new(&computed, time, violation, difference);
-                reference.get_or_insert(computed);
-                Ok(run)
-            }
-            Err(error) if concerns_the_solver(&error) => Err(chain(&error)),
-            Err(error) => return Err(refuse_study(file, &error)),
-        };
-        rows.push(Row { solver: solver.clone(), outcome });
-    }
-    Ok(rows)
-}
-
-/// Whether another solver may succeed where this error was met; all other errors are those of the scene.
-fn concerns_the_solver(error: &StudyError) -> bool {
-    matches!(
-        error,
-        StudyError::Contact(_)
-            | StudyError::Continuation(_)
-            | StudyError::Hbm(HbmError::Contact { .. } | HbmError::Compliance(_))
-    )
 }
 
 fn finish(file: &SceneFile, arguments: &Arguments, rows: &[Row]) -> Status {
-    let mut text = table::text(&file.scene.title, rows);
+    let mut text = text(&file.scene.title, rows);
     if let Some(directory) = &arguments.out {
         let path = directory.join("compare.csv");
         let place = std::fs::create_dir_all(directory).map_err(csv::Error::from);
-        if let Err(error) = place.and_then(|()| table::write(&path, rows)) {
+        if let Err(error) = place.and_then(|()| write(&path, rows)) {
             print(text.trim_end());
             say!("error: the table cannot be written to {}: {error}", path.display());
             return Status::Wrong;
@@ -99,4 +52,46 @@ fn finish(file: &SceneFile, arguments: &Arguments, rows: &[Row]) -> Status {
         Status::Done if !rows.iter().all(Row::is_complete) => Status::EndedEarly,
         status => status,
     }
+}
+
+const EXPLANATION: &str = "
+iterations  of Newton's method: evaluations of residual and Jacobian
+contact     iterations of the contact solver over all problems, each solver in its own unit
+violation   of 0 ≤ g ⊥ λ ≥ 0 at 256 instants of each point, over the amplitude at grazing
+difference  in frequency or energy, relative, from the first branch
+";
+
+/// The table as text.
+fn text(title: &str, rows: &[Row]) -> String {
+    let mut text = format!(
+        "{title}\n\n{:<14}{:>7}{:>11}{:>12}{:>11}{:>11}{:>13}  {}\n",
+        "solver", "points", "time, s", "iterations", "contact", "violation", "difference", "ended"
+    );
+    for row in rows {
+        text += &match &row.outcome {
+            Ok(run) => line(&row.solver, run),
+            Err(reason) => format!("{:<14}no branch: {reason}\n", row.solver),
+        };
+    }
+    text += EXPLANATION;
+    let chords =
+        |row: &Row| row.outcome.as_ref().is_ok_and(|r| matches!(r.difference, Some(Difference::FromChords(_))));
+    if rows.iter().any(chords) {
+        text += "~           the branch has another number of points: distance from the chords of the first, with their error\n";
+    }
+    text
+}
+
+fn line(solver: &str, run: &Run) -> String {
+    let difference = match run.difference {
+        None => "-".to_owned(),
+        Some(Difference::OfPoints(d)) => format!("{d:.1e}"),
+        Some(Difference::FromChords(d)) => format!("~{d:.1e}"),
+    };
+    let end = if run.end.complete { run.end.reason.clone() } else { format!("early: {}", run.end.message) };
+    let seconds = run.time.as_secs_f64();
+    format!(
+        "{solver:<14}{:>7}{seconds:>11.4}{:>12}{:>11}{:>11.1e}{difference:>13}  {end}\n",
+        run.points, run.evaluations, run.contact_iterations, run.violation
+    )
 }

@@ -1,9 +1,5 @@
 //! `nlmodes-cli lcp`: contact problems of one's own, `0 ≤ A λ + b ⊥ λ ≥ 0`, from a NumPy archive.
 
-pub(crate) mod archive;
-pub(crate) mod error;
-pub(crate) mod problem;
-mod solution;
 mod summary;
 
 use std::path::PathBuf;
@@ -12,12 +8,11 @@ use std::time::Instant;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use nlmodes::contact::{LcpError, LcpSolver, SOLVER_NAMES, Series, SeriesSolution, Start, solver_by_name};
+use nlmodes_run::chain;
+use nlmodes_run::lcp::{Problem, ProblemError, check_place, read, write};
 
 use crate::Status;
-use crate::command::print;
-use crate::run::chain;
-use error::ProblemError;
-use problem::Problem;
+use crate::terminal::print;
 
 /// What stands on the command line.
 #[derive(Debug, Args)]
@@ -46,9 +41,9 @@ pub fn run(arguments: &Arguments) -> Status {
 
 fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
     let solver = solver_by_name(&arguments.contact_solver)?;
-    let problem = problem::read(&arguments.problem)?;
+    let problem = read(&arguments.problem)?;
     if let Some(path) = &arguments.out {
-        solution::check_place(path, &arguments.problem)?;
+        check_place(path, &arguments.problem)?;
     }
     let mut solution = SeriesSolution::default();
     let began = Instant::now();
@@ -60,7 +55,7 @@ fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
         Err(error) => return Err(error.into()),
     };
     if let Some(path) = arguments.out.as_ref().filter(|_| solved > 0) {
-        solution::write(path, &solution, solved, problem.matrix.n_contacts())?;
+        write(path, &solution, solved, problem.matrix.n_contacts())?;
     }
     let Some((sample, reason)) = failure else {
         return Ok(print(&summary::text(solver.name(), &problem, &solution, time)));

@@ -1,6 +1,7 @@
 //! The command line of nlmodes: from a scene file to branch, tables and figures.
 //!
-//! `nlmodes-scene` reads and checks scenes, [`command`] takes the command line apart, and each command is a module of its own.
+//! [`command`] takes the command line apart, and each command is a module of its own; `nlmodes-scene` reads and checks scenes, `nlmodes-run`
+//! computes and writes. Here is what is said about it on a terminal.
 
 /// Prints a line to standard error; one that nobody can read is no error.
 macro_rules! say {
@@ -11,23 +12,19 @@ macro_rules! say {
 }
 
 mod check;
-mod claim;
 pub mod command;
 mod compare;
-mod experiment;
+mod extract;
 mod interrupt;
 mod lcp;
-mod links;
 mod modes;
 mod new;
 mod options;
-#[doc(hidden)]
-pub mod readers;
-mod run;
+mod progress;
 mod status;
-mod updating;
+mod terminal;
+mod told;
 mod verify;
-mod virtual_test;
+mod watch;
 
-use nlmodes_scene as config;
 pub use status::Status;

@@ -1,89 +1,35 @@
 //! `nlmodes-cli modes`: the linear modes, with and without the mass redistribution.
 
-use std::f64::consts::TAU;
-
-use nlmodes::model::{MasslessContactModel, StructuralModel, held_modes, linear_modes};
-use serde::Serialize;
+use nlmodes_run::chain;
+use nlmodes_run::linear::{LinearFrequencies, linear_frequencies, modal_model};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::structural_model;
+use nlmodes_scene::scene::{Scene, Updating};
 
 use crate::Status;
-use crate::command::print;
-use crate::config::SceneFile;
-use crate::config::number;
-use crate::config::scene::{Scene, Structure, StructureKind};
-use crate::run::chain;
-use nlmodes_scene::assemble::{StructureError, element_model, redistribution, structural_model};
-
-/// Modes of the table.
-const COUNT: usize = 10;
-
-/// Lowest linear frequencies, Hz.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct LinearFrequencies {
-    /// Contacts open, contact mass kept.
-    pub mass_kept: Vec<f64>,
-    /// Contacts open, contact mass as the method has it, without the imposed frequencies of `[structure.modes]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub of_the_elements: Option<Vec<f64>>,
-    /// Contacts open, contact mass redistributed.
-    pub mass_redistributed: Option<Vec<f64>>,
-    /// Contacts held, contact mass redistributed.
-    pub contacts_held: Option<Vec<f64>>,
-}
-
-/// Computes the lowest frequencies of the scene's structure.
-///
-/// # Errors
-/// [`StructureError`] if an eigenproblem cannot be solved.
-pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
-    let hertz = |omega: Vec<f64>| omega.into_iter().map(|ω| ω / TAU).collect::<Vec<f64>>();
-    let mass_kept = hertz(linear_modes(model.mass(), model.stiffness(), COUNT)?.omega);
-    let rule = redistribution(scene).filter(|_| !model.contacts().is_empty());
-    let of_the_elements = match scene.structure.modes {
-        Some(_) => {
-            let elements = element_model(scene)?;
-            let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
-            let mass = redistributed.as_ref().unwrap_or(elements.mass());
-            Some(hertz(linear_modes(mass, elements.stiffness(), COUNT)?.omega))
-        }
-        None => None,
-    };
-    let Some(rule) = rule else {
-        return Ok(LinearFrequencies { mass_kept, of_the_elements, ..LinearFrequencies::default() });
-    };
-    let massless = MasslessContactModel::new(model, rule)?;
-    Ok(LinearFrequencies {
-        mass_kept,
-        of_the_elements,
-        mass_redistributed: Some(hertz(linear_modes(massless.mass(), massless.stiffness(), COUNT)?.omega)),
-        contacts_held: Some(hertz(held_modes(&massless, COUNT)?.omega)),
-    })
-}
+use crate::terminal::{print, refuse};
 
 /// Prints the table of linear modes.
-pub fn modes(file: &SceneFile) -> Status {
+pub fn run(file: &SceneFile) -> Status {
     let found = structural_model(&file.scene).and_then(|model| linear_frequencies(&file.scene, &model));
     match found {
         Ok(found) => print(table(&file.scene, &found).trim_end()),
-        Err(error) => {
-            say!("{}", file.error_at(error.path(), &chain(&error), "", &[]));
-            Status::Wrong
-        }
+        Err(error) => refuse(&file.error_at(error.path(), &chain(&error), "", &[])),
     }
 }
 
-/// What a structure with imposed frequencies is, in a line: nobody should take it for that of the elements.
-pub fn modal_model(structure: &Structure) -> Option<String> {
-    let modes = structure.modes.as_ref()?;
-    let list: Vec<String> = modes.frequencies_hz.iter().map(|hz| number(*hz)).collect();
-    let kind = match structure.kind() {
-        StructureKind::Rod => "axial",
-        StructureKind::Beam => "bending",
+/// Says of which of several methods the lines that follow are.
+pub fn say_method(scene: &Scene, number: usize, count: usize) -> Status {
+    if count < 2 {
+        return Status::Done;
+    }
+    let space = if number > 0 {
+        "
+"
+    } else {
+        ""
     };
-    let which = match list.len() {
-        1 => format!("the lowest {kind} mode has its frequency"),
-        n => format!("the lowest {n} {kind} modes have their frequencies"),
-    };
-    Some(format!("modal model: {which} imposed, {} Hz, on the shapes of the elements", list.join(", ")))
+    print(&format!("{space}[[method]] {} of {count}: {}", number + 1, scene.method.kind.name()))
 }
 
 fn table(scene: &Scene, found: &LinearFrequencies) -> String {
@@ -108,4 +54,16 @@ fn table(scene: &Scene, found: &LinearFrequencies) -> String {
         text += "\n";
     }
     text
+}
+
+/// What was done, in a line for each parameter and each frequency.
+pub fn updated(updating: &Updating) -> Option<String> {
+    let done = updating.done.as_ref()?;
+    let parameters = updating.parameters.iter().zip(done.from.iter().zip(&done.to));
+    let parameters = parameters.map(|(p, (from, to))| format!("updated {}: {from:.6e} became {to:.6e}", p.name()));
+    let frequencies = updating.modes.iter().zip(&updating.frequencies_hz).zip(done.from_hz.iter().zip(&done.to_hz));
+    let frequencies = frequencies.map(|((mode, given), (from, to))| {
+        format!("  mode {mode}: {from:.6} Hz became {to:.6} Hz, given {given} Hz ({:+.1e})", to / given - 1.0)
+    });
+    Some(parameters.chain(frequencies).collect::<Vec<_>>().join("\n"))
 }

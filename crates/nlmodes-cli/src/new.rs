@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::Status;
-use crate::command::print;
+use crate::terminal::print;
 
 /// What stands on the command line.
 #[derive(Debug, Args)]

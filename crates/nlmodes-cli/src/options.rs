@@ -1,4 +1,7 @@
+//! How a run goes about it.
+
 use clap::Args;
+use nlmodes_run::Over;
 
 /// How a run goes about it.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -15,4 +18,15 @@ pub struct RunOptions {
     /// A line for every point
     #[arg(long, short, conflicts_with = "quiet")]
     pub verbose: bool,
+}
+
+impl RunOptions {
+    /// What may be overwritten.
+    pub fn over(self) -> Over {
+        match (self.resume, self.force) {
+            (true, _) => Over::Resumed,
+            (_, true) => Over::Anything,
+            _ => Over::Same,
+        }
+    }
 }

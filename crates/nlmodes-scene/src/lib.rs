@@ -12,7 +12,7 @@
 //! | [`parse_each_method`], [`load_each_method`] | text or file → the checked scene of a structure, one for each method |
 //! | [`load_any`], [`load_to_run`] | the same for a file of any kind: [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
-//! | [`Refused`], [`Problem`] | what is wrong, and where it stands |
+//! | [`Refused`], [`SceneError`], [`Problem`] | what is wrong, and where it stands |
 //! | [`whole_schema`] | every key with its unit, limits and default |
 //! | [`assemble`] | scene → structural model |
 //! | [`memory`] | what a scene needs, before anything is computed |
@@ -65,6 +65,7 @@ mod refused;
 mod render;
 mod rule;
 pub mod scene;
+mod scene_error;
 mod schema;
 mod set;
 mod sources;
@@ -76,9 +77,9 @@ pub use file::FileError;
 pub use findings::Findings;
 pub use problem::{Mark, Problem, Severity};
 pub use refused::Refused;
-pub use render::wants_colours;
 pub use rule::number;
 pub use scene::{RecordScene, Scene, TestScene};
+pub use scene_error::SceneError;
 pub use schema::{schema, whole_schema};
 pub use sources::{Source, Sources};
 
@@ -100,10 +101,10 @@ pub struct SceneFile<S = Scene> {
 }
 
 impl<S> SceneFile<S> {
-    /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`), as text; `label` is said beside the value.
-    pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> String {
+    /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is said beside the value.
+    pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> SceneError {
         let problem = help.iter().fold(Problem::error(title), |problem, help| problem.help(*help));
-        self.document.render(&[self.document.put(problem, path, label)], wants_colours())
+        SceneError::new(self.document.clone(), self.document.put(problem, path, label))
     }
 
     /// Adds a warning at the value of a key.
@@ -113,8 +114,8 @@ impl<S> SceneFile<S> {
     }
 
     /// The warnings as text; empty if there are none.
-    pub fn warnings_text(&self) -> String {
-        self.document.render(&self.warnings, wants_colours())
+    pub fn warnings_text(&self, colours: bool) -> String {
+        self.document.render(&self.warnings, colours)
     }
 
     /// The warnings, a line each without its place.
@@ -124,9 +125,9 @@ impl<S> SceneFile<S> {
 }
 
 /// The warnings of all scenes of one file as text, each once; empty if there are none.
-pub fn warnings_text(files: &[SceneFile]) -> String {
+pub fn warnings_text(files: &[SceneFile], colours: bool) -> String {
     let all = files.iter().flat_map(|file| file.warnings.iter().cloned()).collect();
-    files.first().map_or_else(String::new, |file| file.document.render(&problem::each_once(all), wants_colours()))
+    files.first().map_or_else(String::new, |file| file.document.render(&problem::each_once(all), colours))
 }
 
 /// A scene of any kind.

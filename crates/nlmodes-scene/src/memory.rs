@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use nlmodes::hbm::MAX_RECORDED;
 
-use crate::SceneFile;
 use crate::scene::{RecordScene, Scene, Switching, Symmetry, TestScene};
+use crate::{SceneError, SceneFile};
 
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 const UNITS: [(&str, f64); 7] =
@@ -121,7 +121,7 @@ impl Needs {
 ///
 /// # Errors
 /// The message at its place in the scene.
-pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), String> {
+pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), SceneError> {
     let limit = limit.unwrap_or_else(Limit::of_machine);
     let needs: Vec<Needs> = files.iter().map(|file| Needs::of(&file.scene)).collect();
     for (file, needs) in files.iter().zip(&needs) {
@@ -149,7 +149,7 @@ pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), String
     Ok(())
 }
 
-fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> String {
+fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneError {
     let scene = &file.scene;
     let path = if needs.structure > needs.problem { "structure.elements" } else { "method.harmonics" };
     let title = format!("the scene needs some {} of memory", text(least));
@@ -157,14 +157,14 @@ fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> String
         [(scene.structure.elements, "element"), (scene.method.harmonics, "harmonic"), (scene.contacts.len(), "stop")];
     let label = counts.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).join(", ");
     let less = "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less";
-    format!("{}\n\nnothing was computed or written", file.error_at(path, &title, &label, &[&limit.help(least), less]))
+    file.error_at(path, &title, &label, &[&limit.help(least), less]).with_last_line("nothing was computed or written")
 }
 
 /// The same for a virtual test, of which the records of all levels are kept.
 ///
 /// # Errors
 /// The message at its place in the scene.
-pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), String> {
+pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), SceneError> {
     let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
     let samples = scene.schedule.record * scene.sample_rate;
     let channels = scene.accelerometers.len() as f64 + 7.0;
@@ -182,7 +182,7 @@ pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(
 ///
 /// # Errors
 /// The message at its place in the scene.
-pub fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<(), String> {
+pub fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<(), SceneError> {
     let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
     let bytes = |name: &String| fs::metadata(scene.base.join(name)).map_or(0.0, |data| data.len() as f64);
     // Two bytes of a sound file become a number of eight; text and its numbers are there at the same time.
@@ -218,12 +218,13 @@ mod tests {
     fn what_fits_is_admitted_and_what_does_not_is_refused_with_both_figures() {
         let limit = Some(Limit(GIB));
         admit(&mut rod(&[]), limit).unwrap();
-        let said = admit(&mut rod(&["method.harmonics=1000", "structure.elements=100000"]), limit).unwrap_err();
+        let said =
+            admit(&mut rod(&["method.harmonics=1000", "structure.elements=100000"]), limit).unwrap_err().to_string();
         assert!(said.contains("GiB of memory") && said.contains("the limit is 1.0 GiB"), "{said}");
         // 10⁵ elements with 5 harmonics are to be computed within 2 GiB.
         let mut large = rod(&["method.harmonics=5", "structure.elements=100000"]);
         admit(&mut large, Some(Limit(2.0 * GIB))).unwrap();
         assert!(large[0].scene.continuation.max_points < 5000);
-        assert!(large[0].warnings_text().contains("may fit into memory"));
+        assert!(large[0].warnings_text(false).contains("may fit into memory"));
     }
 }

@@ -1,7 +1,5 @@
 //! Problems as text: file, line, column, the line itself, and what to do.
 
-use std::io::{self, IsTerminal};
-
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use crate::{Mark, Problem, Severity, Sources};
@@ -39,13 +37,6 @@ fn short(text: &str) -> String {
         Some((end, _)) => format!("{} …", &text[..end]),
         None => text.to_owned(),
     }
-}
-
-/// Whether standard error is a terminal that wants colours: `NO_COLOR` is unset or empty, and `TERM` is not `dumb`.
-pub fn wants_colours() -> bool {
-    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
-    io::stderr().is_terminal() && !set("NO_COLOR") && !dumb
 }
 
 fn group<'a>(problem: &'a Problem, sources: &'a Sources) -> Group<'a> {

@@ -47,21 +47,21 @@ fn mutate(text: &str, from: usize, length: usize, piece: &str) -> String {
 
 fn reads(text: &str, overrides: &[String]) {
     match config::parse("scene.toml", text, overrides) {
-        Ok(file) => drop(file.warnings_text()),
+        Ok(file) => drop(file.warnings_text(true)),
         Err(refused) => assert!(refused.text(true).contains("error")),
     }
 }
 
 fn reads_records(text: &str, overrides: &[String]) {
     match config::parse_records("scene.toml", text, overrides) {
-        Ok(file) => drop(file.warnings_text()),
+        Ok(file) => drop(file.warnings_text(true)),
         Err(refused) => assert!(refused.text(true).contains("error")),
     }
 }
 
 fn reads_tests(text: &str, overrides: &[String]) {
     match config::parse_test("scene.toml", text, overrides) {
-        Ok(file) => drop(file.warnings_text()),
+        Ok(file) => drop(file.warnings_text(true)),
         Err(refused) => assert!(refused.text(true).contains("error")),
     }
 }

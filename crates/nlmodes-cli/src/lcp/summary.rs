@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use nlmodes::contact::{LcpStatistics, SeriesSolution};
 
-use super::problem::Problem;
+use nlmodes_run::lcp::Problem;
 
 /// Violation, iterations and time, per sample.
 pub fn text(solver: &str, problem: &Problem, solution: &SeriesSolution, time: Duration) -> String {

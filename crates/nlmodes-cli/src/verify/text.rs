@@ -4,9 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use nlmodes::timestep::Verification;
-
-use super::results::Point;
-use super::{Exact, Found};
+use nlmodes_run::verify::{Exact, Found, Point};
 
 /// Closed intervals that are listed.
 const LISTED: usize = 12;

@@ -1,0 +1,42 @@
+//! What `check` says about a scene of records.
+
+use nlmodes_scene::{RecordScene, number};
+
+/// What would be extracted.
+pub fn summary(scene: &RecordScene) -> String {
+    let settings = &scene.settings;
+    let row = |name: &str, text: String| format!("  {name:<12}{text}");
+    let channels: Vec<&str> = scene.recording.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let without = match scene.structure {
+        Some(_) => "of the structure, at the sensors",
+        None => "none: no modal amplitude, damping and participation",
+    };
+    let modes = settings.linear_modes.as_ref().map_or_else(
+        || without.into(),
+        |modes| {
+            format!("{} at {} positions, mode {} is excited", modes.n_modes(), modes.n_coordinates(), settings.mode)
+        },
+    );
+    let rate = scene.recording.sample_rate.map_or_else(|| "of the files".into(), |rate| format!("{} Hz", number(rate)));
+    let pbmif = settings.pbmif_harmonics.map_or_else(|| "all below half the sampling rate".into(), |n| n.to_string());
+    let periods = settings.periods.map_or_else(|| "all".into(), |n| n.to_string());
+    let harmonics = format!("{} of the shape; mode indicator: {pbmif}; periods: {periods}", settings.harmonics);
+    let stop = settings.stop.map_or_else(
+        || "none: no restitution and no contact stiffness".into(),
+        |stop| format!("{} m, gap {} m", number(stop.position), number(stop.gap)),
+    );
+    [
+        scene.title.clone(),
+        String::new(),
+        row("records", scene.files.join(", ")),
+        row("sampling", rate),
+        row("channels", channels.join(", ")),
+        row("modes", modes),
+        row("harmonics", harmonics),
+        row("stop", stop),
+        row("results", scene.output_directory.display().to_string()),
+        String::new(),
+        "The scene is sound; nothing was read or computed.".into(),
+    ]
+    .join("\n")
+}

@@ -1,0 +1,62 @@
+//! What is said on the terminal: lines for the user to standard error, results to standard output.
+
+use std::io::{self, IsTerminal, Write};
+
+use nlmodes_run::{RunError, chain};
+use nlmodes_scene::SceneError;
+
+use crate::Status;
+
+/// Prints a line or several to standard output. A reader that has gone away, as in `| head`, is no error.
+pub fn print(text: &str) -> Status {
+    match writeln!(io::stdout(), "{text}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            say!("error: cannot write to standard output: {error}");
+            Status::EndedEarly
+        }
+        _ => Status::Done,
+    }
+}
+
+/// Whether standard error is a terminal that wants colours: `NO_COLOR` is unset or empty, and `TERM` is not `dumb`.
+pub fn wants_colours() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+    io::stderr().is_terminal() && !set("NO_COLOR") && !dumb
+}
+
+/// Says what stands in the way of a sound scene.
+pub fn refuse(error: &SceneError) -> Status {
+    say!("{}", error.text(wants_colours()));
+    Status::Wrong
+}
+
+/// Says why there are no results.
+pub fn refuse_run(error: &RunError) -> Status {
+    match error {
+        RunError::Scene(said) | RunError::Failed(said) => _ = refuse(said),
+        RunError::Scenes(all) => all.iter().for_each(|said| _ = refuse(said)),
+        RunError::Foreign { .. } => {
+            say!("error: {error}");
+            say!("  `--out DIR` writes to another directory, `--force` overwrites what is there");
+        }
+        RunError::Link { .. } => {
+            say!("error: {error}\nremove it, or choose another directory with --out");
+        }
+        RunError::Unwritable { directory, source, kept } => {
+            say!("error: {}", chain(source));
+            if *kept {
+                let place = directory.display();
+                say!("what was found until then is in {place}; with `--resume` the run goes on from there");
+            } else {
+                say!("expected a directory for the results that can be created and written; nothing was kept");
+            }
+        }
+        RunError::NotRecorded { directory, .. } => {
+            say!("error: {error}");
+            say!("what was recorded until then is in {}", directory.display());
+        }
+        _ => say!("error: {error}"),
+    }
+    if error.is_of_the_call() { Status::Wrong } else { Status::EndedEarly }
+}

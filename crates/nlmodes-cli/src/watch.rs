@@ -1,0 +1,111 @@
+//! What a run tells, on the terminal.
+
+use std::f64::consts::TAU;
+
+use nlmodes::virtual_test::TestLevel;
+use nlmodes_run::linear::modal_model;
+use nlmodes_run::{Event, Observer, chain};
+use nlmodes_scene::number;
+use nlmodes_scene::scene::TestScene;
+
+use crate::options::RunOptions;
+use crate::progress::Progress;
+use crate::terminal::print;
+use crate::{Status, interrupt, modes, told};
+
+/// Says what a run tells, as far as the user wants to hear it, and asks it to end at Ctrl-C.
+pub struct Watch {
+    options: RunOptions,
+    progress: Option<Progress>,
+    /// Whether something could not be told on standard output, or ended early.
+    pub status: Status,
+}
+
+impl Watch {
+    /// Nothing has happened yet.
+    pub fn new(options: RunOptions) -> Self {
+        Self { options, progress: None, status: Status::Done }
+    }
+
+    fn print(&mut self, text: &str) {
+        self.note(print(text));
+    }
+
+    fn note(&mut self, status: Status) {
+        if status != Status::Done {
+            self.status = status;
+        }
+    }
+}
+
+impl Observer for Watch {
+    fn event(&mut self, event: Event<'_>) {
+        let quiet = self.options.quiet;
+        match event {
+            Event::Abandoned { directory, points } => say!(
+                "warning: {} holds an interrupted run of this scene, {points} points, which is computed anew; with `--resume` it goes on",
+                directory.display()
+            ),
+            Event::Updating { number, of, scene } if !quiet => self.note(modes::say_method(scene, number, of)),
+            Event::Updated(updating) if !quiet => {
+                if let Some(text) = modes::updated(updating) {
+                    self.print(&format!("{text}\n"));
+                }
+            }
+            Event::Part { number, of, folder } if !quiet => {
+                say!("part {} of {of}: {}", number + 1, folder.display());
+            }
+            Event::Begun(scene) => {
+                if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+                    _ = print(&text);
+                }
+                self.progress = Some(Progress::new(self.options, scene));
+            }
+            Event::NothingToResume { directory } if !quiet => {
+                say!("{} holds no interrupted run: computed from the beginning", directory.display());
+            }
+            Event::Done(part) => self.note(told::part(part, quiet)),
+            Event::TestBeginsAnew if !quiet => {
+                say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
+            }
+            Event::Rig(text) if !quiet => say!("{text}"),
+            Event::Level { scene, number, level } if !quiet => say!("{}", of_level(scene, number, level)),
+            Event::Point { branch, point, is_new } => {
+                self.progress.iter_mut().for_each(|progress| progress.point(branch, point, is_new));
+            }
+            Event::Withdrawn { kept } => self.progress.iter_mut().for_each(|progress| progress.withdrawn(kept)),
+            Event::Turned { points } => self.progress.iter_mut().for_each(|progress| progress.turned(points)),
+            Event::Computed => self.progress.iter().for_each(Progress::finish),
+            _ => {}
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+/// What is said about a level as soon as it is recorded.
+fn of_level(scene: &TestScene, count: usize, level: &TestLevel) -> String {
+    let (outcome, steady) = (&level.outcome, &level.outcome.steady);
+    let mut text = format!(
+        "level {count} of {}: {} {}, {:.4} Hz, lag {:.3}°, held for {:.1} s",
+        scene.schedule.levels.len(),
+        number(outcome.level),
+        scene.exciter.unit(),
+        steady.omega / TAU,
+        steady.lag.to_degrees(),
+        outcome.settling.duration
+    );
+    match &level.extraction {
+        Ok(found) => {
+            if let Some(modal) = &found.modal {
+                text += &format!(", amplitude {:.4e} m√kg", modal.amplitude.value);
+                text += &modal.damping.map_or_else(String::new, |damping| format!(", damping {:.3e}", damping.value));
+            }
+            text += &found.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>();
+        }
+        Err(error) => text += &format!("\n  no modal point: {}", chain(error)),
+    }
+    text + &outcome.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>()
+}

@@ -1,0 +1,257 @@
+//! Whose results are in the output directory: those of another scene are not overwritten unasked.
+
+use std::cell::Cell;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use nlmodes::report::{ReportError, write_summary};
+use serde_json::{Value, json};
+
+use crate::files::{RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
+use crate::{Event, Observer, RunError};
+use nlmodes_scene::Document;
+
+/// Most differences between two scenes that are shown.
+const MAX_SHOWN: usize = 5;
+
+/// What may be overwritten.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Results of the same scene.
+    Same,
+    /// Nothing: they are gone on with.
+    Resumed,
+    /// Anything that this program wrote.
+    Anything,
+}
+
+/// An output directory that may be written.
+#[derive(Debug)]
+pub struct Claim {
+    directory: PathBuf,
+    content: Value,
+    over: Over,
+    taken: Cell<bool>,
+}
+
+impl Claim {
+    /// Looks whether the directory may be written; writes nothing yet.
+    ///
+    /// # Errors
+    /// [`RunError`], where it holds the results of another scene or another run is at work in it.
+    pub fn new(
+        directory: &Path,
+        document: &Document,
+        scenes: Value,
+        over: Over,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, RunError> {
+        if in_use(&directory.join(STEPS)) {
+            return Err(RunError::InUse { directory: directory.to_path_buf() });
+        }
+        if over != Over::Anything
+            && let Some(reason) = foreign(directory, &scenes, over)
+        {
+            return Err(RunError::Foreign { reason });
+        }
+        if over == Over::Same
+            && let Some(points) = interrupted(directory)
+        {
+            observer.event(Event::Abandoned { directory, points });
+        }
+        Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
+    }
+
+    /// Without a look at what is there.
+    pub fn unchecked(directory: &Path, file: &str, scenes: &Value, over: Over) -> Self {
+        let content = json!({
+            "program": "nlmodes-cli",
+            "version": env!("CARGO_PKG_VERSION"),
+            "file": file,
+            "scenes": scenes,
+        });
+        Self { directory: directory.to_path_buf(), content, over, taken: Cell::new(false) }
+    }
+
+    /// Whether an earlier run is gone on with.
+    pub fn resumes(&self) -> bool {
+        self.over == Over::Resumed
+    }
+
+    /// As [`take`](Self::take), before anything was computed.
+    ///
+    /// # Errors
+    /// [`RunError::Unwritable`] if it cannot be written.
+    pub fn take_at_once(&self) -> Result<(), RunError> {
+        let directory = self.directory.clone();
+        self.take().map_err(|source| RunError::Unwritable { directory, source, kept: false })
+    }
+
+    /// Takes the directory: removes what an earlier run left and this one may not write again, and says whose results these are.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be written.
+    pub fn take(&self) -> Result<(), ReportError> {
+        if self.taken.replace(true) {
+            return Ok(());
+        }
+        let directory = &self.directory;
+        fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.clone(), source })?;
+        remove_ends(directory);
+        remove_figures_of_records(directory);
+        remove_temporary(directory);
+        if !self.resumes() {
+            let tables = ["branch.csv", "modal_points.csv", "backbone.csv", "backbone_ms-hbm.csv", STEPS];
+            remove_all(directory, &tables);
+        }
+        write_summary(directory.join(RUN), &self.content)
+    }
+}
+
+/// A scene without what has no influence on its results.
+pub fn identity(mut scene: Value) -> Value {
+    if let Some(scene) = scene.as_object_mut() {
+        scene.remove("title");
+        scene.remove("output_directory");
+    }
+    scene
+}
+
+/// Whether another process has the file locked.
+fn in_use(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+/// Why the directory is not to be written; `None` if it may be.
+pub fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
+    let place = directory.display();
+    let known = match read(directory) {
+        Ok(known) => known?,
+        Err(why) => return Some(format!("{place} holds results of which it cannot be told whose they are: {why}")),
+    };
+    if over == Over::Resumed && known["version"] != env!("CARGO_PKG_VERSION") {
+        let version = known["version"].as_str().unwrap_or("another version");
+        return Some(format!("{place} was computed by nlmodes-cli {version}, from which this version does not go on"));
+    }
+    let mut found = Vec::new();
+    differences("", &known["scenes"], scenes, &mut found);
+    if over == Over::Resumed && !asks_for_fewer_points(&known["scenes"], scenes) {
+        // More points may be asked for; with fewer, some that were found would be lost.
+        found.retain(|(key, _)| !key.ends_with("continuation.max_points"));
+    }
+    if found.is_empty() {
+        return None;
+    }
+    let mut text = format!("{place} holds the results of another scene, and is left as it is");
+    found.iter().take(MAX_SHOWN).for_each(|(key, what)| text += &format!("\n  {key}: {what}"));
+    if found.len() > MAX_SHOWN {
+        text += &format!("\n  … and {} more", found.len() - MAX_SHOWN);
+    }
+    Some(text)
+}
+
+/// Whether some limit of points is lower than it was.
+fn asks_for_fewer_points(known: &Value, wanted: &Value) -> bool {
+    match (known, wanted) {
+        (Value::Object(known), Value::Object(wanted)) => wanted.iter().any(|(key, wanted)| match known.get(key) {
+            Some(known) if key == "max_points" => wanted.as_u64() < known.as_u64(),
+            Some(known) => asks_for_fewer_points(known, wanted),
+            None => false,
+        }),
+        (Value::Array(known), Value::Array(wanted)) => {
+            known.iter().zip(wanted).any(|(known, wanted)| asks_for_fewer_points(known, wanted))
+        }
+        _ => false,
+    }
+}
+
+/// What the directory says of its results; `None` where it has none.
+fn read(directory: &Path) -> Result<Option<Value>, String> {
+    let parsed = |path: &Path| -> Result<Option<Value>, String> {
+        match fs::read(path) {
+            Ok(bytes) => {
+                serde_json::from_slice(&bytes).map(Some).map_err(|error| format!("{}: {error}", path.display()))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) if error.kind() == io::ErrorKind::NotADirectory => Ok(None),
+            Err(error) => Err(format!("{}: {error}", path.display())),
+        }
+    };
+    if let Some(known) = parsed(&directory.join(RUN))? {
+        return Ok(Some(known));
+    }
+    let results = ["branch.csv", "modal_points.csv", "summary.json", STEPS];
+    if results.iter().any(|name| directory.join(name).exists()) {
+        return Err(format!("there is no {RUN}"));
+    }
+    Ok(None)
+}
+
+/// How many points the directory has of a run that was cut off or stopped; `None` where there is none.
+fn interrupted(directory: &Path) -> Option<usize> {
+    let stopped = match fs::read(directory.join("summary.json")) {
+        Ok(bytes) => {
+            let summary: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+            let ends = summary["branches"].as_array().into_iter().flatten().chain([&summary["end"]]);
+            ends.into_iter().any(|end| end["reason"] == "stopped")
+        }
+        // A run writes it at its end.
+        Err(_) => true,
+    };
+    let points = points_below(directory, 3).filter(|_| stopped)?;
+    (points > 0).then_some(points)
+}
+
+/// Rows of the tables that have steps beside them, in a directory and its folders.
+fn points_below(directory: &Path, depth: usize) -> Option<usize> {
+    let own = if directory.join(STEPS).is_file() {
+        let table = fs::read_to_string(directory.join("branch.csv")).unwrap_or_default();
+        table.lines().count().saturating_sub(1)
+    } else {
+        0
+    };
+    let below = |entry: fs::DirEntry| match entry.file_type() {
+        Ok(kind) if kind.is_dir() && depth > 0 => points_below(&entry.path(), depth - 1),
+        _ => None,
+    };
+    Some(own + fs::read_dir(directory).ok()?.flatten().filter_map(below).sum::<usize>())
+}
+
+/// Keys whose values differ, and what they are.
+fn differences(key: &str, there: &Value, here: &Value, found: &mut Vec<(String, String)>) {
+    let below = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+    match (there, here) {
+        (Value::Object(old), Value::Object(new)) => {
+            let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+            for name in names {
+                let value = |of: &serde_json::Map<String, Value>| of.get(name).cloned().unwrap_or(Value::Null);
+                differences(&below(name), &value(old), &value(new), found);
+            }
+        }
+        (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
+            // The number of the only scene says nothing.
+            let single = key.is_empty() && old.len() == 1;
+            for (i, (old, new)) in old.iter().zip(new).enumerate() {
+                differences(&if single { String::new() } else { below(&i.to_string()) }, old, new, found);
+            }
+        }
+        (old, new) if old == new => {}
+        (old, new) => found.push((if key.is_empty() { "the scene".into() } else { key.into() }, said(old, new))),
+    }
+}
+
+fn said(there: &Value, here: &Value) -> String {
+    let short = |value: &Value| match value {
+        Value::Null => Some("none".to_owned()),
+        Value::Array(_) | Value::Object(_) | Value::String(_) => {
+            let text = value.to_string();
+            (text.len() < 60).then_some(text)
+        }
+        _ => Some(value.to_string()),
+    };
+    match (short(there), short(here)) {
+        (Some(there), Some(here)) => format!("{there} there, {here} here"),
+        _ => "differs".to_owned(),
+    }
+}

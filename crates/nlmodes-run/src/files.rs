@@ -1,0 +1,59 @@
+//! Names of result files, and the removal of those that an earlier run left.
+
+use std::fs;
+use std::path::Path;
+
+/// Says which scene the results in a directory are of.
+pub const RUN: &str = "run.json";
+
+/// The steps of a branch, from which a run goes on.
+pub const STEPS: &str = "steps.jsonl";
+
+/// Where the exact motions of a branch by shooting start.
+pub const STARTS: &str = "starts.npz";
+
+/// Most records with a time history.
+pub const HISTORIES: usize = 20;
+
+/// Removes what a run writes at its end, which would not belong to the points of another one.
+pub fn remove_ends(directory: &Path) {
+    remove_figures(directory);
+    remove_all(directory, &["summary.json", "harmonics.npz", STARTS]);
+}
+
+/// Removes the figures and the page of an earlier run.
+pub fn remove_figures(directory: &Path) {
+    let numbered = (1..=4).map(|k| format!("motion_{k}.svg")).chain((1..=2).map(|k| format!("history_P{k}.svg")));
+    remove_all(directory, &numbered.collect::<Vec<_>>());
+    let common =
+        ["frequency_energy.svg", "frequency_amplitude.svg", "participation.svg", "participation.csv", "report.html"];
+    remove_all(directory, &common);
+}
+
+/// Removes the figures and the page of records of an earlier run.
+pub fn remove_figures_of_records(directory: &Path) {
+    let histories = (1..=HISTORIES).flat_map(|k| [format!("history_{k}.svg"), format!("contact_{k}.svg")]);
+    remove_all(directory, &histories.collect::<Vec<_>>());
+    let common =
+        ["frequency_amplitude.svg", "frequency_contact.svg", "damping_amplitude.svg", "restitution.svg", "report.html"];
+    remove_all(directory, &common);
+}
+
+/// Removes what killed runs were about to write.
+pub fn remove_temporary(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        // As `nlmodes-report` names them.
+        if name.starts_with('.') && name.ends_with(".nlmodes.tmp") {
+            drop(fs::remove_file(entry.path()));
+        }
+    }
+}
+
+/// Removes files of these names, where they are there.
+pub fn remove_all(directory: &Path, names: &[impl AsRef<str>]) {
+    // What cannot be removed cannot be overwritten either, which is said when it is.
+    names.iter().for_each(|name| drop(fs::remove_file(directory.join(name.as_ref()))));
+}

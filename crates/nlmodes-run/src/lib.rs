@@ -1,0 +1,73 @@
+//! From a checked scene to a directory of results: journal, tables, figures, page.
+//!
+//! Nothing is printed. What there is to tell goes to an [`Observer`] as an [`Event`], and through it a run is asked to end; what came out
+//! is data, and so is what went wrong. Scenes, outcomes and errors are [`Send`]: a run may go on in a thread of its own.
+//!
+//! | item | what it does |
+//! | --- | --- |
+//! | [`run`](study::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
+//! | [`records::extract`] | measured records to modal points |
+//! | [`virtual_test::run`] | a rig with its loop, level by level |
+//! | [`compare::rows`] | the same branch with several contact solvers |
+//! | [`verify::verify`] | one period of the full structure from a computed point |
+//! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
+//! | [`lcp`] | contact problems of one's own, in NumPy archives |
+//! | [`Observer`], [`Event`] | progress, and cancellation |
+//! | [`RunError`] | why there are no results, and whether the scene or the call is to blame |
+//!
+//! # Example
+//! ```
+//! use nlmodes_run::{Over, Silent};
+//!
+//! let text = r#"
+//! [structure]
+//! kind = "rod"
+//! length_m = 1.0
+//! elements = 8
+//! start = "clamped"
+//! material = { youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }
+//! section = { area_m2 = 1e-4 }
+//! [[contact]]
+//! at_m = 1.0
+//! direction = "axial"
+//! side = "positive"
+//! gap_m = 1e-3
+//! [method]
+//! harmonics = 3
+//! [continuation]
+//! max_energy_ratio = 3.0
+//! "#;
+//! let directory = std::env::temp_dir().join(format!("nlmodes-run-example-{}", std::process::id()));
+//! let mut scenes = nlmodes_scene::parse_each_method("rod.toml", text, &[]).map_err(|refused| refused.text(false))?;
+//! scenes[0].scene.output_directory = directory.clone();
+//! let outcome = nlmodes_run::run(scenes, Over::Same, &mut Silent)?;
+//! let computed = &outcome.parts[0].tree.branches[0];
+//! assert!(outcome.is_complete() && computed.branch.points.iter().all(|point| point.residual < 1e-10));
+//! assert!(directory.join("branch.csv").is_file() && directory.join("report.html").is_file());
+//! # std::fs::remove_dir_all(directory)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod claim;
+pub mod compare;
+mod error;
+mod files;
+pub mod lcp;
+pub mod linear;
+mod links;
+mod observer;
+#[doc(hidden)]
+pub mod readers;
+pub mod records;
+mod refusal;
+mod settings;
+pub mod study;
+pub mod updating;
+pub mod verify;
+pub mod virtual_test;
+
+pub use claim::Over;
+pub use error::{Failure, RunError, chain};
+pub use observer::{Event, Observer, Silent};
+pub use refusal::no_contact;
+pub use study::{PartOutcome, RunOutcome, check, run};

@@ -1,0 +1,104 @@
+//! What a run tells while it computes, and how it is asked to end.
+
+use std::path::Path;
+
+use nlmodes::modal::ModalPoint;
+use nlmodes::virtual_test::TestLevel;
+use nlmodes_scene::scene::{Scene, TestScene, Updating};
+
+use crate::study::PartOutcome;
+
+/// Something that a run tells.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// The directory holds an interrupted run of this scene, with so many points, which is computed anew.
+    Abandoned {
+        /// The output directory.
+        directory: &'a Path,
+        /// Rows of its tables.
+        points: usize,
+    },
+    /// The parameters of one of several methods' scenes are updated next.
+    Updating {
+        /// Number of the method, from 0.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// Its scene.
+        scene: &'a Scene,
+    },
+    /// Parameters were updated.
+    Updated(&'a Updating),
+    /// One of several parts begins: a method, or a number of harmonics.
+    Part {
+        /// Number of the part, from 0.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// Its folder within the output directory.
+        folder: &'a Path,
+    },
+    /// The branches of this scene begin.
+    Begun(&'a Scene),
+    /// There is no interrupted run to go on with: it is computed from the beginning.
+    NothingToResume {
+        /// The output directory.
+        directory: &'a Path,
+    },
+    /// A point, found or repeated from an earlier run.
+    Point {
+        /// Number of its branch, from 0.
+        branch: usize,
+        /// The point.
+        point: &'a ModalPoint,
+        /// Whether it was computed now.
+        is_new: bool,
+    },
+    /// Only the first points of a branch stay: a tongue is skipped.
+    Withdrawn {
+        /// How many stay.
+        kept: usize,
+    },
+    /// The branch goes the other way from its start, which is found once more.
+    Turned {
+        /// Points that are there.
+        points: usize,
+    },
+    /// No more points come.
+    Computed,
+    /// All files of a part are written, or why not is in it.
+    Done(&'a PartOutcome),
+    /// A virtual test that was to be gone on with begins anew.
+    TestBeginsAnew,
+    /// The rig of a virtual test, in a line.
+    Rig(&'a str),
+    /// A level of a virtual test is recorded.
+    Level {
+        /// Its scene.
+        scene: &'a TestScene,
+        /// Number of the level, from 1.
+        number: usize,
+        /// What was recorded and extracted.
+        level: &'a TestLevel,
+    },
+}
+
+/// Whoever looks on while a run computes.
+pub trait Observer {
+    /// Takes note of what happens.
+    fn event(&mut self, event: Event<'_>);
+
+    /// Whether the run is to end behind the step in progress, with what was found.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Looks away, and lets the run go on to its end.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Observer for Silent {
+    fn event(&mut self, _: Event<'_>) {}
+}

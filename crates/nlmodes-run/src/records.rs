@@ -1,0 +1,131 @@
+//! Measured records into modal points.
+
+pub(crate) mod figures;
+mod modes;
+pub(crate) mod page;
+pub(crate) mod summary;
+pub(crate) mod table;
+
+use nlmodes::experiment::extraction::{ExtractionError, RecordExtraction, extract as extract_record};
+use nlmodes::experiment::records::{Record, RecordError};
+
+use nlmodes_scene::{RecordScene, SceneFile};
+
+use crate::claim::Claim;
+use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
+use table::Table;
+
+/// A record, and what came of it.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Name of its file, or of its level.
+    pub record: String,
+    /// Level of the drive, where it is known.
+    pub level: Option<f64>,
+    /// Names of what was found while the record was made, before the extraction.
+    pub findings: Vec<&'static str>,
+    /// What was extracted, or why there is no point.
+    pub result: Result<RecordExtraction, ExtractionError>,
+}
+
+impl Outcome {
+    /// Names of all findings, each once, separated by spaces.
+    pub fn finding_names(&self) -> String {
+        let extracted = self.result.as_ref().map_or_else(ExtractionError::names, RecordExtraction::finding_names);
+        let mut names: Vec<&str> = Vec::new();
+        for name in self.findings.iter().copied().chain(extracted.split_whitespace()) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names.join(" ")
+    }
+}
+
+/// Reads all records, extracts from each, and writes table, figures and summary. A record that gives no point has a row with the reason.
+///
+/// # Errors
+/// [`RunError`]; a file that cannot be read ends it before anything is written.
+pub fn extract(
+    file: &SceneFile<RecordScene>,
+    over: Over,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Outcome>, RunError> {
+    links::refuse(&file.scene.output_directory)?;
+    let claim = claim(file, over, observer)?;
+    let scene = with_modes(file)?;
+    let extracted = |(name, record): (String, Record)| Outcome {
+        record: name,
+        level: None,
+        findings: Vec::new(),
+        result: extract_record(&record, &scene.settings),
+    };
+    let outcomes: Vec<Outcome> = read(file)?.into_iter().map(extracted).collect();
+    claim.take_at_once()?;
+    write(&scene, &outcomes).map_err(RunError::Files)?;
+    Ok(outcomes)
+}
+
+/// The output directory; its records are known by their names.
+fn claim(file: &SceneFile<RecordScene>, over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
+    let mut scene = RecordScene { title: String::new(), output_directory: Default::default(), ..file.scene.clone() };
+    // The same from wherever the program is started.
+    if let Ok(base) = scene.base.canonicalize() {
+        scene.base = base;
+    }
+    let told = serde_json::json!([{ "records": scene.files, "scene": format!("{scene:?}") }]);
+    Claim::new(&file.scene.output_directory, &file.document, told, over, observer)
+}
+
+/// The scene with the linear modes of its structure, where it has one.
+fn with_modes(file: &SceneFile<RecordScene>) -> Result<RecordScene, RunError> {
+    let mut scene = file.scene.clone();
+    let Some(structure) = &file.scene.structure else { return Ok(scene) };
+    let modes = modes::at_sensors(structure, &scene.recording.channels, scene.settings.mode)
+        .map_err(|error| refusal::at(file, "structure", error.as_ref()))?;
+    scene.settings.linear_modes = Some(modes);
+    Ok(scene)
+}
+
+/// All records with the names of their files.
+///
+/// # Errors
+/// [`RunError::Scenes`] with each that cannot be read, at its place in the scene.
+fn read(file: &SceneFile<RecordScene>) -> Result<Vec<(String, Record)>, RunError> {
+    let scene = &file.scene;
+    let (mut records, mut refused) = (Vec::new(), Vec::new());
+    for (i, name) in scene.files.iter().enumerate() {
+        match scene.recording.read(&scene.base.join(name)) {
+            Ok(record) => records.push((name.clone(), record)),
+            Err(error) => {
+                let title = format!("the record \"{name}\" cannot be used: {}", chain(&error));
+                refused.push(file.error_at(&format!("recording.files.{i}"), &title, "this file", help(&error)));
+            }
+        }
+    }
+    if refused.is_empty() { Ok(records) } else { Err(RunError::Scenes(refused)) }
+}
+
+fn help(error: &RecordError) -> &'static [&'static str] {
+    match error {
+        RecordError::Io { .. } => &["paths count from the directory of the scene"],
+        RecordError::NoColumn { .. } => &["`recording.time_column` names the column of the time"],
+        RecordError::RateDisagrees { .. } => {
+            &["`recording.sample_rate_hz` must agree with the file; leave it out to take the file's"]
+        }
+        RecordError::NoRate => &["give `recording.sample_rate_hz`, or `recording.time_column` for .csv files"],
+        _ => &[],
+    }
+}
+
+fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Failure> {
+    let directory = &scene.output_directory;
+    let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
+    let mut table = Table::new(modes, None)?;
+    outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
+    table.write(&directory.join("modal_points.csv"))?;
+    summary::write(directory, scene, outcomes)?;
+    let drawn = figures::write(directory, &scene.title, outcomes, &[])?;
+    let line = format!("Records: {}", scene.files.join(", "));
+    page::write(directory, &scene.title, &[line], outcomes, &[], &drawn, &[])
+}

@@ -1,0 +1,169 @@
+//! The figures of an extraction.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nlmodes::experiment::extraction::{Measured, RecordExtraction};
+use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_intervals};
+use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
+
+use super::Outcome;
+use crate::Failure;
+use crate::files::HISTORIES;
+
+/// Most records whose points are numbered.
+const NAMED: usize = 12;
+/// Amplitudes from this share of that at grazing count as near contact.
+const NEAR_CONTACT: f64 = 0.995;
+/// Periods of a time history.
+const PERIODS: f64 = 2.0;
+
+/// A figure, its file and what it shows.
+pub struct Drawn {
+    pub file: String,
+    pub heading: String,
+    pub figure: Figure,
+}
+
+/// Writes frequency over modal amplitude (and over that of computed branches), damping and mode indicator over modal amplitude, and the time histories at the stop.
+pub fn write(
+    directory: &Path,
+    title: &str,
+    outcomes: &[Outcome],
+    computed: &[&ModalBranch],
+) -> Result<Vec<Drawn>, Failure> {
+    let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
+    let mut all = frequency(title, &found, computed)?;
+    all.extend(damping(title, &found)?);
+    all.extend(restitution(title, &found)?);
+    for (k, found) in found.iter().take(HISTORIES).enumerate() {
+        if let Some(history) = found.contact.as_ref().and_then(|contact| contact.history.as_ref()) {
+            let history = excerpt(history, PERIODS * TAU / found.omega.value);
+            let heading = format!("{} ({:.4} Hz)", found.record, found.omega.value / TAU);
+            let figure = HistoryFigure::new(&[&history]).title(&heading).with_acceleration().render()?;
+            all.push(Drawn { file: format!("history_{}.svg", k + 1), heading, figure });
+        }
+        all.extend(stiffness(found, k + 1)?);
+    }
+    for drawn in &all {
+        drawn.figure.write(directory.join(&drawn.file))?;
+    }
+    Ok(all)
+}
+
+fn drawn(file: &str, heading: &str, figure: Figure) -> Drawn {
+    Drawn { file: file.into(), heading: heading.into(), figure }
+}
+
+fn frequency(title: &str, found: &[&RecordExtraction], computed: &[&ModalBranch]) -> Result<Vec<Drawn>, Failure> {
+    let Some(branch) = measured(found) else { return Ok(Vec::new()) };
+    // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
+    let starts =
+        computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let grazing = starts.reduce(f64::min);
+    let mut in_contact = branch.clone();
+    in_contact.points.retain(|point| grazing.is_some_and(|least| point.modal_amplitude >= least));
+    let figure = frequency_figure(title, &branch, computed)?;
+    let mut all = vec![drawn("frequency_amplitude.svg", "Frequency over modal amplitude", figure)];
+    if !in_contact.points.is_empty() {
+        // Without its event the axis does not go down to the linear mode at amplitude zero.
+        let mut close: Vec<ModalBranch> = computed.iter().map(|branch| (*branch).clone()).collect();
+        let starts = close.iter_mut().filter_map(|branch| branch.points.first_mut());
+        starts.for_each(|point| point.events.retain(|event| event != "grazing"));
+        let figure = frequency_figure(title, &in_contact, &close.iter().collect::<Vec<_>>())?;
+        all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
+    }
+    Ok(all)
+}
+
+/// The modal points of all records; `None` where no record gives one.
+pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
+    let first = found.iter().find(|found| found.modal.is_some())?;
+    let coordinate = |position: &f64| Coordinate { position: *position, kind: "sensor".into() };
+    Some(ModalBranch {
+        label: "measured".into(),
+        coordinates: first.positions.iter().map(coordinate).collect(),
+        contact_coordinate: None,
+        stop: None,
+        points: found.iter().filter_map(|found| found.modal_point()).collect(),
+        end: BranchEnd { reason: "records".into(), message: "all records".into(), complete: true },
+    })
+}
+
+fn frequency_figure(title: &str, measured: &ModalBranch, computed: &[&ModalBranch]) -> Result<Figure, Failure> {
+    let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(computed.iter().copied()).collect();
+    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title);
+    for k in 0..measured.points.len() {
+        // More numbers than these would cover each other.
+        let name = if measured.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
+        figure = figure.mark(0, k, name);
+    }
+    Ok(figure.render()?)
+}
+
+fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Failure> {
+    let usable: Vec<_> = found
+        .iter()
+        .filter_map(|found| {
+            let (modal, excitation) = (found.modal.as_ref()?, found.excitation.as_ref()?);
+            Some((modal.amplitude.value, pair(modal.damping?), pair(excitation.pbmif), excitation.power.harmonics))
+        })
+        .collect();
+    let harmonics = usable.iter().map(|(.., harmonics)| *harmonics);
+    let (Some(least), Some(most)) = (harmonics.clone().min(), harmonics.max()) else { return Ok(None) };
+    let label = if least == most {
+        format!("mode indicator ({most} harmonics)")
+    } else {
+        format!("mode indicator ({least} to {most} harmonics)")
+    };
+    let amplitudes: Vec<f64> = usable.iter().map(|(amplitude, ..)| *amplitude).collect();
+    let damping: Vec<(f64, f64)> = usable.iter().map(|(_, damping, ..)| *damping).collect();
+    let pbmif: Vec<(f64, f64)> = usable.iter().map(|(_, _, pbmif, _)| *pbmif).collect();
+    let figure = MeasuredFigure::new(&amplitudes).title(title).panel("damping", &damping).panel(&label, &pbmif);
+    Ok(Some(drawn("damping_amplitude.svg", "Damping and mode indicator", figure.render()?)))
+}
+
+/// Coefficient of restitution over the approach speed, a dot a record with the spread of its impacts.
+fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Failure> {
+    let statistics = found.iter().filter_map(|found| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics()));
+    let (speeds, values): (Vec<f64>, Vec<(f64, f64)>) = statistics.map(|s| (s.approach, (s.mean, s.std))).unzip();
+    if speeds.is_empty() {
+        return Ok(None);
+    }
+    let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(title).scattered();
+    let figure = figure.panel("coefficient of restitution", &values).render()?;
+    Ok(Some(drawn("restitution.svg", "Coefficient of restitution", figure)))
+}
+
+/// Contact force over displacement with the fitted line.
+fn stiffness(found: &RecordExtraction, number: usize) -> Result<Option<Drawn>, Failure> {
+    let Some(contact) = &found.contact else { return Ok(None) };
+    let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(None) };
+    let figure = StiffnessFigure::new(history, fit).title(&found.record).render()?;
+    let heading = format!("{}: contact force over displacement", found.record);
+    Ok(Some(Drawn { file: format!("contact_{number}.svg"), heading, figure }))
+}
+
+fn pair(measured: Measured) -> (f64, f64) {
+    (measured.value, measured.uncertainty)
+}
+
+/// The beginning of a history, with the instants of touching and leaving.
+fn excerpt(history: &TimeHistory, duration: f64) -> TimeHistory {
+    let n = history.time.partition_point(|t| *t <= duration).min(history.time.len());
+    let instants = contact_intervals(history).unwrap_or_default().into_iter().flat_map(|interval| {
+        [(interval.touching, true), (interval.leaving, false)]
+            .map(|(time, touching)| nlmodes::modal::ContactInstant { time, touching })
+    });
+    let cut = |series: &[f64]| series[..n].to_vec();
+    TimeHistory {
+        label: history.label.clone(),
+        time: cut(&history.time),
+        displacement: cut(&history.displacement),
+        velocity: cut(&history.velocity),
+        acceleration: cut(&history.acceleration),
+        force: cut(&history.force),
+        stop: history.stop,
+        instants: instants.filter(|instant| instant.time <= duration).collect(),
+    }
+}

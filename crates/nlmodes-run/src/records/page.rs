@@ -1,0 +1,140 @@
+//! `report.html` of records: modal points, figures and findings on one page.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nlmodes::experiment::extraction::{Measured, RecordExtraction};
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{DataTable, HtmlReport};
+
+use super::Outcome;
+use super::figures::{Drawn, measured};
+use crate::Failure;
+use nlmodes_scene::number;
+
+/// Most records whose time histories and contact forces are on the page: those with the largest forces.
+const SHOWN: usize = 4;
+
+/// Writes the page. `lines` stand below the title, `wrong` is what keeps the test from being complete.
+///
+/// # Errors
+/// If it cannot be drawn or written.
+pub fn write(
+    directory: &Path,
+    title: &str,
+    lines: &[String],
+    outcomes: &[Outcome],
+    computed: &[&ModalBranch],
+    figures: &[Drawn],
+    wrong: &[String],
+) -> Result<(), Failure> {
+    let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
+    let mut own = measured(&found);
+    if let Some(branch) = &mut own {
+        branch.end.complete = wrong.is_empty() && found.len() == outcomes.len();
+        branch.end.message = if branch.end.complete {
+            format!("all {} records gave a point", outcomes.len())
+        } else if wrong.is_empty() {
+            format!("{} of {} records gave a point", found.len(), outcomes.len())
+        } else {
+            wrong.join("; ")
+        };
+    }
+    let branches: Vec<&ModalBranch> = own.iter().chain(computed.iter().copied()).collect();
+    let mut report = HtmlReport::new(title, &branches);
+    for line in lines {
+        report = report.line(line);
+    }
+    let shown = hardest(&found);
+    for drawn in figures.iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k))) {
+        // The page draws that one itself, to zoom.
+        if drawn.file != "frequency_amplitude.svg" || own.is_none() {
+            report = report.figure(&drawn.heading, drawn.figure.clone());
+        }
+    }
+    report = report.table(points(outcomes)).table(findings(outcomes));
+    Ok(report.write(directory.join("report.html"))?)
+}
+
+/// Numbers, from 1, of the records with the largest contact forces.
+fn hardest(found: &[&RecordExtraction]) -> Vec<usize> {
+    let force = |found: &RecordExtraction| found.contact.as_ref().map_or(0.0, |contact| contact.peak_force.value);
+    let mut numbers: Vec<usize> = (1..=found.len()).collect();
+    numbers.sort_by(|a, b| force(found[b - 1]).total_cmp(&force(found[a - 1])));
+    numbers.truncate(SHOWN);
+    numbers
+}
+
+/// The number of the record in `history_7.svg` or `contact_7.svg`.
+fn number_in(file: &str) -> Option<usize> {
+    let (_, rest) = file.split_once('_')?;
+    rest.strip_suffix(".svg")?.parse().ok()
+}
+
+/// The modal points, a row a record.
+fn points(outcomes: &[Outcome]) -> DataTable {
+    let head = [
+        "record",
+        "level",
+        "frequency, Hz",
+        "amplitude, m√kg",
+        "damping",
+        "lag, °",
+        "mode indicator",
+        "force, N",
+        "contact stiffness, N/m",
+        "restitution",
+        "findings",
+    ];
+    let mut table = DataTable::new("Modal points", &head);
+    for outcome in outcomes {
+        let found = outcome.result.as_ref().ok();
+        let text = |of: &dyn Fn(&RecordExtraction) -> Option<Measured>| {
+            found.and_then(of).map_or_else(|| "–".to_owned(), |measured| significant(measured.value))
+        };
+        table.rows.push(vec![
+            // A name, even one that begins with a digit.
+            format!(" {}", outcome.record),
+            outcome.level.map_or_else(|| "–".to_owned(), number),
+            found.map_or_else(|| "–".to_owned(), |found| format!("{:.5}", found.omega.value / TAU)),
+            text(&|found| Some(found.modal.as_ref()?.amplitude)),
+            text(&|found| found.modal.as_ref()?.damping),
+            text(&|found| Some(found.excitation.as_ref()?.lag.times(1f64.to_degrees()))),
+            text(&|found| Some(found.excitation.as_ref()?.pbmif)),
+            text(&|found| Some(found.contact.as_ref()?.peak_force)),
+            text(&|found| {
+                let fit = found.contact.as_ref()?.stiffness?;
+                Some(Measured { value: fit.stiffness, uncertainty: fit.stiffness_error })
+            }),
+            text(&|found| {
+                let statistics = found.contact.as_ref()?.restitution.as_ref()?.statistics();
+                Some(Measured { value: statistics.mean, uncertainty: statistics.std })
+            }),
+            outcome.finding_names(),
+        ]);
+    }
+    table
+}
+
+/// What a careful experimenter wants to be told, in words.
+fn findings(outcomes: &[Outcome]) -> DataTable {
+    let mut table = DataTable::new("Findings", &["record", "finding", "what it says"]);
+    for outcome in outcomes {
+        let mut row = |name: &str, text: String| {
+            table.rows.push(vec![format!(" {}", outcome.record), name.to_owned(), format!(" {text}")]);
+        };
+        match &outcome.result {
+            Ok(found) => found.findings.iter().for_each(|finding| row(finding.name(), finding.to_string())),
+            Err(error) => row(&error.names(), error.to_string()),
+        }
+        for name in &outcome.findings {
+            row(name, "while the record was made".to_owned());
+        }
+    }
+    table
+}
+
+/// Five digits.
+fn significant(x: f64) -> String {
+    number(format!("{x:.4e}").parse().unwrap_or(x))
+}

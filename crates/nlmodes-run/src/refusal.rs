@@ -1,0 +1,80 @@
+//! Errors of a computation, at the key of the scene that they are about.
+
+use std::error::Error;
+
+use nlmodes::hbm::HbmError;
+use nlmodes::study::StudyError;
+use nlmodes::timestep::TimestepError;
+use nlmodes_scene::scene::{Direction, Scene, StructureKind};
+use nlmodes_scene::{SceneError, SceneFile};
+
+use crate::{RunError, chain};
+
+/// An error of the study, at the key of the scene that it is about.
+pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
+    let path = match error {
+        StudyError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
+            let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
+            let label = format!("mode {mode} moves across the beam: expected \"transverse\"");
+            let help =
+                "an axial stop is met by axial modes only: `nlmodes-cli modes` lists all, `method.mode` takes one";
+            return file.error_at("contact.0.direction", &title, &label, &[help]).into();
+        }
+        StudyError::Hbm(
+            HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. },
+        ) => "method.mode",
+        StudyError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
+            let key = format!("contact.{contact}.gap_m");
+            return file
+                .error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"])
+                .into();
+        }
+        StudyError::Timestep(TimestepError::TooManyModes { most, .. }) => {
+            let (key, help) =
+                ("method.held_modes", "the modes left out answer statically; or take fewer `structure.elements`");
+            let label = format!("expected `held_modes` in this table: a whole number from 1 to {most}");
+            return file.error_at(key, &chain(error), &label, &[help]).into();
+        }
+        StudyError::StartOutsideWindow { .. } => {
+            let help =
+                "`nlmodes-cli modes` lists the linear frequencies; `continuation.start_frequency_hz` starts elsewhere";
+            let label = "expected a window that holds the start";
+            return file.error_at("continuation.frequency_hz", &chain(error), label, &[help]).into();
+        }
+        StudyError::NotEven => "method.symmetry",
+        StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
+        StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
+        StudyError::NoStartTouching { .. } => "contact.0.gap_m",
+        StudyError::NoStart { .. } => "continuation.start_frequency_hz",
+        StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
+        StudyError::Contact(_) => "method.contact_solver",
+        StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
+        _ => "method",
+    };
+    // Where Newton's method fails the scene is not to blame.
+    let unlucky = matches!(
+        error,
+        StudyError::NoStart { .. }
+            | StudyError::NoStartAtEnergy { .. }
+            | StudyError::NoStartTouching { .. }
+            | StudyError::Continuation(_)
+    );
+    let said = file.error_at(path, &chain(error), "", &[]);
+    if unlucky { RunError::Failed(Box::new(said)) } else { said.into() }
+}
+
+/// Whether all stops of a beam stand along its axis.
+fn stops_beside_bending(scene: &Scene) -> bool {
+    scene.structure.kind() == StructureKind::Beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
+}
+
+/// An error at a key of the scene.
+pub fn at<S>(file: &SceneFile<S>, path: &str, error: &(dyn Error + 'static)) -> RunError {
+    file.error_at(path, &chain(error), "", &[]).into()
+}
+
+/// A scene without a stop, of which no nonlinear mode can be computed.
+pub fn no_contact(file: &SceneFile) -> SceneError {
+    let help = ["a stop stands under a heading [[contact]]; `nlmodes-cli modes` computes the linear modes without one"];
+    file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help)
+}

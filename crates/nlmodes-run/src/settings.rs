@@ -1,0 +1,79 @@
+//! From a checked scene to what the study takes.
+
+use nlmodes::model::{MasslessContactModel, StructuralModel};
+use nlmodes::study::{
+    Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule,
+};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::{contact_model, structural_model};
+use nlmodes_scene::scene::{
+    AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
+    Symmetry,
+};
+
+use crate::{RunError, refusal};
+
+/// The structure of the scene, and the model of it that the method works on.
+pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), RunError> {
+    let model = structural_model(&file.scene).map_err(|error| refusal::at(file, error.path(), &error))?;
+    let massless =
+        contact_model(&file.scene, &model).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
+    Ok((model, massless))
+}
+
+/// Where the branch of a scene starts, and the start of its other half where it goes both ways.
+pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
+    let both = |direction, begin: &dyn Fn(bool) -> BranchStart| match direction {
+        FrequencyDirection::Up => (begin(true), None),
+        FrequencyDirection::Down => (begin(false), None),
+        FrequencyDirection::Both => (begin(false), Some(begin(true))),
+    };
+    match start {
+        Start::Grazing => (BranchStart::Grazing, None),
+        Start::Frequency { hz, direction } => both(direction, &|upward| BranchStart::Frequency { hz, upward }),
+        Start::Energy { ratio, direction } => both(direction, &|upward| BranchStart::Energy { ratio, upward }),
+    }
+}
+
+/// How the branch of a scene is computed, but for its start.
+pub fn branch_settings(scene: &Scene) -> BranchSettings {
+    let method = &scene.method;
+    BranchSettings {
+        method: match method.kind {
+            MethodKind::MsHbm | MethodKind::Hbm => BranchMethod::HarmonicBalance,
+            MethodKind::Shooting => BranchMethod::Shooting,
+        },
+        stability: match scene.stability {
+            StabilityChoice::Auto => StabilityRule::Auto,
+            StabilityChoice::Always => StabilityRule::Always,
+            StabilityChoice::Never => StabilityRule::Never,
+        },
+        mode: method.mode,
+        harmonics: method.harmonics,
+        accuracy: method.accuracy.map(|a| Accuracy { error: a.error, max_harmonics: a.max_harmonics }),
+        symmetry: match method.symmetry {
+            Symmetry::Even => nlmodes::hbm::Symmetry::Even,
+            Symmetry::None => nlmodes::hbm::Symmetry::None,
+        },
+        switching: match method.switching {
+            Switching::Exact => nlmodes::hbm::Switching::Exact,
+            Switching::Sampled => nlmodes::hbm::Switching::Sampled { samples: method.samples },
+        },
+        contact_solver: method.contact_solver.name().to_owned(),
+        held_modes: method.held_modes,
+        max_energy_ratio: scene.continuation.max_energy_ratio,
+        frequency_hz: scene.continuation.frequency_hz,
+        max_points: scene.continuation.max_points,
+        at_branch_point: match scene.continuation.at_branch_point {
+            AtBranchPoint::Stay => BranchPointRule::Stay,
+            AtBranchPoint::Switch => BranchPointRule::Switch,
+            AtBranchPoint::All => BranchPointRule::All,
+        },
+        max_branches: scene.continuation.max_branches,
+        internal_resonance: match scene.continuation.internal_resonance {
+            InternalResonance::Follow => ResonanceRule::Follow,
+            InternalResonance::Skip => ResonanceRule::Skip,
+        },
+        ..BranchSettings::default()
+    }
+}

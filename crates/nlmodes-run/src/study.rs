@@ -1,0 +1,159 @@
+//! The whole study that a scene describes.
+
+mod figures;
+mod histories;
+pub(crate) mod journal;
+mod outcome;
+mod page;
+pub mod repeated;
+mod several;
+mod sink;
+mod starts;
+mod summary;
+
+use std::time::Instant;
+
+use nlmodes::model::MasslessContactModel;
+use nlmodes::report::write_harmonics;
+use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::scene::Scene;
+use serde_json::Value;
+
+use crate::claim::{Claim, identity};
+use crate::linear::{LinearFrequencies, linear_frequencies};
+use crate::settings::{branch_settings, models, starts};
+use crate::updating::updated;
+use crate::{Event, Failure, Observer, Over, RunError, chain, links, no_contact, refusal};
+use journal::Journal;
+pub use outcome::{PartOutcome, RunOutcome};
+use sink::{Sink, branch_directory};
+
+/// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the first one names.
+///
+/// Each point is in `branch.csv`, and the step to it in `steps.jsonl`, as soon as it is found. Nothing is written before the first one.
+/// Several methods or numbers of harmonics have a folder each, and common figures beside these.
+///
+/// # Errors
+/// [`RunError`] if there are no results; a branch that ended early is in the outcome.
+pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> Result<RunOutcome, RunError> {
+    for file in &scenes {
+        if file.scene.contacts.is_empty() {
+            return Err(no_contact(file).into());
+        }
+        links::refuse(&file.scene.output_directory)?;
+    }
+    let claim = claim(&scenes, over, observer)?;
+    let of = scenes.len();
+    let mut files = Vec::new();
+    for (number, file) in scenes.into_iter().enumerate() {
+        if file.scene.updating.is_some() {
+            observer.event(Event::Updating { number, of, scene: &file.scene });
+        }
+        let file = updated(file)?;
+        if let Some(updating) = &file.scene.updating {
+            observer.event(Event::Updated(updating));
+        }
+        files.push(file);
+    }
+    match several::parts(&files).as_slice() {
+        [only] => {
+            let part = one_branch(&only.file, &claim, observer)?;
+            Ok(RunOutcome { parts: vec![part], failure: None, is_cut_off: false })
+        }
+        parts => several::study(&files, parts, &claim, observer),
+    }
+}
+
+/// The output directory of scenes that differ in their method only.
+fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
+    let first = files.first().ok_or(RunError::NoScene)?;
+    let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
+    let scenes = Value::Array(files.iter().map(scene).collect());
+    Claim::new(&first.scene.output_directory, &first.document, scenes, over, observer)
+}
+
+/// One branch with all its files, and how it ended.
+fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> Result<PartOutcome, RunError> {
+    let scene = &file.scene;
+    let directory = &scene.output_directory;
+    let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
+    let began = Instant::now();
+    let (model, massless) = models(file)?;
+    observer.event(Event::Begun(scene));
+    let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(failure, true))?;
+    if claim.resumes() && journal.known_steps() == 0 {
+        observer.event(Event::NothingToResume { directory });
+    }
+    let mut sink = Sink::new(directory, claim, journal.computing.clone(), observer);
+    let tree = compute(scene, massless, &mut journal, &mut sink);
+    sink.finish();
+    if let Some(failure) = sink.failure.take().or(journal.failure) {
+        return Err(unwritable(failure, !sink.is_empty()));
+    }
+    let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
+    let linear = linear_frequencies(scene, &model);
+    let written = match &linear {
+        Ok(linear) => write(scene, linear, &tree, began),
+        Err(error) => Err(chain(error).into()),
+    };
+    let part = PartOutcome {
+        scene: scene.clone(),
+        is_complete: written.is_ok() && tree.branches.iter().all(|computed| computed.branch.end.complete),
+        tree,
+        linear: linear.unwrap_or_default(),
+        wall_time: began.elapsed(),
+        failure: written.err(),
+    };
+    observer.event(Event::Done(&part));
+    Ok(part)
+}
+
+/// Whether a run of the scene would begin, with each of its numbers of harmonics.
+///
+/// # Errors
+/// [`RunError`] that says why it would not.
+pub fn check(file: &SceneFile) -> Result<(), RunError> {
+    let (_, massless) = models(file)?;
+    let list = &file.scene.method.harmonics_list;
+    // They differ in size only.
+    let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
+    let (start, _) = starts(file.scene.continuation.start);
+    let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
+    check_study(&massless, &settings).map_err(|error| refusal::of_study(file, &error))
+}
+
+/// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,
+/// the way up.
+fn compute(
+    scene: &Scene,
+    model: MasslessContactModel,
+    journal: &mut Journal,
+    sink: &mut Sink,
+) -> Result<ComputedTree, StudyError> {
+    let (start, other) = starts(scene.continuation.start);
+    let settings = BranchSettings { start, ..branch_settings(scene) };
+    let mut tree = compute_tree_with_log(model.clone(), &settings, journal, |progress| sink.take(progress))?;
+    let ended = sink.failure.is_some() || journal.failure.is_some() || sink.observer.is_cancelled();
+    let (Some(start), false) = (other, ended) else { return Ok(tree) };
+    let first = tree.branches.swap_remove(0);
+    sink.begin_again(first.branch.points.iter().skip(1).rev());
+    let settings = BranchSettings { start, ..settings };
+    let mut tree = compute_tree_with_log(model, &settings, journal, |progress| sink.take(progress))?;
+    let second = tree.branches.swap_remove(0);
+    tree.branches.push(second.preceded_by(first));
+    Ok(tree)
+}
+
+/// Writes all files that are made of whole branches.
+fn write(scene: &Scene, linear: &LinearFrequencies, tree: &ComputedTree, began: Instant) -> Result<(), Failure> {
+    let directory = &scene.output_directory;
+    let harmonics = |(number, computed): (usize, &ComputedBranch)| {
+        write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
+    };
+    tree.branches.iter().enumerate().try_for_each(harmonics)?;
+    starts::write(directory, &tree.branches)?;
+    summary::write(directory, scene, linear, tree, began.elapsed())?;
+    figures::write(directory, scene, &tree.branches)?;
+    page::write(directory, &[scene], linear, &tree.branches.iter().collect::<Vec<_>>(), &[])
+}

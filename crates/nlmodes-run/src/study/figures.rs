@@ -1,0 +1,74 @@
+//! The figures of a run.
+
+use std::path::Path;
+
+use nlmodes::modal::{ModalBranch, Participation};
+use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure, ParticipationFigure, write_participation};
+use nlmodes::study::{ComputedBranch, figure_points, reference_points};
+
+use super::sink::branch_directory;
+use crate::Failure;
+use nlmodes_scene::scene::Scene;
+
+/// Linear modes whose participation is written, and shown.
+const LINEAR_MODES: usize = 6;
+pub const SHOWN_MODES: usize = 2;
+
+/// Instants of a period in a time history.
+pub const HISTORY_SAMPLES: usize = 1000;
+
+/// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
+/// of up to two.
+pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<(), Failure> {
+    let Some(computed) = all.first() else { return Ok(()) };
+    let branch = &computed.branch;
+    let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
+    let (motions, references) = (figure_points(branch), reference_points(branch));
+    let mut energy = BranchFigure::new(Abscissa::Energy, &branches).title(&scene.title);
+    for (k, point) in motions.iter().enumerate() {
+        energy = energy.mark(0, *point, (k + 1).to_string());
+    }
+    energy.render()?.write(directory.join("frequency_energy.svg"))?;
+    let mut amplitude = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(&scene.title);
+    for (k, point) in references.iter().enumerate() {
+        amplitude = amplitude.mark(0, *point, format!("P{}", k + 1));
+    }
+    amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
+    for (number, computed) in all.iter().enumerate() {
+        let table = branch_directory(directory, number).join("participation.csv");
+        write_participation(table, &computed.branch, &computed.participation(LINEAR_MODES)?)?;
+    }
+    participation(directory, scene, &all.iter().collect::<Vec<_>>())?;
+    let clamped = held_ends(scene, computed);
+    for (k, point) in motions.iter().enumerate() {
+        let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
+        figure.write(directory.join(format!("motion_{}.svg", k + 1)))?;
+    }
+    for (k, point) in references.iter().enumerate() {
+        let history = computed.time_history(*point, 0, HISTORY_SAMPLES, &branch.label)?;
+        let frequency = branch.points[*point].omega / std::f64::consts::TAU;
+        let title = format!("P{} (point {point}, {frequency:.4} Hz)", k + 1);
+        let figure = HistoryFigure::new(&[&history]).title(title).with_acceleration().render()?;
+        figure.write(directory.join(format!("history_P{}.svg", k + 1)))?;
+    }
+    Ok(())
+}
+
+/// The figure of the participation of the lowest linear modes.
+pub fn participation(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Failure> {
+    let found = all.iter().map(|computed| computed.participation(LINEAR_MODES)).collect::<Result<Vec<_>, _>>()?;
+    let pairs = all.iter().zip(&found).map(|(computed, p)| (&computed.branch, p.as_slice()));
+    let pairs: Vec<(&ModalBranch, &[Participation])> = pairs.collect();
+    let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.factors.len()).min(SHOWN_MODES);
+    let figure = ParticipationFigure::new(&pairs, modes).title(&scene.title).render()?;
+    Ok(figure.write(directory.join("participation.svg"))?)
+}
+
+/// Ends of the structure at which the direction of the first contact is held.
+pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
+    let coordinates = &computed.branch.coordinates;
+    let Some(contact) = computed.branch.contact_coordinate.map(|i| &coordinates[i]) else { return Vec::new() };
+    let length = scene.structure.length;
+    let moves = |at: f64| coordinates.iter().any(|c| c.kind == contact.kind && (c.position - at).abs() < 1e-9 * length);
+    [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
+}

@@ -1,0 +1,44 @@
+//! What came out of a run.
+
+use std::time::Duration;
+
+use nlmodes::study::ComputedTree;
+use nlmodes_scene::scene::Scene;
+
+use crate::Failure;
+use crate::linear::LinearFrequencies;
+
+/// What came out of one method with one number of harmonics.
+#[derive(Debug)]
+pub struct PartOutcome {
+    /// The scene with that method, that number, its parameters updated, and its own directory.
+    pub scene: Scene,
+    /// Its branches; of one of several parts the first one only, the others are on disk.
+    pub tree: ComputedTree,
+    /// Linear frequencies of the structure.
+    pub linear: LinearFrequencies,
+    /// From the beginning to the last file.
+    pub wall_time: Duration,
+    /// Why the files that are made of whole branches are not all there.
+    pub failure: Option<Failure>,
+    /// Whether all branches ended where they were meant to, and all files are there.
+    pub is_complete: bool,
+}
+
+/// What came out of a scene.
+#[derive(Debug)]
+pub struct RunOutcome {
+    /// Each method with each of its numbers of harmonics, in the order of the scene.
+    pub parts: Vec<PartOutcome>,
+    /// Why the common files of several parts are not all there.
+    pub failure: Option<Failure>,
+    /// Whether it was asked to end before all parts had begun.
+    pub is_cut_off: bool,
+}
+
+impl RunOutcome {
+    /// Whether all was computed and written.
+    pub fn is_complete(&self) -> bool {
+        !self.is_cut_off && self.failure.is_none() && self.parts.iter().all(|part| part.is_complete)
+    }
+}

@@ -1,0 +1,128 @@
+//! `report.html`: the run on one page.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nlmodes::modal::{ModalBranch, Participation, TimeHistory};
+use nlmodes::report::{DataTable, HtmlReport, StopLine};
+use nlmodes::study::{ComputedBranch, StudyError, figure_points, reference_points};
+
+use super::figures::{HISTORY_SAMPLES, SHOWN_MODES, held_ends};
+use super::histories::Reference;
+use super::summary::method_used;
+use crate::Failure;
+use crate::linear::{LinearFrequencies, modal_model};
+use nlmodes_scene::scene::Scene;
+
+/// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
+const MOTION_SAMPLES: usize = 2000;
+
+/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch,
+/// and its time histories those that the branches share, if there are any.
+pub fn write(
+    directory: &Path,
+    scenes: &[&Scene],
+    linear: &LinearFrequencies,
+    all: &[&ComputedBranch],
+    shared: &[Reference],
+) -> Result<(), Failure> {
+    let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
+    let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
+    let contact_motion =
+        |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
+    let own = if shared.is_empty() { own_references(first)? } else { Vec::new() };
+    let references: &[Reference] = if shared.is_empty() { &own } else { shared };
+    let participation =
+        all.iter().map(|computed| computed.participation(SHOWN_MODES)).collect::<Result<Vec<_>, _>>()?;
+    let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
+    let method = method_used(scene, first);
+    let mut report = HtmlReport::new(&scene.title, &branches)
+        .line(format!("{}; {}", first.branch.label, method.name))
+        .clamped_at(&held_ends(scene, first))
+        .stops(&stops(first))
+        .contact_motion(&contact_motion)
+        .participation(&participation)
+        .table(linear_table(linear))
+        .document("Scene as read, in SI units", scene)?
+        .document("Method as used", &method)?;
+    if let Some(text) = modal_model(&scene.structure) {
+        report = report.line(text);
+    }
+    for computed in all {
+        if let Some(table) = beyond_accuracy(computed) {
+            report = report.table(table);
+        }
+    }
+    for (k, scene) in scenes.iter().enumerate().skip(1) {
+        report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
+    }
+    for (k, point) in figure_points(&first.branch).into_iter().enumerate() {
+        report = report.mark(0, point, (k + 1).to_string());
+    }
+    for reference in references {
+        let frequency = first.branch.points[reference.point].omega / TAU;
+        let name = match shared {
+            [] => format!("{}: point {}, {frequency:.4} Hz", reference.name, reference.point),
+            _ => reference.title(),
+        };
+        let histories: Vec<&TimeHistory> = reference.histories.iter().collect();
+        report = report.mark(0, reference.point, &reference.name).histories(name, &histories);
+    }
+    Ok(report.write(directory.join("report.html"))?)
+}
+
+/// The reference points of one branch, with its motion there.
+fn own_references(first: &ComputedBranch) -> Result<Vec<Reference>, StudyError> {
+    let of = |(k, point): (usize, usize)| {
+        let history = first.time_history(point, 0, HISTORY_SAMPLES, &first.branch.label)?;
+        let amplitude = first.branch.points[point].modal_amplitude;
+        Ok(Reference { name: format!("P{}", k + 1), amplitude, point, histories: vec![history] })
+    };
+    reference_points(&first.branch).into_iter().enumerate().map(of).collect()
+}
+
+/// All stops, in the order of the scene.
+fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
+    let line = |contact: &nlmodes::model::Contact| StopLine {
+        coordinate: contact.dof,
+        position: contact.side.sign() * contact.gap,
+        positive: contact.side.sign() > 0.0,
+    };
+    computed.structure.model().contacts().iter().map(line).collect()
+}
+
+/// Where the accuracy that was asked for is not reached, if it is not.
+fn beyond_accuracy(computed: &ComputedBranch) -> Option<DataTable> {
+    let stretches = computed.beyond_accuracy();
+    let points = computed.accuracy?.points_beyond;
+    let title = format!("{points} of {} points do not reach the accuracy", computed.branch.points.len());
+    let head =
+        ["first point", "last point", "lowest frequency, Hz", "highest frequency, Hz", "largest estimated error"];
+    let mut table = DataTable::new(title, &head);
+    table.rows = stretches
+        .iter()
+        .map(|stretch| {
+            let hz = stretch.frequency.map(|omega| format!("{:.6}", omega / TAU));
+            let estimate = format!("{:.1e}", stretch.largest_estimate);
+            stretch.points.map(|k| k.to_string()).into_iter().chain(hz).chain([estimate]).collect()
+        })
+        .collect();
+    (!stretches.is_empty()).then_some(table)
+}
+
+fn linear_table(found: &LinearFrequencies) -> DataTable {
+    let columns = [
+        Some(("contact mass kept", &found.mass_kept)),
+        found.mass_redistributed.as_ref().map(|f| ("contact mass taken away", f)),
+        found.contacts_held.as_ref().map(|f| ("contacts held", f)),
+        found.of_the_elements.as_ref().map(|f| ("of the elements, none imposed", f)),
+    ];
+    let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
+    let head: Vec<&str> = ["mode"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
+    let mut table = DataTable::new("Linear frequencies, Hz", &head);
+    for k in 0..found.mass_kept.len() {
+        let cell = |(_, f): &(&str, &Vec<f64>)| f.get(k).map_or_else(|| "–".to_owned(), |f| format!("{f:.5}"));
+        table.rows.push([(k + 1).to_string()].into_iter().chain(columns.iter().map(cell)).collect());
+    }
+    table
+}

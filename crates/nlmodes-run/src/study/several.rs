@@ -1,0 +1,149 @@
+//! One branch for each of several methods or numbers of harmonics, and their common figures (Figs. 3 b, 8).
+
+use std::path::{Path, PathBuf};
+
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{Abscissa, BranchFigure, write_summary};
+use nlmodes::study::ComputedBranch;
+use serde::Serialize;
+
+use super::outcome::{PartOutcome, RunOutcome};
+use super::{figures, histories, one_branch, page};
+use crate::claim::Claim;
+use crate::files::remove_figures;
+use crate::{Event, Failure, Observer, RunError};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::scene::Scene;
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    program: &'static str,
+    version: &'static str,
+    /// A scene for each method.
+    scenes: Vec<&'a Scene>,
+    branches: Vec<Branch>,
+}
+
+#[derive(Serialize)]
+struct Branch {
+    method: &'static str,
+    harmonics: usize,
+    label: String,
+    directory: PathBuf,
+    points: usize,
+    reason: String,
+    message: String,
+    complete: bool,
+}
+
+/// One of several studies.
+pub struct Part {
+    pub file: SceneFile,
+    /// Its folder within the output directory; none where it is the only one.
+    pub folder: PathBuf,
+}
+
+/// A part for each method and each of its numbers of harmonics.
+pub fn parts(files: &[SceneFile]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let mut kinds: Vec<&str> = Vec::new();
+    for file in files {
+        let method = &file.scene.method;
+        let kind = method.kind.name();
+        let mut folder = PathBuf::new();
+        if files.len() > 1 {
+            kinds.push(kind);
+            let count = kinds.iter().filter(|k| **k == kind).count();
+            folder.push(if count > 1 { format!("{kind}_{count}") } else { kind.to_owned() });
+        }
+        for &harmonics in &method.harmonics_list {
+            let mut folder = folder.clone();
+            if method.harmonics_list.len() > 1 {
+                folder.push(format!("h{harmonics}"));
+            }
+            parts.push(Part { file: with_harmonics(file, harmonics, &folder), folder });
+        }
+    }
+    parts
+}
+
+/// Computes each part in its folder (`ms-hbm`, `hbm`, …; `h1`, `h3`, …), then the common figures and the summary.
+///
+/// # Errors
+/// [`RunError`], where one of them could not be computed at all.
+pub fn study(
+    files: &[SceneFile],
+    parts: &[Part],
+    claim: &Claim,
+    observer: &mut dyn Observer,
+) -> Result<RunOutcome, RunError> {
+    let mut outcome = RunOutcome { parts: Vec::new(), failure: None, is_cut_off: false };
+    let mut rows = Vec::new();
+    for (number, part) in parts.iter().enumerate() {
+        if observer.is_cancelled() {
+            outcome.is_cut_off = true;
+            break;
+        }
+        observer.event(Event::Part { number, of: parts.len(), folder: &part.folder });
+        let mut done = one_branch(&part.file, claim, observer)?;
+        // The others are on disk; those that are compared stay in memory.
+        done.tree.branches.truncate(1);
+        let Some(first) = done.tree.branches.first() else { continue };
+        rows.push(Branch::new(part, &first.branch));
+        outcome.parts.push(done);
+    }
+    if !outcome.parts.is_empty() {
+        outcome.failure = write(files, &outcome.parts, rows).err();
+    }
+    Ok(outcome)
+}
+
+/// The scene with one of its numbers of harmonics, and a folder of its own.
+fn with_harmonics(file: &SceneFile, harmonics: usize, folder: &Path) -> SceneFile {
+    let mut own = file.clone();
+    own.scene.method.harmonics = harmonics;
+    own.scene.method.harmonics_list = vec![harmonics];
+    if folder != Path::new("") {
+        own.scene.output_directory.push(folder);
+    }
+    own
+}
+
+impl Branch {
+    fn new(part: &Part, branch: &ModalBranch) -> Self {
+        Self {
+            method: part.file.scene.method.kind.name(),
+            harmonics: part.file.scene.method.harmonics,
+            label: branch.label.clone(),
+            directory: part.folder.clone(),
+            points: branch.points.len(),
+            reason: branch.end.reason.clone(),
+            message: branch.end.message.clone(),
+            complete: branch.end.complete,
+        }
+    }
+}
+
+fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Result<(), Failure> {
+    let (Some(scene), Some(first)) = (files.first().map(|file| &file.scene), parts.first()) else { return Ok(()) };
+    let directory = &scene.output_directory;
+    remove_figures(directory);
+    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
+    let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
+    let references = histories::references(&branches)?;
+    for (abscissa, name) in
+        [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
+    {
+        let mut figure = BranchFigure::new(abscissa, &all).title(&scene.title);
+        for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
+            figure = figure.mark(0, reference.point, &reference.name);
+        }
+        figure.render()?.write(directory.join(name))?;
+    }
+    figures::participation(directory, scene, &branches)?;
+    histories::write(directory, &references)?;
+    let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    page::write(directory, &scenes, &first.linear, &branches, &references)?;
+    let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
+    Ok(write_summary(directory.join("summary.json"), &summary)?)
+}

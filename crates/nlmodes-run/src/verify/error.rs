@@ -1,0 +1,94 @@
+//! Why nothing can be verified.
+
+use std::io;
+use std::path::PathBuf;
+
+use nlmodes::timestep::TimestepError;
+use thiserror::Error;
+
+use crate::lcp::ProblemError;
+
+/// Why there is nothing to verify, or it cannot be done.
+#[derive(Debug, Error)]
+pub enum VerifyError {
+    /// There is no such directory.
+    #[error("there is no such directory")]
+    NoDirectory,
+    /// Something that is needed is not there.
+    #[error("there is no {name} here; expected a directory that `nlmodes-cli run` has written to its end")]
+    Missing {
+        /// Its name.
+        name: &'static str,
+    },
+    /// The run has several branches, each in a folder.
+    #[error("this run has several branches; give the folder of one, as {}", listed(folders))]
+    SeveralBranches {
+        /// Their folders.
+        folders: Vec<PathBuf>,
+    },
+    /// A file cannot be read.
+    #[error("{} cannot be read", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: io::Error,
+    },
+    /// `summary.json` is none of this program.
+    #[error("{} is not a summary of `nlmodes-cli run`", path.display())]
+    NotASummary {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: serde_json::Error,
+    },
+    /// `harmonics.npz` lacks an array.
+    #[error("harmonics.npz has no array `{name}`; expected the file that `nlmodes-cli run` writes")]
+    NoArray {
+        /// Its name.
+        name: &'static str,
+    },
+    /// `harmonics.npz` cannot be read.
+    #[error("harmonics.npz")]
+    Archive(#[from] ProblemError),
+    /// The files do not belong together.
+    #[error("harmonics.npz does not belong to summary.json: {what} {found}, expected {expected}")]
+    Foreign {
+        /// What does not fit.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// The branch has no such point.
+    #[error("there is no point {point}: the branch has {}", count(*points))]
+    NoSuchPoint {
+        /// The number that was asked for.
+        point: usize,
+        /// How many there are.
+        points: usize,
+    },
+    /// The structure of the summary cannot be built.
+    #[error("the structure of summary.json cannot be built: {reason}")]
+    Structure {
+        /// Why.
+        reason: String,
+    },
+    /// The motion cannot be integrated.
+    #[error(transparent)]
+    Integration(#[from] TimestepError),
+}
+
+fn listed(folders: &[PathBuf]) -> String {
+    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+fn count(points: usize) -> String {
+    match points {
+        0 => "no points".to_owned(),
+        n => format!("the points 0 to {}", n - 1),
+    }
+}

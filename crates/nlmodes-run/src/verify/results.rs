@@ -1,0 +1,181 @@
+//! A point of a run that is on disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nlmodes::modal::HarmonicCoefficients;
+use nlmodes::model::MasslessContactModel;
+use nlmodes::timestep::{MAX_DOFS, TimestepError};
+use serde::Deserialize;
+
+use super::error::VerifyError;
+use crate::chain;
+use crate::files::STARTS;
+use crate::lcp::Archive;
+use nlmodes_scene::assemble::{contact_model, structural_model};
+use nlmodes_scene::scene::{MethodKind, Scene, Symmetry};
+
+const SUMMARY: &str = "summary.json";
+const HARMONICS: &str = "harmonics.npz";
+
+/// A periodic motion with its structure.
+pub struct Point {
+    /// Its number in the branch.
+    pub number: usize,
+    /// The scene's title.
+    pub title: String,
+    /// The structure that moves.
+    pub model: MasslessContactModel,
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+    /// Fourier coefficients of the displacements, m.
+    pub coefficients: HarmonicCoefficients,
+    /// Displacements at the beginning of an exact motion, which stands still there.
+    pub start: Option<Vec<f64>>,
+    symmetry: Symmetry,
+}
+
+/// What is read of a summary.
+#[derive(Deserialize)]
+struct Summary {
+    /// Missing where there are several branches, which have a summary each.
+    scene: Option<Scene>,
+    /// Of a run with several methods or numbers of harmonics.
+    #[serde(default)]
+    branches: Vec<Branch>,
+}
+
+#[derive(Deserialize)]
+struct Branch {
+    directory: PathBuf,
+}
+
+impl Point {
+    /// Reads `summary.json`, that of the directory above for a folder `branch_1` …, and `harmonics.npz`.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if they are not there, or not those of a run.
+    pub fn read(directory: &Path, number: usize) -> Result<Self, VerifyError> {
+        if !directory.is_dir() {
+            return Err(VerifyError::NoDirectory);
+        }
+        let summary = read_summary(directory)?;
+        let path = directory.join(HARMONICS);
+        if !path.is_file() && !summary.branches.is_empty() {
+            let folders = summary.branches.into_iter().map(|branch| branch.directory).collect();
+            return Err(VerifyError::SeveralBranches { folders });
+        }
+        let Some(scene) = summary.scene else {
+            let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
+            return Err(VerifyError::NotASummary { path, source });
+        };
+        if !path.is_file() {
+            return Err(VerifyError::Missing { name: HARMONICS });
+        }
+        let found = scene.structure.free_dofs();
+        if found > MAX_DOFS {
+            return Err(TimestepError::TooLarge { found, most: MAX_DOFS }.into());
+        }
+        let model = model(&scene)?;
+        let (omega, coefficients) = read_point(&path, number, &model)?;
+        if scene.method.accuracy.is_none() && coefficients.n_harmonics() != scene.method.harmonics {
+            let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
+            return Err(VerifyError::Foreign { what: "number of harmonics", found, expected });
+        }
+        let start = match scene.method.kind {
+            MethodKind::Shooting => read_start(&directory.join(STARTS), number, &model)?,
+            MethodKind::MsHbm | MethodKind::Hbm => None,
+        };
+        Ok(Self { number, title: scene.title, model, omega, coefficients, start, symmetry: scene.method.symmetry })
+    }
+
+    /// Whether the structure stands still at the beginning of the period.
+    pub fn is_even(&self) -> bool {
+        self.symmetry == Symmetry::Even
+    }
+}
+
+fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
+    let own = directory.join(SUMMARY);
+    let above = directory.join("..").join(SUMMARY);
+    let branch = directory.file_name().is_some_and(|name| name.to_string_lossy().starts_with("branch_"));
+    let path = if !own.is_file() && branch { above } else { own };
+    if !path.is_file() {
+        return Err(VerifyError::Missing { name: SUMMARY });
+    }
+    let text = fs::read_to_string(&path).map_err(|source| VerifyError::Read { path: path.clone(), source })?;
+    serde_json::from_str(&text).map_err(|source| VerifyError::NotASummary { path, source })
+}
+
+fn model(scene: &Scene) -> Result<MasslessContactModel, VerifyError> {
+    let model = structural_model(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
+    contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })
+}
+
+/// Displacements at the beginning of one point; `None` without the file, the motion then starts from its coefficients.
+fn read_start(path: &Path, number: usize, model: &MasslessContactModel) -> Result<Option<Vec<f64>>, VerifyError> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let found = Archive::open(path)?.array("displacement")?;
+    let n = model.dofs().len();
+    let row = match found.shape.as_slice() {
+        &[points, coordinates] if coordinates == n && number < points => &found.values[number * n..(number + 1) * n],
+        shape => {
+            let (found, expected) = (format!("{shape:?}"), format!("points × {n}"));
+            return Err(VerifyError::Foreign { what: "shape of `displacement` in starts.npz", found, expected });
+        }
+    };
+    if row.iter().any(|q| !q.is_finite()) {
+        let (found, expected) = ("not finite".into(), "a motion".into());
+        return Err(VerifyError::Foreign { what: "displacements of starts.npz", found, expected });
+    }
+    Ok(Some(row.to_vec()))
+}
+
+/// Frequency and coefficients of one point of the archive.
+fn read_point(
+    path: &Path,
+    number: usize,
+    model: &MasslessContactModel,
+) -> Result<(f64, HarmonicCoefficients), VerifyError> {
+    let mut archive = Archive::open(path)?;
+    let names = archive.names();
+    for name in ["omega", "coefficients", "dof_position_m"] {
+        if !names.iter().any(|known| known == name) {
+            return Err(VerifyError::NoArray { name });
+        }
+    }
+    let (omega, positions) = (archive.array("omega")?, archive.array("dof_position_m")?);
+    let (shape, values) = archive.complex("coefficients")?;
+    let foreign = |what, found: String, expected: String| Err(VerifyError::Foreign { what, found, expected });
+    let n = model.dofs().len();
+    let &[points, coordinates, width] = shape.as_slice() else {
+        return foreign("dimensions of `coefficients`", shape.len().to_string(), "3".into());
+    };
+    if omega.shape != [points] {
+        return foreign("points of `omega`", omega.values.len().to_string(), points.to_string());
+    }
+    if coordinates != n || width == 0 {
+        return foreign("degrees of freedom", coordinates.to_string(), n.to_string());
+    }
+    let length = model.dofs().iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
+    let near = |(found, dof): (&f64, &nlmodes::model::Dof)| (found - dof.position).abs() <= 1e-9 * length;
+    if positions.values.len() != n || !positions.values.iter().zip(model.dofs()).all(near) {
+        return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
+    }
+    if number >= points {
+        return Err(VerifyError::NoSuchPoint { point: number, points });
+    }
+    let mut coefficients = HarmonicCoefficients::zeros(n, width - 1);
+    for d in 0..n {
+        let from = (number * n + d) * width;
+        coefficients.of_mut(d).copy_from_slice(&values[from..from + width]);
+    }
+    let omega = omega.values[number];
+    let finite = |d: usize| coefficients.of(d).iter().all(|q| q.is_finite());
+    if !(omega.is_finite() && omega > 0.0 && (0..n).all(finite)) {
+        return foreign("numbers of the point", "not finite".into(), "a motion".into());
+    }
+    Ok((omega, coefficients))
+}

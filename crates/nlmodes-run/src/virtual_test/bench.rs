@@ -1,0 +1,113 @@
+//! From a checked scene to the rig.
+
+use std::f64::consts::TAU;
+
+use nlmodes::experiment::phase_loop::{LoopSettings, Order, PhaseDetector, Resonance};
+use nlmodes::modal::LinearModes;
+use nlmodes::model::{ContactLaw, Side};
+use nlmodes::rig::ModalReduction;
+use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
+
+use crate::Failure;
+use nlmodes_scene::assemble::{Elements, imposed, moving_kind};
+use nlmodes_scene::scene::{self, LoopDetector, TestScene};
+
+/// Start of the loop below the frequency of the mode, relative.
+const BELOW: f64 = 0.0025;
+
+/// The rig of a scene.
+#[derive(Debug)]
+pub struct Rig {
+    /// Exciter, stop and sensors.
+    pub bench: Bench,
+    /// The modes of the structure that are taken, and the flexibility of the others.
+    pub reduction: ModalReduction,
+    /// Angular eigenfrequencies that the elements give these modes, rad/s.
+    pub of_elements: Vec<f64>,
+    /// The modes at the sensors.
+    pub modes: LinearModes,
+    /// The loop.
+    pub control: LoopSettings,
+}
+
+/// Why there is no rig, and the key of the scene that it is about.
+#[derive(Debug)]
+pub struct RigRefused {
+    pub path: &'static str,
+    pub source: Failure,
+}
+
+fn at<E: Into<Failure>>(path: &'static str) -> impl Fn(E) -> RigRefused {
+    move |error| RigRefused { path, source: error.into() }
+}
+
+impl Rig {
+    /// The rig.
+    ///
+    /// # Errors
+    /// What the structure or its modes have against it.
+    pub fn new(scene: &TestScene) -> Result<Self, RigRefused> {
+        let elements = Elements::new(&scene.structure).map_err(at("structure"))?;
+        let model = elements.assemble(&[]).map_err(at("structure"))?;
+        let imposed = imposed(&scene.structure, &model, None).map_err(at("structure.modes.frequencies_hz"))?;
+        let own = imposed.as_ref().map_or_else(Vec::new, |imposed| imposed.own.clone());
+        let model = imposed.map_or(model, |imposed| imposed.model);
+        let kind = moving_kind(scene.structure.kind());
+        let count = scene.damping_ratios.len();
+        let reduction = ModalReduction::new(model.mass(), model.stiffness(), model.dofs(), kind, count)
+            .map_err(at("virtual_test.damping_ratios"))?;
+        let point = |position: f64, path| -> Result<BenchPoint, RigRefused> {
+            let weights = elements.displacement_at(&model, position).map_err(at(path))?;
+            Ok(BenchPoint { position, weights })
+        };
+        let accelerometers = scene.accelerometers.iter().map(|x| point(*x, "virtual_test.accelerometers_m"));
+        let stop = scene.stop.map(|s| Ok(stop(&s, point(s.position, "virtual_test.stop.position_m")?))).transpose()?;
+        let omega = match &scene.frequencies_hz {
+            Some(frequencies) => frequencies.iter().map(|hz| TAU * hz).collect(),
+            None => reduction.omega().to_vec(),
+        };
+        let beyond = reduction.omega().iter().skip(own.len());
+        let of_elements = own.iter().take(count).chain(beyond).copied().collect();
+        let bench = Bench {
+            omega,
+            damping_ratios: scene.damping_ratios.clone(),
+            drive: point(scene.drive, "virtual_test.drive_m")?,
+            stop,
+            accelerometers: accelerometers.collect::<Result<_, _>>()?,
+            exciter: scene.exciter,
+            interval: 1.0 / scene.sample_rate,
+            noise: scene.noise,
+            seed: scene.seed,
+        };
+        let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;
+        let control = control(scene, &bench);
+        Ok(Self { bench, reduction, of_elements, modes, control })
+    }
+}
+
+fn stop(stop: &scene::TestStop, at: BenchPoint) -> BenchStop {
+    let side = match stop.side {
+        scene::Side::Positive => Side::Positive,
+        scene::Side::Negative => Side::Negative,
+    };
+    let law = stop.stiffness.map_or(ContactLaw::Rigid, |stiffness| ContactLaw::Elastic { stiffness });
+    BenchStop { at, side, gap: stop.gap, law }
+}
+
+fn control(scene: &TestScene, bench: &Bench) -> LoopSettings {
+    // A checked scene has no mode beyond those of the bench.
+    let mode = (scene.settings.mode - 1).min(bench.omega.len() - 1);
+    let resonance = Resonance { omega: bench.omega[mode], damping_ratio: bench.damping_ratios[mode] };
+    let wanted = &scene.control;
+    let start = wanted.start_hz.map_or((1.0 - BELOW) * resonance.omega, |hz| TAU * hz);
+    let settings = LoopSettings::new(resonance, start, bench.interval);
+    LoopSettings {
+        displacement_lag: wanted.lag_deg.to_radians(),
+        detector: match wanted.detector {
+            LoopDetector::Adaptive => PhaseDetector::default(),
+            LoopDetector::Demodulation => PhaseDetector::Demodulation { order: Order::default() },
+        },
+        cut_off: wanted.cut_off_hz.map_or(settings.cut_off, |hz| TAU * hz),
+        ..settings
+    }
+}

@@ -1,0 +1,105 @@
+//! The files of a virtual test.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{write_branch, write_summary};
+use nlmodes::rig::Exciter;
+use nlmodes::virtual_test::TestLevel;
+use serde_json::json;
+
+use super::bench::Rig;
+use super::summary;
+use crate::Failure;
+use crate::records::table::Table;
+use crate::records::{Outcome, figures, page};
+use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
+
+/// Folder of the records.
+pub const RECORDS: &str = "records";
+/// Beginning of the names of its files; the number of the level follows.
+const LEVEL: &str = "level-";
+
+fn backbone_file(method: BackboneMethod) -> &'static str {
+    match method {
+        BackboneMethod::Hbm => "backbone.csv",
+        BackboneMethod::MsHbm => "backbone_ms-hbm.csv",
+    }
+}
+
+/// Removes the records of an earlier test, which this one may not write again.
+pub fn prepare(directory: &Path) {
+    remove_records(&directory.join(RECORDS));
+}
+
+/// Removes the records of an earlier test, in whatever format, and their folder if nothing else is in it.
+fn remove_records(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let is_record = path.file_name().and_then(|name| name.to_str()).is_some_and(|name| {
+            let number = name.strip_prefix(LEVEL).and_then(|rest| rest.split_once('.'));
+            number.is_some_and(|(number, format)| {
+                number.parse::<usize>().is_ok() && RecordFormat::ALL.iter().any(|known| known.name() == format)
+            })
+        });
+        if is_record {
+            drop(fs::remove_file(path));
+        }
+    }
+    drop(fs::remove_dir(directory));
+}
+
+/// Writes summary and figures.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(
+    scene: &TestScene,
+    rig: &Rig,
+    levels: &[TestLevel],
+    backbones: &[(BackboneMethod, ModalBranch)],
+    wrong: &[String],
+    wall_time: Duration,
+) -> Result<(), Failure> {
+    let directory = &scene.output_directory;
+    let told: Vec<_> = levels.iter().map(summary::level).collect();
+    let outcomes: Vec<Outcome> = levels.iter().map(outcome).collect();
+    for (method, branch) in backbones {
+        write_branch(directory.join(backbone_file(*method)), branch)?;
+    }
+    let backbones: Vec<&ModalBranch> = backbones.iter().map(|(_, branch)| branch).collect();
+    let told: Vec<_> = told
+        .into_iter()
+        .zip(&outcomes)
+        .map(|(level, outcome)| json!({ "level": level, "extraction": crate::records::summary::record(outcome) }))
+        .collect();
+    let text = summary::json(scene, rig, told, &backbones, wrong, wall_time);
+    write_summary(directory.join("summary.json"), &text)?;
+    let drawn = figures::write(directory, &scene.title, &outcomes, &backbones)?;
+    let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
+    page::write(directory, &scene.title, &lines, &outcomes, &backbones, &drawn, wrong)
+}
+
+/// The table of the levels.
+///
+/// # Errors
+/// As [`Table::new`].
+pub fn table(scene: &TestScene, rig: &Rig) -> Result<Table, Failure> {
+    let column = match scene.exciter {
+        Exciter::Shaker(_) => "drive_v",
+        Exciter::IdealForce => "drive_n",
+    };
+    Table::new(rig.modes.n_modes(), Some(column))
+}
+
+/// A level as a row of the table.
+pub fn outcome(level: &TestLevel) -> Outcome {
+    Outcome {
+        record: level.outcome.record.name.clone(),
+        level: Some(level.outcome.level),
+        findings: level.outcome.findings.iter().map(|finding| finding.name()).collect(),
+        result: level.extraction.clone(),
+    }
+}
