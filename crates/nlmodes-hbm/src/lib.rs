@@ -56,6 +56,11 @@
 //! move in harmonics, is the same system for the massless tips of the stops' springs, made by
 //! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see [`CondensedStructure`].
 //!
+//! Damped and forced motions, in open modes: [`PeriodicSystem`] is put together from a [`ModalStructure`], the [`ContactOperator`] over a period, which
+//! [`MixedShooting`] shares, and [`ClosingConditions`]. Its analyses are constructors: [`PeriodicSystem::conservative_mode`],
+//! [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`], [`PeriodicSystem::force_response`],
+//! [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives multipliers from the contact instants. Curves of them: `nlmodes-response`.
+//!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
 //! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F. Schreyer, R. I. Leine, *A mixed
 //! shooting-harmonic balance method for unilaterally constrained mechanical systems*, Archive of Mechanical Engineering 63

@@ -20,6 +20,7 @@
 //! | [`modal`] | harmonic motions and modal quantities |
 //! | [`experiment`] | measured records to modal points |
 //! | [`report`] | tables and figures |
+//! | [`response`] | forced responses, phase resonance, damped nonlinear modes |
 //! | [`rig`] | a virtual rig: structure, stop, shaker, sensors, schedule |
 //! | [`timestep`] | exact time integration: verification, shooting, Floquet multipliers |
 //!
@@ -64,5 +65,6 @@ pub use nlmodes_linalg as linalg;
 pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
+pub use nlmodes_response as response;
 pub use nlmodes_rig as rig;
 pub use nlmodes_timestep as timestep;

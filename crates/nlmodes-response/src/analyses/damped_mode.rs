@@ -1,0 +1,41 @@
+use nlmodes_contact::solver_by_name;
+use nlmodes_continuation::{Bound, ParametricSystem};
+use nlmodes_hbm::{HbmError, PeriodicSystem, modal_grazing};
+
+use crate::follow::Curve;
+use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+
+/// The damped nonlinear mode `settings.mode` from grazing to `energy_ratio` times the energy there, or to an end of the window.
+///
+/// `M q̈ + (C − ξ M) q̇ + K q = W λ`: the motion that the damped structure keeps up where a force balances the damping in all harmonics. Damping ratio
+/// `D = ξ/(2ω)` ([`nlmodes_hbm::PeriodicMotion::damping_ratio`]); multipliers are those of the motion with its negative damping, of which one is +1
+/// by the free phase: stability is not given.
+///
+/// # Errors
+/// [`ResponseError`] where there is no start; a curve that ends early is none.
+pub fn damped_mode(
+    model: &ResponseModel,
+    energy_ratio: f64,
+    settings: &ResponseSettings,
+) -> Result<ResponseCurve, ResponseError> {
+    settings.check()?;
+    if !(energy_ratio.is_finite() && energy_ratio > 1.0) {
+        let (what, expected) = ("the largest energy over that at grazing", "a number above 1");
+        return Err(ResponseError::Setting { what, value: energy_ratio, expected });
+    }
+    let own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
+    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    let structure = model.structure();
+    let start = modal_grazing(structure, settings.mode)?;
+    let system = PeriodicSystem::damped_mode(structure, own.periodic(), start.scales(), solver.as_ref())?;
+    let (omega, energy) = (system.n_coefficients(), system.dim());
+    let unit = start.omega;
+    let bounds = vec![
+        Bound { coordinate: energy, min: -1.0, max: energy_ratio.ln() },
+        Bound { coordinate: omega, min: own.window[0] / unit, max: own.window[1] / unit },
+    ];
+    let (x, direction) = (start.unknowns(&system), start.direction(&system));
+    let drive = None;
+    let mut curve = Curve { system, x, p: 0.0, direction, bounds, drive, settings: &own, solver: solver.as_ref() };
+    curve.follow((omega, unit))
+}

@@ -1,0 +1,163 @@
+use nlmodes_contact::{LcpSolver, solver_by_name};
+use nlmodes_continuation::{Bound, ParametricSystem};
+use nlmodes_hbm::{HbmError, PeriodicSystem, PhaseLag};
+use num_complex::Complex64;
+
+use super::forced::scales;
+use crate::follow::Curve;
+use crate::linear::linear_motion;
+use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+
+/// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest level `to`: what a phase-locked
+/// loop follows. The curve starts at the linear phase resonance next to mode `settings.mode`, which residual flexibility shifts.
+///
+/// # Errors
+/// [`ResponseError`] where there is no start; a curve that ends early is none.
+pub fn phase_resonance(
+    model: &ResponseModel,
+    to: f64,
+    settings: &ResponseSettings,
+) -> Result<ResponseCurve, ResponseError> {
+    settings.check()?;
+    if !(to.is_finite() && to > 0.0) {
+        return Err(ResponseError::Setting { what: "the largest level", value: to, expected: "a positive number" });
+    }
+    let drive = model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
+    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref() };
+    let (base, x, touching) = linear.resonance()?;
+    let structure = model.structure();
+    let scales = scales(structure, base);
+    let from = (0.5 * touching).min(0.5 * to);
+    let system = PeriodicSystem::phase_resonance(
+        structure,
+        model.load(settings)?,
+        drive.clone(),
+        from,
+        settings.periodic(),
+        scales,
+        solver.as_ref(),
+    )?;
+    let (omega, parameter) = (system.n_coefficients(), system.dim());
+    let mut start: Vec<f64> = x.iter().map(|x| x * from).collect();
+    let mut direction = start.clone();
+    start.push(1.0);
+    direction.extend([0.0, 1.0]);
+    let window = settings.base_window();
+    let bounds = vec![
+        Bound { coordinate: parameter, min: -1.0, max: (to / from).ln() },
+        Bound { coordinate: omega, min: window[0] / base, max: window[1] / base },
+    ];
+    let mut curve =
+        Curve { system, x: start, p: 0.0, direction, bounds, drive: Some(drive), settings, solver: solver.as_ref() };
+    curve.follow((omega, base * settings.subharmonic as f64))
+}
+
+/// The linear response, whose phase is looked at near a mode.
+struct Linear<'a> {
+    model: &'a ResponseModel,
+    settings: &'a ResponseSettings,
+    drive: &'a PhaseLag,
+    solver: &'a dyn LcpSolver,
+}
+
+/// Frequencies looked at in the search, and the share of the mode's frequency to both sides.
+const GRID: (usize, f64) = (600, 0.25);
+
+impl Linear<'_> {
+    /// Base frequency of the linear phase resonance, unknowns for the level one, and the level that first touches.
+    fn resonance(&self) -> Result<(f64, Vec<f64>, f64), ResponseError> {
+        let structure = self.model.structure();
+        let (mode, available) = (self.settings.mode, structure.n_modes());
+        if mode == 0 || mode > available {
+            return Err(HbmError::NoSuchMode { mode, available }.into());
+        }
+        let mode_omega = structure.omega_squared()[mode - 1].sqrt();
+        let near = mode_omega / self.settings.subharmonic as f64;
+        let missed = || ResponseError::NoPhaseResonance { lag_deg: self.settings.lag.to_degrees(), omega: mode_omega };
+        // Dense where the phase turns: cubes of a uniform grid about the frequency of the mode.
+        let at = |j: usize| {
+            let s = 2.0 * j as f64 / GRID.0 as f64 - 1.0;
+            near * (1.0 + GRID.1 * s * s * s)
+        };
+        let mut crossing: Option<(f64, f64)> = None;
+        let mut before: Option<(f64, f64)> = None;
+        for j in 0..=GRID.0 {
+            let omega = at(j);
+            let phase = self.phase(omega)?;
+            if let Some((last, value)) = before.filter(|b| b.1 * phase <= 0.0 && (b.1 - phase).abs() < 2.0) {
+                let middle = |c: (f64, f64)| (0.5 * (c.0 + c.1) - near).abs();
+                if value >= phase && crossing.is_none_or(|c| middle((last, omega)) < middle(c)) {
+                    crossing = Some((last, omega));
+                }
+            }
+            before = Some((omega, phase));
+        }
+        let (mut low, mut high) = crossing.ok_or_else(missed)?;
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if self.phase(middle)? >= 0.0 { low = middle } else { high = middle }
+        }
+        let omega = 0.5 * (low + high);
+        let (x, touching) = self.motion(omega)?;
+        Ok((omega, x, touching))
+    }
+
+    fn system(&self, omega: f64) -> Result<PeriodicSystem, ResponseError> {
+        let structure = self.model.structure();
+        let load = self.model.load(self.settings)?;
+        let few = nlmodes_hbm::PeriodicSettings { harmonics: load.highest_harmonic(), ..self.settings.periodic() };
+        let scales = scales(structure, omega);
+        Ok(PeriodicSystem::force_response(structure, load, omega, 1.0, few, scales, self.solver)?)
+    }
+
+    /// What the phase at the drive point has beyond the lag that is wanted, −π to π: it falls through zero at phase resonance.
+    fn phase(&self, omega: f64) -> Result<f64, ResponseError> {
+        let mut system = self.system(omega)?;
+        let x = linear_motion(&mut system)?;
+        let small = small_level(&mut system, &x)?;
+        let scaled: Vec<f64> = x.iter().map(|x| x * small).collect();
+        let motion = system.motion(&scaled, small)?;
+        let n = self.drive.harmonic;
+        let own = system.load().terms().iter().zip(&self.drive.row.loads).filter(|(term, _)| term.harmonic == n);
+        let moved: Complex64 = own.map(|(term, a)| a * small * omega.powi(term.omega_power)).sum();
+        let q = motion.displacement(&self.drive.row)[n] + moved;
+        Ok((q * Complex64::cis(self.settings.lag)).arg())
+    }
+
+    /// Unknowns with all harmonics for the level one, and the level that first touches.
+    fn motion(&self, omega: f64) -> Result<(Vec<f64>, f64), ResponseError> {
+        let mut few = self.system(omega)?;
+        let x = linear_motion(&mut few)?;
+        let touching = small_level(&mut few, &x)? / SAFE;
+        let structure = self.model.structure();
+        let load = self.model.load(self.settings)?;
+        let scales = scales(structure, omega);
+        let full =
+            PeriodicSystem::force_response(structure, load, omega, 1.0, self.settings.periodic(), scales, self.solver)?;
+        Ok((full.resized(&x, few.series()), touching))
+    }
+}
+
+/// Share of the level that first touches at which the linear motion is evaluated.
+const SAFE: f64 = 0.25;
+
+/// A level at which nothing touches: a quarter of that of the largest motion toward a stop.
+fn small_level(system: &mut PeriodicSystem, x: &[f64]) -> Result<f64, ResponseError> {
+    let mut level = 1.0;
+    for _ in 0..200 {
+        let scaled: Vec<f64> = x.iter().map(|x| x * level).collect();
+        let motion = system.motion(&scaled, level)?;
+        let gaps = system.structure().gaps();
+        let share = |(c, gap): (&nlmodes_hbm::ContactMotion, &f64)| if c.touches > 0 { 2.0 } else { c.peak / gap };
+        let used = motion.contacts.iter().zip(gaps).map(share).fold(0.0_f64, f64::max);
+        if used > 1.0 {
+            level *= 0.25;
+        } else if used > 0.0 {
+            return Ok(SAFE * level / used);
+        } else {
+            level *= 4.0;
+        }
+    }
+    Ok(level)
+}

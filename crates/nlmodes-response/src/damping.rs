@@ -1,0 +1,33 @@
+use nlmodes_hbm::ModalDamping;
+
+/// Damping of a structure with its contacts open.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Damping {
+    /// Damping ratios mode by mode; the last one goes on.
+    Ratios(Vec<f64>),
+    /// `C = mass M + stiffness K`, 1/s and s.
+    Rayleigh {
+        /// Factor of the mass, 1/s.
+        mass: f64,
+        /// Factor of the stiffness, s.
+        stiffness: f64,
+    },
+}
+
+/// A dashpot between a degree of freedom and the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dashpot {
+    /// Degree of freedom.
+    pub dof: usize,
+    /// Its constant, N s/m.
+    pub damping: f64,
+}
+
+impl Damping {
+    pub(crate) fn modal(&self, omega_squared: &[f64]) -> ModalDamping {
+        match self {
+            Self::Ratios(ratios) => ModalDamping::ratios(omega_squared, ratios),
+            Self::Rayleigh { mass, stiffness } => ModalDamping::rayleigh(omega_squared, *mass, *stiffness),
+        }
+    }
+}

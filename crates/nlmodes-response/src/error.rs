@@ -1,0 +1,65 @@
+use nlmodes_continuation::ContinuationError;
+use nlmodes_hbm::HbmError;
+use nlmodes_reduction::ReductionError;
+use thiserror::Error;
+
+/// Why a response cannot be computed at all; a curve that ends early is not an error.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ResponseError {
+    /// A setting makes no sense.
+    #[error("{what} is {value}; expected {expected}")]
+    Setting {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is expected.
+        expected: &'static str,
+    },
+    /// A degree of freedom does not exist.
+    #[error("there is no degree of freedom {found}: the structure has {available}")]
+    NoSuchDof {
+        /// The number.
+        found: usize,
+        /// How many there are.
+        available: usize,
+    },
+    /// There is nothing that drives the structure.
+    #[error("a forced response needs a force or a base motion that moves the structure")]
+    NoLoad,
+    /// Phase resonance needs a drive point.
+    #[error("phase resonance needs a drive point")]
+    NoDrive,
+    /// No frequency near the mode has the lag.
+    #[error("the drive point lags the load by {lag_deg} degrees nowhere near the mode at {omega} rad/s")]
+    NoPhaseResonance {
+        /// The lag, degrees.
+        lag_deg: f64,
+        /// Frequency of the mode, rad/s.
+        omega: f64,
+    },
+    /// The level could not be reached at the end of the window from rest.
+    #[error(
+        "at {omega} rad/s the level {level} could not be reached from rest: the curve over the level ends at {reached} ({why})"
+    )]
+    NoStart {
+        /// Frequency of the load, rad/s.
+        omega: f64,
+        /// Level.
+        level: f64,
+        /// Level reached.
+        reached: f64,
+        /// Why it went no further.
+        why: String,
+    },
+    /// The periodic problem.
+    #[error("the periodic problem")]
+    Problem(#[from] HbmError),
+    /// The reduction.
+    #[error("the reduced structure")]
+    Reduction(#[from] ReductionError),
+    /// The continuation.
+    #[error("the curve")]
+    Continuation(#[from] ContinuationError<HbmError>),
+}

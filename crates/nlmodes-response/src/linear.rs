@@ -1,0 +1,19 @@
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_hbm::{HbmError, PeriodicSystem};
+use nlmodes_linalg::DenseLu;
+
+use crate::ResponseError;
+
+/// The linear motion per unit of the parameter of a response over the level, from rest: the unknowns are linear in the level until a contact is
+/// touched.
+pub(crate) fn linear_motion(system: &mut PeriodicSystem) -> Result<Vec<f64>, ResponseError> {
+    let n = system.dim();
+    let mut at = Linearization::new(n);
+    system.linearize(&vec![0.0; n], 0.0, &mut at)?;
+    let square = at.jacobian.subcols(0, n).to_owned();
+    let lu = DenseLu::factor(&square)
+        .map_err(|source| HbmError::Linalg { what: "the linear response (an undamped resonance?)", source })?;
+    let mut x: Vec<f64> = at.jacobian.col(n).iter().map(|v| -v).collect();
+    lu.solve_in_place(&mut x);
+    Ok(x)
+}

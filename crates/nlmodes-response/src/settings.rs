@@ -1,0 +1,78 @@
+use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
+
+use crate::ResponseError;
+
+/// What distinguishes one curve from another on the same structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseSettings {
+    /// Harmonics of the base frequency. Default 10.
+    pub harmonics: usize,
+    /// How the instants of contact are treated. Default exact.
+    pub switching: Switching,
+    /// Unknowns of the linear structure. Default chosen.
+    pub coordinates: Coordinates,
+    /// Contact solver by name. Default `active-set`.
+    pub contact_solver: String,
+    /// Window of the frequency of the load, or of a damped mode, rad/s: a curve ends where it leaves it.
+    pub window: [f64; 2],
+    /// Mode near which phase resonance is looked for, or that is followed as a damped mode, from 1. Default 1.
+    pub mode: usize,
+    /// Lag of the drive point at phase resonance, rad. Default a quarter of a turn.
+    pub lag: f64,
+    /// Periods of the load in one of the motion. Default 1.
+    pub subharmonic: usize,
+    /// Whether a curve over the frequency begins at the upper end of the window. Default no.
+    pub from_upper_end: bool,
+    /// Whether multipliers are computed. Default yes.
+    pub stability: bool,
+    /// Most points of a curve. Default 2000.
+    pub max_points: usize,
+}
+
+impl ResponseSettings {
+    /// The defaults, in a window of frequencies, rad/s.
+    pub fn new(window: [f64; 2]) -> Self {
+        Self {
+            harmonics: 10,
+            switching: Switching::Exact,
+            coordinates: Coordinates::Automatic,
+            contact_solver: "active-set".to_owned(),
+            window,
+            mode: 1,
+            lag: std::f64::consts::FRAC_PI_2,
+            subharmonic: 1,
+            from_upper_end: false,
+            stability: true,
+            max_points: 2000,
+        }
+    }
+
+    pub(crate) fn periodic(&self) -> PeriodicSettings {
+        PeriodicSettings { harmonics: self.harmonics, switching: self.switching, coordinates: self.coordinates }
+    }
+
+    /// Window of the base frequency of the motion.
+    pub(crate) fn base_window(&self) -> [f64; 2] {
+        self.window.map(|omega| omega / self.subharmonic as f64)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ResponseError> {
+        let [low, high] = self.window;
+        if !(low.is_finite() && low > 0.0) {
+            let (what, expected) = ("the lower end of the frequency window (rad/s)", "a positive number");
+            return Err(ResponseError::Setting { what, value: low, expected });
+        }
+        if !(high.is_finite() && high > low) {
+            let (what, expected) = ("the upper end of the frequency window (rad/s)", "more than the lower end");
+            return Err(ResponseError::Setting { what, value: high, expected });
+        }
+        if self.subharmonic == 0 {
+            return Err(ResponseError::Setting {
+                what: "periods of the load in one of the motion",
+                value: 0.0,
+                expected: "1 or more",
+            });
+        }
+        Ok(())
+    }
+}
