@@ -29,6 +29,7 @@
 //! ```
 
 mod cholesky;
+mod compressed;
 mod dense;
 mod eigenvalues;
 mod error;
@@ -37,6 +38,7 @@ mod sparse;
 mod symmetric;
 
 pub use cholesky::SparseCholesky;
+pub use compressed::sparse_from_columns;
 pub use dense::DenseLu;
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;

@@ -1,0 +1,182 @@
+//! The formats of matrices, a file each.
+
+mod abaqus;
+mod calculix;
+mod compressed;
+mod dmig;
+mod fortran;
+mod harwell_boeing;
+mod labelled;
+mod mat5;
+mod mat73;
+mod matlab;
+mod matrix_market;
+mod npz;
+
+use std::fmt;
+use std::io::Read;
+use std::path::Path;
+use std::str::FromStr;
+
+use crate::Address;
+use crate::error::{Problem, ReadError, Result, shown};
+use crate::labels::DofLabel;
+use crate::lower::LowerTriangle;
+
+/// A way to write a sparse matrix into a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// `.sti` and `.mas` of CalculiX: `row column value`, upper triangle column by column.
+    Calculix,
+    /// Matrix Market exchange format, coordinate or array, symmetric or general.
+    MatrixMarket,
+    /// `node,dof, node,dof, value`, as Abaqus writes with `FORMAT=MATRIX INPUT`.
+    Abaqus,
+    /// `scipy.sparse.save_npz`: compressed columns, compressed rows or coordinates.
+    Npz,
+    /// MATLAB's files, version 5 to 7 and 7.3.
+    Mat,
+    /// Harwell-Boeing, real symmetric assembled, as Ansys writes with `HBMAT`.
+    HarwellBoeing,
+    /// Direct matrix input at grid points, as Nastran punches.
+    Dmig,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 7] =
+        [Self::Calculix, Self::MatrixMarket, Self::Abaqus, Self::Npz, Self::Mat, Self::HarwellBoeing, Self::Dmig];
+
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Calculix => "calculix",
+            Self::MatrixMarket => "matrix-market",
+            Self::Abaqus => "abaqus",
+            Self::Npz => "npz",
+            Self::Mat => "mat",
+            Self::HarwellBoeing => "harwell-boeing",
+            Self::Dmig => "dmig",
+        }
+    }
+
+    /// The format of a file, from the ending of its name; `.mtx` is Matrix Market if it begins as such files do, else Abaqus.
+    ///
+    /// # Errors
+    /// [`ReadError`] if the ending is not known or the file cannot be read.
+    pub fn of(address: &Address) -> Result<Self> {
+        match address.ending().as_str() {
+            "sti" | "mas" => Ok(Self::Calculix),
+            "npz" => Ok(Self::Npz),
+            "mat" => Ok(Self::Mat),
+            "hb" | "rsa" | "rb" | "hbmat" | "matrix" => Ok(Self::HarwellBoeing),
+            "pch" | "dmig" | "bdf" => Ok(Self::Dmig),
+            "mtx" | "mm" => {
+                let mut first = [0; 14];
+                let read = crate::text::open(&address.path)?.read(&mut first);
+                read.map_err(|error| ReadError::whole(&address.path, Problem::Io(error)))?;
+                Ok(if first.eq_ignore_ascii_case(b"%%MatrixMarket") { Self::MatrixMarket } else { Self::Abaqus })
+            }
+            ending => Err(ReadError::whole(
+                &address.path,
+                Problem::Expected {
+                    expected:
+                        "a file of a matrix: .sti, .mas, .mtx, .npz, .mat, .hb or .pch (also .gz), or its format said"
+                            .into(),
+                    found: shown(format!(".{ending}").as_bytes()),
+                },
+            )),
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = UnknownFormat;
+
+    fn from_str(name: &str) -> std::result::Result<Self, UnknownFormat> {
+        Self::ALL
+            .into_iter()
+            .find(|format| format.name() == name)
+            .ok_or_else(|| UnknownFormat { name: name.to_owned() })
+    }
+}
+
+/// There is no format of this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no format `{name}`; there are calculix, matrix-market, abaqus, npz, mat, harwell-boeing and dmig")]
+pub struct UnknownFormat {
+    /// The name.
+    pub name: String,
+}
+
+/// What a file says about one symmetric matrix.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MatrixData {
+    /// Lower triangle.
+    pub lower: LowerTriangle,
+    /// Labels of the rows, where the format has them (Abaqus, DMIG): ascending by node, then component.
+    pub labels: Option<Vec<DofLabel>>,
+    /// Degrees of freedom left out since the file holds them by 1e30 and more on the diagonal (Abaqus).
+    pub fixed: Vec<DofLabel>,
+}
+
+/// Reads a symmetric matrix as it stands in the file, in the file's units.
+///
+/// `order` is the number of rows where it is known, so that a wrong header or row is refused where it stands. Without it a matrix of n rows
+/// must have at least n entries.
+///
+/// # Errors
+/// [`ReadError`] with the place and what was expected there.
+pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> Result<MatrixData> {
+    let path = &address.path;
+    let plain = |lower| MatrixData { lower, ..MatrixData::default() };
+    let many = matches!(format, Format::Mat | Format::Dmig);
+    if let (Some(name), false) = (&address.name, many) {
+        let problem = Problem::Missing {
+            what: "named matrix, as this format holds a single one without a name,",
+            name: name.clone(),
+            known: vec![],
+        };
+        return Err(ReadError::whole(path, problem));
+    }
+    match format {
+        Format::Calculix => calculix::read(path, order).map(plain),
+        Format::MatrixMarket => matrix_market::read(path, order).map(plain),
+        Format::Abaqus => abaqus::read(path),
+        Format::Npz => npz::read(path, order).map(plain),
+        Format::Mat => matlab::read(path, address.name.as_deref(), order).map(plain),
+        Format::HarwellBoeing => harwell_boeing::read(path, order).map(plain),
+        Format::Dmig => dmig::read(path, address.name.as_deref()),
+    }
+}
+
+/// A number of rows that a file claims: the expected one, or at least one that can be held.
+fn check_order(path: &Path, place: crate::Place, found: u64, expected: Option<usize>) -> Result<usize> {
+    let problem = match expected {
+        Some(expected) if found != expected as u64 => {
+            Problem::Size { what: "number of rows".into(), expected: expected as u64, found }
+        }
+        _ if found > crate::build::MAX_ORDER => {
+            Problem::TooLarge { what: "number of rows", found, limit: crate::build::MAX_ORDER }
+        }
+        _ if found == 0 => Problem::Expected { expected: "at least one row".into(), found: "none".into() },
+        _ => return Ok(found as usize),
+    };
+    Err(ReadError::new(path, place, problem))
+}
+
+/// Without an expected order, a header that claims more rows than there are entries would cost memory that nothing pays for.
+fn check_entries(path: &Path, place: crate::Place, order: usize, entries: u64, expected: Option<usize>) -> Result<()> {
+    if expected.is_none() && entries < order as u64 {
+        let what = format!("entries of a matrix of {order} rows, each of which has one at least");
+        return Err(ReadError::new(path, place, Problem::Size { what, expected: order as u64, found: entries }));
+    }
+    Ok(())
+}

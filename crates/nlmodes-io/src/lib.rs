@@ -1,0 +1,70 @@
+//! Finite-element models of other programs in, ParaView files out.
+//!
+//! ```text
+//! M q̈ + K q = 0 ,   M and K symmetric, n × n, read into their lower triangles;  row i ↔ node and component
+//! ```
+//!
+//! | what | files | item |
+//! | --- | --- | --- |
+//! | matrices | CalculiX `.sti` and `.mas`; SciPy `.npz`; Matrix Market `.mtx`; Abaqus `MATRIX INPUT` `.mtx`; MATLAB `.mat`, 5 to 7.3; Ansys `HBMAT`; Nastran DMIG | [`read_matrix`], [`Format`] |
+//! | names of the rows | CalculiX `.dof`; Ansys `.mapping`; tables `row,node,component[,x,y,z]` | [`LabelTable`] |
+//! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text | [`Mesh`] |
+//! | all of them together, in SI units | | [`FeModel`], [`FeFiles`], [`UnitSystem`] |
+//! | motions of the skin of a mesh | `.vtu` and `.pvd` | [`Surface`], [`Skin`] |
+//!
+//! Text files may be packed with gzip. Matrices are streamed into their lower triangle: while a file is read, memory holds what the final
+//! triangle holds and little more, whatever a header claims. A file that is not what it should be is refused with the place, what is there
+//! and what was expected.
+//!
+//! ```
+//! use nlmodes_io::{FeFiles, FeModel};
+//!
+//! // Two masses of 1 t on springs of 1 N/mm, in CalculiX's files.
+//! let directory = std::env::temp_dir().join(format!("nlmodes-io-{}", std::process::id()));
+//! std::fs::create_dir_all(&directory)?;
+//! let file = |name: &str, text: &str| {
+//!     let path = directory.join(name);
+//!     std::fs::write(&path, text).map(|()| path.to_string_lossy().into_owned())
+//! };
+//! let stiffness = file("two.sti", "1 1 2.0\n1 2 -1.0\n2 2 1.0\n")?;
+//! let mass = file("two.mas", "1 1 1.0\n1 2 0.0\n2 2 1.0\n")?;
+//! let dofs = file("two.dof", "7.3\n10.3\n")?;
+//!
+//! let mut files = FeFiles::new(&stiffness, &mass);
+//! files.dofs = Some(dofs.into());
+//! files.units = "mm-t-s".parse()?;
+//! let model = FeModel::read(&files)?;
+//! assert_eq!(model.stiffness.get(0, 1), -1000.0); // N/m
+//! assert_eq!(model.mass_along_axes(), [0.0, 0.0, 2000.0]); // kg
+//! assert_eq!(model.labels[1].to_string(), "uz of node 10");
+//!
+//! std::fs::write(&mass, "1 1 1.0\n1 2 0.0\n2 x 1.0\n")?;
+//! let refused = FeModel::read(&files).unwrap_err().to_string();
+//! assert!(refused.ends_with("two.mas:3: found `x`; expected a column from 1 to 2"));
+//! # std::fs::remove_dir_all(&directory)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! No mechanics beyond that: modes, contacts and reductions are for other crates.
+
+mod address;
+mod build;
+mod error;
+mod formats;
+mod labels;
+mod lower;
+mod mesh;
+mod model;
+mod paraview;
+mod text;
+mod units;
+
+pub use address::Address;
+pub use error::{Place, Problem, ReadError, Result};
+pub use formats::{Format, MatrixData, UnknownFormat, read_matrix};
+pub use labels::{Component, DofLabel, LabelTable};
+pub use lower::LowerTriangle;
+pub use mesh::{Element, ElementKind, Mesh, Skin, SkinCell};
+pub use model::{FeFiles, FeModel, NodeChoice};
+pub use paraview::{PointField, Surface};
+pub use units::{UnitSystem, UnknownUnits};

@@ -1,0 +1,156 @@
+//! `.inp` of CalculiX and Abaqus: nodes, elements, sets and surfaces of a flat deck.
+
+mod blocks;
+mod elements;
+mod keyword;
+mod source;
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::rc::Rc;
+
+use self::blocks::State;
+use self::elements::{Shape, shape};
+use self::keyword::Keyword;
+use self::source::Source;
+use super::{Element, Mesh};
+use crate::error::{Place, Problem, ReadError, Result};
+
+/// Keywords that make nodes or elements which no line of the deck holds, or turn axes: a mesh without heeding them would be wrong.
+const REFUSED: [(&str, &str); 11] = [
+    ("NGEN", "generated nodes are not read; write the deck with all its nodes"),
+    ("NFILL", "generated nodes are not read; write the deck with all its nodes"),
+    ("NCOPY", "generated nodes are not read; write the deck with all its nodes"),
+    ("ELGEN", "generated elements are not read; write the deck with all its elements"),
+    ("ELCOPY", "generated elements are not read; write the deck with all its elements"),
+    ("NMAP", "mapped nodes are not read; write the deck with all its nodes"),
+    ("SYSTEM", "only global axes are read"),
+    ("TRANSFORM", "directions along other axes are not those of the matrices' labels"),
+    ("PART", "parts have node numbers of their own; write a deck without parts and assemblies"),
+    ("INSTANCE", "instances have node numbers of their own; write a deck without parts and assemblies"),
+    ("SUBMODEL", "nodes of another model are not read"),
+];
+
+pub(super) fn read(path: &Path) -> Result<Mesh> {
+    let mut deck = Deck::default();
+    let mut source = Source::open(path)?;
+    let mut state = State::Other;
+    while source.advance()? {
+        let line = source.line().trim_ascii();
+        if line.is_empty() || line.starts_with(b"**") {
+            continue;
+        }
+        if line.starts_with(b"*") {
+            state.check_end(&source)?;
+            let keyword = Keyword::read(&mut source)?;
+            state = deck.begin(&mut source, &keyword)?;
+        } else {
+            deck.line(&source, &mut state)?;
+        }
+    }
+    state.check_end(&source)?;
+    deck.finish(path)
+}
+
+/// Where a number of a node stands, to be checked when all nodes are known.
+type Mention = (Rc<Path>, u64);
+
+/// An element whose nodes are still numbers.
+struct Numbered {
+    number: u64,
+    shape: Shape,
+    nodes: Vec<u64>,
+    mention: Mention,
+}
+
+#[derive(Default)]
+struct Deck {
+    mesh: Mesh,
+    elements: Vec<Numbered>,
+    by_number: HashMap<u64, usize>,
+    element_sets: BTreeMap<String, Vec<u64>>,
+    mentions: Vec<(u64, Mention)>,
+}
+
+impl Deck {
+    fn begin(&mut self, source: &mut Source, keyword: &Keyword) -> Result<State> {
+        if let Some((name, reason)) = REFUSED.iter().find(|(name, _)| *name == keyword.name) {
+            let found = format!("*{name}");
+            return Err(source.error(Problem::Refused { found, expected: "a flat deck in global axes", reason }));
+        }
+        Ok(match keyword.name.as_str() {
+            "INCLUDE" => {
+                let name = keyword.need(source, "INPUT")?;
+                source.include(&name)?;
+                State::Other
+            }
+            "NODE" => {
+                if keyword.option("SYSTEM").is_some_and(|system| system != "R") {
+                    return Err(source.expected("coordinates along global axes (SYSTEM=R)"));
+                }
+                State::Nodes { set: keyword.option("NSET") }
+            }
+            "ELEMENT" => {
+                let kind = keyword.need(source, "TYPE")?;
+                State::Elements { shape: shape(&kind), kind, set: keyword.option("ELSET"), begun: Vec::new() }
+            }
+            "NSET" => {
+                let name = keyword.need(source, "NSET")?;
+                let nodes = match keyword.option("ELSET") {
+                    Some(set) => self.nodes_of_elements(source, &set)?,
+                    None => Vec::new(),
+                };
+                self.mesh.add_to_set(&name, nodes);
+                State::NodeSet { name, generate: keyword.has("GENERATE") }
+            }
+            "ELSET" => State::ElementSet { name: keyword.need(source, "ELSET")?, generate: keyword.has("GENERATE") },
+            "SURFACE" => {
+                let name = keyword.need(source, "NAME")?;
+                match keyword.option("TYPE").as_deref() {
+                    Some("NODE") => State::NodeSet { name, generate: false },
+                    _ => State::Surface { name },
+                }
+            }
+            _ => State::Other,
+        })
+    }
+
+    /// Elements of a set by its name.
+    fn element_set(&self, source: &Source, set: &str) -> Result<&[u64]> {
+        let known = || self.element_sets.keys().cloned().collect();
+        let missing = || source.error(Problem::Missing { what: "element set", name: set.to_owned(), known: known() });
+        self.element_sets.get(set).map(Vec::as_slice).ok_or_else(missing)
+    }
+
+    fn nodes_of_elements(&self, source: &Source, set: &str) -> Result<Vec<u64>> {
+        let elements = self.element_set(source, set)?.iter().filter_map(|number| self.by_number.get(number));
+        Ok(elements.flat_map(|at| self.elements[*at].nodes.iter().copied()).collect())
+    }
+
+    /// All nodes must be there.
+    fn finish(mut self, path: &Path) -> Result<Mesh> {
+        if self.mesh.numbers.is_empty() {
+            let expected = "nodes (*NODE)".to_owned();
+            return Err(ReadError::whole(path, Problem::Ended { expected }));
+        }
+        for element in std::mem::take(&mut self.elements) {
+            let index = |node: &u64| self.mesh.index_of(*node).map(|k| k as u32);
+            let index = |node: &u64| index(node).ok_or_else(|| missing(*node, &element.mention));
+            let nodes: Vec<u32> = element.nodes.iter().map(index).collect::<Result<_>>()?;
+            let nodes = element.shape.ordered(&nodes);
+            self.mesh.elements.push(Element { number: element.number, kind: element.shape.kind, nodes });
+        }
+        if let Some((node, mention)) = self.mentions.iter().find(|(node, _)| self.mesh.index_of(*node).is_none()) {
+            return Err(missing(*node, mention));
+        }
+        let known = &self.mesh.index;
+        self.mesh.node_sets.values_mut().for_each(|set| set.retain(|node| known.contains_key(node)));
+        self.mesh.sort_sets();
+        Ok(self.mesh)
+    }
+}
+
+fn missing(node: u64, (path, line): &Mention) -> ReadError {
+    let (expected, found) = ("nodes of the deck".to_owned(), format!("node {node}, which is not there"));
+    ReadError::new(path, Place::Line(*line), Problem::Expected { expected, found })
+}

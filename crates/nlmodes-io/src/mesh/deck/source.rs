@@ -1,0 +1,83 @@
+use std::path::Path;
+use std::rc::Rc;
+
+use super::Mention;
+use crate::error::{Problem, ReadError, Result};
+use crate::text::Lines;
+
+/// Most decks that include each other.
+const DEEPEST: usize = 16;
+
+/// The lines of a deck and of the decks that it includes.
+pub(super) struct Source {
+    open: Vec<(Lines, Rc<Path>)>,
+}
+
+impl Source {
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        Ok(Self { open: vec![(Lines::open(path)?, path.into())] })
+    }
+
+    fn top(&self) -> &(Lines, Rc<Path>) {
+        &self.open[self.open.len() - 1]
+    }
+
+    /// Goes on to the next line; after the last one of an included deck, in the deck that includes it.
+    pub(super) fn advance(&mut self) -> Result<bool> {
+        loop {
+            let last = self.open.len() - 1;
+            if self.open[last].0.advance()? {
+                return Ok(true);
+            }
+            if last == 0 {
+                return Ok(false);
+            }
+            self.open.pop();
+        }
+    }
+
+    /// Goes on with another deck; its name is relative to that of this one.
+    pub(super) fn include(&mut self, name: &str) -> Result<()> {
+        if self.open.len() == DEEPEST {
+            let (found, limit) = (DEEPEST as u64 + 1, DEEPEST as u64);
+            return Err(self.error(Problem::TooLarge {
+                what: "number of decks that include each other",
+                found,
+                limit,
+            }));
+        }
+        let path = self.top().1.parent().unwrap_or(Path::new("")).join(name);
+        let lines = Lines::open(&path).map_err(|error| {
+            let found = error.to_string();
+            self.error(Problem::Expected { expected: "a deck that can be read".into(), found })
+        })?;
+        self.open.push((lines, path.into()));
+        Ok(())
+    }
+
+    pub(super) fn line(&self) -> &[u8] {
+        self.top().0.line()
+    }
+
+    pub(super) fn mention(&self) -> Mention {
+        let (lines, path) = self.top();
+        (Rc::clone(path), lines.number())
+    }
+
+    pub(super) fn error(&self, problem: Problem) -> ReadError {
+        self.top().0.error(problem)
+    }
+
+    /// This line is not what was expected.
+    pub(super) fn expected(&self, expected: &str) -> ReadError {
+        self.top().0.expected(expected, self.line())
+    }
+
+    pub(super) fn unsigned(&self, field: &[u8], what: &str) -> Result<u64> {
+        self.top().0.unsigned(field, what)
+    }
+
+    pub(super) fn real(&self, field: &[u8], what: &'static str) -> Result<f64> {
+        self.top().0.real(field, what)
+    }
+}

@@ -1,0 +1,105 @@
+use std::collections::HashMap;
+
+use super::{ElementKind, Mesh};
+
+/// A cell of a skin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SkinCell {
+    /// [`ElementKind::Line`], [`ElementKind::Triangle`] or [`ElementKind::Quadrangle`].
+    pub kind: ElementKind,
+    /// Indices of its nodes in the mesh: corners, then middles of edges.
+    pub nodes: Vec<u32>,
+}
+
+/// What can be seen of a mesh: faces that belong to one solid only, shells, beams.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Skin {
+    /// Its cells, with normals outward where they cover solids.
+    pub cells: Vec<SkinCell>,
+}
+
+/// The corners of a face in ascending order; triangles end in a number that no node has.
+fn key(face: &[usize], nodes: &[u32]) -> [u32; 4] {
+    let mut key = [u32::MAX; 4];
+    face.iter().zip(&mut key).for_each(|(corner, at)| *at = nodes[*corner]);
+    key.sort_unstable();
+    key
+}
+
+impl Skin {
+    /// The skin of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let mut faces: HashMap<[u32; 4], u8> = HashMap::new();
+        for element in mesh.elements.iter().filter(|element| element.kind.is_solid()) {
+            for face in element.kind.faces() {
+                let count = faces.entry(key(face, &element.nodes)).or_insert(0);
+                *count = count.saturating_add(1);
+            }
+        }
+        let mut cells = Vec::new();
+        for element in &mesh.elements {
+            let kind = element.kind;
+            if kind == ElementKind::Line {
+                cells.push(SkinCell { kind, nodes: element.nodes.clone() });
+            }
+            for face in kind.faces() {
+                let count = faces.get(&key(face, &element.nodes)).copied().unwrap_or(0);
+                // A shell on the face of a solid shows what the solid shows.
+                if count == u8::from(kind.is_solid()) {
+                    let nodes = kind.face_nodes(face, &element.nodes);
+                    let kind = if face.len() == 3 { ElementKind::Triangle } else { ElementKind::Quadrangle };
+                    cells.push(SkinCell { kind, nodes });
+                }
+            }
+        }
+        Self { cells }
+    }
+
+    /// Indices of the nodes that it touches, ascending.
+    pub fn nodes(&self) -> Vec<u32> {
+        let mut nodes: Vec<u32> = self.cells.iter().flat_map(|cell| cell.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Pairs of corners that its edges join, each once, the smaller index first.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        let of_cell = |cell: &SkinCell| {
+            let ends = |edge: &[usize; 2]| [cell.nodes[edge[0]], cell.nodes[edge[1]]];
+            let ordered = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+            cell.kind.edges().iter().map(ends).map(ordered).collect::<Vec<_>>()
+        };
+        let mut edges: Vec<[u32; 2]> = self.cells.iter().flat_map(of_cell).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+
+    /// The outward normal times the area that belongs to each node of the mesh, m² if its places are in m; zero for nodes elsewhere.
+    /// A face gives each of its nodes an equal part.
+    pub fn normals(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
+        let mut normals = vec![[0.0; 3]; mesh.places.len()];
+        for cell in self.cells.iter().filter(|cell| cell.kind != ElementKind::Line) {
+            let corners = &cell.nodes[..cell.kind.corners()];
+            let count = corners.len() as f64;
+            let mean = |axis: usize| corners.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / count;
+            let centre = [mean(0), mean(1), mean(2)];
+            let area = corners.iter().zip(corners.iter().cycle().skip(1)).fold([0.0; 3], |sum, (a, b)| {
+                let part = half_product(centre, mesh.places[*a as usize], mesh.places[*b as usize]);
+                std::array::from_fn(|axis| sum[axis] + part[axis])
+            });
+            for node in &cell.nodes {
+                (0..3).for_each(|axis| normals[*node as usize][axis] += area[axis] / cell.nodes.len() as f64);
+            }
+        }
+        normals
+    }
+}
+
+/// Normal of the triangle `o a b` times its area.
+fn half_product(o: [f64; 3], a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    let u: [f64; 3] = std::array::from_fn(|k| a[k] - o[k]);
+    let v: [f64; 3] = std::array::from_fn(|k| b[k] - o[k]);
+    [(u[1] * v[2] - u[2] * v[1]) / 2.0, (u[2] * v[0] - u[0] * v[2]) / 2.0, (u[0] * v[1] - u[1] * v[0]) / 2.0]
+}

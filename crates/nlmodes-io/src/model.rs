@@ -1,0 +1,121 @@
+//! Matrices, labels and mesh together.
+
+mod assemble;
+mod files;
+
+use std::collections::{HashMap, HashSet};
+
+pub use files::{FeFiles, NodeChoice};
+
+use crate::error::{Problem, ReadError, Result};
+use crate::labels::{Component, DofLabel};
+use crate::lower::LowerTriangle;
+use crate::mesh::Mesh;
+
+/// A linear structure of finite elements in SI units: what the files hold, checked against each other.
+///
+/// `M` and `K` are symmetric; every diagonal entry of `K` is positive. The mass may be singular and may have negative rows at corners, as
+/// those of quadratic tetrahedra have.
+#[derive(Debug, Clone)]
+pub struct FeModel {
+    /// Stiffness `K` (n × n; N/m, N, N·m as the components need).
+    pub stiffness: LowerTriangle,
+    /// Mass `M` (n × n; kg, kg·m, kg·m²).
+    pub mass: LowerTriangle,
+    /// Node and component of each row.
+    pub labels: Vec<DofLabel>,
+    /// Places in m, elements and node sets, where a mesh is there.
+    pub mesh: Option<Mesh>,
+    /// Degrees of freedom that the files or `fixed` hold, which have no row.
+    pub held: Vec<DofLabel>,
+    places: HashMap<u64, [f64; 3]>,
+    rows: HashMap<DofLabel, usize>,
+}
+
+impl FeModel {
+    /// Reads the files of a model.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the file, the place in it, what is there and what was expected.
+    pub fn read(files: &FeFiles) -> Result<Self> {
+        assemble::read(files)
+    }
+
+    /// Number of rows.
+    pub fn n_dofs(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Row of a component of a node; none if it is held or not there.
+    pub fn row_of(&self, node: u64, component: Component) -> Option<usize> {
+        self.rows.get(&DofLabel { node, component }).copied()
+    }
+
+    /// Rows of the displacements of a node along x, y and z.
+    pub fn translations_of(&self, node: u64) -> [Option<usize>; 3] {
+        [Component::X, Component::Y, Component::Z].map(|component| self.row_of(node, component))
+    }
+
+    /// Place of a node, m, from the mesh or the table of labels.
+    pub fn place_of(&self, node: u64) -> Option<[f64; 3]> {
+        self.mesh.as_ref().and_then(|mesh| mesh.place_of(node)).or_else(|| self.places.get(&node).copied())
+    }
+
+    /// Nodes that have rows, ascending.
+    pub fn nodes(&self) -> Vec<u64> {
+        let mut nodes: Vec<u64> = self.labels.iter().map(|label| label.node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Nodes with rows but without a place, where places are known at all: those within elements, which a deck does not name.
+    pub fn nodes_without_place(&self) -> Vec<u64> {
+        if self.mesh.is_none() && self.places.is_empty() {
+            return Vec::new();
+        }
+        self.nodes().into_iter().filter(|node| self.place_of(*node).is_none()).collect()
+    }
+
+    /// Mass that a rigid displacement along x, y and z moves, kg: the sum of `M` over the free displacements of nodes that have a place (of
+    /// all nodes, where no places are known).
+    pub fn mass_along_axes(&self) -> [f64; 3] {
+        let inner: HashSet<u64> = self.nodes_without_place().into_iter().collect();
+        let axis =
+            |row: usize| self.labels[row].component.translation().filter(|_| !inner.contains(&self.labels[row].node));
+        let axes: Vec<Option<usize>> = (0..self.n_dofs()).map(axis).collect();
+        let mut sums = [0.0; 3];
+        for (i, j, value) in self.mass.entries() {
+            if let (Some(a), true) = (axes[i], axes[i] == axes[j]) {
+                sums[a] += if i == j { value } else { 2.0 * value };
+            }
+        }
+        sums
+    }
+
+    /// Nodes of a set of the mesh that have rows.
+    ///
+    /// # Errors
+    /// [`ReadError`] if there is no mesh, no such set, or none of its nodes has a row.
+    pub fn nodes_of_set(&self, files: &FeFiles, name: &str) -> Result<Vec<u64>> {
+        let Some(mesh) = &self.mesh else {
+            let found = format!("the node set `{name}` and no mesh");
+            let problem = Problem::Expected { expected: "a mesh with its sets (key `mesh`)".into(), found };
+            return Err(ReadError::whole(&files.stiffness.path, problem));
+        };
+        let path = files.mesh.as_deref().unwrap_or(&files.stiffness.path);
+        let set = mesh.node_set(name).ok_or_else(|| {
+            let known = mesh.node_sets.keys().cloned().collect();
+            ReadError::whole(path, Problem::Missing { what: "node set", name: name.to_owned(), known })
+        })?;
+        let present: HashSet<u64> = self.labels.iter().map(|label| label.node).collect();
+        let nodes: Vec<u64> = set.iter().copied().filter(|node| present.contains(node)).collect();
+        if nodes.is_empty() {
+            let found =
+                format!("the node set `{name}` of {} nodes, none of them with a row in the matrices", set.len());
+            let problem = Problem::Expected { expected: "a set with free nodes".into(), found };
+            return Err(ReadError::whole(path, problem));
+        }
+        Ok(nodes)
+    }
+}

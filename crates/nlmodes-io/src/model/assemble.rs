@@ -1,0 +1,149 @@
+use std::collections::{HashMap, HashSet};
+
+use super::{FeFiles, FeModel, NodeChoice};
+use crate::error::{Problem, ReadError, Result};
+use crate::formats::{Format, MatrixData, read_matrix};
+use crate::labels::{DofLabel, LabelTable};
+use crate::lower::LowerTriangle;
+use crate::mesh::Mesh;
+
+pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
+    let format = |address| files.format.map_or_else(|| Format::of(address), Ok);
+    let (of_stiffness, of_mass) = (format(&files.stiffness)?, format(&files.mass)?);
+    let table = files.dofs.as_deref().map(LabelTable::read).transpose()?;
+    let mut mesh = files.mesh.as_deref().map(Mesh::read).transpose()?;
+    let order = table.as_ref().map(|table| table.labels.len()).filter(|_| !names_rows(of_stiffness));
+    let stiffness = read_matrix(&files.stiffness, of_stiffness, order)?;
+    let labels = match (&stiffness.labels, &table) {
+        (Some(labels), _) => labels.clone(),
+        (None, Some(table)) => table.labels.clone(),
+        (None, None) => return Err(unnamed(files, of_stiffness)),
+    };
+    let order = (!names_rows(of_mass)).then_some(labels.len());
+    let mass = read_matrix(&files.mass, of_mass, order)?;
+    let mass = along(files, mass, &labels, &stiffness.fixed)?;
+    let mut places = table.map(|table| table.positions).unwrap_or_default();
+    places.values_mut().flatten().for_each(|x| *x *= files.units.length());
+    if let Some(mesh) = &mut mesh {
+        mesh.scale(files.units.length());
+        check_mesh(files, mesh, &labels)?;
+    }
+    let rows = rows_of(&labels);
+    let held = stiffness.fixed;
+    let mut model = FeModel { stiffness: stiffness.lower, mass, labels, mesh, held, places, rows };
+    hold(&mut model, files)?;
+    into_si(&mut model, files);
+    check_diagonal(&model, files)?;
+    Ok(model)
+}
+
+/// Whether a format names the rows of its matrices.
+fn names_rows(format: Format) -> bool {
+    matches!(format, Format::Abaqus | Format::Dmig)
+}
+
+fn rows_of(labels: &[DofLabel]) -> HashMap<DofLabel, usize> {
+    labels.iter().enumerate().map(|(row, label)| (*label, row)).collect()
+}
+
+fn unnamed(files: &FeFiles, format: Format) -> ReadError {
+    let problem = Problem::Expected {
+        expected: "a table of degrees of freedom beside it (key `dofs`): .dof, .mapping or .csv".into(),
+        found: format!("a matrix of the format {format}, whose rows have no names"),
+    };
+    ReadError::whole(&files.stiffness.path, problem)
+}
+
+/// The mass in the rows of the stiffness.
+fn along(files: &FeFiles, mass: MatrixData, labels: &[DofLabel], held: &[DofLabel]) -> Result<LowerTriangle> {
+    let whole = |problem| ReadError::whole(&files.mass.path, problem);
+    if mass.lower.n_entries() == 0 {
+        return Err(whole(Problem::Expected { expected: "a mass".into(), found: "zeros only".into() }));
+    }
+    let Some(named) = mass.labels else {
+        return match mass.lower.order() == labels.len() {
+            true => Ok(mass.lower),
+            false => {
+                let (expected, found) = (labels.len() as u64, mass.lower.order() as u64);
+                Err(whole(Problem::Size { what: "rows of the mass, as of the stiffness".into(), expected, found }))
+            }
+        };
+    };
+    let (rows, held) = (rows_of(labels), held.iter().collect::<HashSet<_>>());
+    let place = |label: &DofLabel| match rows.get(label) {
+        Some(row) => Ok(Some(*row)),
+        None if held.contains(label) => Ok(None),
+        None => Err(whole(Problem::Expected {
+            expected: "nodes and directions that the stiffness has".into(),
+            found: format!("{label}, which it has not"),
+        })),
+    };
+    let to: Vec<Option<usize>> = named.iter().map(place).collect::<Result<_>>()?;
+    Ok(mass.lower.placed(&to, labels.len()))
+}
+
+/// Some of the nodes must be nodes of the mesh; those within elements need not.
+fn check_mesh(files: &FeFiles, mesh: &Mesh, labels: &[DofLabel]) -> Result<()> {
+    if labels.iter().any(|label| mesh.index_of(label.node).is_some()) {
+        return Ok(());
+    }
+    let path = files.mesh.as_deref().unwrap_or(&files.stiffness.path);
+    let problem = Problem::Expected { expected: "the mesh of the matrices".into(), found: "no node of theirs".into() };
+    Err(ReadError::whole(path, problem))
+}
+
+/// Takes out the rows of nodes that are to be held.
+fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
+    let mut nodes = HashSet::new();
+    for choice in &files.fixed {
+        match choice {
+            NodeChoice::Set(name) => nodes.extend(model.nodes_of_set(files, name)?),
+            NodeChoice::Node(node) if model.labels.iter().any(|label| label.node == *node) => {
+                nodes.insert(*node);
+            }
+            NodeChoice::Node(node) => {
+                let found = format!("node {node}, which is to be held and has none");
+                let problem = Problem::Expected { expected: "nodes with rows in the matrices".into(), found };
+                return Err(ReadError::whole(&files.stiffness.path, problem));
+            }
+        }
+    }
+    if nodes.is_empty() {
+        return Ok(());
+    }
+    let mut free = 0;
+    let mut to = Vec::with_capacity(model.labels.len());
+    for label in &model.labels {
+        let held = nodes.contains(&label.node);
+        to.push((!held).then_some(free));
+        free += usize::from(!held);
+    }
+    model.stiffness = model.stiffness.placed(&to, free);
+    model.mass = model.mass.placed(&to, free);
+    let (held, labels): (Vec<_>, Vec<_>) = model.labels.iter().copied().partition(|label| nodes.contains(&label.node));
+    (model.rows, model.labels) = (rows_of(&labels), labels);
+    model.held.extend(held);
+    if model.labels.is_empty() {
+        let problem = Problem::Expected { expected: "free nodes".into(), found: "none: all are held".into() };
+        return Err(ReadError::whole(&files.stiffness.path, problem));
+    }
+    Ok(())
+}
+
+fn into_si(model: &mut FeModel, files: &FeFiles) {
+    let component = |row: usize| model.labels[row].component;
+    model.stiffness.scale(|i, j| files.units.stiffness(component(i), component(j)));
+    model.mass.scale(|i, j| files.units.mass(component(i), component(j)));
+}
+
+/// A row without stiffness belongs to nothing, and a file that was cut off ends before its last diagonal.
+fn check_diagonal(model: &FeModel, files: &FeFiles) -> Result<()> {
+    let diagonal = model.stiffness.diagonal();
+    match diagonal.iter().position(|value| *value <= 0.0 || !value.is_finite()) {
+        None => Ok(()),
+        Some(row) => {
+            let dof = format!("{} (row {})", model.labels[row], row + 1);
+            Err(ReadError::whole(&files.stiffness.path, Problem::Diagonal { dof, value: diagonal[row] }))
+        }
+    }
+}

@@ -1,0 +1,46 @@
+use std::path::PathBuf;
+
+use crate::{Address, Format, UnitSystem};
+
+/// Nodes that are named one by one or as a set of the mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NodeChoice {
+    /// A node set of the mesh.
+    Set(String),
+    /// A node by its number.
+    Node(u64),
+}
+
+/// The files of a model, and how they are to be understood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeFiles {
+    /// Stiffness matrix.
+    pub stiffness: Address,
+    /// Mass matrix.
+    pub mass: Address,
+    /// Table of degrees of freedom; needed unless the matrices name their rows (Abaqus, DMIG).
+    pub dofs: Option<PathBuf>,
+    /// Mesh with places, sets and elements.
+    pub mesh: Option<PathBuf>,
+    /// Format of the matrices, where the endings of their names do not say it.
+    pub format: Option<Format>,
+    /// Units of all files.
+    pub units: UnitSystem,
+    /// Nodes that the files leave free and that are to be held.
+    pub fixed: Vec<NodeChoice>,
+}
+
+impl FeFiles {
+    /// Two matrices in SI units, and nothing else.
+    pub fn new(stiffness: &str, mass: &str) -> Self {
+        Self {
+            stiffness: Address::parse(stiffness),
+            mass: Address::parse(mass),
+            dofs: None,
+            mesh: None,
+            format: None,
+            units: UnitSystem::SI,
+            fixed: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Readers against each other, against files of other programs, and against files that are damaged.
+
+mod agreement;
+mod bracket;
+mod meshes;
+mod models;
+mod mutilations;
+mod paraview;
+mod sample;
+mod writers;

@@ -1,0 +1,117 @@
+//! Small meshes of which everything is known.
+
+use std::fs;
+use std::path::PathBuf;
+
+use nlmodes_io::{ElementKind, Mesh, Skin};
+
+fn mesh(name: &str, text: &str) -> nlmodes_io::Result<Mesh> {
+    let directory = tempfile::tempdir().unwrap();
+    let path: PathBuf = directory.path().join(name);
+    fs::write(&path, text).unwrap();
+    Mesh::read(&path)
+}
+
+const TWO_BRICKS: &str = "** two unit cubes side by side
+*Heading
+ anything, *NODE
+*Node, nset=all
+1, 0,0,0
+2, 1,0,0
+3, 1,1,0
+4, 0,1,0
+5, 0,0,1
+6, 1,0,1
+7, 1,1,1
+8, 0,1,1
+9, 2,0,0
+10, 2,1,0
+11, 2,0,1.0E0
+12, 2,1,1
+*Element, type=C3D8I,
+ elset=left
+1, 1,2,3,4,
+5,6,7,8
+*ELEMENT, TYPE=C3D8R, ELSET=Right
+2, 2,9,10,3,6,11,12,7
+*ELEMENT, TYPE=SPRINGA, ELSET=K
+3, 1, 2
+*Elset, elset=BOTH
+LEFT, right
+*Nset, nset=EVEN, generate
+2, 12, 2
+*Nset, nset=some
+1, EVEN
+*Nset, nset=ofright, elset=right
+*Surface, name=END
+right, S4
+*SURFACE, NAME=POINTS, TYPE=NODE
+1
+EVEN
+*BOUNDARY
+1, 1, 3
+";
+
+#[test]
+fn decks_give_nodes_elements_and_sets() {
+    let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
+    assert_eq!((mesh.numbers.len(), mesh.elements.len()), (12, 2));
+    assert_eq!(mesh.place_of(11), Some([2.0, 0.0, 1.0]));
+    let set = |name: &str| mesh.node_set(name).unwrap().to_vec();
+    assert_eq!(set("EVEN"), [2, 4, 6, 8, 10, 12]);
+    assert_eq!(set("some"), [1, 2, 4, 6, 8, 10, 12]);
+    assert_eq!(set("ofright"), [2, 3, 6, 7, 9, 10, 11, 12]);
+    assert_eq!(set("ALL").len(), 12);
+    assert_eq!(set("END"), [9, 10, 11, 12], "S4 of the right brick is its face x = 2");
+    assert_eq!(set("POINTS"), [1, 2, 4, 6, 8, 10, 12]);
+    assert_eq!(mesh.passed_over.get("SPRINGA"), Some(&1));
+}
+
+#[test]
+fn the_face_between_two_bricks_is_no_skin() {
+    let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
+    let skin = Skin::of(&mesh);
+    assert_eq!(skin.cells.len(), 10);
+    assert_eq!(skin.nodes().len(), 12);
+    assert_eq!(skin.edges().len(), 20);
+    let normals = skin.normals(&mesh);
+    let at = |number: u64| normals[mesh.index_of(number).unwrap()];
+    // Each corner has a quarter of each unit face that it touches.
+    assert_eq!(at(12), [0.25, 0.25, 0.25]);
+    assert_eq!(at(1), [-0.25, -0.25, -0.25]);
+    assert_eq!(at(7), [0.0, 0.5, 0.5]);
+    let area: f64 = normals.iter().map(|n| n[0].abs() + n[1].abs() + n[2].abs()).sum();
+    assert!((area - 10.0).abs() < 1e-14, "{area}");
+}
+
+#[test]
+fn included_decks_are_read_where_they_stand() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::create_dir(directory.path().join("parts")).unwrap();
+    let (head, tail) = TWO_BRICKS.split_at(TWO_BRICKS.find("*Element").unwrap());
+    fs::write(directory.path().join("parts/nodes.inp"), head).unwrap();
+    let path = directory.path().join("x.inp");
+    fs::write(&path, format!("*INCLUDE, INPUT=parts/nodes.inp\n{tail}")).unwrap();
+    let split = Mesh::read(&path).unwrap();
+    assert_eq!(split, mesh("x.inp", TWO_BRICKS).unwrap());
+    fs::write(&path, "*INCLUDE, INPUT=x.inp\n").unwrap();
+    let circle = Mesh::read(&path).unwrap_err().to_string();
+    assert!(circle.contains("number of decks that include each other: found 17, expected at most 16"), "{circle}");
+}
+
+#[test]
+fn both_versions_of_gmsh_give_the_same_mesh() {
+    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 1 \"BODY\"\n$EndPhysicalNames\n$Entities\n0 0 1 1\n\
+                1 0 0 0 1 1 0 1 7 0\n1 0 0 0 1 1 1 1 1 1 1\n$EndEntities\n$Nodes\n2 4 1 9\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n\
+                3 1 0 1\n9\n0 0 1\n$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 1 3 2\n3 1 4 1\n2 1 2 3 9\n$EndElements\n$Comments\nx\n$EndComments\n";
+    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 1 \"BODY\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n\
+               2 1 0 0\n3 0 1 0\n9 0 0 1\n$EndNodes\n$Elements\n2\n1 2 2 7 1 1 3 2\n2 4 2 1 1 1 2 3 9\n$EndElements\n";
+    let (four, two) = (mesh("x.msh", four).unwrap(), mesh("x.msh", two).unwrap());
+    assert_eq!(four, two);
+    assert_eq!(four.node_set("PAD face"), Some(&[1, 2, 3][..]));
+    assert_eq!(four.node_set("BODY"), Some(&[1, 2, 3, 9][..]));
+    // The triangle on the face of the tetrahedron shows what the tetrahedron shows.
+    let skin = Skin::of(&four);
+    assert_eq!(skin.cells.len(), 4);
+    assert!(skin.cells.iter().all(|cell| cell.kind == ElementKind::Triangle));
+}
