@@ -10,6 +10,7 @@
 //! | names of the rows | CalculiX `.dof`; Ansys `.mapping`; tables `row,node,component[,x,y,z]` | [`LabelTable`] |
 //! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text | [`Mesh`] |
 //! | all of them together, in SI units | | [`FeModel`], [`FeFiles`], [`UnitSystem`] |
+//! | contacts of nodes with walls and with each other, as sparse directions `W` | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`], [`FeModel::contact_directions`] |
 //! | motions of the skin of a mesh | `.vtu` and `.pvd` | [`Surface`], [`Skin`] |
 //!
 //! Text files may be packed with gzip. Matrices are streamed into their lower triangle: while a file is read, memory holds what the final
@@ -45,10 +46,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! No mechanics beyond that: modes, contacts and reductions are for other crates.
+//! No mechanics beyond that: modes, reductions and motions are for other crates.
 
 mod address;
 mod build;
+mod contact;
 mod error;
 mod formats;
 mod labels;
@@ -60,6 +62,10 @@ mod text;
 mod units;
 
 pub use address::Address;
+pub use contact::{
+    ContactChoice, ContactError, ContactNodes, ContactProblem, GapChoice, NodeContact, NormalChoice, Partner,
+    find_contacts,
+};
 pub use error::{Place, Problem, ReadError, Result};
 pub use formats::{Format, MatrixData, UnknownFormat, read_matrix};
 pub use labels::{Component, DofLabel, LabelTable};

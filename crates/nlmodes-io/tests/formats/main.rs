@@ -2,6 +2,7 @@
 
 mod agreement;
 mod bracket;
+mod contacts;
 mod meshes;
 mod models;
 mod mutilations;

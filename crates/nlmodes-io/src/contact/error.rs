@@ -1,0 +1,91 @@
+use thiserror::Error;
+
+use crate::ReadError;
+
+/// A choice of contacts that does not fit the model.
+#[derive(Debug, Error)]
+#[error("{problem}")]
+pub struct ContactError {
+    /// Which choice, from 0.
+    pub contact: usize,
+    /// What is wrong with it.
+    #[source]
+    pub problem: ContactProblem,
+}
+
+/// What is wrong with a choice of contacts.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ContactProblem {
+    /// A set, or a table of pairs.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The node has no row.
+    #[error("node {node} has no displacement in the matrices: it is held, eliminated by a constraint, or not there")]
+    NoDisplacement {
+        /// The node.
+        node: u64,
+    },
+    /// The node is held along the normal.
+    #[error("node {node} cannot move along its normal [{}, {}, {}]", normal[0], normal[1], normal[2])]
+    HeldAlongNormal {
+        /// The node.
+        node: u64,
+        /// Its normal.
+        normal: [f64; 3],
+    },
+    /// A gap to a plane, or a partner, of a node without a place.
+    #[error("the place of node {node} is not known; expected it in the mesh or the table of degrees of freedom")]
+    NoPlace {
+        /// The node.
+        node: u64,
+    },
+    /// A normal of length zero.
+    #[error("the normal of node {node} has no direction")]
+    NoDirection {
+        /// The node.
+        node: u64,
+    },
+    /// Neither the choice nor the table of pairs says one.
+    #[error("node {node} has no {what}")]
+    Unsaid {
+        /// The node.
+        node: u64,
+        /// `normal` or `gap`.
+        what: &'static str,
+    },
+    /// The surface is not known, or does not reach the node.
+    #[error("node {node} is not on the surface of the mesh; expected a node of a face of its solids or shells")]
+    NotOnSurface {
+        /// The node.
+        node: u64,
+    },
+    /// No node of the other body lies on the normal.
+    #[error(
+        "node {node} has no partner: node {nearest} is the nearest along the normal, {distance:.3e} m beside it; expected at most {tolerance:.3e} m"
+    )]
+    NoPartner {
+        /// The node.
+        node: u64,
+        /// The node that is nearest to the line along its normal.
+        nearest: u64,
+        /// How far it is from that line, m.
+        distance: f64,
+        /// How far it may be, m.
+        tolerance: f64,
+    },
+    /// There are no nodes to touch.
+    #[error("node {node} has nothing to touch but itself")]
+    Itself {
+        /// The node.
+        node: u64,
+    },
+    /// The same contact was there before.
+    #[error("node {node} has this contact already, from contact {before} (counted from 0); expected each contact once")]
+    Twice {
+        /// The node.
+        node: u64,
+        /// The choice that made it, from 0.
+        before: usize,
+    },
+}

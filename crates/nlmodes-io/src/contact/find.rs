@@ -1,0 +1,171 @@
+use std::collections::HashMap;
+
+use super::{
+    ContactChoice, ContactError, ContactNodes, ContactProblem, GapChoice, NodeContact, NormalChoice, Partner, pairs,
+};
+use crate::mesh::Skin;
+use crate::model::{FeFiles, FeModel};
+
+type Vector = [f64; 3];
+type Outcome<T> = Result<T, ContactProblem>;
+
+/// All contacts of a model, in the order of the choices and of the nodes in their sets.
+///
+/// # Errors
+/// [`ContactError`]: nodes that are not there or held along the normal, contacts that stand twice, nodes without a partner.
+pub fn find_contacts(
+    model: &FeModel,
+    files: &FeFiles,
+    choices: &[ContactChoice],
+) -> Result<Vec<NodeContact>, ContactError> {
+    let mut found: Vec<NodeContact> = Vec::new();
+    let mut known: HashMap<(u64, Option<u64>), Vec<usize>> = HashMap::new();
+    for (origin, choice) in choices.iter().enumerate() {
+        let wrong = |problem| ContactError { contact: origin, problem };
+        let one = One { model, files, choice, origin };
+        for contact in one.contacts().map_err(wrong)? {
+            one.check(&contact).map_err(wrong)?;
+            let of_nodes = known.entry((contact.node, contact.against)).or_default();
+            let same = |k: &&usize| dot(found[**k].normal, contact.normal) > 1.0 - 1e-9;
+            if let Some(before) = of_nodes.iter().find(same) {
+                return Err(wrong(ContactProblem::Twice { node: contact.node, before: found[*before].origin }));
+            }
+            of_nodes.push(found.len());
+            found.push(contact);
+        }
+    }
+    Ok(found)
+}
+
+struct One<'a> {
+    model: &'a FeModel,
+    files: &'a FeFiles,
+    choice: &'a ContactChoice,
+    origin: usize,
+}
+
+impl One<'_> {
+    fn contacts(&self) -> Outcome<Vec<NodeContact>> {
+        match &self.choice.partner {
+            Partner::Wall => {
+                let nodes = self.nodes(&self.choice.nodes)?;
+                let normals = self.normals(&nodes)?;
+                nodes.iter().zip(normals).map(|(node, normal)| self.contact(*node, None, normal, None)).collect()
+            }
+            Partner::Nearest(against, tolerance) => self.nearest(against, *tolerance),
+            Partner::Table(path) => {
+                let contact = |pair: pairs::Pair| match pair.normal_and_gap {
+                    Some((normal, gap)) => self.contact(pair.a, Some(pair.b), unit(pair.a, normal)?, Some(gap)),
+                    None => self.contact(pair.a, Some(pair.b), self.normals(&[pair.a])?[0], None),
+                };
+                pairs::read(path)?.into_iter().map(contact).collect()
+            }
+        }
+    }
+
+    fn contact(&self, node: u64, against: Option<u64>, normal: Vector, gap: Option<f64>) -> Outcome<NodeContact> {
+        let gap = match (gap, self.choice.gap) {
+            (Some(gap), _) | (None, Some(GapChoice::Same(gap))) => gap,
+            (None, Some(GapChoice::WallPoint(point))) => dot(minus(point, self.place(node)?), normal),
+            (None, None) => return Err(ContactProblem::Unsaid { node, what: "gap" }),
+        };
+        Ok(NodeContact { node, against, normal, gap, stiffness: self.choice.stiffness, origin: self.origin })
+    }
+
+    fn nodes(&self, choice: &ContactNodes) -> Outcome<Vec<u64>> {
+        match choice {
+            ContactNodes::Set(name) => Ok(self.model.nodes_of_set(self.files, name)?),
+            ContactNodes::Numbers(numbers) => Ok(numbers.clone()),
+            ContactNodes::OfPairs => Ok(Vec::new()),
+        }
+    }
+
+    fn place(&self, node: u64) -> Outcome<Vector> {
+        self.model.place_of(node).ok_or(ContactProblem::NoPlace { node })
+    }
+
+    fn normals(&self, nodes: &[u64]) -> Outcome<Vec<Vector>> {
+        match (self.choice.normal, &self.model.mesh) {
+            (Some(NormalChoice::Vector(vector)), _) => nodes.iter().map(|node| unit(*node, vector)).collect(),
+            (Some(NormalChoice::Surface), Some(mesh)) => {
+                let normals = Skin::of(mesh).normals(mesh);
+                let normal = |node: &u64| {
+                    let normal = mesh.index_of(*node).map_or([0.0; 3], |index| normals[index]);
+                    unit(*node, normal).map_err(|_| ContactProblem::NotOnSurface { node: *node })
+                };
+                nodes.iter().map(normal).collect()
+            }
+            (Some(NormalChoice::Surface), None) => {
+                Err(ContactProblem::NotOnSurface { node: nodes.first().copied().unwrap_or(0) })
+            }
+            (None, _) => Err(ContactProblem::Unsaid { node: nodes.first().copied().unwrap_or(0), what: "normal" }),
+        }
+    }
+
+    /// For each node the one that is nearest to the line along its normal.
+    fn nearest(&self, against: &ContactNodes, tolerance: Option<f64>) -> Outcome<Vec<NodeContact>> {
+        let (nodes, others) = (self.nodes(&self.choice.nodes)?, self.nodes(against)?);
+        let normals = self.normals(&nodes)?;
+        let places: Vec<Vector> = others.iter().map(|node| self.place(*node)).collect::<Outcome<_>>()?;
+        let tolerance = tolerance.unwrap_or_else(|| 1e-3 * extent(&places));
+        let mut contacts = Vec::new();
+        for (&node, normal) in nodes.iter().zip(normals) {
+            let place = self.place(node)?;
+            let beside = |other: Vector| {
+                let step = minus(other, place);
+                let along = dot(step, normal);
+                let across = minus(step, normal.map(|n| along * n));
+                dot(across, across).sqrt()
+            };
+            let distances = places.iter().zip(&others).filter(|(_, other)| **other != node);
+            let nearest = distances.map(|(place, other)| (beside(*place), *other)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((distance, nearest)) = nearest else { return Err(ContactProblem::Itself { node }) };
+            if distance > tolerance {
+                return Err(ContactProblem::NoPartner { node, nearest, distance, tolerance });
+            }
+            contacts.push(self.contact(node, Some(nearest), normal, None)?);
+        }
+        Ok(contacts)
+    }
+
+    /// Nodes must be there, and one of them free to move along the normal.
+    fn check(&self, contact: &NodeContact) -> Outcome<()> {
+        let NodeContact { node, against, normal, .. } = *contact;
+        if against == Some(node) {
+            return Err(ContactProblem::Itself { node });
+        }
+        let nodes = std::iter::once(node).chain(against);
+        if let Some(node) = nodes.into_iter().find(|node| self.model.translations_of(*node) == [None; 3]) {
+            return Err(ContactProblem::NoDisplacement { node });
+        }
+        if contact.column(self.model, 0).iter().all(|entry| entry.2.abs() < 1e-9) {
+            return Err(ContactProblem::HeldAlongNormal { node, normal });
+        }
+        Ok(())
+    }
+}
+
+fn unit(node: u64, vector: Vector) -> Outcome<Vector> {
+    let length = dot(vector, vector).sqrt();
+    if length.is_finite() && length > 0.0 {
+        return Ok(vector.map(|x| x / length));
+    }
+    Err(ContactProblem::NoDirection { node })
+}
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+/// Longest side of the box around some places.
+fn extent(places: &[Vector]) -> f64 {
+    let side = |axis: usize| {
+        let values = || places.iter().map(|place| place[axis]);
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    if places.is_empty() { 0.0 } else { (0..3).map(side).fold(0.0, f64::max) }
+}
