@@ -48,6 +48,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod claim;
 pub mod compare;
 mod error;
@@ -56,6 +58,7 @@ pub mod lcp;
 pub mod linear;
 mod links;
 mod observer;
+mod outcome;
 #[doc(hidden)]
 pub mod readers;
 pub mod records;
@@ -69,5 +72,6 @@ pub mod virtual_test;
 pub use claim::Over;
 pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};
+pub use outcome::{PartOutcome, RunOutcome};
 pub use refusal::no_contact;
-pub use study::{PartOutcome, RunOutcome, check, run};
+pub use study::{check, run};

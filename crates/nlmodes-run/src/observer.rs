@@ -6,7 +6,7 @@ use nlmodes::modal::ModalPoint;
 use nlmodes::virtual_test::TestLevel;
 use nlmodes_scene::scene::{Scene, TestScene, Updating};
 
-use crate::study::PartOutcome;
+use crate::outcome::PartOutcome;
 
 /// Something that a run tells.
 #[derive(Debug)]

@@ -3,7 +3,6 @@
 mod figures;
 mod histories;
 pub(crate) mod journal;
-mod outcome;
 mod page;
 pub mod repeated;
 mod several;
@@ -13,7 +12,8 @@ mod summary;
 
 use std::time::Instant;
 
-use nlmodes::model::MasslessContactModel;
+use nlmodes::modal::Participation;
+use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
@@ -22,11 +22,12 @@ use serde_json::Value;
 
 use crate::claim::{Claim, identity};
 use crate::linear::{LinearFrequencies, linear_frequencies};
+use crate::outcome::{PartOutcome, RunOutcome};
 use crate::settings::{branch_settings, models, starts};
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, chain, links, no_contact, refusal};
+use crate::{Event, Failure, Observer, Over, RunError, links, no_contact, refusal};
+use figures::LINEAR_MODES;
 use journal::Journal;
-pub use outcome::{PartOutcome, RunOutcome};
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the first one names.
@@ -92,16 +93,16 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
         return Err(unwritable(failure, !sink.is_empty()));
     }
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
-    let linear = linear_frequencies(scene, &model);
-    let written = match &linear {
-        Ok(linear) => write(scene, linear, &tree, began),
-        Err(error) => Err(chain(error).into()),
+    let (written, linear, participation) = match whole(scene, &model, &tree) {
+        Ok((linear, participation)) => (write(scene, &linear, &participation, &tree, began), linear, participation),
+        Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
     };
     let part = PartOutcome {
         scene: scene.clone(),
         is_complete: written.is_ok() && tree.branches.iter().all(|computed| computed.branch.end.complete),
         tree,
-        linear: linear.unwrap_or_default(),
+        linear,
+        participation,
         wall_time: began.elapsed(),
         failure: written.err(),
     };
@@ -145,8 +146,25 @@ fn compute(
     Ok(tree)
 }
 
+/// What several files show of the structure and of whole branches: computed once.
+fn whole(
+    scene: &Scene,
+    model: &StructuralModel,
+    tree: &ComputedTree,
+) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
+    let linear = linear_frequencies(scene, model)?;
+    let participation = tree.branches.iter().map(|computed| computed.participation(LINEAR_MODES));
+    Ok((linear, participation.collect::<Result<_, _>>()?))
+}
+
 /// Writes all files that are made of whole branches.
-fn write(scene: &Scene, linear: &LinearFrequencies, tree: &ComputedTree, began: Instant) -> Result<(), Failure> {
+fn write(
+    scene: &Scene,
+    linear: &LinearFrequencies,
+    participation: &[Vec<Participation>],
+    tree: &ComputedTree,
+    began: Instant,
+) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let harmonics = |(number, computed): (usize, &ComputedBranch)| {
         write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
@@ -154,6 +172,8 @@ fn write(scene: &Scene, linear: &LinearFrequencies, tree: &ComputedTree, began: 
     tree.branches.iter().enumerate().try_for_each(harmonics)?;
     starts::write(directory, &tree.branches)?;
     summary::write(directory, scene, linear, tree, began.elapsed())?;
-    figures::write(directory, scene, &tree.branches)?;
-    page::write(directory, &[scene], linear, &tree.branches.iter().collect::<Vec<_>>(), &[])
+    figures::write(directory, scene, &tree.branches, participation)?;
+    let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
+    let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
+    page::write(directory, &[scene], linear, &branches, &participation, &[])
 }

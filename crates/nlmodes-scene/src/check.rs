@@ -13,7 +13,6 @@ mod structure;
 mod updating;
 mod virtual_test;
 
-pub use nodes::free_dofs;
 pub use records::scene as record_scene;
 pub use virtual_test::scene as test_scene;
 

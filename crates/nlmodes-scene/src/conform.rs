@@ -8,7 +8,7 @@ use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::rule::{Kind, Rule};
+use crate::rule::{Kind, Rule, join};
 use crate::{Findings, Problem, mistakes, unknown};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
@@ -129,9 +129,4 @@ fn wrap(value: &mut Item<'_>) {
     let mut list = DeArray::new();
     list.push(std::mem::replace(value, Spanned::new(span.clone(), DeValue::Boolean(false))));
     *value = Spanned::new(span, DeValue::Array(list));
-}
-
-/// The path of a key in a table.
-pub fn join(table: &str, key: &str) -> String {
-    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::text::Text;
 use crate::units::converted;
 use crate::{Problem, Sources, methods, render, set};
 
@@ -29,18 +30,17 @@ pub struct Place {
 }
 
 impl Document {
-    /// Reads the text of the file and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
+    /// Takes the tables of the text and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
     /// is left as the only one, `[method]`. Problems go to `problems`; there is no table if the text is not TOML.
-    pub fn parse<'a>(
-        name: &str,
-        text: &'a str,
+    pub(crate) fn new<'a>(
+        text: &Text<'a>,
         overrides: &'a [String],
         method: usize,
         problems: &mut Vec<Problem>,
     ) -> (Self, Option<Spanned<DeTable<'a>>>) {
-        let (mut root, errors) = DeTable::parse_recoverable(text);
-        problems.extend(syntax_problems(text, &errors));
-        let mut sources = Sources::new(name, text);
+        let mut root = text.root.clone();
+        problems.extend(syntax_problems(text.text, &text.errors));
+        let mut sources = Sources::new(text.name, text.text);
         // `method.1.mode=2` is for one of several methods, `method.mode=2` for all of them.
         let (of_one, of_all): (Vec<_>, Vec<_>) =
             overrides.iter().partition(|argument| methods::is_for_one(argument, root.get_mut()));
@@ -53,7 +53,7 @@ impl Document {
         }
         let mut places = BTreeMap::new();
         index(root.get_ref(), "", &mut places);
-        (Self { sources, places }, errors.is_empty().then_some(root))
+        (Self { sources, places }, text.errors.is_empty().then_some(root))
     }
 
     /// The texts.

@@ -10,10 +10,12 @@ const KEY: &str = "method";
 /// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take forever.
 pub const MAX_METHODS: usize = 100;
 
-/// Number of methods in the text of a scene: that of headings `[[method]]`, or 1.
-pub fn count(text: &str) -> usize {
-    let (mut root, _) = DeTable::parse_recoverable(text);
-    tables(root.get_mut()).map_or(1, |tables| tables.len().clamp(1, MAX_METHODS))
+/// Number of methods of a scene: that of headings `[[method]]`, or 1.
+pub fn count(root: &DeTable<'_>) -> usize {
+    match root.get(KEY).map(Spanned::get_ref) {
+        Some(DeValue::Array(items)) if are_tables(items) => items.len().min(MAX_METHODS),
+        _ => 1,
+    }
 }
 
 /// Leaves the method `number` of several as the only one.
@@ -45,20 +47,28 @@ pub fn is_for_one(argument: &str, root: &mut DeTable<'_>) -> bool {
 /// The methods, if they are a list of tables.
 fn tables<'t, 'd>(root: &'t mut DeTable<'d>) -> Option<&'t mut DeArray<'d>> {
     match root.get_mut(KEY)?.get_mut() {
-        DeValue::Array(items) if !items.is_empty() && items.iter().all(|item| item.get_ref().is_table()) => Some(items),
+        DeValue::Array(items) if are_tables(items) => Some(items),
         _ => None,
     }
+}
+
+fn are_tables(items: &DeArray<'_>) -> bool {
+    !items.is_empty() && items.iter().all(|item| item.get_ref().is_table())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn count_in(text: &str) -> usize {
+        count(DeTable::parse_recoverable(text).0.get_ref())
+    }
+
     const TEXT: &str = "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
 
     #[test]
     fn each_method_has_a_scene_with_the_same_places() {
-        assert_eq!(count(TEXT), 2);
+        assert_eq!(count_in(TEXT), 2);
         for (number, kind) in ["ms-hbm", "hbm"].into_iter().enumerate() {
             let (mut root, errors) = DeTable::parse_recoverable(TEXT);
             assert!(errors.is_empty());
@@ -73,7 +83,7 @@ mod tests {
     #[test]
     fn a_scene_with_one_method_is_itself() {
         for text in ["[method]\nkind = \"hbm\"\n", "method = []", "method = [1]", "a = 1"] {
-            assert_eq!(count(text), 1);
+            assert_eq!(count_in(text), 1);
             let (mut root, _) = DeTable::parse_recoverable(text);
             keep(root.get_mut(), 0).unwrap();
             let before = DeTable::parse_recoverable(text).0;
@@ -84,7 +94,7 @@ mod tests {
     #[test]
     fn a_million_methods_are_too_many() {
         let text = "[[method]]\n".repeat(MAX_METHODS + 1);
-        assert_eq!(count(&text), MAX_METHODS);
+        assert_eq!(count_in(&text), MAX_METHODS);
         assert!(keep(DeTable::parse_recoverable(&text).0.get_mut(), 0).is_err());
     }
 }

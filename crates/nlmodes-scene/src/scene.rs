@@ -2,6 +2,7 @@
 
 mod choices;
 mod records;
+mod supports;
 mod virtual_test;
 
 pub use choices::{
@@ -11,13 +12,12 @@ pub use choices::{
 };
 
 pub use records::RecordScene;
+pub use supports::{free_dofs, holds};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-
-use crate::check::free_dofs;
 
 /// A structure with one-sided stops, and how its nonlinear mode is to be computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

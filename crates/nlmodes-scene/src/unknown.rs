@@ -1,9 +1,8 @@
 //! Keys that the schema does not know, and what they were probably meant to be.
 
 use crate::Problem;
-use crate::conform::join;
 use crate::nearest::nearest;
-use crate::rule::{Kind, Rule};
+use crate::rule::{Kind, Rule, join};
 
 /// What an unknown key was probably meant to be.
 #[derive(Debug, PartialEq, Eq)]

@@ -1,11 +1,14 @@
 use crate::ReportError;
 use crate::output::replace_file;
 use nlmodes_modal::ModalBranch;
-use npyz::npz::NpzWriter;
-use npyz::{DType, TypeStr, WriterBuilder};
+use npyz::npz::{NpzWriter, file_name_from_array_name};
+use npyz::{DType, TypeStr, WriteOptions, WriterBuilder};
 use num_complex::Complex64;
-use std::io::{self, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
+
+/// Bytes that go to the compressor at once.
+const BUFFER: usize = 1 << 16;
 
 /// Writes the motions of a branch as a NumPy archive, which `numpy.load` reads without `allow_pickle`.
 ///
@@ -54,15 +57,19 @@ fn write_coefficients<W: Write + Seek>(
 ) -> io::Result<()> {
     let n_coordinates = branch.coordinates.len();
     let shape = [branch.points.len() as u64, n_coordinates as u64, width as u64];
-    let options = archive.array::<Complex64>("coefficients", Default::default())?;
-    let mut array = options.default_dtype().shape(&shape).begin_nd()?;
+    archive.zip_writer().start_file(file_name_from_array_name("coefficients"), Default::default())?;
+    // The compressor takes its time for each call, however little it is given.
+    let mut buffered = BufWriter::with_capacity(BUFFER, archive.zip_writer());
+    let options = WriteOptions::<Complex64>::new().default_dtype().shape(&shape).writer(&mut buffered);
+    let mut array = options.begin_nd()?;
     for point in &branch.points {
         for d in 0..n_coordinates {
             let own = point.coefficients.of(d).iter().copied();
             array.extend(own.chain(std::iter::repeat(Complex64::default())).take(width))?;
         }
     }
-    array.finish()
+    array.finish()?;
+    buffered.flush()
 }
 
 pub(super) fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {

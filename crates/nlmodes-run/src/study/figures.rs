@@ -10,8 +10,9 @@ use super::sink::branch_directory;
 use crate::Failure;
 use nlmodes_scene::scene::Scene;
 
-/// Linear modes whose participation is written, and shown.
-const LINEAR_MODES: usize = 6;
+/// Linear modes whose participation is written.
+pub const LINEAR_MODES: usize = 6;
+/// Of these, how many are shown.
 pub const SHOWN_MODES: usize = 2;
 
 /// Instants of a period in a time history.
@@ -19,7 +20,12 @@ pub const HISTORY_SAMPLES: usize = 1000;
 
 /// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
 /// of up to two.
-pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<(), Failure> {
+pub fn write(
+    directory: &Path,
+    scene: &Scene,
+    all: &[ComputedBranch],
+    found: &[Vec<Participation>],
+) -> Result<(), Failure> {
     let Some(computed) = all.first() else { return Ok(()) };
     let branch = &computed.branch;
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
@@ -34,11 +40,10 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
         amplitude = amplitude.mark(0, *point, format!("P{}", k + 1));
     }
     amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
-    for (number, computed) in all.iter().enumerate() {
-        let table = branch_directory(directory, number).join("participation.csv");
-        write_participation(table, &computed.branch, &computed.participation(LINEAR_MODES)?)?;
+    for (number, (branch, found)) in branches.iter().zip(found).enumerate() {
+        write_participation(branch_directory(directory, number).join("participation.csv"), branch, found)?;
     }
-    participation(directory, scene, &all.iter().collect::<Vec<_>>())?;
+    participation(directory, scene, &branches, &found.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     let clamped = held_ends(scene, computed);
     for (k, point) in motions.iter().enumerate() {
         let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
@@ -55,10 +60,13 @@ pub fn write(directory: &Path, scene: &Scene, all: &[ComputedBranch]) -> Result<
 }
 
 /// The figure of the participation of the lowest linear modes.
-pub fn participation(directory: &Path, scene: &Scene, all: &[&ComputedBranch]) -> Result<(), Failure> {
-    let found = all.iter().map(|computed| computed.participation(LINEAR_MODES)).collect::<Result<Vec<_>, _>>()?;
-    let pairs = all.iter().zip(&found).map(|(computed, p)| (&computed.branch, p.as_slice()));
-    let pairs: Vec<(&ModalBranch, &[Participation])> = pairs.collect();
+pub fn participation(
+    directory: &Path,
+    scene: &Scene,
+    branches: &[&ModalBranch],
+    found: &[&[Participation]],
+) -> Result<(), Failure> {
+    let pairs: Vec<(&ModalBranch, &[Participation])> = branches.iter().copied().zip(found.iter().copied()).collect();
     let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.factors.len()).min(SHOWN_MODES);
     let figure = ParticipationFigure::new(&pairs, modes).title(&scene.title).render()?;
     Ok(figure.write(directory.join("participation.svg"))?)

@@ -24,6 +24,7 @@ pub fn write(
     scenes: &[&Scene],
     linear: &LinearFrequencies,
     all: &[&ComputedBranch],
+    participation: &[&[Participation]],
     shared: &[Reference],
 ) -> Result<(), Failure> {
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
@@ -32,8 +33,7 @@ pub fn write(
         |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
     let own = if shared.is_empty() { own_references(first)? } else { Vec::new() };
     let references: &[Reference] = if shared.is_empty() { &own } else { shared };
-    let participation =
-        all.iter().map(|computed| computed.participation(SHOWN_MODES)).collect::<Result<Vec<_>, _>>()?;
+    let participation: Vec<Vec<Participation>> = participation.iter().map(|found| shown(found)).collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let method = method_used(scene, first);
     let mut report = HtmlReport::new(&scene.title, &branches)
@@ -79,6 +79,17 @@ fn own_references(first: &ComputedBranch) -> Result<Vec<Reference>, StudyError> 
         Ok(Reference { name: format!("P{}", k + 1), amplitude, point, histories: vec![history] })
     };
     reference_points(&first.branch).into_iter().enumerate().map(of).collect()
+}
+
+/// The participation of the modes that are shown.
+fn shown(found: &[Participation]) -> Vec<Participation> {
+    let of = |point: &Participation| {
+        let mut point = point.clone();
+        point.factors.truncate(SHOWN_MODES);
+        point.quadrature.truncate(SHOWN_MODES);
+        point
+    };
+    found.iter().map(of).collect()
 }
 
 /// All stops, in the order of the scene.

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use nlmodes::modal::ModalBranch;
+use nlmodes::modal::{ModalBranch, Participation};
 use nlmodes::report::{Abscissa, BranchFigure, write_summary};
 use nlmodes::study::ComputedBranch;
 use serde::Serialize;
 
-use super::outcome::{PartOutcome, RunOutcome};
 use super::{figures, histories, one_branch, page};
 use crate::claim::Claim;
 use crate::files::remove_figures;
+use crate::outcome::{PartOutcome, RunOutcome};
 use crate::{Event, Failure, Observer, RunError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Scene;
@@ -88,6 +88,7 @@ pub fn study(
         let mut done = one_branch(&part.file, claim, observer)?;
         // The others are on disk; those that are compared stay in memory.
         done.tree.branches.truncate(1);
+        done.participation.truncate(1);
         let Some(first) = done.tree.branches.first() else { continue };
         rows.push(Branch::new(part, &first.branch));
         outcome.parts.push(done);
@@ -130,6 +131,8 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Resul
     remove_figures(directory);
     let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
     let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
+    let participation: Vec<&[Participation]> =
+        parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
     let references = histories::references(&branches)?;
     for (abscissa, name) in
         [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
@@ -140,10 +143,10 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Resul
         }
         figure.render()?.write(directory.join(name))?;
     }
-    figures::participation(directory, scene, &branches)?;
+    figures::participation(directory, scene, &all, &participation)?;
     histories::write(directory, &references)?;
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &first.linear, &branches, &references)?;
+    page::write(directory, &scenes, &first.linear, &branches, &participation, &references)?;
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
     Ok(write_summary(directory.join("summary.json"), &summary)?)
 }

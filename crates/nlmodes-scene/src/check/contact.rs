@@ -1,9 +1,9 @@
 use nlmodes_fem::Mesh;
 
-use crate::check::nodes::{beside, holds, node_at};
+use crate::check::nodes::{beside, node_at};
 use crate::raw::{RawContact, RawScene, RawStructure};
 use crate::rule::number;
-use crate::scene::{Contact, Direction, StructureKind, Support};
+use crate::scene::{Contact, Direction, StructureKind, Support, holds};
 use crate::{Findings, Problem};
 
 /// The contacts that are sound; those that are not are in the findings.

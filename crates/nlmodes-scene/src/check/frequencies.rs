@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::check::nodes::holds;
+use crate::scene::holds;
 use crate::scene::{Direction, Section, Structure, StructureKind, Support};
 
 /// Roots `βL` of a family are taken up to this number; more modes are not asked for by hand.

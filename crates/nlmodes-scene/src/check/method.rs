@@ -1,9 +1,8 @@
 use super::shooting;
-use crate::check::nodes::free_dofs;
 use crate::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawScene};
 use crate::scene::{
     Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
-    Symmetry,
+    Symmetry, free_dofs,
 };
 use crate::{Findings, Problem};
 

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use nlmodes::modal::Participation;
 use nlmodes::study::ComputedTree;
 use nlmodes_scene::scene::Scene;
 
@@ -17,6 +18,8 @@ pub struct PartOutcome {
     pub tree: ComputedTree,
     /// Linear frequencies of the structure.
     pub linear: LinearFrequencies,
+    /// Participation of the lowest linear modes in each point of each of these branches.
+    pub participation: Vec<Vec<Participation>>,
     /// From the beginning to the last file.
     pub wall_time: Duration,
     /// Why the files that are made of whole branches are not all there.

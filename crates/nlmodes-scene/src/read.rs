@@ -1,0 +1,193 @@
+//! From a file or a text to a checked scene.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeTable, Deserializer};
+
+use crate::text::Text;
+use crate::{
+    AnyScene, Document, FileError, Findings, Problem, RecordScene, Refused, SceneFile, TestScene, check, conform, file,
+    planned, raw, refused, schema,
+};
+
+/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
+/// is a scene for each; an override of `method` holds for all of them.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong with any of them, each mistake once.
+pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    let (name, text) = content(path)?;
+    parse_each_method(&name, &text, overrides)
+}
+
+/// Reads and checks the text of a scene, with each of its methods; `name` as for [`parse`].
+///
+/// # Errors
+/// [`Refused`] with all that is wrong with any of them, each mistake once.
+pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    each_method(&Text::new(name, text), overrides)
+}
+
+/// Reads and checks a scene file of measured records, in the same way.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    let (name, text) = content(path)?;
+    parse_records(&name, &text, overrides)
+}
+
+/// Reads and checks a scene file of any kind.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    let (name, text) = content(path)?;
+    let text = Text::new(&name, &text);
+    let (_, root) = Document::new(&text, overrides, 0, &mut Vec::new());
+    if root.as_ref().is_some_and(|root| planned::is_of_test(root.get_ref())) {
+        return Ok(AnyScene::Test(Box::new(test(&text, overrides)?)));
+    }
+    if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
+        return Ok(AnyScene::Records(Box::new(records(&text, overrides)?)));
+    }
+    Ok(AnyScene::Structure(each_method(&text, overrides)?))
+}
+
+/// Reads and checks a scene file for `run`: of a virtual test, or of a structure.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong; also a scene of measured records, with the command that takes it.
+pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    let (name, text) = content(path)?;
+    let text = Text::new(&name, &text);
+    let (_, root) = Document::new(&text, overrides, 0, &mut Vec::new());
+    if root.is_some_and(|root| planned::is_of_test(root.get_ref())) {
+        return Ok(AnyScene::Test(Box::new(test(&text, overrides)?)));
+    }
+    Ok(AnyScene::Structure(each_method(&text, overrides)?))
+}
+
+/// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the default of the output directory.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
+    one_method(&Text::new(name, text), overrides, 0)
+}
+
+/// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    records(&Text::new(name, text), overrides)
+}
+
+/// Reads and checks the text of a scene of a virtual test, in the same way.
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
+    test(&Text::new(name, text), overrides)
+}
+
+/// Name and text of a scene file.
+fn content(path: &Path) -> Result<(String, String), Box<Refused>> {
+    let name = path.display().to_string();
+    match file::read(path) {
+        Ok(text) => Ok((name, text)),
+        Err(error) => Err(refuse_file(&name, &error)),
+    }
+}
+
+fn refuse_file(name: &str, error: &FileError) -> Box<Refused> {
+    let (document, _) = Document::new(&Text::new(name, ""), &[], 0, &mut Vec::new());
+    Box::new(Refused::new(document, vec![error.problem()]))
+}
+
+/// The scenes of all methods.
+fn each_method(text: &Text<'_>, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    refused::or_all((0..text.n_methods()).map(|number| one_method(text, overrides, number)).collect())
+}
+
+/// The scene with the method `number` of several.
+fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<SceneFile, Box<Refused>> {
+    let mut problems = Vec::new();
+    let (document, root) = Document::new(text, overrides, number, &mut problems);
+    let mut findings = Findings::new(&document, problems);
+    let raw: Option<raw::RawScene> = root.and_then(|root| {
+        let other = planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
+        read(root, other, schema::of_structure(), &mut findings)
+    });
+    let scene = raw.and_then(|raw| check::scene(&raw, &stem(text.name), &mut findings));
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
+}
+
+/// The scene of measured records.
+fn records(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    let mut problems = Vec::new();
+    let (document, root) = Document::new(text, overrides, 0, &mut problems);
+    let mut findings = Findings::new(&document, problems);
+    let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
+        let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
+        read(root, other, schema::of_records(), &mut findings)
+    });
+    let base = Path::new(text.name).parent().unwrap_or(Path::new("")).to_path_buf();
+    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base, &mut findings));
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
+}
+
+/// The scene of a virtual test.
+fn test(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
+    let mut problems = Vec::new();
+    let (document, root) = Document::new(text, overrides, 0, &mut problems);
+    let mut findings = Findings::new(&document, problems);
+    let raw: Option<raw::RawTestScene> = root.and_then(|root| {
+        let other = planned::of_test_and_branch(root.get_ref());
+        read(root, other, schema::of_test(), &mut findings)
+    });
+    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &mut findings));
+    let mut file = finish(scene, findings)?;
+    file.scene.warnings = file.warning_sentences();
+    Ok(file)
+}
+
+/// The raw tables, unless the scene is one of another kind.
+fn read<'de, T: Deserialize<'de>>(
+    mut root: Spanned<DeTable<'de>>,
+    other: Option<Problem>,
+    schema: &serde_json::Value,
+    findings: &mut Findings<'_>,
+) -> Option<T> {
+    if let Some(problem) = other {
+        findings.push(problem);
+        return None;
+    }
+    conform::conform(root.get_mut(), schema, findings);
+    match T::deserialize(Deserializer::from(root)) {
+        Ok(raw) => Some(raw),
+        Err(error) => {
+            findings.push(Problem::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
+            None
+        }
+    }
+}
+
+fn finish<S>(scene: Option<S>, findings: Findings<'_>) -> Result<SceneFile<S>, Box<Refused>> {
+    let document = findings.document().clone();
+    match scene {
+        Some(scene) if !findings.refuse() => Ok(SceneFile { scene, document, warnings: findings.into_sorted() }),
+        _ => Err(Box::new(Refused::new(document, findings.into_sorted()))),
+    }
+}
+
+fn stem(name: &str) -> String {
+    Path::new(name).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
+}

@@ -1,0 +1,55 @@
+//! A scene with the texts that it was read from.
+
+use crate::{Document, Problem, RecordScene, Scene, SceneError, TestScene, problem};
+
+/// A scene with the texts it was read from, so that what turns out to be wrong later is shown at its place too.
+#[derive(Debug, Clone)]
+pub struct SceneFile<S = Scene> {
+    /// The checked scene.
+    pub scene: S,
+    /// Where its keys stand.
+    pub document: Document,
+    /// What looks wrong, but does not stand in the way.
+    pub warnings: Vec<Problem>,
+}
+
+impl<S> SceneFile<S> {
+    /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is said beside the value.
+    pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> SceneError {
+        let problem = help.iter().fold(Problem::error(title), |problem, help| problem.help(*help));
+        SceneError::new(self.document.clone(), self.document.put(problem, path, label))
+    }
+
+    /// Adds a warning at the value of a key.
+    pub fn warn_at(&mut self, path: &str, title: &str, label: &str, help: &str) {
+        let problem = self.document.put(Problem::warning(title).help(help), path, label);
+        self.warnings.push(problem);
+    }
+
+    /// The warnings as text; empty if there are none.
+    pub fn warnings_text(&self, colours: bool) -> String {
+        self.document.render(&self.warnings, colours)
+    }
+
+    /// The warnings, a line each without its place.
+    pub fn warning_sentences(&self) -> Vec<String> {
+        self.warnings.iter().map(Problem::sentence).collect()
+    }
+}
+
+/// The warnings of all scenes of one file as text, each once; empty if there are none.
+pub fn warnings_text(files: &[SceneFile], colours: bool) -> String {
+    let all = files.iter().flat_map(|file| file.warnings.iter().cloned()).collect();
+    files.first().map_or_else(String::new, |file| file.document.render(&problem::each_once(all), colours))
+}
+
+/// A scene of any kind.
+#[derive(Debug, Clone)]
+pub enum AnyScene {
+    /// A structure to compute with, a scene for each method.
+    Structure(Vec<SceneFile>),
+    /// Records of a test.
+    Records(Box<SceneFile<RecordScene>>),
+    /// A test on a virtual rig.
+    Test(Box<SceneFile<TestScene>>),
+}
