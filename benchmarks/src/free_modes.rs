@@ -1,7 +1,7 @@
 //! A structure in its lowest modes with open contacts, and in the static flexibility of all others.
 
 use nlmodes::linalg::{DenseLu, Mat, SparseCholesky, Triplet, multiply, sparse_from_triplets};
-use nlmodes::model::{Contact, Dof, DofKind, MasslessContactModel, StructuralModel, linear_modes};
+use nlmodes::model::{Contact, Dof, DofContact, DofKind, MasslessContactModel, StructuralModel, linear_modes};
 
 use crate::Failure;
 
@@ -116,7 +116,8 @@ fn matrices(
     let mode = |k: usize| Dof { node: k, position: 0.0, kind: DofKind::Deflection };
     let dofs = (0..m).map(mode).chain(at.iter().map(|&dof| full.dofs()[dof])).collect();
     let place = |dof: usize| at.iter().position(|d| *d == dof).unwrap_or(0);
-    let contacts = full.contacts().iter().map(|c| Contact { dof: m + place(c.dof), ..*c }).collect();
+    let reduced = |c: &DofContact| Contact::from(DofContact { dof: m + place(c.dof), ..*c });
+    let contacts = full.contacts().iter().map(reduced).collect();
     let [mass, stiffness] = [mass, stiffness].map(|entries| sparse_from_triplets(n, n, &entries));
     Ok(StructuralModel::new(mass?, stiffness?, dofs, contacts)?)
 }

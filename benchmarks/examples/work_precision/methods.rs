@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nlmodes::contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes::continuation::ParametricSystem;
 use nlmodes::hbm::{CondensedStructure, HbmError, Switching};
-use nlmodes::model::{Contact, ContactLaw, Drop, MasslessContactModel, StructuralModel};
+use nlmodes::model::{Contact, Drop, MasslessContactModel, StructuralModel};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
 use nlmodes_benchmarks::{Failure, smallest_time};
 
@@ -270,8 +270,8 @@ fn with_springs(case: &Case, reference: &Reference, stiffness: f64) -> Result<Ma
     let k_nn = reference.model.k_nn();
     let place = |dof: usize| reference.model.contact_dofs().iter().position(|d| *d == dof).unwrap_or(0);
     let on_spring = |c: &Contact| {
-        let node = place(c.dof);
-        Contact { law: ContactLaw::Elastic { stiffness: stiffness * k_nn[(node, node)] }, ..*c }
+        let node = place(c.normal.entries()[0].0);
+        c.clone().on_spring(stiffness * k_nn[(node, node)])
     };
     let contacts = case.model.contacts().iter().map(on_spring).collect();
     let model = StructuralModel::new(

@@ -58,7 +58,7 @@ impl Layout<'_> {
             return Err(FemError::NoSuchDirection { position, direction });
         };
         match (numbering.numbers[node * self.kinds.len() + offset], self.support(node)) {
-            (Some(dof), _) => Ok(Contact { dof, side, gap, law }),
+            (Some(dof), _) => Ok(Contact { law, ..Contact::stop(dof, side, gap) }),
             (None, support) => Err(FemError::HeldDof { position, direction, support: support.unwrap_or_default() }),
         }
     }

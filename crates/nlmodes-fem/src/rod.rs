@@ -20,7 +20,7 @@ use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Stop, Support
 /// };
 /// let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
 /// let model = rod.assemble(&[stop])?;
-/// assert_eq!((model.dofs().len(), model.contacts()[0].dof), (100, 99));
+/// assert_eq!((model.dofs().len(), model.contacts()[0].normal.entries()), (100, &[(99, -1.0)][..]));
 /// # Ok::<(), nlmodes_fem::FemError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use nlmodes_hbm::{CondensedStructure, HbmError, Switching, Symmetry, grazing};
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{Drop, MasslessContactModel, ModelError, Side, StructuralModel};
 use num_complex::Complex64;
-use support::{FullMatrices, condense, condense_tips, dense, fitted_slope, follow, on_springs, problem, rod};
+use support::{FullMatrices, condense, condense_tips, dense, fitted_slope, follow, on_springs, problem, rod, stops};
 
 fn two_places() -> StructuralModel {
     on_springs(&rod(8, 1.0, 1.0, 1.0, &[(8, Side::Positive, 1.0), (4, Side::Positive, 0.8)]), &[9.0, 30.0])
@@ -30,7 +30,7 @@ fn harmonic_balance_defect(full: &FullMatrices, model: &StructuralModel, point: 
     for n in 0..=point.coefficients.n_harmonics() {
         let nu2 = (n as f64 * point.omega).powi(2);
         let mut load = vec![Complex64::default(); full.size()];
-        for contact in model.contacts() {
+        for contact in stops(model) {
             for j in 0..samples {
                 let tau = TAU * j as f64 / samples as f64;
                 let gap = contact.gap + contact.direction() * point.coefficients.value(contact.dof, tau);
@@ -82,7 +82,7 @@ fn strain(full: &FullMatrices, model: &StructuralModel, point: &ModalPoint) -> f
         sum * if n == 0 { 0.5 } else { 0.25 }
     };
     let samples = 1 << 14;
-    let springs = model.contacts().iter().map(|contact| {
+    let springs = stops(model).into_iter().map(|contact| {
         let yields = (0..samples).map(|j| {
             let tau = TAU * j as f64 / samples as f64;
             (-contact.gap - contact.direction() * point.coefficients.value(contact.dof, tau)).max(0.0)
@@ -120,7 +120,7 @@ fn massless_nodes_before_elastic_stops_are_in_static_equilibrium_at_every_instan
             for j in 0..=200 {
                 let b = full.free_position(&modal, TAU * j as f64 / 200.0);
                 let (mut load, mut q) = (vec![0.0; b.len()], b.clone());
-                for (c, (contact, history)) in model.contacts().iter().zip(&histories).enumerate() {
+                for (c, (contact, history)) in stops(&model).iter().zip(&histories).enumerate() {
                     let d = full.contact.iter().position(|&dof| dof == contact.dof).unwrap();
                     load[d] += contact.direction() * history.force[j];
                     q[d] = history.displacement[j];

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel};
-use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod};
+use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod, stops};
 
 /// A named structure, harmonics, energy ratio.
 type Case = (&'static str, StructuralModel, usize, f64);
@@ -32,7 +32,7 @@ fn every_point_of_every_branch_satisfies_the_equations_of_the_paper() {
             let (structure, full) = (condense(&model), FullMatrices::of(&model));
             let (mut problem, start) = problem(&structure, 1, harmonics, symmetry, Switching::Exact);
             let branch = follow(&mut problem, &start, ratio);
-            let contact = model.contacts()[0];
+            let contact = stops(&model)[0];
             let (side, k_nn) = (contact.side.sign(), full.k[contact.dof][contact.dof]);
             for (i, point) in branch.points.iter().enumerate() {
                 assert!(point.residual < 1e-10, "{name} {i}: residual {:e}", point.residual);

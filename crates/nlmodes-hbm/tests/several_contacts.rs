@@ -6,7 +6,7 @@ use nlmodes_contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes_continuation::EventKind;
 use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes_model::{Side, StructuralModel};
-use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod};
+use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod, stops};
 
 /// The middle of the rod moves 0.7 times as much as its tip, so with 0.8 it touches after the tip.
 fn tip_and_middle() -> StructuralModel {
@@ -42,7 +42,7 @@ fn contacts_obey_statics_and_complementarity_at_every_instant() {
                 // K_NN (q_N − b) = W λ, eq. (13), with what the histories say about q_N and λ.
                 let mut load = vec![0.0; b.len()];
                 let mut q = b.clone();
-                for (contact, history) in model.contacts().iter().zip(&histories) {
+                for (contact, history) in stops(&model).iter().zip(&histories) {
                     let d = full.contact.iter().position(|&c| c == contact.dof).unwrap();
                     load[d] += contact.direction() * history.force[j];
                     q[d] = history.displacement[j];
@@ -51,7 +51,7 @@ fn contacts_obey_statics_and_complementarity_at_every_instant() {
                     let held: f64 = (0..b.len()).map(|e| full.k[row][full.contact[e]] * (q[e] - b[e])).sum();
                     assert!((held - load[d]).abs() < 1e-10 * full.k[row][row], "{name}: {held} against {}", load[d]);
                 }
-                for (c, (contact, history)) in model.contacts().iter().zip(&histories).enumerate() {
+                for (c, (contact, history)) in stops(&model).iter().zip(&histories).enumerate() {
                     let gap = contact.gap + contact.direction() * history.displacement[j];
                     let push = history.force[j] / full.k[contact.dof][contact.dof];
                     touched[c] |= push > 1e-3;

@@ -1,7 +1,7 @@
 use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, bilinear};
 
 use crate::massless::contact_dofs;
-use crate::redistribution::{check_definite, from_entries, without};
+use crate::redistribution::{check_definite, from_entries, refuse_in_space, without};
 use crate::rigid::{positions, translation};
 use crate::{Dof, DofKind, MassRedistribution, ModelError, StructuralModel};
 
@@ -36,6 +36,7 @@ impl MassRedistribution for Conserve {
 
     fn redistribute(&self, model: &StructuralModel) -> Result<SparseMatrix, ModelError> {
         let (n, contacts) = (model.dofs().len(), contact_dofs(model));
+        refuse_in_space(self.name(), model.dofs(), &contacts)?;
         let mut entries = without(model.mass(), &contacts);
         let inertias: Vec<(usize, f64)> =
             entries.iter().filter(|e| e.0 == e.1 && e.2 > 0.0).map(|e| (e.0, e.2)).collect();

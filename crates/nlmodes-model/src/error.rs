@@ -51,6 +51,47 @@ pub enum ModelError {
         /// How many there are.
         dofs: usize,
     },
+    /// The direction of a contact is zero.
+    #[error("the direction of a contact has no entry other than zero")]
+    EmptyDirection,
+    /// The normal of a contact has no length, or none that is a number.
+    #[error("the normal {normal:?} of a contact has no direction")]
+    NormalLength {
+        /// The normal.
+        normal: [f64; 3],
+    },
+    /// No degree of freedom lets a node move along the normal of its contact.
+    #[error("node {node} cannot move along the normal of its contact: it is not there, or the supports hold it")]
+    NodeCannotMove {
+        /// The node.
+        node: usize,
+    },
+    /// A contact in a direction of several degrees of freedom where the partition into contact nodes and the rest needs single ones.
+    #[error(
+        "contact {contact} acts on {dofs} degree(s) of freedom in a direction of its own: the held-modes reduction needs contacts at \
+         single degrees of freedom; use open modes"
+    )]
+    NotASingleDof {
+        /// Index of the contact.
+        contact: usize,
+        /// Degrees of freedom that its direction has.
+        dofs: usize,
+    },
+    /// Where a structure in space lies is not known, so that its rigid-body motions are not either.
+    #[error(
+        "the structure is one in space, but the places of its nodes are not known: the held-modes reduction cannot tell whether it floats"
+    )]
+    PlacesUnknown,
+    /// A rule that moves mass along an axis, for a structure that has none.
+    #[error(
+        "the mass redistribution '{rule}' is one for straight structures; contact degree of freedom {dof} is one in space"
+    )]
+    StraightOnly {
+        /// Name of the rule.
+        rule: &'static str,
+        /// Contact degree of freedom.
+        dof: usize,
+    },
     /// The stiffness of an elastic stop cannot be used.
     #[error("the contact stiffness of contact {contact} is {stiffness:e} N/m; it has to be positive and finite")]
     ContactStiffness {

@@ -80,7 +80,7 @@ impl StructuralModel {
         let inertia: Vec<Vec<f64>> = numbers.iter().map(|&k| self.inertia(mass, &modes.shapes, k)).collect();
         let change: Vec<f64> = omega.iter().zip(&own).map(|(new, old)| (new - old) * (new + old)).collect();
         let stiffness = updated(self.stiffness(), &inertia, &change)?;
-        let model = Self::new(self.mass().clone(), stiffness, self.dofs().to_vec(), self.contacts().to_vec())?;
+        let model = self.with_stiffness(stiffness)?;
         Ok(ImposedFrequencies { model, own, numbers })
     }
 
@@ -139,8 +139,7 @@ impl StructuralModel {
 
     /// `M φ_k`, without the rounding in the kinds in which the mode rests, which would couple them.
     fn inertia(&self, mass: &SparseMatrix, shapes: &Mat<f64>, k: usize) -> Vec<f64> {
-        let rests = [DofKind::Axial, DofKind::Deflection, DofKind::Rotation]
-            .map(|kind| (!self.moves(shapes, k, kind)).then_some(kind));
+        let rests = DofKind::ALL.map(|kind| (!self.moves(shapes, k, kind)).then_some(kind));
         let component = |i: usize| if rests.contains(&Some(self.dofs()[i].kind)) { 0.0 } else { shapes[(i, k)] };
         let shape: Vec<f64> = (0..shapes.nrows()).map(component).collect();
         let mut inertia = vec![0.0; shape.len()];

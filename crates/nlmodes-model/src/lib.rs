@@ -15,6 +15,7 @@
 //! | `M_R` | redistributed mass | kg | n × n | [`MasslessContactModel::mass`] |
 //! | `K_NN`, `K_LN` | stiffness at the contact nodes | N/m | n_N × n_N, n_L × n_N | [`MasslessContactModel::k_nn`] … |
 //! | `W̄` | force directions | – | n_N × c | [`MasslessContactModel::w`] |
+//! | `w` | direction of a contact, `g = g₀ + wᵀ q` | – | n | [`Contact::normal`] |
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`held_modes`] |
@@ -44,6 +45,9 @@
 //! European Journal of Mechanics A/Solids 27 (2008) 918-932.
 
 mod conserve;
+mod contact;
+mod direction;
+mod dof;
 mod error;
 mod imposed;
 mod linear_modes;
@@ -55,10 +59,13 @@ mod structure;
 mod test_chain;
 
 pub use conserve::Conserve;
+pub use contact::{Contact, ContactLaw, DofContact, Side};
+pub use direction::SparseDirection;
+pub use dof::{Dof, DofIndex, DofKind};
 pub use error::ModelError;
 pub use imposed::{ImposedFrequencies, MAX_IMPOSED_DOFS};
 pub use linear_modes::{LinearModes, held_modes, linear_modes};
 pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};
 pub use rigid::{MassProperties, RigidMotion};
-pub use structure::{Contact, ContactLaw, Dof, DofKind, Side, StructuralModel};
+pub use structure::StructuralModel;

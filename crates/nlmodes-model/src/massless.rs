@@ -1,7 +1,11 @@
+use std::sync::Arc;
+
 use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, Triplet, select, sparse_from_triplets, triplets};
 
 use crate::structure::check_matrix;
-use crate::{Contact, ContactLaw, Dof, MassRedistribution, ModelError, RigidMotion, StructuralModel};
+use crate::{
+    Contact, ContactLaw, Dof, DofContact, DofKind, MassRedistribution, ModelError, RigidMotion, StructuralModel,
+};
 
 /// Which massless coordinates `q_N` follow the contact law at each instant, while all others move in harmonics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,12 +38,14 @@ pub enum ContactCoordinates {
 #[derive(Debug, Clone)]
 pub struct MasslessContactModel {
     pub(crate) dofs: Vec<Dof>,
-    pub(crate) contacts: Vec<Contact>,
+    /// Where the nodes are, of a structure in space.
+    pub(crate) places: Option<Vec<[f64; 3]>>,
+    pub(crate) contacts: Vec<DofContact>,
     pub(crate) coordinates: ContactCoordinates,
     pub(crate) linear: Vec<usize>,
     pub(crate) nonlinear: Vec<usize>,
     pub(crate) mass: SparseMatrix,
-    pub(crate) stiffness: SparseMatrix,
+    pub(crate) stiffness: Arc<SparseMatrix>,
     pub(crate) m_ll: SparseMatrix,
     pub(crate) k_ll: SparseMatrix,
     pub(crate) k_ln: Mat<f64>,
@@ -55,6 +61,7 @@ impl MasslessContactModel {
     /// asks for, and what else it reports; [`ModelError::Linalg`] if `K_NN` is not positive definite.
     pub fn new(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<Self, ModelError> {
         let n = model.dofs().len();
+        let (contacts, places) = (single_dofs(model)?, places_in_space(model)?);
         let nonlinear = contact_dofs(model);
         let linear: Vec<usize> = (0..n).filter(|i| nonlinear.binary_search(i).is_err()).collect();
         if nonlinear.is_empty() {
@@ -72,14 +79,15 @@ impl MasslessContactModel {
             .map_err(ModelError::during("static problem of the contact nodes"))?;
         Ok(Self {
             dofs: model.dofs().to_vec(),
-            contacts: model.contacts().to_vec(),
+            w: directions(&contacts, &nonlinear),
+            contacts,
+            places,
             coordinates: ContactCoordinates::Nodes,
             m_ll: part(&mass, &linear, &linear)?,
             k_ll: part(model.stiffness(), &linear, &linear)?,
             k_ln: part(model.stiffness(), &linear, &nonlinear)?.to_dense(),
             k_nn: k_nn.to_dense(),
-            w: directions(model.contacts(), &nonlinear),
-            stiffness: model.stiffness().clone(),
+            stiffness: model.shared_stiffness(),
             mass,
             linear,
             nonlinear,
@@ -95,11 +103,12 @@ impl MasslessContactModel {
         model: &StructuralModel,
         rule: Option<&dyn MassRedistribution>,
     ) -> Result<Self, ModelError> {
-        let (n, contacts) = (model.dofs().len(), model.contacts());
+        let n = model.dofs().len();
+        let (contacts, places) = (single_dofs(model)?, places_in_space(model)?);
         if contacts.is_empty() {
             return Err(ModelError::NoContact);
         }
-        let springs = spring_stiffnesses(contacts)?;
+        let springs = spring_stiffnesses(&contacts)?;
         let mass = match rule {
             Some(rule) => redistributed(model, rule)?,
             None => model.mass().clone(),
@@ -112,13 +121,14 @@ impl MasslessContactModel {
         let c = contacts.len();
         Ok(Self {
             dofs: model.dofs().to_vec(),
-            contacts: contacts.to_vec(),
+            places,
             coordinates: ContactCoordinates::SpringTips,
             linear: (0..n).collect(),
             k_ln: Mat::from_fn(n, c, |i, j| if nonlinear[j] == i { -springs[j] } else { 0.0 }),
             k_nn: Mat::from_fn(c, c, |i, j| if i == j { springs[i] } else { 0.0 }),
             w: Mat::from_fn(c, c, |i, j| if i == j { contacts[i].direction() } else { 0.0 }),
-            stiffness: model.stiffness().clone(),
+            contacts,
+            stiffness: model.shared_stiffness(),
             m_ll: mass.clone(),
             k_ll,
             mass,
@@ -134,7 +144,7 @@ impl MasslessContactModel {
     /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one a contact: zero where the stop is rigid, or where its spring is in
     /// `K_NN` already.
     pub fn stop_compliance(&self) -> Vec<f64> {
-        let of = |c: &Contact| match self.coordinates {
+        let of = |c: &DofContact| match self.coordinates {
             ContactCoordinates::Nodes => c.law.compliance(),
             ContactCoordinates::SpringTips => 0.0,
         };
@@ -143,12 +153,12 @@ impl MasslessContactModel {
 
     /// A rigid-body motion that is left when the contact degrees of freedom are held, so that `K_LL` is singular.
     pub fn held_rigid_motion(&self) -> Option<RigidMotion> {
-        RigidMotion::of_held(&self.stiffness, &self.dofs, &self.nonlinear)
+        RigidMotion::of_held(&self.stiffness, &self.dofs, self.places.as_deref(), &self.nonlinear)
     }
 
     /// A rigid-body motion of the structure with its contacts free.
     pub fn rigid_motion(&self) -> Option<RigidMotion> {
-        RigidMotion::of_held(&self.stiffness, &self.dofs, &[])
+        RigidMotion::of_held(&self.stiffness, &self.dofs, self.places.as_deref(), &[])
     }
 
     /// Cholesky factor of `K_LL`.
@@ -170,7 +180,7 @@ impl MasslessContactModel {
     }
 
     /// The contacts, in the order of the columns of `W`.
-    pub fn contacts(&self) -> &[Contact] {
+    pub fn contacts(&self) -> &[DofContact] {
         &self.contacts
     }
 
@@ -188,6 +198,11 @@ impl MasslessContactModel {
     /// Redistributed mass `M_R` of all degrees of freedom, n × n.
     pub fn mass(&self) -> &SparseMatrix {
         &self.mass
+    }
+
+    /// `K`, to be kept by whoever needs it longer.
+    pub fn shared_stiffness(&self) -> Arc<SparseMatrix> {
+        Arc::clone(&self.stiffness)
     }
 
     /// Stiffness `K` of all degrees of freedom, n × n.
@@ -229,9 +244,31 @@ fn redistributed(model: &StructuralModel, rule: &dyn MassRedistribution) -> Resu
     Ok(mass)
 }
 
+/// The contacts, each at one degree of freedom.
+fn single_dofs(model: &StructuralModel) -> Result<Vec<DofContact>, ModelError> {
+    let single = |(contact, c): (usize, &Contact)| {
+        c.single_dof().ok_or(ModelError::NotASingleDof { contact, dofs: c.normal.entries().len() })
+    };
+    model.contacts().iter().enumerate().map(single).collect()
+}
+
+/// Places of all degrees of freedom of a structure in space; none of a straight one.
+fn places_in_space(model: &StructuralModel) -> Result<Option<Vec<[f64; 3]>>, ModelError> {
+    if !model.dofs().iter().any(|dof| dof.kind.is_spatial()) {
+        return Ok(None);
+    }
+    // Modal coordinates are nowhere; rigid motions leave them at rest.
+    let place = |(i, dof): (usize, &Dof)| match dof.kind {
+        DofKind::Modal => Some([0.0; 3]),
+        _ => model.place(i),
+    };
+    let places: Option<Vec<[f64; 3]>> = model.dofs().iter().enumerate().map(place).collect();
+    places.map(Some).ok_or(ModelError::PlacesUnknown)
+}
+
 /// `k_c` of each contact.
-fn spring_stiffnesses(contacts: &[Contact]) -> Result<Vec<f64>, ModelError> {
-    let of = |(contact, c): (usize, &Contact)| match c.law {
+fn spring_stiffnesses(contacts: &[DofContact]) -> Result<Vec<f64>, ModelError> {
+    let of = |(contact, c): (usize, &DofContact)| match c.law {
         ContactLaw::Elastic { stiffness } => Ok(stiffness),
         ContactLaw::Rigid => Err(ModelError::RigidStop { contact }),
     };
@@ -240,7 +277,8 @@ fn spring_stiffnesses(contacts: &[Contact]) -> Result<Vec<f64>, ModelError> {
 
 /// Degrees of freedom with a contact, ascending, each once.
 pub(crate) fn contact_dofs(model: &StructuralModel) -> Vec<usize> {
-    let mut dofs: Vec<usize> = model.contacts().iter().map(|c| c.dof).collect();
+    let touched = model.contacts().iter().flat_map(|c| c.normal.entries());
+    let mut dofs: Vec<usize> = touched.map(|(dof, _)| *dof).collect();
     dofs.sort_unstable();
     dofs.dedup();
     dofs
@@ -255,7 +293,7 @@ fn check_massless(rule: &'static str, mass: &SparseMatrix, nonlinear: &[usize]) 
 }
 
 /// `W̄`: one column a contact, one row a contact degree of freedom.
-fn directions(contacts: &[Contact], nonlinear: &[usize]) -> Mat<f64> {
+fn directions(contacts: &[DofContact], nonlinear: &[usize]) -> Mat<f64> {
     Mat::from_fn(nonlinear.len(), contacts.len(), |i, j| {
         if contacts[j].dof == nonlinear[i] { contacts[j].direction() } else { 0.0 }
     })
@@ -265,7 +303,7 @@ fn directions(contacts: &[Contact], nonlinear: &[usize]) -> Mat<f64> {
 mod tests {
     use super::*;
     use crate::test_chain::{chain, springs};
-    use crate::{DofKind, Drop, Side};
+    use crate::{Drop, Side};
 
     fn stop(dof: usize, side: Side) -> Contact {
         Contact::rigid(dof, side, 0.5)
@@ -340,7 +378,7 @@ mod tests {
         model.factor_k_ll().unwrap().solve_in_place(&mut x);
         assert!((x[0] - 1.0).abs() < 1e-14);
         let across = free.dofs().iter().map(|d| Dof { kind: DofKind::Deflection, ..*d });
-        let dofs = free.dofs().iter().copied().chain(across).collect();
+        let dofs: Vec<Dof> = free.dofs().iter().copied().chain(across).collect();
         let twice = |a: &SparseMatrix| {
             let entries: Vec<_> = triplets(a).flat_map(|(i, j, v)| [(i, j, v), (i + 4, j + 4, v)]).collect();
             nlmodes_linalg::sparse_from_triplets(8, 8, &entries).unwrap()

@@ -61,6 +61,7 @@ impl MassRedistribution for Move {
 
     fn redistribute(&self, model: &StructuralModel) -> Result<SparseMatrix, ModelError> {
         let (n, contacts) = (model.dofs().len(), contact_dofs(model));
+        refuse_in_space(self.name(), model.dofs(), &contacts)?;
         let mut entries = without(model.mass(), &contacts);
         let massive: Vec<usize> = entries.iter().filter(|e| e.0 == e.1 && e.2 > 0.0).map(|e| e.0).collect();
         for (i, &dof) in contacts.iter().enumerate() {
@@ -76,6 +77,14 @@ impl MassRedistribution for Move {
         let mass = from_entries(n, &entries)?;
         check_definite(&mass, &massive, model.dofs())?;
         Ok(mass)
+    }
+}
+
+/// Positions along an axis say nothing about neighbours in space.
+pub(crate) fn refuse_in_space(rule: &'static str, dofs: &[Dof], contacts: &[usize]) -> Result<(), ModelError> {
+    match contacts.iter().find(|&&dof| dofs[dof].kind.is_spatial()) {
+        Some(&dof) => Err(ModelError::StraightOnly { rule, dof }),
+        None => Ok(()),
     }
 }
 

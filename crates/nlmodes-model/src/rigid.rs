@@ -4,7 +4,9 @@ use nlmodes_linalg::{SparseMatrix, bilinear, triplets};
 
 use crate::{Dof, DofKind};
 
-/// A motion of a straight structure that strains nothing.
+mod spatial;
+
+/// A motion of a structure that strains nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum RigidMotion {
@@ -17,6 +19,13 @@ pub enum RigidMotion {
         /// Position of the point, m.
         about: f64,
     },
+    /// Motion of a structure in space: `u(x) = t + r × x`; the larger of both, over the size of the structure, is one.
+    Spatial {
+        /// Displacement `t` of the origin.
+        translation: [f64; 3],
+        /// Rotation `r`, 1/m.
+        rotation: [f64; 3],
+    },
 }
 
 impl fmt::Display for RigidMotion {
@@ -25,6 +34,9 @@ impl fmt::Display for RigidMotion {
             Self::Axial => write!(f, "translation along the axis"),
             Self::Transverse => write!(f, "translation across the axis"),
             Self::Rotation { about } => write!(f, "rotation about x = {about} m"),
+            Self::Spatial { translation: [x, y, z], rotation: [rx, ry, rz] } => {
+                write!(f, "translation ({x:.3}, {y:.3}, {z:.3}) with rotation ({rx:.3}, {ry:.3}, {rz:.3})/m")
+            }
         }
     }
 }
@@ -34,7 +46,18 @@ impl RigidMotion {
     ///
     /// This looks at `K r = 0` row by row instead of at pivots: fine beams have such small pivots that a factorisation cannot
     /// tell a supported structure from a floating one.
-    pub(crate) fn of_held(stiffness: &SparseMatrix, dofs: &[Dof], held: &[usize]) -> Option<Self> {
+    ///
+    /// `places` are the coordinates of the nodes of a structure in space.
+    pub(crate) fn of_held(
+        stiffness: &SparseMatrix,
+        dofs: &[Dof],
+        places: Option<&[[f64; 3]]>,
+        held: &[usize],
+    ) -> Option<Self> {
+        if let Some(places) = places {
+            let (translation, rotation) = spatial::motion(stiffness, dofs, places, held)?;
+            return Some(Self::Spatial { translation, rotation });
+        }
         let holds = |kind: DofKind| held.iter().any(|&i| dofs[i].kind == kind);
         let axial = translation(dofs, DofKind::Axial);
         if !holds(DofKind::Axial) && strains_nothing(stiffness, &axial) {
@@ -74,15 +97,15 @@ pub(crate) fn translation(dofs: &[Dof], kind: DofKind) -> Vec<f64> {
 /// Displacements of the unit rotation about `x = 0`.
 fn rotation(dofs: &[Dof]) -> Vec<f64> {
     let component = |d: &Dof| match d.kind {
-        DofKind::Axial => 0.0,
         DofKind::Deflection => d.position,
         DofKind::Rotation => 1.0,
+        _ => 0.0,
     };
     dofs.iter().map(component).collect()
 }
 
 /// `K r` and `|K| |r|`.
-fn image(stiffness: &SparseMatrix, r: &[f64]) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn image(stiffness: &SparseMatrix, r: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut force, mut scale) = (vec![0.0; r.len()], vec![0.0; r.len()]);
     for (i, j, k) in triplets(stiffness) {
         force[i] += k * r[j];

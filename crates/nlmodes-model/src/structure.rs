@@ -1,125 +1,20 @@
+use std::sync::Arc;
+
 use nlmodes_linalg::{SparseMatrix, asymmetry};
 
-use crate::ModelError;
-
-/// What a degree of freedom measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum DofKind {
-    /// Displacement along the axis, m.
-    Axial,
-    /// Displacement across the axis, m.
-    Deflection,
-    /// Rotation of the cross section, rad; positive with the slope, so that a rigid rotation `θ` about `x = 0` displaces by `θ x`.
-    Rotation,
-}
-
-impl DofKind {
-    /// Lower-case name, as it stands in result files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Axial => "axial",
-            Self::Deflection => "deflection",
-            Self::Rotation => "rotation",
-        }
-    }
-}
-
-/// A degree of freedom that the supports leave free.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dof {
-    /// Node that it belongs to.
-    pub node: usize,
-    /// Position of the node along the axis, m.
-    pub position: f64,
-    /// What it measures.
-    pub kind: DofKind,
-}
-
-/// The side on which a stop stands, seen along the positive direction of the degree of freedom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Side {
-    /// Touched by a positive displacement: `g = g₀ − q`.
-    Positive,
-    /// Touched by a negative displacement: `g = g₀ + q`.
-    Negative,
-}
-
-impl Side {
-    /// +1 or −1: the direction from the structure to the stop.
-    pub fn sign(self) -> f64 {
-        match self {
-            Self::Positive => 1.0,
-            Self::Negative => -1.0,
-        }
-    }
-}
-
-/// How a stop answers when it is pressed: it yields by its compliance times the force.
-///
-/// ```text
-/// 0 ≤ λ ⊥ g + c λ ≥ 0 ,   c = 0 (rigid, eq. (5)) or 1/k_c (elastic, eq. (3))
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum ContactLaw {
-    /// A hard stop, eq. (5): nothing penetrates.
-    #[default]
-    Rigid,
-    /// A stop on a massless spring, eq. (3): `λ = k_c max(−g, 0)`.
-    Elastic {
-        /// Contact stiffness `k_c`, N/m, positive.
-        stiffness: f64,
-    },
-}
-
-impl ContactLaw {
-    /// `1/k_c`, m/N; zero for a rigid stop.
-    pub fn compliance(self) -> f64 {
-        match self {
-            Self::Rigid => 0.0,
-            Self::Elastic { stiffness } => 1.0 / stiffness,
-        }
-    }
-}
-
-/// A one-sided stop at one degree of freedom, eqs. (3), (5): `g = g₀ + w q` with `w = −side`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Index of the degree of freedom in [`StructuralModel::dofs`].
-    pub dof: usize,
-    /// Where the stop stands.
-    pub side: Side,
-    /// Clearance at rest `g₀`, m; zero touches, negative presses.
-    pub gap: f64,
-    /// Rigid, or with a contact stiffness.
-    pub law: ContactLaw,
-}
-
-impl Contact {
-    /// A rigid stop.
-    pub fn rigid(dof: usize, side: Side, gap: f64) -> Self {
-        Self { dof, side, gap, law: ContactLaw::Rigid }
-    }
-
-    /// A stop with the contact stiffness `stiffness`, N/m.
-    pub fn elastic(dof: usize, side: Side, gap: f64, stiffness: f64) -> Self {
-        Self { dof, side, gap, law: ContactLaw::Elastic { stiffness } }
-    }
-
-    /// Entry of `W` for this contact, eq. (2): +1 or −1.
-    pub fn direction(&self) -> f64 {
-        -self.side.sign()
-    }
-}
+use crate::{Contact, ContactLaw, Dof, ModelError};
 
 /// A linear structure with unilateral contacts, eqs. (1), (4), (5).
 ///
-/// `M` (n × n, kg or kg·m²) and `K` (n × n, N/m …) are symmetric, of the free degrees of freedom only.
+/// `M` (n × n, kg or kg·m²), `K` (n × n, N/m …) and, where it is known, the viscous damping `C` (n × n, N·s/m …) are symmetric, of the free degrees
+/// of freedom only. Copies share the matrices.
 #[derive(Debug, Clone)]
 pub struct StructuralModel {
-    mass: SparseMatrix,
-    stiffness: SparseMatrix,
-    dofs: Vec<Dof>,
+    mass: Arc<SparseMatrix>,
+    stiffness: Arc<SparseMatrix>,
+    damping: Option<Arc<SparseMatrix>>,
+    dofs: Arc<[Dof]>,
+    places: Option<Arc<[[f64; 3]]>>,
     contacts: Vec<Contact>,
 }
 
@@ -131,27 +26,59 @@ impl StructuralModel {
     /// [`ModelError::NotSymmetric`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
     /// [`ModelError::ContactStiffness`] if that of an elastic stop is not positive or its inverse is not finite.
     pub fn new(
-        mass: SparseMatrix,
-        stiffness: SparseMatrix,
+        mass: impl Into<Arc<SparseMatrix>>,
+        stiffness: impl Into<Arc<SparseMatrix>>,
         dofs: Vec<Dof>,
         contacts: Vec<Contact>,
     ) -> Result<Self, ModelError> {
+        let (mass, stiffness) = (mass.into(), stiffness.into());
         for (what, matrix) in [("mass matrix", &mass), ("stiffness matrix", &stiffness)] {
             check_matrix(what, matrix, dofs.len())?;
         }
         check_finite("position of degree of freedom", dofs.iter().map(|d| d.position))?;
-        check_finite("gap of contact", contacts.iter().map(|c| c.gap))?;
-        if let Some((contact, c)) = contacts.iter().enumerate().find(|(_, c)| c.dof >= dofs.len()) {
-            return Err(ModelError::NoSuchDof { contact, dof: c.dof, dofs: dofs.len() });
+        check_contacts(&contacts, dofs.len())?;
+        Ok(Self { mass, stiffness, damping: None, dofs: dofs.into(), places: None, contacts })
+    }
+
+    /// The same structure with the viscous damping `C` (n × n). Conservative analyses do not look at it.
+    ///
+    /// # Errors
+    /// [`ModelError::Dimension`], [`ModelError::NotFinite`], [`ModelError::NotSymmetric`].
+    pub fn with_damping(mut self, damping: impl Into<Arc<SparseMatrix>>) -> Result<Self, ModelError> {
+        let damping = damping.into();
+        check_matrix("damping matrix", &damping, self.dofs.len())?;
+        self.damping = Some(damping);
+        Ok(self)
+    }
+
+    /// The same structure with the coordinates (m) of the node of each degree of freedom.
+    ///
+    /// # Errors
+    /// [`ModelError::Dimension`], [`ModelError::NotFinite`].
+    pub fn with_places(mut self, places: Vec<[f64; 3]>) -> Result<Self, ModelError> {
+        let (expected, found) = (self.dofs.len(), places.len());
+        if expected != found {
+            return Err(ModelError::Dimension { what: "list of places", expected, found });
         }
-        for (contact, c) in contacts.iter().enumerate() {
-            if let ContactLaw::Elastic { stiffness } = c.law
-                && !(stiffness.is_finite() && stiffness > 0.0 && c.law.compliance().is_finite())
-            {
-                return Err(ModelError::ContactStiffness { contact, stiffness });
-            }
-        }
-        Ok(Self { mass, stiffness, dofs, contacts })
+        check_finite("coordinate of degree of freedom", places.iter().map(|p| p.iter().sum()))?;
+        self.places = Some(places.into());
+        Ok(self)
+    }
+
+    /// The same structure with another stiffness (n × n).
+    pub(crate) fn with_stiffness(&self, stiffness: SparseMatrix) -> Result<Self, ModelError> {
+        check_matrix("stiffness matrix", &stiffness, self.dofs.len())?;
+        Ok(Self { stiffness: Arc::new(stiffness), ..self.clone() })
+    }
+
+    /// The same structure with other contacts.
+    ///
+    /// # Errors
+    /// As [`StructuralModel::new`].
+    pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, ModelError> {
+        check_contacts(&contacts, self.dofs.len())?;
+        self.contacts = contacts;
+        Ok(self)
     }
 
     /// Mass matrix `M`.
@@ -164,6 +91,32 @@ impl StructuralModel {
         &self.stiffness
     }
 
+    /// Viscous damping matrix `C`, if it is known.
+    pub fn damping(&self) -> Option<&SparseMatrix> {
+        self.damping.as_deref()
+    }
+
+    /// `M`, to be kept by whoever needs it longer.
+    pub fn shared_mass(&self) -> Arc<SparseMatrix> {
+        Arc::clone(&self.mass)
+    }
+
+    /// `K`, to be kept by whoever needs it longer.
+    pub fn shared_stiffness(&self) -> Arc<SparseMatrix> {
+        Arc::clone(&self.stiffness)
+    }
+
+    /// Where the node of degree of freedom `dof` is, m: on the axis X for straight structures. None for modal coordinates, and in space where
+    /// no places were given.
+    pub fn place(&self, dof: usize) -> Option<[f64; 3]> {
+        let of = self.dofs.get(dof)?;
+        match (&self.places, of.kind) {
+            (_, crate::DofKind::Modal) => None,
+            (Some(places), _) => places.get(dof).copied(),
+            (None, kind) => (!kind.is_spatial()).then_some([of.position, 0.0, 0.0]),
+        }
+    }
+
     /// The degrees of freedom, in the order of the matrices.
     pub fn dofs(&self) -> &[Dof] {
         &self.dofs
@@ -173,6 +126,21 @@ impl StructuralModel {
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
+}
+
+fn check_contacts(contacts: &[Contact], dofs: usize) -> Result<(), ModelError> {
+    check_finite("gap of contact", contacts.iter().map(|c| c.gap))?;
+    for (contact, c) in contacts.iter().enumerate() {
+        if let Some(&(dof, _)) = c.normal.entries().iter().find(|(dof, _)| *dof >= dofs) {
+            return Err(ModelError::NoSuchDof { contact, dof, dofs });
+        }
+        if let ContactLaw::Elastic { stiffness } = c.law
+            && !(stiffness.is_finite() && stiffness > 0.0 && c.law.compliance().is_finite())
+        {
+            return Err(ModelError::ContactStiffness { contact, stiffness });
+        }
+    }
+    Ok(())
 }
 
 /// Size, finite values and symmetry of a matrix of the structure.
@@ -197,6 +165,7 @@ fn check_finite(what: &'static str, values: impl Iterator<Item = f64>) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{DofKind, Side};
     use nlmodes_linalg::sparse_from_triplets;
 
     fn parts() -> (SparseMatrix, SparseMatrix, Vec<Dof>, Vec<Contact>) {
@@ -210,7 +179,7 @@ mod tests {
     fn proper_parts_are_accepted() {
         let (m, k, dofs, contacts) = parts();
         let model = StructuralModel::new(m, k, dofs, contacts).unwrap();
-        assert_eq!((model.dofs().len(), model.contacts()[0].direction()), (2, -1.0));
+        assert_eq!((model.dofs().len(), model.contacts()[0].normal.entries()), (2, &[(1, -1.0)][..]));
     }
 
     #[test]
@@ -219,6 +188,30 @@ mod tests {
         dofs.pop();
         let error = StructuralModel::new(m, k, dofs, contacts).unwrap_err();
         assert_eq!(error, ModelError::Dimension { what: "mass matrix", expected: 1, found: 2 });
+    }
+
+    #[test]
+    fn damping_and_places_are_checked() {
+        let model = || {
+            let (m, k, dofs, contacts) = parts();
+            StructuralModel::new(m, k, dofs, contacts).unwrap()
+        };
+        let c = sparse_from_triplets(2, 2, &[(0, 1, 1.0), (1, 0, -1.0)]).unwrap();
+        assert!(matches!(
+            model().with_damping(c).unwrap_err(),
+            ModelError::NotSymmetric { what: "damping matrix", .. }
+        ));
+        let small = sparse_from_triplets(1, 1, &[(0, 0, 1.0)]).unwrap();
+        assert!(matches!(
+            model().with_damping(small).unwrap_err(),
+            ModelError::Dimension { expected: 2, found: 1, .. }
+        ));
+        assert_eq!((model().place(1), model().place(2)), (Some([1.0, 0.0, 0.0]), None));
+        let placed = model().with_places(vec![[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]).unwrap();
+        assert_eq!(placed.place(1), Some([3.0, 4.0, 5.0]));
+        assert!(matches!(model().with_places(vec![[0.0; 3]]).unwrap_err(), ModelError::Dimension { found: 1, .. }));
+        let nowhere = model().with_places(vec![[0.0; 3], [f64::NAN, 0.0, 0.0]]).unwrap_err();
+        assert!(matches!(nowhere, ModelError::NotFinite { index: 1, .. }));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use nlmodes_linalg::{Mat, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets};
-use nlmodes_model::{MasslessContactModel, StructuralModel};
+use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
 use crate::residual::{Residual, blocks, dense_columns};
 use crate::{ModeCount, ReductionError};
@@ -85,7 +85,7 @@ impl OpenModes {
     /// # Errors
     /// As [`OpenModes::new`].
     pub fn of_model(model: &StructuralModel, modes: ModeCount) -> Result<Self, ReductionError> {
-        Self::of_parts(model.mass().clone(), model.stiffness().clone(), model.contacts(), modes)
+        Self::of_parts(model.shared_mass(), model.shared_stiffness(), model.contacts(), modes)
     }
 
     /// Reduces `model` with the mass that it left after that of its contact nodes has been taken away.
@@ -93,16 +93,19 @@ impl OpenModes {
     /// # Errors
     /// As [`OpenModes::new`].
     pub fn of_massless(model: &MasslessContactModel, modes: ModeCount) -> Result<Self, ReductionError> {
-        Self::of_parts(model.mass().clone(), model.stiffness().clone(), model.contacts(), modes)
+        let contacts: Vec<Contact> = model.contacts().iter().copied().map(Contact::from).collect();
+        Self::of_parts(Arc::new(model.mass().clone()), model.shared_stiffness(), &contacts, modes)
     }
 
     fn of_parts(
-        mass: SparseMatrix,
-        stiffness: SparseMatrix,
-        contacts: &[nlmodes_model::Contact],
+        mass: Arc<SparseMatrix>,
+        stiffness: Arc<SparseMatrix>,
+        contacts: &[Contact],
         modes: ModeCount,
     ) -> Result<Self, ReductionError> {
-        let entries: Vec<_> = contacts.iter().enumerate().map(|(i, c)| (c.dof, i, c.direction())).collect();
+        let column =
+            |(i, c): (usize, &Contact)| c.normal.entries().iter().map(move |&(dof, w)| (dof, i, w)).collect::<Vec<_>>();
+        let entries: Vec<_> = contacts.iter().enumerate().flat_map(column).collect();
         let directions = sparse_from_triplets(stiffness.nrows(), contacts.len(), &entries)
             .map_err(ReductionError::during("directions of the contacts"))?;
         let gaps = contacts.iter().map(|c| c.gap).collect();

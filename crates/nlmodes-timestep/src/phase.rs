@@ -171,7 +171,7 @@ impl Phase {
 /// Gaps that there would be without contact forces, `y = Wᵀ b + g₀`, over the modal coordinates of a phase: the open structure's massless
 /// nodes follow statically, so that their displacement is `b`.
 fn free_gaps(model: &MasslessContactModel, open_shapes: &Mat<f64>, turn: &Mat<f64>, shift: &[f64]) -> Vec<Row> {
-    let row = |contact: &nlmodes_model::Contact| {
+    let row = |contact: &nlmodes_model::DofContact| {
         let shape: Vec<f64> =
             (0..open_shapes.ncols()).map(|k| contact.direction() * open_shapes[(contact.dof, k)]).collect();
         let coefficients = product(turn, &shape);

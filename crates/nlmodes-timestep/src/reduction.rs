@@ -1,7 +1,7 @@
 use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{
-    Contact, ContactCoordinates, ContactLaw, Dof, DofKind, Drop, LinearModes, MasslessContactModel, StructuralModel,
-    held_modes,
+    Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, LinearModes, MasslessContactModel,
+    StructuralModel, held_modes,
 };
 
 use crate::dynamics::solve_columns;
@@ -210,14 +210,14 @@ fn reduced_model(
 
 /// The contacts at the coordinates of the reduced structure; the tip of a contact spring meets a rigid wall.
 fn contacts(full: &MasslessContactModel, m: usize) -> Vec<Contact> {
-    let place = |(i, contact): (usize, &Contact)| match full.contact_coordinates() {
+    let place = |(i, contact): (usize, &DofContact)| match full.contact_coordinates() {
         ContactCoordinates::Nodes => {
             let d = full.contact_dofs().binary_search(&contact.dof).unwrap_or_else(|place| place);
-            Contact { dof: m + d, ..*contact }
+            DofContact { dof: m + d, ..*contact }
         }
-        ContactCoordinates::SpringTips => Contact { dof: m + i, law: ContactLaw::Rigid, ..*contact },
+        ContactCoordinates::SpringTips => DofContact { dof: m + i, law: ContactLaw::Rigid, ..*contact },
     };
-    full.contacts().iter().enumerate().map(place).collect()
+    full.contacts().iter().enumerate().map(place).map(Contact::from).collect()
 }
 
 /// Among modes with the same frequency (equal spans between contacts), chooses those of which only as many as there are contact

@@ -11,7 +11,8 @@ use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSetti
 use nlmodes_linalg::{SparseMatrix, sparse_from_triplets};
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{
-    Contact, ContactLaw, Dof, DofKind, Drop, MassRedistribution, MasslessContactModel, Side, StructuralModel,
+    Contact, ContactLaw, Dof, DofContact, DofKind, Drop, MassRedistribution, MasslessContactModel, Side,
+    StructuralModel,
 };
 
 /// Clamped-free rod of `elements` linear elements with consistent mass, a stop at each `(node, side, gap)`.
@@ -54,11 +55,16 @@ pub fn condense(model: &StructuralModel) -> CondensedStructure {
     CondensedStructure::new(MasslessContactModel::new(model, &Drop).unwrap(), n).unwrap()
 }
 
+/// The contacts of a structure whose contacts are stops at single degrees of freedom.
+pub fn stops(model: &StructuralModel) -> Vec<DofContact> {
+    model.contacts().iter().map(|c| c.single_dof().unwrap()).collect()
+}
+
 /// The same structure with its stops on springs of the given stiffness; one that is not finite stays rigid.
 pub fn on_springs(model: &StructuralModel, stiffness: &[f64]) -> StructuralModel {
     let contacts = model.contacts().iter().zip(stiffness).map(|(c, &stiffness)| Contact {
         law: if stiffness.is_finite() { ContactLaw::Elastic { stiffness } } else { ContactLaw::Rigid },
-        ..*c
+        ..c.clone()
     });
     StructuralModel::new(model.mass().clone(), model.stiffness().clone(), model.dofs().to_vec(), contacts.collect())
         .unwrap()
@@ -157,7 +163,7 @@ pub struct FullMatrices {
 impl FullMatrices {
     pub fn of(model: &StructuralModel) -> Self {
         let (k, mut m) = (dense(model.stiffness()), dense(model.mass()));
-        let mut contact: Vec<usize> = model.contacts().iter().map(|c| c.dof).collect();
+        let mut contact: Vec<usize> = stops(model).iter().map(|c| c.dof).collect();
         contact.sort_unstable();
         contact.dedup();
         for &c in &contact {

@@ -94,7 +94,7 @@ fn shown(found: &[Participation]) -> Vec<Participation> {
 
 /// All stops, in the order of the scene.
 fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
-    let line = |contact: &nlmodes::model::Contact| StopLine {
+    let line = |contact: &nlmodes::model::DofContact| StopLine {
         coordinate: contact.dof,
         position: contact.side.sign() * contact.gap,
         positive: contact.side.sign() > 0.0,
