@@ -2,19 +2,112 @@ use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky, supernodal,
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use crate::ordering::nested_dissection;
 use crate::{LinalgError, Mat, SparseMatrix};
 
 /// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
 const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
 
+/// How the unknowns are ordered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ordering {
+    /// Nested dissection where it pays, else minimum degree.
+    Best,
+    /// Approximate minimum degree.
+    #[cfg(test)]
+    MinimumDegree,
+}
+
+/// The order of elimination of a sparse symmetric matrix and what its factorisation will need, found from the pattern alone.
+///
+/// ```
+/// use nlmodes_linalg::{CholeskyPlan, sparse_from_triplets};
+/// let a = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
+/// let plan = CholeskyPlan::new(&a, "stiffness matrix")?;
+/// assert_eq!(plan.bytes(), 24); // three entries of L
+/// let factor = plan.factor(&a, "stiffness matrix")?;
+/// assert_eq!(factor.dim(), 2);
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CholeskyPlan {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+}
+
+impl CholeskyPlan {
+    /// Orders and analyses `a`: by nested dissection of the graph of its nodes from 5000 rows with 16 entries each on, as structures in two and
+    /// three dimensions have them, else by approximate minimum degree.
+    ///
+    /// # Errors
+    /// [`LinalgError::Dimension`] if `a` is not square or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
+    pub fn new(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
+        Self::with_ordering(a, what, Ordering::Best)
+    }
+
+    pub(crate) fn with_ordering(a: &SparseMatrix, what: &'static str, ordering: Ordering) -> Result<Self, LinalgError> {
+        check_square(a, what)?;
+        let order = match ordering {
+            Ordering::Best => nested_dissection(a),
+            #[cfg(test)]
+            Ordering::MinimumDegree => None,
+        };
+        let analysed = |ordering| factorize_symbolic_cholesky(a.symbolic(), Side::Lower, ordering, Default::default());
+        let symbolic = match order {
+            None => analysed(SymmetricOrdering::Amd),
+            Some(order) => {
+                let mut place = vec![0; order.len()];
+                order.iter().enumerate().for_each(|(k, &j)| place[j] = k);
+                analysed(SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len())))
+            }
+        };
+        Ok(Self { symbolic: Arc::new(symbolic.map_err(|_| LinalgError::OutOfMemory { what })?) })
+    }
+
+    /// Memory that the factor will take, bytes.
+    pub fn bytes(&self) -> usize {
+        self.symbolic.len_val().saturating_mul(size_of::<f64>())
+    }
+
+    /// Multiplications and additions of the numeric factorisation: two for each `l_ik l_jk`.
+    pub fn flops(&self) -> f64 {
+        // A column with r entries below its diagonal updates r (r + 1)/2 entries.
+        let columns = |below: usize, width: usize| (0..width).map(move |k| (below + width - 1 - k) as f64);
+        let update = |r: f64| r * (r + 1.0);
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                s.col_ptr().windows(2).map(|pair| update((pair[1] - pair[0]).saturating_sub(1) as f64)).sum()
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let (begin, end, rows) = (s.supernode_begin(), s.supernode_end(), s.col_ptr_for_row_idx());
+                let block = |i: usize| columns(rows[i + 1] - rows[i], end[i] - begin[i]);
+                (0..s.n_supernodes()).flat_map(block).map(update).sum()
+            }
+        }
+    }
+
+    /// Factors `a`, whose pattern is the one planned for.
+    ///
+    /// # Errors
+    /// As [`SparseCholesky::factor`].
+    ///
+    /// # Panics
+    /// If the pattern is another one.
+    pub fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<SparseCholesky, LinalgError> {
+        let mut factor = SparseCholesky { symbolic: Arc::clone(&self.symbolic), values: Vec::new() };
+        factor.refactor(a, what)?;
+        Ok(factor)
+    }
+}
+
 /// Cholesky factorisation `P A Pᵀ = L Lᵀ` of a sparse symmetric positive definite matrix.
 ///
-/// `P` is an approximate minimum degree ordering. Structures in one dimension fill in by a few entries per row, so that
+/// `P` is the order of a [`CholeskyPlan`]. Structures in one dimension fill in by a few entries per row, so that
 /// factor and solution cost O(n).
 ///
 /// ```
@@ -40,13 +133,7 @@ impl SparseCholesky {
     /// its diagonal entry) that the matrix is singular to working precision; [`LinalgError::Dimension`] if `a` is not square
     /// or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
     pub fn factor(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
-        check_square(a, what)?;
-        let symbolic =
-            factorize_symbolic_cholesky(a.symbolic(), Side::Lower, SymmetricOrdering::Amd, Default::default())
-                .map_err(|_| LinalgError::OutOfMemory { what })?;
-        let mut factor = Self { symbolic: Arc::new(symbolic), values: Vec::new() };
-        factor.refactor(a, what)?;
-        Ok(factor)
+        CholeskyPlan::new(a, what)?.factor(a, what)
     }
 
     /// Factors another matrix with the same pattern; the ordering is kept. After an error the factor is not usable.

@@ -4,6 +4,7 @@
 //! | --- | --- | --- | --- |
 //! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
+//! | its order of elimination, memory and work beforehand | `P` | n × n | [`CholeskyPlan`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
 //! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
@@ -34,10 +35,11 @@ mod dense;
 mod eigenvalues;
 mod error;
 mod modes;
+mod ordering;
 mod sparse;
 mod symmetric;
 
-pub use cholesky::SparseCholesky;
+pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
 pub use dense::DenseLu;
 pub use eigenvalues::eigenvalues;

@@ -143,13 +143,25 @@ pub fn select(a: &SparseMatrix, rows: &[usize], columns: &[usize]) -> Result<Spa
 /// The difference is measured against `√|a_ii a_jj|` and against the entries themselves, `1e-10` of the larger: a scale that
 /// does not mix the units of displacements and rotations.
 pub fn asymmetry(a: &SparseMatrix) -> Option<(usize, usize, f64, f64)> {
-    let at = |i, j| a.get(i, j).copied().unwrap_or(0.0);
+    let diagonal =
+        |k: usize| if k < a.nrows().min(a.ncols()) { a.get(k, k).copied().unwrap_or(0.0).abs() } else { 0.0 };
+    let diagonal: Vec<f64> = (0..a.nrows().max(a.ncols())).map(diagonal).collect();
+    // Row `j` of column `i` is looked for with `j` ascending, so that one pass through each column finds all mirror images.
+    let mut next = vec![0; a.ncols()];
     triplets(a).find_map(|(i, j, v)| {
-        let mirrored = if i < a.ncols() && j < a.nrows() { at(j, i) } else { 0.0 };
-        let diagonal = |k: usize| if k < a.nrows().min(a.ncols()) { at(k, k).abs() } else { 0.0 };
-        let scale = (diagonal(i) * diagonal(j)).sqrt().max(v.abs()).max(mirrored.abs());
+        let mirrored = if i < a.ncols() && j < a.nrows() { entry_at(a, i, j, &mut next[i]) } else { 0.0 };
+        let scale = (diagonal[i] * diagonal[j]).sqrt().max(v.abs()).max(mirrored.abs());
         ((v - mirrored).abs() > 1e-10 * scale).then_some((i, j, v, mirrored))
     })
+}
+
+/// The entry in `row` of `column`, searched from entry `next` of the column on.
+fn entry_at(a: &SparseMatrix, column: usize, row: usize, next: &mut usize) -> f64 {
+    let rows = a.symbolic().row_idx_of_col_raw(column);
+    while rows.get(*next).is_some_and(|&r| r < row) {
+        *next += 1;
+    }
+    if rows.get(*next) == Some(&row) { a.val_of_col(column)[*next] } else { 0.0 }
 }
 
 #[cfg(test)]

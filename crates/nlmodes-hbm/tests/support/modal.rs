@@ -7,17 +7,17 @@ use nlmodes_hbm::{
     Coordinates, Load, LoadTerm, ModalDamping, ModalStructure, PeriodicSettings, PeriodicSystem, ResponseRow, Switching,
 };
 use nlmodes_linalg::{Mat, SparseMatrix, lowest_modes};
-use nlmodes_model::{Contact, Drop, MasslessContactModel, StructuralModel};
+use nlmodes_model::{DofContact, Drop, MasslessContactModel, StructuralModel};
 use num_complex::Complex64;
 
-use super::{dense, solve_dense};
+use super::{dense, solve_dense, stops};
 
 /// Open modes of a structure with everything that loads and recovery need.
 pub struct Open {
     pub omega_squared: Vec<f64>,
     /// Degrees of freedom × modes.
     pub shapes: Mat<f64>,
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<DofContact>,
     k: Vec<Vec<f64>>,
     m: Vec<Vec<f64>>,
 }
@@ -31,10 +31,10 @@ impl Open {
 
     /// With the mass as it is and the lowest modes.
     pub fn lowest(model: &StructuralModel, modes: usize) -> Self {
-        Self::of(model.mass(), model.stiffness(), model.contacts(), modes)
+        Self::of(model.mass(), model.stiffness(), &stops(model), modes)
     }
 
-    fn of(mass: &SparseMatrix, stiffness: &SparseMatrix, contacts: &[Contact], modes: usize) -> Self {
+    fn of(mass: &SparseMatrix, stiffness: &SparseMatrix, contacts: &[DofContact], modes: usize) -> Self {
         let modes = lowest_modes(stiffness, mass, modes).unwrap();
         Self {
             omega_squared: modes.eigenvalues,
@@ -58,7 +58,7 @@ impl Open {
         q
     }
 
-    fn push(&self, contact: &Contact) -> Vec<f64> {
+    fn push(&self, contact: &DofContact) -> Vec<f64> {
         let mut force = vec![0.0; self.k.len()];
         force[contact.dof] = contact.direction();
         force
