@@ -14,16 +14,6 @@ use crate::{LinalgError, Mat, SparseMatrix};
 /// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
 const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
 
-/// How the unknowns are ordered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Ordering {
-    /// Nested dissection where it pays, else minimum degree.
-    Best,
-    /// Approximate minimum degree.
-    #[cfg(test)]
-    MinimumDegree,
-}
-
 /// The order of elimination of a sparse symmetric matrix and what its factorisation will need, found from the pattern alone.
 ///
 /// ```
@@ -47,16 +37,21 @@ impl CholeskyPlan {
     /// # Errors
     /// [`LinalgError::Dimension`] if `a` is not square or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
     pub fn new(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
-        Self::with_ordering(a, what, Ordering::Best)
+        check_square(a, what)?;
+        Self::analyse(a, nested_dissection(a), what)
     }
 
-    pub(crate) fn with_ordering(a: &SparseMatrix, what: &'static str, ordering: Ordering) -> Result<Self, LinalgError> {
+    /// Orders and analyses `a` by approximate minimum degree, whatever it is.
+    ///
+    /// # Errors
+    /// As [`CholeskyPlan::new`].
+    pub fn by_minimum_degree(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
         check_square(a, what)?;
-        let order = match ordering {
-            Ordering::Best => nested_dissection(a),
-            #[cfg(test)]
-            Ordering::MinimumDegree => None,
-        };
+        Self::analyse(a, None, what)
+    }
+
+    /// By the order given, else by minimum degree.
+    fn analyse(a: &SparseMatrix, order: Option<Vec<usize>>, what: &'static str) -> Result<Self, LinalgError> {
         let analysed = |ordering| factorize_symbolic_cholesky(a.symbolic(), Side::Lower, ordering, Default::default());
         let symbolic = match order {
             None => analysed(SymmetricOrdering::Amd),

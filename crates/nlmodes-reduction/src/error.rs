@@ -1,3 +1,4 @@
+use nlmodes_contact::LcpError;
 use nlmodes_linalg::LinalgError;
 use thiserror::Error;
 
@@ -53,6 +54,14 @@ pub enum ReductionError {
         /// Modes retained.
         retained: usize,
     },
+    /// A structure that floats is pressed at rest.
+    #[error(
+        "the structure floats: where it rests under loads or between stops that it interferes with is not determined by its stiffness"
+    )]
+    FloatingRest,
+    /// The contact problem of the structure at rest has no solution that stands.
+    #[error("contact forces at rest")]
+    Rest(#[source] LcpError),
     /// A factorisation or eigenproblem failed.
     #[error("{what}")]
     Linalg {

@@ -20,6 +20,8 @@
 //! | `g₀`, `C` | gaps at rest, compliance of the stops | m, m/N | c | [`OpenModes::gaps`], [`OpenModes::stop_compliance`] |
 //! | `Φᵀf`, `a` | a load | N/√kg, m | m, c | [`OpenModes::load`] |
 //! | | displacement at chosen places | | | [`OpenModes::rows`] |
+//! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |
+//! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
@@ -46,9 +48,11 @@ mod error;
 mod mode_count;
 mod open_modes;
 mod residual;
+mod rest;
 mod rows;
 
 pub use error::ReductionError;
 pub use mode_count::ModeCount;
 pub use open_modes::OpenModes;
+pub use rest::{ClosedModes, RestState};
 pub use rows::{ModalLoad, ResponseRows};

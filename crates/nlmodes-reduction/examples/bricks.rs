@@ -1,0 +1,128 @@
+//! Time and memory of the reduction of a solid of 8-node bricks, clamped at one end, with contacts on its top.
+//!
+//! `cargo run --release -p nlmodes-reduction --example bricks -- 80 20 20 100 20` takes nodes along X, Y, Z, contacts and modes, and prints CPU
+//! seconds. `minimum-degree` as a sixth word also factors in that order.
+
+use std::time::Instant;
+
+use nlmodes_linalg::{CholeskyPlan, SparseMatrix, Triplet, sparse_from_triplets};
+use nlmodes_model::{Contact, Dof, DofIndex, DofKind, StructuralModel};
+use nlmodes_reduction::{ModeCount, OpenModes};
+
+type Failure = Box<dyn std::error::Error>;
+
+/// Young's modulus, Pa, Poisson's ratio, density, kg/m³, and edge of an element, m.
+const STEEL: (f64, f64, f64, f64) = (210e9, 0.3, 7800.0, 0.01);
+
+fn main() -> Result<(), Failure> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize, default: usize| words.get(i).and_then(|w| w.parse().ok()).unwrap_or(default);
+    let size = [number(0, 20), number(1, 6), number(2, 6)];
+    let (contacts, modes) = (number(3, 10), number(4, 10));
+    let model = timed("assembly", || solid(size, contacts))?;
+    println!("{} degrees of freedom, {} entries of K", model.dofs().len(), model.stiffness().compute_nnz());
+    let plan = timed("dissection and symbolic", || CholeskyPlan::new(model.stiffness(), "stiffness"))?;
+    report(&plan);
+    if words.iter().any(|w| w == "minimum-degree") {
+        let other = timed("minimum degree", || CholeskyPlan::by_minimum_degree(model.stiffness(), "stiffness"))?;
+        report(&other);
+        timed("factor, minimum degree", || other.factor(model.stiffness(), "stiffness"))?;
+    }
+    timed("factor, dissection", || plan.factor(model.stiffness(), "stiffness"))?;
+    let open = timed("open modes", || OpenModes::of_model(&model, ModeCount::Lowest(modes)))?;
+    let hertz: Vec<f64> = open.omega_squared().iter().map(|w| w.sqrt() / std::f64::consts::TAU).collect();
+    println!("frequencies / Hz: {hertz:.2?}");
+    println!("residual flexibility of the first contact: {:e} m/N", open.flexibility()[(0, 0)]);
+    println!("peak memory: {}", peak_memory());
+    Ok(())
+}
+
+fn timed<T, E: Into<Failure>>(what: &str, work: impl FnOnce() -> Result<T, E>) -> Result<T, Failure> {
+    let (start, cpu) = (Instant::now(), cpu_seconds());
+    let result = work().map_err(Into::into);
+    println!("{what}: {:.2} s CPU, {:.2} s", cpu_seconds() - cpu, start.elapsed().as_secs_f64());
+    result
+}
+
+fn report(plan: &CholeskyPlan) {
+    println!("    factor: {:.2} GB, {:.1} Gflop", plan.bytes() as f64 / 1e9, plan.flops() / 1e9);
+}
+
+/// Of this process, from the kernel's statistics in ticks of 10 ms; zero elsewhere than on Linux.
+fn cpu_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+    let ticks = |i: usize| fields.get(i).and_then(|f| f.parse::<f64>().ok()).unwrap_or(0.0);
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+fn peak_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    status.lines().find_map(|l| l.strip_prefix("VmHWM:")).unwrap_or("unknown").trim().to_owned()
+}
+
+/// Nodes of the grid in X, Y, Z; the end X = 0 clamped; contacts spread over the top.
+fn solid([nx, ny, nz]: [usize; 3], contacts: usize) -> Result<StructuralModel, Failure> {
+    let node = |x: usize, y: usize, z: usize| (x * ny + y) * nz + z;
+    let held = ny * nz;
+    let n = 3 * (nx * ny * nz - held);
+    let (k_e, m_e) = brick();
+    let (mut k, mut m): (Vec<Triplet>, Vec<Triplet>) = (Vec::new(), Vec::new());
+    for (x, y, z) in (0..nx - 1).flat_map(|x| (0..ny - 1).flat_map(move |y| (0..nz - 1).map(move |z| (x, y, z)))) {
+        let corners: Vec<usize> = (0..8).map(|c| node(x + (c >> 2), y + ((c >> 1) & 1), z + (c & 1))).collect();
+        for (a, b) in (0..24).flat_map(|a| (0..24).map(move |b| (a, b))) {
+            let (i, j) = (3 * corners[a / 3] + a % 3, 3 * corners[b / 3] + b % 3);
+            if i >= 3 * held && j >= 3 * held {
+                let at = (i - 3 * held, j - 3 * held);
+                k.push((at.0, at.1, k_e[a][b]));
+                if a % 3 == b % 3 {
+                    m.push((at.0, at.1, m_e[a / 3][b / 3]));
+                }
+            }
+        }
+    }
+    let kinds = [DofKind::X, DofKind::Y, DofKind::Z];
+    let place = |i: usize| {
+        let node = i / 3 + held;
+        [node / (ny * nz), node / nz % ny, node % nz].map(|index| index as f64 * STEEL.3)
+    };
+    let dofs: Vec<Dof> =
+        (0..n).map(|i| Dof { node: i / 3 + held, position: place(i)[0], kind: kinds[i % 3] }).collect();
+    let index = DofIndex::new(&dofs);
+    let top = |c: usize| {
+        let free = (nx - 1) * ny;
+        let at = free - 1 - c * free / contacts.max(1) % free;
+        node(1 + at / ny, at % ny, nz - 1)
+    };
+    let contacts: Result<Vec<_>, _> =
+        (0..contacts).map(|c| Contact::point(&index, top(c), [0.0, 0.0, 1.0], 1e-3)).collect();
+    let matrix = |entries: &[Triplet]| -> Result<SparseMatrix, Failure> { Ok(sparse_from_triplets(n, n, entries)?) };
+    let (mass, stiffness) = (matrix(&m)?, matrix(&k)?);
+    Ok(StructuralModel::new(mass, stiffness, dofs, contacts?)?.with_places((0..n).map(place).collect())?)
+}
+
+/// Stiffness (24 × 24) and mass of one direction (8 × 8) of a cube with linear displacements, by 2 × 2 × 2 Gauss points; corner `c` has its bits as
+/// X, Y, Z.
+fn brick() -> (Vec<[f64; 24]>, [[f64; 8]; 8]) {
+    let (e, nu, rho, h) = STEEL;
+    let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+    let sign = |c: usize, axis: usize| if (c >> (2 - axis)) & 1 == 1 { 1.0 } else { -1.0 };
+    let (mut k, mut m) = (vec![[0.0; 24]; 24], [[0.0; 8]; 8]);
+    let volume = (h / 2.0).powi(3);
+    for point in 0..8 {
+        let x: [f64; 3] = std::array::from_fn(|axis| sign(point, axis) / 3f64.sqrt());
+        let factor = |c: usize, axis: usize| 0.5 * (1.0 + sign(c, axis) * x[axis]);
+        let shape = |c: usize| (0..3).map(|axis| factor(c, axis)).product::<f64>();
+        let slope =
+            |c: usize, of: usize| (0..3).map(|a| if a == of { sign(c, a) / h } else { factor(c, a) }).product::<f64>();
+        for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
+            m[a][b] += rho * volume * shape(a) * shape(b);
+            let both: f64 = (0..3).map(|i| slope(a, i) * slope(b, i)).sum();
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                let shear = mu * (slope(a, j) * slope(b, i) + if i == j { both } else { 0.0 });
+                k[3 * a + i][3 * b + j] += volume * (lambda * slope(a, i) * slope(b, j) + shear);
+            }
+        }
+    }
+    (k, m)
+}

@@ -1,0 +1,137 @@
+use nlmodes_contact::{LcpMatrix, LcpSolver};
+use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
+
+use crate::{ModalLoad, OpenModes, ReductionError};
+
+/// A structure at rest against its stops, pressed by interference or by static loads.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct RestState {
+    /// Modal coordinates, m.
+    pub eta: Vec<f64>,
+    /// Contact forces `λ ≥ 0`, c, N.
+    pub forces: Vec<f64>,
+    /// Gaps `g + C λ ≥ 0`, c, m: zero where a contact is closed.
+    pub gaps: Vec<f64>,
+    /// The closed contacts; of redundant ones those that carry the force.
+    pub closed: Vec<bool>,
+}
+
+/// Linear modes of the structure with some of its contacts closed, in the coordinates of the open modes.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ClosedModes {
+    /// Squared angular frequencies, ascending, rad²/s².
+    pub omega_squared: Vec<f64>,
+    /// Orthonormal columns `η`, m × m.
+    pub eta: Mat<f64>,
+}
+
+impl OpenModes {
+    /// Whether the structure floats: rigid-body motions are among its modes.
+    pub fn floats(&self) -> bool {
+        self.residual.shift > 0.0
+    }
+
+    /// Where the structure rests under the static loads `preload`: one contact problem with the whole flexibility,
+    ///
+    /// ```text
+    /// F = A + Y Ω⁻² Yᵀ ,   0 ≤ λ ⊥ (F + C) λ + g₀ + Σ (a + Y Ω⁻² p) ≥ 0
+    /// ```
+    ///
+    /// A structure that floats rests where it is, if no contact interferes and nothing loads it.
+    ///
+    /// # Errors
+    /// [`ReductionError::FloatingRest`] for one that floats otherwise; [`ReductionError::Rest`] if the contact problem cannot be solved.
+    pub fn rest(&self, preload: &[&ModalLoad], solver: &dyn LcpSolver) -> Result<RestState, ReductionError> {
+        let (c, m) = (self.n_contacts(), self.n_modes());
+        let is_loaded = preload.iter().any(|load| load.modal.iter().chain(&load.gaps).any(|v| *v != 0.0));
+        if !is_loaded && self.gaps().iter().all(|g| *g > 0.0) {
+            let (eta, forces, closed) = (vec![0.0; m], vec![0.0; c], vec![false; c]);
+            return Ok(RestState { eta, forces, gaps: self.gaps().to_vec(), closed });
+        }
+        if self.floats() {
+            return Err(ReductionError::FloatingRest);
+        }
+        let y = self.contact_rows();
+        let mut eta: Vec<f64> = (0..m).map(|r| preload.iter().map(|l| l.modal[r]).sum::<f64>()).collect();
+        eta.iter_mut().zip(self.omega_squared()).for_each(|(eta, w)| *eta /= w);
+        let modal = |i: usize, eta: &[f64]| eta.iter().enumerate().map(|(r, e)| y[(i, r)] * e).sum::<f64>();
+        let free: Vec<f64> =
+            (0..c).map(|i| self.gaps()[i] + preload.iter().map(|l| l.gaps[i]).sum::<f64>() + modal(i, &eta)).collect();
+        let matrix = LcpMatrix::new(&self.static_flexibility()).map_err(ReductionError::Rest)?;
+        let (mut closed, mut forces, mut gaps) = (vec![false; c], vec![0.0; c], vec![0.0; c]);
+        let mut workspace = solver.workspace(&matrix).map_err(ReductionError::Rest)?;
+        workspace.solve(&free, &mut closed, &mut forces).map_err(ReductionError::Rest)?;
+        workspace.gaps(&mut gaps).map_err(ReductionError::Rest)?;
+        for (r, eta) in eta.iter_mut().enumerate() {
+            let pressed: f64 = forces.iter().enumerate().map(|(i, l)| y[(i, r)] * l).sum();
+            *eta += pressed / self.omega_squared()[r];
+        }
+        Ok(RestState { eta, forces, gaps, closed })
+    }
+
+    /// Linear modes with the contacts of `closed` (c) kept closed, on their springs where the stops have some:
+    ///
+    /// ```text
+    /// [Ω² + Y_Sᵀ (A + C)_SS⁻¹ Y_S] η = ω² η
+    /// ```
+    ///
+    /// The structure with its open modes truncated answers stiffly beyond them: the frequencies are too high, and fall with m.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`]; [`ReductionError::Linalg`] if the flexibility of the closed contacts is singular: they share a
+    /// direction, or nothing without mass is left that could be pressed.
+    pub fn closed_modes(&self, closed: &[bool]) -> Result<ClosedModes, ReductionError> {
+        let (expected, found) = (self.n_contacts(), closed.len());
+        if expected != found {
+            return Err(ReductionError::Dimension { what: "list of closed contacts", expected, found });
+        }
+        let set: Vec<usize> = (0..expected).filter(|&i| closed[i]).collect();
+        let (y, m) = (self.contact_rows(), self.n_modes());
+        let compliance = |i: usize| self.flexibility()[(i, i)] + self.stop_compliance()[i];
+        let block = Mat::from_fn(set.len(), set.len(), |a, b| {
+            let (i, j) = (set[a], set[b]);
+            if i == j { compliance(i) } else { self.flexibility()[(i, j)] }
+        });
+        let failed = ReductionError::during("flexibility of the closed contacts");
+        let lu = DenseLu::factor(&block).map_err(failed)?;
+        let mut stiffness = Mat::from_fn(m, m, |r, s| if r == s { self.omega_squared()[r] } else { 0.0 });
+        let mut force = vec![0.0; set.len()];
+        for s in 0..m {
+            (0..set.len()).for_each(|a| force[a] = y[(set[a], s)]);
+            lu.solve_in_place(&mut force);
+            for r in 0..m {
+                stiffness[(r, s)] += set.iter().zip(&force).map(|(&i, f)| y[(i, r)] * f).sum::<f64>();
+            }
+        }
+        let symmetric = Mat::from_fn(m, m, |r, s| 0.5 * (stiffness[(r, s)] + stiffness[(s, r)]));
+        let (values, eta) =
+            symmetric_eigen(&symmetric).map_err(ReductionError::during("modes with closed contacts"))?;
+        Ok(ClosedModes { omega_squared: values.iter().map(|v| v.max(0.0)).collect(), eta })
+    }
+
+    /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed` closed: the relative change from m/2 to
+    /// m modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
+    ///
+    /// # Errors
+    /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do not reach `mode`.
+    pub fn truncation_error(&self, closed: &[bool], mode: usize) -> Result<f64, ReductionError> {
+        let frequency = |open: &Self| {
+            let modes = open.closed_modes(closed)?;
+            modes.omega_squared.get(mode).map(|w| w.sqrt()).ok_or(ReductionError::NoMode { wanted: mode + 1 })
+        };
+        let (half, whole) = (frequency(&self.truncated(self.n_modes() / 2)?)?, frequency(self)?);
+        Ok((half / whole - 1.0).abs())
+    }
+
+    /// `F + C = A + Y Ω⁻² Yᵀ + C`, of a structure that does not float.
+    fn static_flexibility(&self) -> Mat<f64> {
+        let (c, y) = (self.n_contacts(), self.contact_rows());
+        Mat::from_fn(c, c, |i, j| {
+            let modes = self.omega_squared().iter().enumerate();
+            let modal: f64 = modes.map(|(r, w)| y[(i, r)] * y[(j, r)] / w).sum();
+            self.flexibility()[(i, j)] + modal + if i == j { self.stop_compliance()[i] } else { 0.0 }
+        })
+    }
+}

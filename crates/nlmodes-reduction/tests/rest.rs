@@ -1,0 +1,120 @@
+//! Rest under interference and preload, and linear modes with closed contacts.
+
+use nlmodes_contact::solver_by_name;
+use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel, held_modes, linear_modes};
+use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
+
+const ELEMENTS: usize = 24;
+
+/// A rod of EA = 3 and mass per length 5 on a length of 2, in units of `metre` and `kilogram`; stops at its tip and middle with these gaps.
+fn rod(start: Support, gaps: [f64; 2], spring: Option<f64>, metre: f64, kilogram: f64) -> StructuralModel {
+    let rod = Rod {
+        material: Material::new(3.0 * metre / kilogram, 5.0 * metre.powi(3) / kilogram).unwrap(),
+        area: 1.0 / metre.powi(2),
+        mesh: Mesh::uniform(2.0 / metre, ELEMENTS).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start,
+        end: Support::Free,
+    };
+    let at = |x: f64, gap: f64| {
+        let stop = Stop::rigid(x / metre, Direction::Axial, Side::Positive, gap / metre);
+        // N/m is kg/s².
+        spring.map_or(stop, |k| stop.on_spring(k / kilogram))
+    };
+    rod.assemble(&[at(2.0, gaps[0]), at(1.0, gaps[1])]).unwrap()
+}
+
+fn open(model: &StructuralModel, modes: usize) -> OpenModes {
+    OpenModes::of_model(model, ModeCount::Lowest(modes)).unwrap()
+}
+
+#[test]
+fn interference_presses_with_the_stiffness_of_the_structure() {
+    let solver = solver_by_name("active-set").unwrap();
+    for (metre, kilogram) in [(1.0, 1.0), (1e-3, 1e3)] {
+        for modes in [1, 4, 11] {
+            // The tip is pushed back by 0.1 against EA/L = 1.5; the middle follows by half of it and stays open.
+            let pressed = open(&rod(Support::Clamped, [-0.1, 1.0], None, metre, kilogram), modes);
+            let rest = pressed.rest(&[], solver.as_ref()).unwrap();
+            assert_eq!(rest.closed, [true, false]);
+            let newton = kilogram * metre;
+            assert!((rest.forces[0] * newton - 0.15).abs() < 1e-11, "{}", rest.forces[0] * newton);
+            assert!(rest.gaps[0].abs() < 1e-12 / metre && (rest.gaps[1] * metre - 1.05).abs() < 1e-11);
+            // On a spring of the same stiffness half the force.
+            let soft = open(&rod(Support::Clamped, [-0.1, 1.0], Some(1.5), metre, kilogram), modes);
+            let rest = soft.rest(&[], solver.as_ref()).unwrap();
+            assert!((rest.forces[0] * newton - 0.075).abs() < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn a_preload_closes_the_contact_that_it_pushes_against() {
+    let solver = solver_by_name("active-set").unwrap();
+    let free = open(&rod(Support::Clamped, [0.1, 1.0], None, 1.0, 1.0), 5);
+    assert_eq!(free.rest(&[], solver.as_ref()).unwrap().closed, [false, false]);
+    // P = 0.6 at the middle moves everything beyond by P/(EA/1) = 0.2: the tip is stopped at 0.1, which takes λ = 0.1·EA/L.
+    let mut force = vec![0.0; ELEMENTS];
+    force[ELEMENTS / 2 - 1] = 0.6;
+    let load = free.load(&force).unwrap();
+    let rest = free.rest(&[&load], solver.as_ref()).unwrap();
+    assert_eq!(rest.closed, [true, false]);
+    assert!((rest.forces[0] - 0.15).abs() < 1e-11, "{rest:?}");
+    let rows = free.rows_of_dofs(&[ELEMENTS / 2 - 1, ELEMENTS - 1]).unwrap();
+    let moved = |row: usize, dof: usize| rows.value(row, &rest.eta, &rest.forces) + load.residual[dof];
+    assert!((moved(1, ELEMENTS - 1) - 0.1).abs() < 1e-12);
+    assert!((moved(0, ELEMENTS / 2 - 1) - (0.2 - 0.15 / 3.0)).abs() < 1e-12);
+}
+
+#[test]
+fn closed_contacts_give_the_modes_of_the_held_structure() {
+    for (metre, kilogram) in [(1.0, 1.0), (1e-3, 1e3)] {
+        let model = rod(Support::Clamped, [0.0, 0.0], None, metre, kilogram);
+        let massless = MasslessContactModel::new(&model, &Drop).unwrap();
+        let all = OpenModes::of_massless(&massless, ModeCount::Lowest(ELEMENTS)).unwrap();
+        let closed = all.closed_modes(&[true, true]).unwrap();
+        let held = held_modes(&massless, ELEMENTS).unwrap();
+        for (found, expected) in closed.omega_squared.iter().zip(&held.omega) {
+            assert!((found.sqrt() / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
+    }
+    // On springs: those of the structure with the springs in its stiffness, with mass everywhere, as modes are added.
+    let model = rod(Support::Clamped, [0.0, 0.0], Some(2.0), 1.0, 1.0);
+    let springs = [(ELEMENTS - 1, ELEMENTS - 1, 2.0), (ELEMENTS / 2 - 1, ELEMENTS / 2 - 1, 2.0)];
+    let springs = nlmodes_linalg::sparse_from_triplets(ELEMENTS, ELEMENTS, &springs).unwrap();
+    let k = nlmodes_linalg::add_scaled(model.stiffness(), 1.0, &springs).unwrap();
+    let exact = linear_modes(model.mass(), &k, 1).unwrap().omega[0];
+    let error = |m| open(&model, m).closed_modes(&[true, true]).unwrap().omega_squared[0].sqrt() / exact - 1.0;
+    assert!(error(3) > error(6) && error(6) > 4.0 * error(12) && error(12) > -1e-12, "{} {}", error(6), error(12));
+    assert!(error(12) < 1e-4);
+}
+
+#[test]
+fn the_estimate_of_the_truncation_bounds_its_error() {
+    let model = rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0);
+    // Held at tip and middle: the halves of length 1, the element matrices of which have this exact solution.
+    let theta = std::f64::consts::PI / (ELEMENTS / 2) as f64;
+    let h = 2.0 / ELEMENTS as f64;
+    let exact = (6.0 * 0.6 / (h * h) * (1.0 - theta.cos()) / (2.0 + theta.cos())).sqrt();
+    for m in [6, 10, 16] {
+        let open = open(&model, m);
+        let frequency = open.closed_modes(&[true, true]).unwrap().omega_squared[0].sqrt();
+        let (error, estimate) = ((frequency / exact - 1.0).abs(), open.truncation_error(&[true, true], 0).unwrap());
+        assert!(error < estimate && estimate < 60.0 * error + 1e-9, "{m}: {error:e} {estimate:e}");
+    }
+}
+
+#[test]
+fn a_floating_structure_rests_only_where_nothing_presses() {
+    let solver = solver_by_name("active-set").unwrap();
+    let apart = open(&rod(Support::Free, [0.1, 0.2], None, 1.0, 1.0), 6);
+    assert!(apart.floats());
+    assert_eq!(apart.rest(&[], solver.as_ref()).unwrap().closed, [false, false]);
+    let pressed = open(&rod(Support::Free, [-0.1, 0.2], None, 1.0, 1.0), 6);
+    assert_eq!(pressed.rest(&[], solver.as_ref()).unwrap_err(), ReductionError::FloatingRest);
+    // Its tip held, it is a rod held at one end: the rigid motion is gone.
+    let closed = apart.closed_modes(&[true, false]).unwrap();
+    assert!(closed.omega_squared[0].sqrt() > 0.5);
+    assert!(matches!(apart.closed_modes(&[true]).unwrap_err(), ReductionError::Dimension { .. }));
+}
