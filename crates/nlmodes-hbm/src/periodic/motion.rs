@@ -38,6 +38,8 @@ pub struct PeriodicMotion {
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
     pub kinetic_energy: f64,
+    /// Mean of kinetic and strain energy, J, with that of the residual flexibility and of the stops; without the work of contact-free static loads.
+    pub total_energy: f64,
     /// Mean power that the load puts in, W.
     pub input_power: f64,
     /// Mean power that the damping of the structure takes out, W.
@@ -83,10 +85,20 @@ impl PeriodicSystem {
             let gaps = (0..c).map(|i| (self.load.gap(n, i, at).value, forces[n][i]));
             0.5 * nu(n) * modal.chain(gaps).map(|(load, z)| (load * (Complex64::I * z).conj()).re).sum::<f64>()
         };
+        // ½⟨ηᵀ Ω² η⟩, and ½⟨λᵀ (A + C) λ⟩ = −½⟨λᵀ y⟩ by complementarity.
+        let mean_share = |n: usize| if n == 0 { 0.5 } else { 0.25 };
+        let strain = |n: usize| -> f64 {
+            let modal = eta[n].iter().zip(self.structure.omega_squared()).map(|(e, w)| w * e.norm_sqr()).sum::<f64>();
+            let y = complex_harmonic(series, &self.y, n);
+            let contact: f64 = forces[n].iter().zip(&y).map(|(f, y)| (f * y.conj()).re).sum();
+            mean_share(n) * (modal - contact)
+        };
+        let strain: f64 = (0..eta.len()).map(strain).sum();
         let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
         Ok(PeriodicMotion {
             at,
             contacts,
+            total_energy: sum(&kinetic) + strain,
             kinetic_energy: sum(&kinetic),
             input_power: sum(&power),
             dissipated_power: sum(&damped),
