@@ -6,11 +6,12 @@ pub mod corpus;
 pub mod mutation;
 mod readers;
 mod resumed;
+mod structures;
 
 pub use readers::{Reader, Scratch, Target, target};
 
 /// Names of all targets.
-pub const TARGETS: [&str; 11] = [
+pub const TARGETS: [&str; 22] = [
     "scene",
     "record-scene",
     "test-scene",
@@ -22,4 +23,15 @@ pub const TARGETS: [&str; 11] = [
     "results",
     "resumed-run",
     "resumed-steps",
+    "sti",
+    "matrix-market",
+    "abaqus",
+    "npz",
+    "mat5",
+    "mat73",
+    "hb",
+    "pch",
+    "labels",
+    "inp",
+    "msh",
 ];

@@ -8,8 +8,8 @@ use nlmodes_experiment::records::{
 use nlmodes_run::readers;
 use nlmodes_scene as config;
 
-use crate::corpus;
 use crate::resumed::Runs;
+use crate::{corpus, structures};
 
 /// A function of bytes.
 pub type Reader = Box<dyn Fn(&[u8]) + Send + Sync>;
@@ -50,13 +50,21 @@ pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
             let corpus = runs.steps();
             (runs.steps_reader(), corpus)
         }
-        _ => return Ok(None),
+        _ => match structures::corpus(name) {
+            Some(corpus) => {
+                let target = name.to_owned();
+                let read: Reader = Box::new(move |bytes: &[u8]| structures::read(&target, &directory, bytes));
+                (read, corpus)
+            }
+            None => return Ok(None),
+        },
     };
     let words = match name {
         "scene" | "record-scene" | "test-scene" => corpus::TOML_WORDS,
         "csv" | "uff" => corpus::TEXT_WORDS,
         "results" => corpus::JSON_WORDS,
         "resumed-run" | "resumed-steps" => corpus::STEP_WORDS,
+        name if structures::TARGETS.contains(&name) => structures::WORDS,
         _ => corpus::BINARY_WORDS,
     };
     Ok(Some(Target { read, corpus, words }))

@@ -10,8 +10,9 @@ pub(crate) enum Triangles {
     Both,
 }
 
-/// Entries of one block: what is taken at a time while they are read, and given back at a time while they are sorted.
-const BLOCK: usize = 1 << 16;
+/// Entries of one block: what is taken at a time while they are read, and given back at a time while they are sorted. 32 MiB, from where on
+/// allocators give memory back to the system at once.
+const BLOCK: usize = 1 << 21;
 /// Marks an entry that came from above the diagonal.
 const UPPER: usize = 1 << 31;
 
