@@ -11,8 +11,10 @@
 //!
 //! [`extract`] does all of it.
 
+mod balance;
 mod blocks;
 mod clipping;
+mod consensus;
 mod contact;
 mod drift;
 mod error;
@@ -22,11 +24,15 @@ mod finding;
 mod frequency;
 mod guess;
 mod harmonic_fit;
+mod judgement;
 mod layout;
 mod measured;
 mod power;
+mod quadrature;
 mod quality;
+mod repeated;
 mod result;
+mod scale;
 mod settings;
 mod skew;
 mod window;

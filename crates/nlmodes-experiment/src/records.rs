@@ -23,6 +23,7 @@ mod quantity;
 mod record;
 mod sample_rate;
 mod table;
+mod time_axis;
 mod uff;
 mod wav;
 

@@ -90,9 +90,8 @@ fn an_aperiodic_part_is_found_with_size_and_frequency() {
 fn too_short_a_record_is_refused_or_said() {
     let record = |periods: f64| Motion::example(omega(), 12).record(RATE, (periods * 500.0) as usize, 1e-4, 3);
     let error = extract(&record(1.5), &ExtractionSettings { omega: Some(omega()), ..settings() }).unwrap_err();
-    let ExtractionError::Refused { finding: Finding::TooShort { periods, wanted: 2 }, .. } = error else {
-        panic!("{error}")
-    };
+    let ExtractionError::Refused { finding, .. } = error else { panic!("{error}") };
+    let Finding::TooShort { periods, wanted: 2 } = *finding else { panic!("{finding}") };
     assert!((periods - 1.5).abs() < 0.01);
     let wanted = ExtractionSettings { periods: Some(20), ..settings() };
     let Finding::TooShort { periods, wanted } = only(&record(7.5), &wanted, "too-short") else { unreachable!() };

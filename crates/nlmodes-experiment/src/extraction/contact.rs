@@ -4,12 +4,21 @@ use nlmodes_modal::{ContactStiffness, Restitution, TimeHistory, contact_interval
 use num_complex::Complex64;
 
 use crate::extraction::layout::{Layout, Place, displacement, find, member};
+use crate::extraction::repeated::rate_deviation;
 use crate::extraction::window::Window;
 use crate::extraction::{ContactFigures, Finding, HarmonicFit, Measured, Stop};
 use crate::records::{Quantity, Record};
 
 /// Standard deviations of the noise from which on a force is one.
 const DETECTED: f64 = 6.0;
+/// How much further a force must reach on the side on which a stop would pull.
+const PULLS: f64 = 5.0;
+/// Standard deviations of the noise within which a force rests.
+const RESTING: f64 = 4.0;
+/// Share of the time that it must rest to have a level at which it does.
+const OFTEN: f64 = 0.3;
+/// Share of its peak from which on such a level is told.
+const OFFSET: f64 = 0.02;
 
 /// What the contact is evaluated from.
 #[derive(Debug)]
@@ -28,6 +37,7 @@ impl Evidence<'_> {
     pub fn figures(&self, stop: Option<&Stop>, findings: &mut Vec<Finding>) -> Option<ContactFigures> {
         let channel = self.layout.contact?;
         let force = self.shifted(channel);
+        self.sound(&force, channel, findings);
         let history = stop.and_then(|stop| self.history(&force, stop, findings));
         let intervals = history.as_ref().and_then(|history| contact_intervals(history).ok()).unwrap_or_default();
         let closed = intervals.iter().fold(0.0, |sum, interval| sum + interval.leaving - interval.touching);
@@ -36,9 +46,44 @@ impl Evidence<'_> {
             closed_fraction: closed / (self.window.n_samples as f64 / self.record.sample_rate),
             intervals_per_period: intervals.len() as f64 / self.window.periods as f64,
             restitution: history.as_ref().and_then(|history| Restitution::of(history).ok()),
-            stiffness: history.as_ref().and_then(|history| ContactStiffness::of(history).ok()),
+            stiffness: history.as_ref().and_then(|history| self.stiffness(history, stop?.position)),
             history,
         })
+    }
+
+    /// Reports a force whose peaks pull: its channel is reversed; or which does not rest at zero between them.
+    fn sound(&self, force: &[f64], channel: usize, findings: &mut Vec<Finding>) {
+        let mut sorted = force.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let [Some(low), Some(high)] = [sorted.first(), sorted.last()] else { return };
+        let (rest, noise) = (sorted[sorted.len() / 2], noise_level(force));
+        let channel = || self.record.channels[channel].name.clone();
+        let width = (RESTING * noise).max(1e-3 * (high - low));
+        let near = |level: f64| force.iter().filter(move |x| (**x - level).abs() <= width);
+        let often = near(rest).count() as f64 > OFTEN * force.len() as f64;
+        if often && rest.abs() > width.max(OFFSET * (high - rest).max(rest - low)) {
+            findings.push(Finding::Offset { channel: channel(), offset: rest, peak: *high });
+        }
+        if rest - low > (DETECTED * noise).max(PULLS * (high - rest)) {
+            findings.push(Finding::ReversedChannel {
+                channel: channel(),
+                against: "a stop, which cannot pull".into(),
+                alternatives: vec![],
+            });
+        }
+    }
+
+    /// The contact stiffness; a displacement that is integrated depends on the sampling rate, which is in its error.
+    fn stiffness(&self, history: &TimeHistory, position: f64) -> Option<ContactStiffness> {
+        let mut stiffness = ContactStiffness::of(history).ok()?;
+        let place = &self.layout.places[find(&self.layout.places, position)?];
+        if place.members.iter().all(|(_, order)| *order > 0) {
+            let size = |omega: f64| displacement(place, self.coefficients, self.noise, omega, 1).norm();
+            let omega = self.window.omega;
+            let change = size(omega * (1.0 + rate_deviation(self.record.rate_error))) / size(omega) - 1.0;
+            stiffness.stiffness_error = stiffness.stiffness_error.hypot(stiffness.stiffness * change);
+        }
+        Some(stiffness)
     }
 
     /// Mean of the largest forces of the single periods; zero, with the noise as its error, where no force rises above the noise.

@@ -7,6 +7,8 @@ use crate::extraction::{Finding, Tolerances};
 
 /// Standard errors that a drift must exceed to be told.
 const SIGNIFICANT: f64 = 5.0;
+/// Share of the force's power from which on that of growth or decay is told.
+const SMALL: f64 = 0.1;
 
 /// Fundamental of the reference over the blocks.
 #[derive(Debug, Clone)]
@@ -18,6 +20,8 @@ pub struct Drift {
     pub omega_change: (f64, f64),
     /// Change of the amplitude over the window, relative, with its standard error.
     pub amplitude_change: (f64, f64),
+    /// Rate at which the amplitude grows, 1/s, with its standard error.
+    pub growth: (f64, f64),
 }
 
 impl Drift {
@@ -35,10 +39,13 @@ impl Drift {
         let mean = centres.iter().map(|t| (t / half).powi(2)).sum::<f64>() / centres.len() as f64;
         let bend = fit(centres, &phases, |t| (t / half).powi(2) - mean);
         let slope = fit(centres, &sizes, |t| t / half);
+        let logarithms: Vec<f64> = sizes.iter().map(|size| size.ln()).collect();
+        let growth = fit(centres, &logarithms, |t| t / half);
         Self {
             omega_error: line.1 / half,
             omega_change: (4.0 * bend.0 / half, 4.0 * bend.1 / half),
             amplitude_change: (2.0 * slope.0, 2.0 * slope.1),
+            growth: (growth.0 / half, growth.1 / half),
         }
     }
 
@@ -49,9 +56,26 @@ impl Drift {
             let change_hz = change / std::f64::consts::TAU;
             findings.push(Finding::FrequencyDrift { change_hz, relative: change / omega });
         }
+        if self.amplitude_drifts(tolerances) {
+            findings.push(Finding::AmplitudeDrift { relative: self.amplitude_change.0 });
+        }
+    }
+
+    fn amplitude_drifts(&self, tolerances: &Tolerances) -> bool {
         let (relative, error) = self.amplitude_change;
-        if relative.abs() > tolerances.amplitude_drift.max(SIGNIFICANT * error) {
-            findings.push(Finding::AmplitudeDrift { relative });
+        relative.abs() > tolerances.amplitude_drift.max(SIGNIFICANT * error)
+    }
+
+    /// Reports a vibration whose own energy is not small against what the force brings in: `damping` is what its power gives, eq. (28).
+    pub fn transient(&self, omega: f64, damping: Option<f64>, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
+        let (rate, error) = self.growth;
+        let own = rate.abs() / omega;
+        if self.amplitude_drifts(tolerances) && damping.is_none_or(|damping| own > SMALL * damping.abs()) {
+            findings.push(Finding::Transient {
+                damping: -rate / omega,
+                uncertainty: error / omega,
+                from_force: damping,
+            });
         }
     }
 }

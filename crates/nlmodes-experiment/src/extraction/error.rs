@@ -11,7 +11,7 @@ pub enum ExtractionError {
     #[error("{}: {finding}", finding.name())]
     Refused {
         /// What stands in the way.
-        finding: Finding,
+        finding: Box<Finding>,
         /// What was found beside it.
         others: Vec<Finding>,
     },
@@ -52,7 +52,7 @@ impl ExtractionError {
     /// Short names of what was found, the one that stands in the way first, separated by spaces.
     pub fn names(&self) -> String {
         match self {
-            Self::Refused { finding, others } => Finding::names(std::iter::once(finding).chain(others)),
+            Self::Refused { finding, others } => Finding::names(std::iter::once(&**finding).chain(others)),
             Self::NoFrequency { .. } => "no-frequency".into(),
             Self::Harmonics { .. } => "harmonics-not-told-apart".into(),
             Self::Setting { .. } => "setting".into(),

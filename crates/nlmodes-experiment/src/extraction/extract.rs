@@ -3,13 +3,14 @@ use num_complex::Complex64;
 use crate::extraction::blocks::{Blocks, take_out_delay};
 use crate::extraction::contact::Evidence;
 use crate::extraction::drift::Drift;
-use crate::extraction::figures::{Figures, Method};
+use crate::extraction::figures::Method;
+use crate::extraction::judgement::Judgement;
 use crate::extraction::layout::{Layout, Place, modes_at};
-use crate::extraction::skew::Comparison;
+use crate::extraction::repeated::{Repeated, rate_deviation};
 use crate::extraction::window::Window;
 use crate::extraction::{
-    ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, ModalFigures,
-    RecordExtraction, clipping, quality, window,
+    ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, RecordExtraction, clipping,
+    quality, window,
 };
 use crate::records::Record;
 
@@ -26,7 +27,7 @@ const SIGNIFICANT: f64 = 5.0;
 /// Frequency: from the excitation phase where there is such a channel, else from the record itself. Fourier coefficients: least squares on
 /// all harmonics over a whole number of periods at the end of the record, velocity and acceleration integrated in the frequency domain.
 /// Modal amplitude, shape, participation and damping: eqs. (20)-(22), (28), (30), normalised by mass through the linear modes. Power:
-/// eqs. (17)-(19). Every figure has the standard error of the mean of its values in single periods.
+/// eqs. (17)-(19). Every figure has the standard error of the mean of its values in single periods, with what the sampling rate leaves open.
 ///
 /// # Errors
 /// [`ExtractionError`] if no frequency is found, or with the finding that stands in the way. What does not is in the result.
@@ -37,6 +38,7 @@ pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordE
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
     quality::roles(&layout, settings.stop.is_some(), &mut findings);
+    quality::unused(record, &layout, &usable, &mut findings);
     let window = window::choose(record, &layout, settings, &mut findings)?;
     let analysis = Analysis { record, settings, layout, window };
     analysis.run(findings)
@@ -74,7 +76,7 @@ struct Analysis<'a> {
 }
 
 impl Analysis<'_> {
-    fn run(self, mut findings: Vec<Finding>) -> Result<RecordExtraction, ExtractionError> {
+    fn run(mut self, mut findings: Vec<Finding>) -> Result<RecordExtraction, ExtractionError> {
         let (harmonics, power_harmonics, fitted) = self.harmonics(&mut findings);
         let record_omega = self.window.omega;
         let omega = self.window.from_phase.map_or(record_omega, |phase| phase.value);
@@ -82,7 +84,10 @@ impl Analysis<'_> {
         let blocks = self.blocks(&fit, omega);
         self.clipping(&mut findings);
         self.aperiodic(&blocks, &mut findings);
-        let omega = self.frequency(&blocks, omega, record_omega, &mut findings);
+        quality::sample_rate(self.record, &self.settings.tolerances, &mut findings);
+        quality::silent(self.record, &mut self.layout, &blocks, (omega, self.window.n_samples), &mut findings);
+        let drift = self.drift(&blocks, omega, &mut findings);
+        let omega = self.frequency(&drift, omega, record_omega, &mut findings);
         let (modes, shape_places) = self.modes(&mut findings)?;
         let method = Method {
             layout: &self.layout,
@@ -94,9 +99,7 @@ impl Analysis<'_> {
             harmonics,
             power_harmonics,
         };
-        let all = method.figures(&blocks.all)?;
-        let single = blocks.single.iter().map(|q| method.figures(q)).collect::<Result<Vec<_>, _>>()?;
-        self.skew(&method, &blocks, &mut findings);
+        let repeated = Repeated::new(&method, &blocks.all, &blocks.single, self.record.rate_error)?;
         let window = Window { omega: omega.value, ..self.window };
         let evidence = Evidence {
             record: self.record,
@@ -107,7 +110,28 @@ impl Analysis<'_> {
             noise: &blocks.noise,
         };
         let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
-        let excitation = excitation(&all, &single);
+        let (excitation, modal) = (repeated.excitation(), repeated.modal(method.modes.as_ref(), omega.value));
+        let judgement = Judgement {
+            record: self.record,
+            settings: self.settings,
+            layout: &self.layout,
+            window: &window,
+            method: &method,
+            blocks: &blocks,
+            figures: &repeated.all,
+        };
+        let damping = modal.as_ref().and_then(|modal| Some(modal.damping?.value));
+        let before = findings.len();
+        drift.transient(omega.value, damping, &self.settings.tolerances, &mut findings);
+        let steady = findings.len() == before;
+        if judgement.responses(&mut findings) {
+            // A force is judged by a motion that is sound and steady.
+            if steady {
+                let power = excitation.as_ref().map(|excitation| excitation.fundamental_power);
+                judgement.forces(power, contact.as_ref(), &mut findings);
+            }
+            judgement.gap(contact.as_ref(), &mut findings);
+        }
         self.excitation_findings(excitation.as_ref(), &mut findings);
         Ok(RecordExtraction {
             record: self.record.name.clone(),
@@ -115,8 +139,8 @@ impl Analysis<'_> {
             periods: self.window.periods,
             harmonics,
             positions: method.shape_places.iter().filter_map(|place| place.position).collect(),
-            modal: modal(&method, &all, &single),
-            motion: all.motion,
+            modal,
+            motion: repeated.all.motion,
             excitation,
             contact,
             findings,
@@ -170,14 +194,20 @@ impl Analysis<'_> {
         }
     }
 
-    /// The frequency with its standard error; reports drifts, and a phase channel that runs at another frequency.
-    fn frequency(&self, blocks: &Blocks, omega: f64, record_omega: f64, findings: &mut Vec<Finding>) -> Measured {
-        let Some(reference) = self.layout.reference else { return Measured { value: omega, uncertainty: f64::NAN } };
-        let single: Vec<Complex64> = blocks.single.iter().map(|q| q[reference][1]).collect();
-        let drift = Drift::new(blocks.all[reference][1], &single, &blocks.centres);
+    /// The fundamental of the reference over the periods; reports where it drifts.
+    fn drift(&self, blocks: &Blocks, omega: f64, findings: &mut Vec<Finding>) -> Drift {
+        let of = |q: &[Vec<Complex64>]| self.layout.reference.map_or(Complex64::default(), |reference| q[reference][1]);
+        let single: Vec<Complex64> = blocks.single.iter().map(|q| of(q)).collect();
+        let drift = Drift::new(of(&blocks.all), &single, &blocks.centres);
         drift.report(omega, &self.settings.tolerances, findings);
+        drift
+    }
+
+    /// The frequency with its standard error; reports a phase channel that runs at another frequency.
+    fn frequency(&self, drift: &Drift, omega: f64, record_omega: f64, findings: &mut Vec<Finding>) -> Measured {
+        let rate = omega * rate_deviation(self.record.rate_error);
         let Some(phase) = self.window.from_phase else {
-            return Measured { value: omega, uncertainty: drift.omega_error };
+            return Measured { value: omega, uncertainty: drift.omega_error }.and(rate);
         };
         let error = drift.omega_error.hypot(phase.uncertainty);
         let limit = (self.settings.tolerances.frequency_drift * omega).max(SIGNIFICANT * error);
@@ -185,7 +215,7 @@ impl Analysis<'_> {
             let [phase_hz, record_hz] = [phase.value, record_omega].map(|omega| omega / std::f64::consts::TAU);
             findings.push(Finding::FrequencyDisagrees { phase_hz, record_hz });
         }
-        Measured { value: omega, uncertainty: phase.uncertainty }
+        Measured { value: omega, uncertainty: phase.uncertainty }.and(rate)
     }
 
     fn modes(
@@ -202,23 +232,6 @@ impl Analysis<'_> {
         }
     }
 
-    fn skew(&self, method: &Method<'_>, blocks: &Blocks, findings: &mut Vec<Finding>) {
-        let comparison = Comparison {
-            blocks,
-            names: self.record.channels.iter().map(|channel| channel.name.as_str()).collect(),
-            omega: method.omega,
-            sample_rate: self.record.sample_rate,
-            n_samples: self.window.n_samples,
-            tolerances: self.settings.tolerances,
-        };
-        let before = findings.len();
-        comparison.collocated(&self.layout.places, findings);
-        // A channel that disagrees with its neighbour spoils the comparison with the modes.
-        if let Some(modes) = method.modes.as_ref().filter(|_| findings.len() == before) {
-            comparison.against_modes(modes, &method.shape_places, findings);
-        }
-    }
-
     fn excitation_findings(&self, excitation: Option<&ExcitationFigures>, findings: &mut Vec<Finding>) {
         let Some(excitation) = excitation else { return };
         let tolerances = &self.settings.tolerances;
@@ -230,37 +243,4 @@ impl Analysis<'_> {
             findings.push(Finding::NotLocked { lag_deg, target_deg: RESONANCE_DEG });
         }
     }
-}
-
-/// A figure of all periods, with those of single ones.
-fn measured(all: &Figures, single: &[Figures], of: impl Fn(&Figures) -> Option<f64>) -> Option<Measured> {
-    let repeated: Vec<f64> = single.iter().filter_map(&of).collect();
-    Some(Measured::new(of(all)?, &repeated))
-}
-
-fn excitation(all: &Figures, single: &[Figures]) -> Option<ExcitationFigures> {
-    let lags: Vec<f64> = single.iter().filter_map(|figures| figures.lag).collect();
-    Some(ExcitationFigures {
-        power: all.power?,
-        fundamental_power: measured(all, single, |f| Some(f.power?.fundamental))?,
-        pbmif: measured(all, single, |f| Some(f.power?.indicator()))?,
-        force: measured(all, single, |f| f.force)?,
-        lag: Measured::angle(all.lag?, &lags),
-    })
-}
-
-fn modal(method: &Method<'_>, all: &Figures, single: &[Figures]) -> Option<ModalFigures> {
-    let (modal, modes) = (all.modal.as_ref()?, method.modes.as_ref()?);
-    let factor = |k: usize| measured(all, single, move |f| Some(f.modal.as_ref()?.participation.factors[k]));
-    let errors = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
-    Some(ModalFigures {
-        amplitude: measured(all, single, |f| Some(f.modal.as_ref()?.shape.modal_amplitude))?,
-        shape: modal.shape.clone(),
-        participation: modal.participation.clone(),
-        participation_uncertainty: errors.collect(),
-        damping: measured(all, single, |f| f.modal.as_ref()?.damping),
-        dissipation: nlmodes_modal::LinearDissipation::new(modes, &modal.coordinates, method.omega),
-        kinetic_energy: measured(all, single, |f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
-        harmonic_energy: modal.harmonic_energy.clone(),
-    })
 }

@@ -9,7 +9,7 @@ use crate::extraction::layout::{Layout, Place, displacement};
 use crate::extraction::{ExcitationPower, ExtractionError};
 
 /// What does not change from period to period.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Method<'a> {
     pub layout: &'a Layout,
     /// Places of the mode shape, in the order of the rows of the modes.

@@ -1,4 +1,4 @@
-use std::fmt;
+mod words;
 
 /// What a careful experimenter wants to be told about a record, with its number.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,6 +114,101 @@ pub enum Finding {
         /// From the record itself, Hz.
         record_hz: f64,
     },
+    /// The sampling rate is known to few digits.
+    SampleRateUncertain {
+        /// The rate, Hz.
+        rate_hz: f64,
+        /// Its largest relative error.
+        relative: f64,
+    },
+    /// A channel whose numbers are too large or too small by a factor against what they must agree with.
+    WrongScale {
+        /// Name of the channel.
+        channel: String,
+        /// Its values over those that are expected; negative if it is reversed too.
+        factor: f64,
+        /// Standard error of the factor.
+        uncertainty: f64,
+        /// What it was compared with.
+        against: String,
+        /// Its unit as declared.
+        declared: String,
+        /// The unit in which its numbers would fit.
+        likely: Option<&'static str>,
+        /// What explains it as well.
+        alternatives: Vec<String>,
+    },
+    /// A response of the wrong sign.
+    ReversedChannel {
+        /// Name of the channel.
+        channel: String,
+        /// What it was compared with.
+        against: String,
+        /// Channels whose reversal explains it as well.
+        alternatives: Vec<String>,
+    },
+    /// Two channels that fit in each other's place.
+    ExchangedChannels {
+        /// Their names.
+        channels: [String; 2],
+    },
+    /// The responses fit neither each other nor the linear modes, and no single cause explains it.
+    ShapeDisagrees {
+        /// Name of the channel that is furthest off.
+        channel: String,
+        /// Its fundamental over the expected one.
+        factor: f64,
+        /// Its phase against the expected one, degrees.
+        degrees: f64,
+        /// What it was compared with.
+        against: String,
+    },
+    /// The structure does not move in phase: more than one mode takes part in the fundamental.
+    Quadrature {
+        /// Name of the channel with the largest part in quadrature.
+        channel: String,
+        /// Its phase against the drive point, or against the motion of all, degrees.
+        degrees: f64,
+        /// Share of the fundamental that is in quadrature.
+        share: f64,
+    },
+    /// A channel that does not change, or holds nothing but noise at the frequency.
+    NoSignal {
+        /// Name of the channel.
+        channel: String,
+    },
+    /// The vibration grows or decays, and its own energy is not small against what the force brings in.
+    Transient {
+        /// Damping ratio that the decay alone has; negative for growth.
+        damping: f64,
+        /// Its standard error.
+        uncertainty: f64,
+        /// Damping coefficient from the power of the force, eq. (28), where there is a force.
+        from_force: Option<f64>,
+    },
+    /// A channel that is described, but not used, or not as described.
+    ChannelUnused {
+        /// Name of the channel.
+        channel: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// The record vibrates far from all linear modes.
+    FarFromModes {
+        /// Frequency of the record, Hz.
+        frequency_hz: f64,
+        /// That of the nearest linear mode, Hz.
+        nearest_hz: f64,
+    },
+    /// The force at the stop does not rest at zero.
+    Offset {
+        /// Name of the channel.
+        channel: String,
+        /// Where it rests, N.
+        offset: f64,
+        /// Its largest value, N.
+        peak: f64,
+    },
     /// A sensor at a place for which the linear modes have no row.
     PositionWithoutShape {
         /// Name of the channel.
@@ -133,95 +228,5 @@ impl Finding {
             }
         }
         names.join(" ")
-    }
-
-    /// Short name.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::TooShort { .. } => "too-short",
-            Self::FrequencyDrift { .. } => "frequency-drift",
-            Self::AmplitudeDrift { .. } => "amplitude-drift",
-            Self::Aperiodic { .. } => "aperiodic",
-            Self::Clipped { .. } => "clipped",
-            Self::ChannelMissing { .. } => "channel-missing",
-            Self::SamplingRatesDisagree { .. } => "sampling-rates-disagree",
-            Self::NotANumber { .. } => "not-a-number",
-            Self::Skew { .. } => "skew",
-            Self::FewerSensorsThanModes { .. } => "fewer-sensors-than-modes",
-            Self::AboveNyquist { .. } => "above-nyquist",
-            Self::ReversedForce { .. } => "reversed-force",
-            Self::NotLocked { .. } => "not-locked",
-            Self::FrequencyDisagrees { .. } => "frequency-disagrees",
-            Self::PositionWithoutShape { .. } => "position-without-shape",
-        }
-    }
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooShort { periods, wanted } => {
-                write!(f, "the record holds {periods:.2} periods, {wanted} are wanted")
-            }
-            Self::FrequencyDrift { change_hz, relative } => {
-                write!(f, "the frequency drifts by {change_hz:+.3e} Hz over the periods ({relative:+.2e} relative)")
-            }
-            Self::AmplitudeDrift { relative } => {
-                write!(f, "the amplitude of the fundamental drifts by {:+.3} % over the periods", 100.0 * relative)
-            }
-            Self::Aperiodic { channel, ratio, strongest_hz } => write!(
-                f,
-                "channel \"{channel}\": {:.2} % of its root mean square is not periodic, strongest at {strongest_hz:.2} Hz",
-                100.0 * ratio
-            ),
-            Self::Clipped { channel, samples, limit } => {
-                write!(f, "channel \"{channel}\": {samples} samples stay at the limit of {limit:.6e} (SI units)")
-            }
-            Self::ChannelMissing { channel, consequence } => {
-                write!(f, "channel \"{channel}\" is missing: {consequence}")
-            }
-            Self::SamplingRatesDisagree { declared, found } => {
-                write!(f, "the record has a sampling rate of {found} Hz, declared are {declared} Hz")
-            }
-            Self::NotANumber { channel, samples, first } => write!(
-                f,
-                "channel \"{channel}\": {samples} of its samples are no finite numbers, the first is sample {first}; it is left out"
-            ),
-            Self::Skew { channel, delay, uncertainty, samples, degrees, against } => write!(
-                f,
-                "channel \"{channel}\" is {:.1} µs ± {:.1} µs {} against {against}: {:.2} samples, {:.2}° of the fundamental",
-                1e6 * delay.abs(),
-                1e6 * uncertainty,
-                if *delay < 0.0 { "early" } else { "late" },
-                samples.abs(),
-                degrees.abs()
-            ),
-            Self::FewerSensorsThanModes { sensors, modes } => write!(
-                f,
-                "{modes} linear modes, but sensors at {sensors} positions only: the first {sensors} modes are used"
-            ),
-            Self::AboveNyquist { wanted, used } => {
-                write!(f, "{wanted} harmonics reach beyond half the sampling rate: {used} are used")
-            }
-            Self::ReversedForce { pbmif, harmonics } => write!(
-                f,
-                "the force takes power out (mode indicator {pbmif:.4} from {harmonics} harmonics): is its channel reversed?"
-            ),
-            Self::NotLocked { lag_deg, target_deg } => {
-                write!(
-                    f,
-                    "the displacement lags the force by {lag_deg:.3}°, not by the {target_deg}° of phase resonance"
-                )
-            }
-            Self::FrequencyDisagrees { phase_hz, record_hz } => {
-                write!(f, "the phase of the oscillator runs at {phase_hz:.6} Hz, the response at {record_hz:.6} Hz")
-            }
-            Self::PositionWithoutShape { channel, position } => {
-                write!(
-                    f,
-                    "channel \"{channel}\" at {position} m: the linear modes have no row there; it is left out of the shape"
-                )
-            }
-        }
     }
 }

@@ -28,7 +28,7 @@ pub struct Layout {
     pub phase: Option<usize>,
     /// Places of all motion channels that have a position, ascending.
     pub places: Vec<Place>,
-    /// The channel that tells the frequency best.
+    /// The motion channel that tells the frequency best.
     pub reference: Option<usize>,
 }
 
@@ -41,20 +41,37 @@ impl Layout {
             .collect();
         let order = |i: usize| record.channels[i].quantity.time_derivative().unwrap_or(0);
         let places = places(&record.channels, &motion);
-        let drive: Vec<(usize, u32)> =
-            motion.iter().filter(|i| record.channels[**i].role == Role::DrivePoint).map(|i| (*i, order(*i))).collect();
         let force = first(Role::Excitation);
+        let drives: Vec<usize> =
+            motion.iter().copied().filter(|i| record.channels[*i].role == Role::DrivePoint).collect();
+        let home = home(&record.channels, &drives, force);
+        let drive: Vec<(usize, u32)> =
+            drives.iter().filter(|i| is_at(&record.channels, **i, home)).map(|i| (*i, order(*i))).collect();
         let at_force = || {
             let position = record.channels[force?].position?;
             find(&places, position).map(|at| places[at].clone())
         };
         let drive = match drive.first() {
-            Some((i, _)) => Some(Place { position: record.channels[*i].position, members: drive }),
+            Some(_) => Some(Place { position: home, members: drive }),
             None => at_force(),
         };
-        let reference = reference(record, &motion).or(force);
+        let reference = reference(record, &motion);
         Self { force, drive, contact: first(Role::Contact), phase: first(Role::ExcitationPhase), places, reference }
     }
+}
+
+/// Position of the drive point: where the force acts, if a channel of the drive point is there, else that of the first of them.
+fn home(channels: &[Channel], drives: &[usize], force: Option<usize>) -> Option<f64> {
+    let at_force = force.and_then(|force| channels[force].position);
+    let there =
+        at_force.is_some() && drives.iter().any(|i| channels[*i].position.is_some() && is_at(channels, *i, at_force));
+    if there { at_force } else { drives.iter().find_map(|i| channels[*i].position) }
+}
+
+/// Whether a channel is at this position, or may be.
+pub fn is_at(channels: &[Channel], channel: usize, position: Option<f64>) -> bool {
+    let largest = channels.iter().filter_map(|channel| channel.position).fold(0.0, |m: f64, x| m.max(x.abs()));
+    channels[channel].position.zip(position).is_none_or(|(a, b)| (a - b).abs() <= SAME_PLACE * largest)
 }
 
 /// Displacement before velocity before acceleration, since it has the weakest harmonics; then the channel with the least noise.

@@ -19,6 +19,12 @@ impl Measured {
         Self::new(value, &near)
     }
 
+    /// The figure with a further standard error, which all periods share.
+    #[must_use]
+    pub fn and(self, error: f64) -> Self {
+        Self { uncertainty: self.uncertainty.hypot(error), ..self }
+    }
+
     /// The figure in another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {

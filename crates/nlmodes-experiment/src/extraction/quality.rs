@@ -1,11 +1,15 @@
 //! Channels that cannot be used, and what is not periodic.
 
-use crate::extraction::Finding;
+use crate::extraction::blocks::Blocks;
 use crate::extraction::guess::strongest_frequency;
-use crate::extraction::layout::Layout;
-use crate::records::Record;
+use crate::extraction::layout::{Layout, Place, displacement, displacement_noise, is_at};
+use crate::extraction::{Finding, Tolerances};
+use crate::records::{Record, Role};
 
-/// Which channels hold nothing but finite numbers; the others are reported.
+/// Standard errors from which on a fundamental is one.
+const SIGNIFICANT: f64 = 5.0;
+
+/// Which channels hold nothing but finite numbers, and not one number alone; the others are reported. A force at the stop may rest at zero.
 pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
     let n = record.n_samples();
     let mut usable = Vec::new();
@@ -15,7 +19,12 @@ pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
             let channel = channel.name.clone();
             findings.push(Finding::NotANumber { channel, samples: broken.len(), first: *first });
         }
-        usable.push(broken.is_empty());
+        let judged = !matches!(channel.role, Role::Contact | Role::ExcitationPhase);
+        let constant = judged && broken.is_empty() && n > 1 && samples[..n].iter().all(|x| *x == samples[0]);
+        if constant {
+            findings.push(Finding::NoSignal { channel: channel.name.clone() });
+        }
+        usable.push(broken.is_empty() && !constant);
     }
     usable
 }
@@ -48,6 +57,32 @@ pub fn roles(layout: &Layout, has_stop: bool, findings: &mut Vec<Finding>) {
     }
 }
 
+/// Reports channels that are not used, or not as described.
+pub fn unused(record: &Record, layout: &Layout, usable: &[bool], findings: &mut Vec<Finding>) {
+    let drive = layout.drive.as_ref();
+    let at_force = layout.force.and_then(|force| record.channels[force].position);
+    for (i, channel) in record.channels.iter().enumerate().filter(|(i, _)| usable[*i]) {
+        let only = |used: Option<usize>| used.is_some_and(|used| used != i);
+        let member = drive.is_some_and(|drive| drive.members.iter().any(|(j, _)| *j == i));
+        let reason = match channel.role {
+            Role::Excitation if only(layout.force) => "it is not used, another channel is the excitation",
+            Role::Contact if only(layout.contact) => "it is not used, another channel is the force at the stop",
+            Role::ExcitationPhase if only(layout.phase) => {
+                "it is not used, another channel is the phase of the excitation"
+            }
+            Role::Response if channel.position.is_none() => "it is not used, since it has no position",
+            Role::DrivePoint if !member => {
+                "it is taken as a response, since it is not where the other channels of the drive point are"
+            }
+            Role::DrivePoint if !is_at(&record.channels, i, at_force) => {
+                "it is the drive point, but the force acts elsewhere: power and damping are those of another place"
+            }
+            _ => continue,
+        };
+        findings.push(Finding::ChannelUnused { channel: channel.name.clone(), reason });
+    }
+}
+
 /// Reports a signal whose rest without harmonics is more than the tolerated share of it.
 pub fn aperiodic(
     signal: &[f64],
@@ -64,5 +99,38 @@ pub fn aperiodic(
     if ratio > tolerance {
         let strongest_hz = strongest_frequency(rest).unwrap_or(f64::NAN) * sample_rate;
         findings.push(Finding::Aperiodic { channel: channel.to_owned(), ratio, strongest_hz });
+    }
+}
+
+/// Reports a sampling rate that the file tells with few digits.
+pub fn sample_rate(record: &Record, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
+    let (rate_hz, relative) = (record.sample_rate, record.rate_error);
+    if relative > tolerances.sample_rate {
+        findings.push(Finding::SampleRateUncertain { rate_hz, relative });
+    }
+}
+
+/// Leaves out a force or a drive point that holds nothing but noise at the frequency (rad/s, with the number of samples).
+pub fn silent(
+    record: &Record,
+    layout: &mut Layout,
+    blocks: &Blocks,
+    (omega, n_samples): (f64, usize),
+    findings: &mut Vec<Finding>,
+) {
+    let name = |i: usize| Finding::NoSignal { channel: record.channels[i].name.clone() };
+    let of_force = |i: &usize| {
+        let noise = blocks.noise[*i] * (2.0 / n_samples as f64).sqrt();
+        blocks.all[*i][1].norm() <= SIGNIFICANT * noise
+    };
+    if let Some(i) = layout.force.take_if(|i| of_force(i)) {
+        findings.push(name(i));
+    }
+    let of_drive = |drive: &Place| {
+        let noise = displacement_noise(drive, &blocks.noise, omega, 1, n_samples);
+        displacement(drive, &blocks.all, &blocks.noise, omega, 1).norm() <= SIGNIFICANT * noise
+    };
+    if let Some(drive) = layout.drive.take_if(|drive| of_drive(drive)) {
+        findings.extend(drive.members.iter().map(|(i, _)| name(*i)));
     }
 }

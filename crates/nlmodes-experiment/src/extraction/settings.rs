@@ -64,12 +64,25 @@ pub struct Tolerances {
     pub skew: f64,
     /// Deviation of the lag from that of phase resonance, degrees: 1.
     pub lag_deg: f64,
+    /// Error of the sampling rate, relative: 2e-5.
+    pub sample_rate: f64,
+    /// Share of the fundamental in quadrature: 0.1.
+    pub quadrature: f64,
     /// Power factor of the fundamental below which the force counts as reversed: −0.5.
     pub reversed: f64,
 }
 
 impl Default for Tolerances {
     fn default() -> Self {
-        Self { frequency_drift: 1e-5, amplitude_drift: 2e-3, aperiodic: 0.02, skew: 0.5, lag_deg: 1.0, reversed: -0.5 }
+        Self {
+            frequency_drift: 1e-5,
+            amplitude_drift: 2e-3,
+            aperiodic: 0.02,
+            skew: 0.5,
+            lag_deg: 1.0,
+            sample_rate: 2e-5,
+            quadrature: 0.1,
+            reversed: -0.5,
+        }
     }
 }

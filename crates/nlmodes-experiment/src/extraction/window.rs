@@ -47,9 +47,10 @@ pub fn choose(
     findings: &mut Vec<Finding>,
 ) -> Result<Window, ExtractionError> {
     let rate = record.sample_rate;
-    let refuse = |finding, others: &[Finding]| ExtractionError::Refused { finding, others: others.to_vec() };
+    let refuse =
+        |finding, others: &[Finding]| ExtractionError::Refused { finding: Box::new(finding), others: others.to_vec() };
     let Some(reference) = layout.reference else {
-        let consequence = "no channel measures a motion or a force";
+        let consequence = "no usable channel measures a motion";
         return Err(refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings));
     };
     let (name, samples) = (&record.channels[reference].name, &record.samples[reference][..record.n_samples()]);

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use csv::{Reader, ReaderBuilder, StringRecord, Terminator, WriterBuilder};
 
 use crate::records::limits::{MAX_CHANNELS, read_all};
-use crate::records::sample_rate::rounding;
+use crate::records::sample_rate::Digits;
 use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
 
 /// Name of the time column that is written.
@@ -35,14 +35,14 @@ pub fn read_csv(source: impl Read, time_column: Option<&str>) -> Result<RecordTa
     Ok(RecordTable { columns, named: true })
 }
 
-/// The columns, and the time stamps with their coarsest rounding.
+/// The columns, and the time stamps with their rounding.
 type Rows = (Vec<Column>, Option<(Vec<f64>, f64)>);
 
 fn rows(reader: &mut Reader<&[u8]>, names: &[String], time: Option<&str>, separator: u8) -> Result<Rows, RecordError> {
     let time = time.map(|time| names.iter().position(|name| name == time).ok_or_else(|| no_column(time, names)));
     let time = time.transpose()?;
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-    let mut finest = f64::INFINITY;
+    let mut digits = Digits::default();
     let mut row = StringRecord::new();
     while reader.read_record(&mut row).map_err(|error| table(&error))? {
         let line = row.position().map_or(0, csv::Position::line);
@@ -53,13 +53,15 @@ fn rows(reader: &mut Reader<&[u8]>, names: &[String], time: Option<&str>, separa
         for ((field, column), name) in row.iter().zip(&mut values).zip(names) {
             column.push(number(field, line, name)?);
         }
-        finest = time.map_or(finest, |time| finest.min(rounding(row[time].trim())));
+        if let Some(time) = time {
+            digits.see(row[time].trim(), values[time].last().copied().unwrap_or(f64::NAN));
+        }
     }
     let samples = values.first().map_or(0, Vec::len);
     if samples < 2 {
         return Err(RecordError::Empty { samples });
     }
-    let times = time.map(|time| (values[time].clone(), finest));
+    let times = time.map(|time| (values[time].clone(), digits.rounding()));
     let columns = names.iter().zip(values).enumerate().filter(|(i, _)| Some(*i) != time);
     let columns = columns.map(|(_, (name, values))| Column { name: name.clone(), aliases: vec![], rate: None, values });
     Ok((columns.collect(), times))

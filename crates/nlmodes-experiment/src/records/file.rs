@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{BufReader, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use crate::records::{
@@ -28,14 +28,29 @@ impl Recording {
         self.read_table(path)?.into_record(&name, &self.channels, self.sample_rate)
     }
 
-    fn read_table(&self, path: &Path) -> Result<RecordTable, RecordError> {
+    /// Whether there is such a file, of a kind that can be read; it is not read.
+    ///
+    /// # Errors
+    /// [`RecordError::Extension`], [`RecordError::Io`].
+    pub fn find(path: &Path) -> Result<(), RecordError> {
+        Self::open(path).map(drop)
+    }
+
+    fn open(path: &Path) -> Result<File, RecordError> {
         let extension = extension(path);
-        let known = ["csv", "uff", "unv", "wav", "npy"].contains(&extension.as_str());
-        if !known {
+        if !["csv", "uff", "unv", "wav", "npy"].contains(&extension.as_str()) {
             return Err(RecordError::Extension { extension });
         }
         let io = |source| RecordError::Io { path: path.to_path_buf(), source };
-        let file = BufReader::new(File::open(path).map_err(io)?);
+        let file = File::open(path).map_err(io)?;
+        // A directory can be opened on some systems, and not be read.
+        if file.metadata().map_err(io)?.is_dir() { Err(io(ErrorKind::IsADirectory.into())) } else { Ok(file) }
+    }
+
+    fn read_table(&self, path: &Path) -> Result<RecordTable, RecordError> {
+        let extension = extension(path);
+        let io = |source| RecordError::Io { path: path.to_path_buf(), source };
+        let file = BufReader::new(Self::open(path)?);
         let table = match extension.as_str() {
             "csv" => read_csv(file, self.time_column.as_deref()),
             "wav" => read_wav(file),

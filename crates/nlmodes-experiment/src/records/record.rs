@@ -7,6 +7,8 @@ pub struct Record {
     pub name: String,
     /// Sampling rate, Hz.
     pub sample_rate: f64,
+    /// Largest relative error of the sampling rate, from the digits of headers and time stamps; zero where it is known.
+    pub rate_error: f64,
     /// The channels.
     pub channels: Vec<Channel>,
     /// Samples of each channel, in the SI unit of its quantity; all of the same length.
@@ -18,7 +20,7 @@ pub struct Record {
 impl Record {
     /// A record without channels.
     pub fn new(name: impl Into<String>, sample_rate: f64) -> Self {
-        Self { name: name.into(), sample_rate, channels: vec![], samples: vec![], missing: vec![] }
+        Self { name: name.into(), sample_rate, rate_error: 0.0, channels: vec![], samples: vec![], missing: vec![] }
     }
 
     /// Adds a channel with samples that are in SI units already.
@@ -49,7 +51,7 @@ impl Record {
         let column = |(channel, samples): (&Channel, &Vec<f64>)| Column {
             name: channel.name.clone(),
             aliases: vec![],
-            rate: Some(SampleRate::exact(self.sample_rate)),
+            rate: Some(SampleRate { hz: self.sample_rate, relative_error: self.rate_error }),
             values: samples.clone(),
         };
         RecordTable { columns: self.channels.iter().zip(&self.samples).map(column).collect(), named: true }

@@ -1,16 +1,14 @@
-use crate::records::RecordError;
+use crate::records::{RecordError, time_axis};
 
 /// Relative difference of sampling rates that counts as agreement.
 const AGREEMENT: f64 = 1e-6;
-/// A time stamp may stand this share of the sampling interval off an even axis, beside the rounding of its text.
-const JITTER: f64 = 0.1;
 
 /// A sampling rate, and how exactly it is known: headers and time columns are written with few digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleRate {
     /// Rate, Hz.
     pub hz: f64,
-    /// Relative error from the digits with which it was written.
+    /// Largest relative error that the digits leave with which it was written.
     pub relative_error: f64,
 }
 
@@ -25,28 +23,13 @@ impl SampleRate {
         Self { hz: 1.0 / interval, relative_error: (rounding / interval).abs() }
     }
 
-    /// Of time stamps (s), each with the given rounding error (s).
+    /// Of time stamps (s), each with the given rounding error (s): of all of them, so that rounding counts little.
     ///
     /// # Errors
     /// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] if they do not go on evenly.
     pub fn of_times(times: &[f64], rounding: f64) -> Result<Self, RecordError> {
-        let n = times.len();
-        let [Some(first), Some(last)] = [times.first(), times.last()] else {
-            return Err(RecordError::Empty { samples: n });
-        };
-        if n < 2 {
-            return Err(RecordError::Empty { samples: n });
-        }
-        let interval = (last - first) / (n - 1) as f64;
-        // NaN and a time that stands still or runs back fail here too.
-        let allowed = JITTER + 2.0 * rounding / interval.abs();
-        let deviation = |j: usize| ((times[j] - first) / interval - j as f64).abs();
-        let uneven = (0..n).find(|j| deviation(*j).is_nan() || deviation(*j) > allowed);
-        if !(interval > 0.0 && interval.is_finite()) || uneven.is_some() {
-            let sample = uneven.unwrap_or(n - 1);
-            return Err(RecordError::UnevenTime { sample, deviation: deviation(sample) });
-        }
-        Ok(Self { hz: 1.0 / interval, relative_error: 2.0 * rounding / (last - first) })
+        let (interval, relative_error) = time_axis::interval(times, rounding)?;
+        Ok(Self { hz: 1.0 / interval, relative_error })
     }
 
     /// The declared rate if this one agrees with it to 1e-6 and the digits it was written with.
@@ -70,6 +53,40 @@ pub fn rounding(text: &str) -> f64 {
     let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.trim_end().len());
     let exponent = exponent.trim().parse::<i32>().unwrap_or(0);
     0.5 * 10f64.powi(exponent.saturating_sub(decimals as i32))
+}
+
+/// Decimals and significant digits of a column of numbers: the most that stand there, since some writers drop zeros at the end.
+#[derive(Debug, Clone, Copy)]
+pub struct Digits {
+    finest: f64,
+    significant: i32,
+    largest: f64,
+}
+
+impl Default for Digits {
+    fn default() -> Self {
+        Self { finest: f64::INFINITY, significant: 0, largest: 0.0 }
+    }
+}
+
+impl Digits {
+    /// Takes a number of the column as it is written.
+    pub fn see(&mut self, text: &str, value: f64) {
+        self.finest = self.finest.min(rounding(text));
+        let mantissa = text.split(['e', 'E', 'd', 'D']).next().unwrap_or_default();
+        let digits = mantissa.chars().filter(char::is_ascii_digit).skip_while(|digit| *digit == '0').count();
+        self.significant = self.significant.max(i32::try_from(digits).unwrap_or(i32::MAX));
+        if value.is_finite() {
+            self.largest = self.largest.max(value.abs());
+        }
+    }
+
+    /// Rounding error of the number in which it is largest: a fixed number of decimals, or of significant digits.
+    pub fn rounding(&self) -> f64 {
+        let decade = if self.largest > 0.0 { self.largest.log10().floor() as i32 + 1 } else { 0 };
+        let by_significant = 0.5 * 10f64.powi(decade.saturating_sub(self.significant));
+        if self.significant > 0 { self.finest.max(by_significant) } else { self.finest }
+    }
 }
 
 #[cfg(test)]
@@ -104,5 +121,14 @@ mod tests {
         assert!((rounding("0.00005") - 5e-6).abs() < 1e-20);
         assert!((rounding(" 5.00000e-05") - 5e-11).abs() < 1e-24);
         assert_eq!(rounding("12"), 0.5);
+        let column = |texts: &[&str]| {
+            let mut digits = Digits::default();
+            texts.iter().for_each(|text| digits.see(text, text.parse().unwrap()));
+            digits.rounding()
+        };
+        // Three decimals; six significant digits; zeros dropped at the end.
+        assert!((column(&["0.000", "0.001", "12.345"]) - 5e-4).abs() < 1e-15);
+        assert!((column(&["0", "0.000200", "12.3456"]) - 5e-5).abs() < 1e-15);
+        assert!((column(&["0", "0.0002", "0.5", "0.9999"]) - 5e-5).abs() < 1e-15);
     }
 }

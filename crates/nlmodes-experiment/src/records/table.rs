@@ -54,7 +54,8 @@ impl RecordTable {
         }
         let sample_rate = common_rate(&picked, rate_hz)?;
         check_lengths(&picked)?;
-        let mut record = Record::new(name, sample_rate);
+        let mut record = Record::new(name, sample_rate.hz);
+        record.rate_error = sample_rate.relative_error;
         record.missing = missing;
         for (channel, column) in picked {
             let scale = channel.scale()?;
@@ -84,14 +85,15 @@ impl RecordTable {
     }
 }
 
-fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<f64, RecordError> {
-    let mut rates = picked.iter().filter_map(|(channel, column)| Some((&channel.name, column.rate?)));
-    let first = rates.clone().next();
-    if let Some((name, rate)) = first {
+/// The rate that all channels have, as exactly as the most exact of them tells it; a declared one is taken as known.
+fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<SampleRate, RecordError> {
+    let rates = || picked.iter().filter_map(|(channel, column)| Some((&channel.name, column.rate?)));
+    let best = rates().min_by(|a, b| a.1.relative_error.total_cmp(&b.1.relative_error));
+    if let Some((name, rate)) = best {
         let disagrees = |other: &SampleRate| {
             (other.hz / rate.hz - 1.0).abs() > AGREEMENT + rate.relative_error + other.relative_error
         };
-        if let Some((other, other_rate)) = rates.find(|(_, other)| disagrees(other)) {
+        if let Some((other, other_rate)) = rates().find(|(_, other)| disagrees(other)) {
             return Err(RecordError::RatesDisagree {
                 first: name.clone(),
                 first_hz: rate.hz,
@@ -100,13 +102,13 @@ fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<f6
             });
         }
     }
-    let rate = match (declared, first) {
-        (Some(declared), Some((_, rate))) => rate.agree(declared)?,
-        (Some(declared), None) => declared,
-        (None, Some((_, rate))) => rate.hz,
+    let rate = match (declared, best) {
+        (Some(declared), Some((_, rate))) => SampleRate::exact(rate.agree(declared)?),
+        (Some(declared), None) => SampleRate::exact(declared),
+        (None, Some((_, rate))) => rate,
         (None, None) => return Err(RecordError::NoRate),
     };
-    if rate > 0.0 && rate.is_finite() { Ok(rate) } else { Err(RecordError::NoRate) }
+    if rate.hz > 0.0 && rate.hz.is_finite() { Ok(rate) } else { Err(RecordError::NoRate) }
 }
 
 fn check_lengths(picked: &[(Channel, Column)]) -> Result<(), RecordError> {

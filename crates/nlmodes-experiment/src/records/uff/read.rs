@@ -82,7 +82,11 @@ fn function(lines: &mut Lines<'_>, storage: Storage) -> Result<Dataset58, UffErr
     };
     let (values, abscissa) = layout.split(&numbers);
     if let Some(values) = abscissa {
-        let digits = if storage == Storage::Text || layout.precision == Precision::Single { 5e-6 } else { 0.0 };
+        let digits = match (storage, layout.precision) {
+            (Storage::Text, _) => 5e-6,
+            (Storage::Binary(_), Precision::Single) => f64::from(f32::EPSILON),
+            (Storage::Binary(_), Precision::Double) => 0.0,
+        };
         let largest = values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         dataset.abscissa = Abscissa::Uneven { values, rounding: digits * largest };
     }
@@ -112,7 +116,7 @@ fn described(header: &[Line<'_>]) -> Result<Dataset58, UffError> {
     let step = Abscissa::Even {
         first: data.number(30, 43)?,
         step: data.number(43, 56)?,
-        rounding: rounding(&data.text(43, 56)),
+        rounding: step_rounding(&data.text(43, 56), data.number(43, 56)?),
     };
     Ok(Dataset58 {
         identification: std::array::from_fn(|i| header[i].text(0, 80)),
@@ -129,6 +133,12 @@ fn described(header: &[Line<'_>]) -> Result<Dataset58, UffError> {
         z_axis: header[10].axis()?,
         ..Dataset58::real(vec![], step)
     })
+}
+
+/// Rounding error of a step: the field has six digits, of which some writers drop zeros.
+fn step_rounding(text: &str, step: f64) -> f64 {
+    let six_digits = 0.5 * 10f64.powf(step.abs().log10().floor() - 5.0);
+    if six_digits > 0.0 { rounding(text).min(six_digits) } else { rounding(text) }
 }
 
 impl Layout {

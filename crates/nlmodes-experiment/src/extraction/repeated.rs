@@ -1,0 +1,75 @@
+//! Figures of all periods with those of single ones: what they scatter, and what the sampling rate leaves open.
+
+use nlmodes_modal::{LinearDissipation, LinearModes};
+
+use crate::extraction::figures::{Figures, Method};
+use crate::extraction::{ExcitationFigures, ExtractionError, Measured, ModalFigures};
+
+use num_complex::Complex64;
+
+/// Figures of one record.
+#[derive(Debug)]
+pub struct Repeated {
+    pub all: Figures,
+    single: Vec<Figures>,
+    /// The figures at a frequency that is higher by the standard error of the sampling rate, where that has one.
+    stretched: Option<Figures>,
+}
+
+/// Standard error of the sampling rate, relative: its error is anywhere within the bound.
+pub fn rate_deviation(rate_error: f64) -> f64 {
+    rate_error / 3f64.sqrt()
+}
+
+impl Repeated {
+    /// Evaluates the coefficients of all periods and of single ones; `rate_error` is the bound of the sampling rate's relative error.
+    pub fn new(
+        method: &Method<'_>,
+        all: &[Vec<Complex64>],
+        single: &[Vec<Vec<Complex64>>],
+        rate_error: f64,
+    ) -> Result<Self, ExtractionError> {
+        // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are taken, nothing else.
+        let stretched = Method { omega: method.omega * (1.0 + rate_deviation(rate_error)), ..method.clone() };
+        let stretched = (rate_error > 0.0).then(|| stretched.figures(all)).transpose()?;
+        let single = single.iter().map(|q| method.figures(q)).collect::<Result<_, _>>()?;
+        Ok(Self { all: method.figures(all)?, single, stretched })
+    }
+
+    /// A figure with its uncertainty.
+    pub fn measured(&self, of: impl Fn(&Figures) -> Option<f64>) -> Option<Measured> {
+        let repeated: Vec<f64> = self.single.iter().filter_map(&of).collect();
+        let measured = Measured::new(of(&self.all)?, &repeated);
+        let rate = self.stretched.as_ref().and_then(&of).map_or(0.0, |stretched| stretched - measured.value);
+        Some(measured.and(rate))
+    }
+
+    /// The figures of the excitation.
+    pub fn excitation(&self) -> Option<ExcitationFigures> {
+        let lags: Vec<f64> = self.single.iter().filter_map(|figures| figures.lag).collect();
+        Some(ExcitationFigures {
+            power: self.all.power?,
+            fundamental_power: self.measured(|f| Some(f.power?.fundamental))?,
+            pbmif: self.measured(|f| Some(f.power?.indicator()))?,
+            force: self.measured(|f| f.force)?,
+            lag: Measured::angle(self.all.lag?, &lags),
+        })
+    }
+
+    /// The modal figures.
+    pub fn modal(&self, modes: Option<&LinearModes>, omega: f64) -> Option<ModalFigures> {
+        let (modal, modes) = (self.all.modal.as_ref()?, modes?);
+        let factor = |k: usize| self.measured(move |f| Some(f.modal.as_ref()?.participation.factors[k]));
+        let errors = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
+        Some(ModalFigures {
+            amplitude: self.measured(|f| Some(f.modal.as_ref()?.shape.modal_amplitude))?,
+            shape: modal.shape.clone(),
+            participation: modal.participation.clone(),
+            participation_uncertainty: errors.collect(),
+            damping: self.measured(|f| f.modal.as_ref()?.damping),
+            dissipation: LinearDissipation::new(modes, &modal.coordinates, omega),
+            kinetic_energy: self.measured(|f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
+            harmonic_energy: modal.harmonic_energy.clone(),
+        })
+    }
+}
