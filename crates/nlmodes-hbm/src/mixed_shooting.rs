@@ -61,8 +61,9 @@ impl Scales {
 ///
 /// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: an anchor is added, and with it an unknown δ
 /// that multiplies `B_n db_n/dτ`; on a solution of a conservative system δ = 0, which [`MixedShooting::unfolding`] lets one check.
-/// The anchor `Σ n (c_n s̄_n − s_n c̄_n) = 0` holds the phase of the last accepted point; for a motion with
-/// a cosine fundamental it is the paper's `Im q_{a,1} = 0`.
+/// The anchor `Σ n (c_n s̄_n − s_n c̄_n) = 0` holds the phase of the last accepted point, and before any is accepted that of the point
+/// evaluated first; for a motion with a cosine fundamental it is the paper's `Im q_{a,1} = 0`. Both are directions of `db/dτ`, so that
+/// the sign of the determinant, which tells crossings, stays what it is when the anchor moves.
 ///
 /// Unknown vector: `b/length` (n_N × width, one degree of freedom after the other, [`RealSeries`]), `ω/omega`, and δ.
 pub struct MixedShooting<'s> {
@@ -83,6 +84,7 @@ pub struct MixedShooting<'s> {
     rows: Vec<f64>,
     pub(crate) plane: Plane,
     energy: KineticEnergy,
+    /// Zero until a point is seen.
     anchor: Vec<f64>,
     /// While contacts stand back: the derivative of `q_N` by the share of that.
     pub(crate) opening: Option<Opening>,
@@ -105,10 +107,6 @@ impl<'s> MixedShooting<'s> {
         let series = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
         let n = structure.n_contact_dofs();
         let size = n * series.width();
-        let mut anchor = vec![0.0; size];
-        if let Some(sine) = series.sine(1) {
-            anchor[sine] = 1.0;
-        }
         Ok(Self {
             structure,
             settings,
@@ -123,7 +121,7 @@ impl<'s> MixedShooting<'s> {
             rows: vec![0.0; (size + 1) * size],
             plane: Plane::new(n),
             energy: KineticEnergy::new(n),
-            anchor,
+            anchor: vec![0.0; size],
             opening: None,
         })
     }
@@ -320,6 +318,23 @@ impl<'s> MixedShooting<'s> {
         }
     }
 
+    /// Anchors the phase of the motion `x`; one that stands still has none.
+    fn hold_phase(&mut self, x: &[f64]) {
+        if self.settings.symmetry == Symmetry::Even {
+            return;
+        }
+        let width = self.sweep.series.width();
+        let turned = |i: usize| {
+            let (d, m) = (i / width, i % width);
+            self.sweep.series.turned(m).map_or(0.0, |(other, factor)| factor * x[d * width + other])
+        };
+        let anchor: Vec<f64> = (0..self.b.len()).map(turned).collect();
+        let length = crate::energy::inner(&anchor, &anchor).sqrt();
+        if length > 0.0 {
+            self.anchor = anchor.into_iter().map(|a| a / length).collect();
+        }
+    }
+
     fn anchor_row(&self, x: &[f64], out: &mut Linearization) {
         let row = self.b.len() + 1;
         out.residual[row] = crate::energy::inner(&self.anchor, x);
@@ -351,6 +366,9 @@ impl ParametricSystem for MixedShooting<'_> {
         let omega = self.omega(x);
         if !(omega.is_finite() && omega > 0.0) {
             return Err(HbmError::Motion { omega, energy: self.energy(p) });
+        }
+        if self.anchor.iter().all(|a| *a == 0.0) {
+            self.hold_phase(x);
         }
         self.solve_contact(x)?;
         // The columns behind those of b, of which not every entry is written below.
@@ -397,16 +415,7 @@ impl ParametricSystem for MixedShooting<'_> {
     }
 
     fn accepted(&mut self, x: &[f64], _p: f64) {
-        if self.settings.symmetry == Symmetry::Even {
-            return;
-        }
-        let (width, size) = (self.sweep.series.width(), self.b.len());
-        for i in 0..size {
-            let (d, m) = (i / width, i % width);
-            self.anchor[i] = self.sweep.series.turned(m).map_or(0.0, |(other, factor)| factor * x[d * width + other]);
-        }
-        let length = crate::energy::inner(&self.anchor, &self.anchor).sqrt();
-        self.anchor.iter_mut().for_each(|a| *a /= length);
+        self.hold_phase(x);
     }
 }
 

@@ -41,6 +41,38 @@ pub enum ModelError {
         /// The entry with row and column exchanged.
         mirrored: f64,
     },
+    /// A degree of freedom has a negative mass: moving alone it would have a negative kinetic energy.
+    #[error(
+        "the mass matrix has {value:e} on its diagonal, at degree of freedom {dof} ({kind} of node {node} at {position} m); no mass is negative",
+        kind = .kind.name()
+    )]
+    NegativeMass {
+        /// The degree of freedom.
+        dof: usize,
+        /// Its node.
+        node: usize,
+        /// Its position, m.
+        position: f64,
+        /// Its kind.
+        kind: DofKind,
+        /// The entry.
+        value: f64,
+    },
+    /// Two degrees of freedom are coupled by more mass than they have: some motion of these two has a negative kinetic energy.
+    #[error(
+        "the mass matrix has {value:e} between degrees of freedom {row} and {column}, beside {most:e} at most for a mass that is nowhere \
+         negative (the root of the product of their diagonal entries)"
+    )]
+    CoupledMass {
+        /// One of them.
+        row: usize,
+        /// The other.
+        column: usize,
+        /// The entry.
+        value: f64,
+        /// Largest entry in magnitude, `√(m_ii m_jj)`.
+        most: f64,
+    },
     /// A contact names a degree of freedom that the model has not.
     #[error("contact {contact} is at degree of freedom {dof}, but there are {dofs} (counted from 0)")]
     NoSuchDof {

@@ -19,6 +19,7 @@
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`held_modes`] |
+//! | | what the massless contacts do to `ω_0,r` | – | | [`MassShift`] |
 //! | `ω'_k`, `K'` | imposed frequencies, stiffness with them | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
 //!
 //! ```
@@ -46,11 +47,13 @@
 
 mod conserve;
 mod contact;
+mod definite;
 mod direction;
 mod dof;
 mod error;
 mod imposed;
 mod linear_modes;
+mod mass_shift;
 mod massless;
 mod redistribution;
 mod rigid;
@@ -65,6 +68,7 @@ pub use dof::{Dof, DofIndex, DofKind};
 pub use error::ModelError;
 pub use imposed::{ImposedFrequencies, MAX_IMPOSED_DOFS};
 pub use linear_modes::{LinearModes, held_modes, linear_modes};
+pub use mass_shift::MassShift;
 pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};
 pub use rigid::{MassProperties, RigidMotion};

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use nlmodes_linalg::{SparseMatrix, asymmetry};
 
+use crate::definite::check_mass;
 use crate::{Contact, ContactLaw, Dof, ModelError};
 
 /// A linear structure with unilateral contacts, eqs. (1), (4), (5).
@@ -23,7 +24,7 @@ impl StructuralModel {
     ///
     /// # Errors
     /// [`ModelError::Dimension`] if sizes disagree, [`ModelError::NotFinite`] for an entry, position or gap,
-    /// [`ModelError::NotSymmetric`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
+    /// [`ModelError::NotSymmetric`], [`ModelError::NegativeMass`], [`ModelError::CoupledMass`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
     /// [`ModelError::ContactStiffness`] if that of an elastic stop is not positive or its inverse is not finite.
     pub fn new(
         mass: impl Into<Arc<SparseMatrix>>,
@@ -35,6 +36,7 @@ impl StructuralModel {
         for (what, matrix) in [("mass matrix", &mass), ("stiffness matrix", &stiffness)] {
             check_matrix(what, matrix, dofs.len())?;
         }
+        check_mass(&mass, &dofs)?;
         check_finite("position of degree of freedom", dofs.iter().map(|d| d.position))?;
         check_contacts(&contacts, dofs.len())?;
         Ok(Self { mass, stiffness, damping: None, dofs: dofs.into(), places: None, contacts })

@@ -179,6 +179,7 @@ impl<'s> Tracer<'s> {
         let mut found = Found::new(&first);
         let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
+        problem.accepted(&seed.x, seed.p);
         let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
             found.keep(viewer, point).iter().map(Shown::Point).try_for_each(&mut each)
         })?;
@@ -198,6 +199,7 @@ impl<'s> Tracer<'s> {
         let mut all = vec![Found::new(&First::Named(start_event))];
         let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
+        problem.accepted(&seed.x, seed.p);
         let tree = method.run_tree_with_log(
             problem,
             &seed.x,

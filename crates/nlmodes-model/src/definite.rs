@@ -1,0 +1,96 @@
+//! What a mass matrix must have so that no motion has a negative kinetic energy, as far as single entries tell.
+
+use nlmodes_linalg::{SparseMatrix, triplets};
+
+use crate::{Dof, ModelError};
+
+/// Entries below this share of the largest one of their kind may be rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Refuses negative principal minors of one and of two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever `½ vᵀ M v ≥ 0` does.
+///
+/// # Errors
+/// [`ModelError::NegativeMass`], [`ModelError::CoupledMass`].
+pub(crate) fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
+    let mut diagonal = vec![0.0; dofs.len()];
+    triplets(mass).filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[i] += value);
+    for (dof, &value) in diagonal.iter().enumerate().filter(|(_, value)| **value < 0.0) {
+        let Dof { node, position, kind } = dofs[dof];
+        // Masses and moments of inertia are not compared with each other.
+        let alike = dofs.iter().zip(&diagonal).filter(|(other, _)| other.kind == kind);
+        let largest = alike.fold(0.0_f64, |largest, (_, m)| largest.max(*m));
+        if -value > ROUNDING * largest {
+            return Err(ModelError::NegativeMass { dof, node, position, kind, value });
+        }
+    }
+    for (row, column, value) in triplets(mass).filter(|(i, j, _)| i < j) {
+        let [a, b] = [row, column].map(|i| diagonal[i].max(0.0));
+        let most = a.sqrt() * b.sqrt();
+        if value.abs() > (1.0 + ROUNDING) * most && value.abs() > ROUNDING * a.max(b) {
+            return Err(ModelError::CoupledMass { row, column, value, most });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DofKind;
+    use nlmodes_linalg::{Triplet, sparse_from_triplets};
+
+    fn check(entries: &[Triplet], unit: f64) -> Result<(), ModelError> {
+        let scaled: Vec<Triplet> = entries.iter().map(|&(i, j, m)| (i, j, unit * m)).collect();
+        let kinds = [DofKind::Deflection, DofKind::Rotation, DofKind::Deflection];
+        let dofs: Vec<Dof> = (0..3).map(|node| Dof { node, position: node as f64, kind: kinds[node] }).collect();
+        check_mass(&sparse_from_triplets(3, 3, &scaled).unwrap(), &dofs)
+    }
+
+    #[test]
+    fn a_negative_mass_is_refused_with_its_place_in_any_unit() {
+        for unit in [1.0, 1e-9, 1e6] {
+            let error = check(&[(0, 0, 1.0), (1, 1, 1e-6), (2, 2, -2.0)], unit).unwrap_err();
+            let kind = DofKind::Deflection;
+            assert_eq!(error, ModelError::NegativeMass { dof: 2, node: 2, position: 2.0, kind, value: -2.0 * unit });
+            // A moment of inertia that is small beside the masses is one all the same.
+            let error = check(&[(0, 0, 1.0), (1, 1, -1e-12), (2, 2, 1.0)], unit).unwrap_err();
+            assert!(matches!(error, ModelError::NegativeMass { dof: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn two_masses_are_not_coupled_by_more_than_they_have() {
+        let coupled = |m: f64| vec![(0, 0, 4.0), (1, 1, 1.0), (0, 1, m), (1, 0, m), (2, 2, 1.0)];
+        for unit in [1.0, 1e-9, 1e6] {
+            check(&coupled(2.0), unit).unwrap();
+            for m in [2.1, -2.1] {
+                let error = check(&coupled(m), unit).unwrap_err();
+                let expected = ModelError::CoupledMass { row: 0, column: 1, value: m * unit, most: 2.0 * unit };
+                assert!(error.to_string() == expected.to_string(), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn massless_rows_and_rounding_are_no_negative_masses() {
+        check(&[(0, 0, 1.0), (2, 2, -1e-17)], 1.0).unwrap();
+        check(&[(0, 0, 1.0), (2, 2, 0.0), (0, 2, 1e-18), (2, 0, 1e-18)], 1.0).unwrap();
+        // The consistent mass of a beam element, whose minors are positive.
+        let (a, b, c, d) = (156.0, 22.0, 4.0, -13.0);
+        check(
+            &[
+                (0, 0, a),
+                (0, 1, b),
+                (1, 0, b),
+                (1, 1, c),
+                (0, 2, 54.0),
+                (2, 0, 54.0),
+                (2, 2, a),
+                (1, 2, -d),
+                (2, 1, -d),
+            ],
+            1.0,
+        )
+        .unwrap();
+    }
+}
