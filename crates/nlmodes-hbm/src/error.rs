@@ -46,6 +46,17 @@ pub enum HbmError {
         /// Contact motion over largest motion.
         ratio: f64,
     },
+    /// The contact nodes were all that had mass of what moves with them.
+    #[error(
+        "mode {mode} ({frequency_hz:.4} Hz) moves no contact: all that moves with the contacts has lost its mass with them. A finer mesh \
+         has other nodes with mass, a mass redistribution by \"move\" or \"conserve\" needs some too"
+    )]
+    NoMassBehindContacts {
+        /// The mode, from 1.
+        mode: usize,
+        /// Its frequency, Hz.
+        frequency_hz: f64,
+    },
     /// A contact touches without force at rest, so that no linear motion precedes contact.
     #[error("contact {contact} touches at rest without force (gap {gap} m): there is no linear mode to start from")]
     TouchesAtRest {
@@ -65,10 +76,15 @@ pub enum HbmError {
         gap: f64,
     },
     /// The mode has no frequency (a rigid-body mode).
-    #[error("mode {mode} is a rigid-body mode: it has no frequency to start from")]
+    #[error(
+        "mode {mode} is a rigid-body mode, which strains nothing: it has no frequency to start from{}",
+        .first_elastic.map_or_else(String::new, |first| format!("; the first mode that vibrates is mode {first}"))
+    )]
     RigidBodyMode {
         /// The mode, from 1.
         mode: usize,
+        /// The lowest mode that has a frequency, if there is one.
+        first_elastic: Option<usize>,
     },
     /// Frequency or coefficients are not usable numbers.
     #[error("the motion has frequency {omega} rad/s and energy {energy} J; both must be positive and finite")]

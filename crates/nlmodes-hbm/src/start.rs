@@ -10,6 +10,12 @@ use crate::{CondensedStructure, HbmError, Scales};
 /// Motion of a contact, over the largest motion, below which a mode does not move it.
 const NO_MOTION: f64 = 1e-9;
 
+/// Squared angular frequency, over that of the lowest held mode, below which a mode is a rigid-body motion.
+const RIGID: f64 = 1e-12;
+
+/// Most rigid-body motions of a straight structure in its plane.
+const RIGID_MOTIONS: usize = 3;
+
 /// Guard at rest, over the largest gap, below which a contact touches without force.
 const ROUNDING: f64 = 1e-12;
 
@@ -88,7 +94,7 @@ pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, H
     match start.touching.first() {
         Some(&contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.gaps[contact] }),
         None => {
-            let (contact, amplitude) = start.first_change().ok_or_else(|| start.never_touches())?;
+            let (contact, amplitude) = start.first_change().ok_or_else(|| start.never_touches(structure))?;
             Ok(start.at(contact, amplitude, vec![0.0; structure.n_contacts()]))
         }
     }
@@ -137,8 +143,10 @@ impl LinearStart {
             return Err(HbmError::NoSuchMode { mode, available: modes.omega.len() });
         }
         let omega = modes.omega[mode - 1];
-        if !(omega.is_finite() && omega * omega > 1e-12 * structure.modes.first().map_or(0.0, |m| m.lambda)) {
-            return Err(HbmError::RigidBodyMode { mode });
+        if !vibrates(structure, omega) {
+            let more = modes_at_rest(structure, &rest, mode + RIGID_MOTIONS)?;
+            let first_elastic = more.omega.iter().position(|omega| vibrates(structure, *omega)).map(|k| k + 1);
+            return Err(HbmError::RigidBodyMode { mode, first_elastic });
         }
         let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
         let unit = free_position(structure, &shape);
@@ -157,11 +165,16 @@ impl LinearStart {
         let moving: Vec<usize> = (0..w.ncols()).filter(|&i| slopes[i].abs() > NO_MOTION * largest).collect();
         let touching = moving.iter().copied().filter(|&i| !rest.closed[i] && guards[i].abs() <= rest.noise).collect();
         let start = Self { mode, omega, rest, unit, guards, slopes, moving, touching, ratio };
-        if ratio < NO_MOTION { Err(start.never_touches()) } else { Ok(start) }
+        if ratio < NO_MOTION { Err(start.never_touches(structure)) } else { Ok(start) }
     }
 
-    fn never_touches(&self) -> HbmError {
-        HbmError::NeverTouches { mode: self.mode, frequency_hz: self.omega / std::f64::consts::TAU, ratio: self.ratio }
+    fn never_touches(&self, structure: &CondensedStructure) -> HbmError {
+        let (mode, frequency_hz) = (self.mode, self.omega / std::f64::consts::TAU);
+        if has_mass_behind_contacts(structure) {
+            HbmError::NeverTouches { mode, frequency_hz, ratio: self.ratio }
+        } else {
+            HbmError::NoMassBehindContacts { mode, frequency_hz }
+        }
     }
 
     /// The contact, none that touches at rest, whose guard reaches zero first as the mode grows, and the amplitude that takes it there
@@ -228,6 +241,19 @@ impl Rest {
         let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
         Ok(Self { closed, b, compliance: softest, noise })
     }
+}
+
+/// Whether a mode has a frequency beside that of the lowest held mode.
+fn vibrates(structure: &CondensedStructure, omega: f64) -> bool {
+    omega.is_finite() && omega * omega > RIGID * structure.modes.first().map_or(0.0, |m| m.lambda)
+}
+
+/// Whether any degree of freedom that moves together with that of a contact has mass.
+fn has_mass_behind_contacts(structure: &CondensedStructure) -> bool {
+    let (model, mass) = (&structure.model, structure.model.mass());
+    let together = |kind: DofKind, of: DofKind| kind == of || (of == DofKind::Deflection && kind == DofKind::Rotation);
+    let moves = |dof: DofKind| model.contacts().iter().any(|c| together(dof, model.dofs()[c.dof].kind));
+    (0..model.dofs().len()).any(|i| moves(model.dofs()[i].kind) && mass.get(i, i).is_some_and(|m| *m > 0.0))
 }
 
 /// Linear modes with the contacts that are closed at rest held, rigidly or by their springs; shapes over all degrees of freedom.

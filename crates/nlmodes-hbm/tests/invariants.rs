@@ -4,7 +4,7 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{EventKind, Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel};
 use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod, stops};
@@ -129,6 +129,24 @@ fn a_solution_shifted_in_time_is_a_solution() {
         let worst = rows.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         assert!(worst < 1e-10, "shift {phi}: {worst:e}");
         assert!(phi == 0.0 || at.residual[dofs * width + 1].abs() > 1e-2, "shift {phi} escapes the anchor");
+    }
+}
+
+#[test]
+fn a_free_phase_brings_no_crossing_and_few_evaluations_more() {
+    // In metres and in millimetres, before a stop on either side: the phase starts with either sign of the fundamental.
+    for (unit, side) in [(1.0, Side::Positive), (1e3, Side::Negative)] {
+        let model = rod(40, 210e9, 9000.0 / (unit * unit), 20.0 * unit, &[(40, side, 0.5 * unit)]);
+        let structure = condense(&model);
+        let [even, free] = [Symmetry::Even, Symmetry::None].map(|symmetry| {
+            let (mut problem, start) = problem(&structure, 1, 3, symmetry, Switching::Exact);
+            let branch = follow(&mut problem, &start, 1.2);
+            assert!((branch.points.last().unwrap().p - 1.2_f64.ln()).abs() < 1e-9, "{:?}", branch.stop);
+            assert!(branch.points.iter().all(|point| !point.events.contains(&EventKind::Kink)));
+            assert!(branch.crossings.is_empty());
+            branch.evaluations as f64 / branch.points.len() as f64
+        });
+        assert!(free < 3.0 * even, "{free} evaluations a point instead of {even}");
     }
 }
 

@@ -62,6 +62,41 @@ fn an_axial_mode_never_touches_a_transverse_stop() {
 }
 
 #[test]
+fn what_has_lost_all_mass_behind_its_contacts_is_told_from_a_mode_that_stays_away() {
+    // A row of masses along the axis, and one deflection, whose mass goes with its contact.
+    for unit in [1.0, 1e-6] {
+        let m = sparse_from_triplets(3, 3, &[(0, 0, unit), (1, 1, unit), (2, 2, unit)]).unwrap();
+        let k = [(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0), (2, 2, 1.0)];
+        let k = sparse_from_triplets(3, 3, &k).unwrap();
+        let kinds = [DofKind::Axial, DofKind::Axial, DofKind::Deflection];
+        let dofs = (0..3).map(|i| Dof { node: i, position: i as f64, kind: kinds[i] }).collect();
+        let model = StructuralModel::new(m, k, dofs, vec![Contact::rigid(2, Side::Positive, 0.1)]).unwrap();
+        let error = grazing(&condense(&model), 1).unwrap_err();
+        assert!(matches!(error, HbmError::NoMassBehindContacts { mode: 1, .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_rigid_body_between_walls_is_told_the_first_mode_that_vibrates() {
+    for (mass, stiffness) in [(1.0, 1.0), (1e-3, 1e9)] {
+        let masses: Vec<_> = (0..6).map(|i| (i, i, mass)).collect();
+        let mut k = Vec::new();
+        for i in 1..6 {
+            let [s, t] = [stiffness, -stiffness];
+            k.extend([(i - 1, i - 1, s), (i, i, s), (i - 1, i, t), (i, i - 1, t)]);
+        }
+        let dofs = (0..6).map(|i| Dof { node: i, position: i as f64, kind: DofKind::Axial }).collect();
+        let matrix = |entries: &[(usize, usize, f64)]| sparse_from_triplets(6, 6, entries).unwrap();
+        let walls = vec![Contact::rigid(0, Side::Negative, 0.1), Contact::rigid(5, Side::Positive, 0.1)];
+        let model = StructuralModel::new(matrix(&masses), matrix(&k), dofs, walls).unwrap();
+        let structure = condense(&model);
+        let error = grazing(&structure, 1).unwrap_err();
+        assert_eq!(error, HbmError::RigidBodyMode { mode: 1, first_elastic: Some(2) });
+        grazing(&structure, 2).unwrap();
+    }
+}
+
+#[test]
 fn modes_that_do_not_exist_are_named_with_the_number_there_is() {
     let structure = condense(&rod(5, 1.0, 1.0, 1.0, &[(5, Side::Positive, 1.0)]));
     for mode in [0, 5, 1000] {

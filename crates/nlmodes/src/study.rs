@@ -9,6 +9,7 @@ mod equal;
 mod error;
 mod events;
 mod homotopy;
+mod left;
 mod participation;
 mod periodic;
 mod points;
@@ -21,6 +22,7 @@ mod stability;
 mod start;
 mod touching;
 mod trace;
+mod watch;
 
 pub use accuracy::{Accuracy, AccuracyReached};
 pub use beyond::BeyondAccuracy;
@@ -29,7 +31,9 @@ pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_
 pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;
+pub use left::LeftMode;
 pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points};
 pub use refuse::check_study;
 pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};
+pub use watch::{Doing, Ended, Watch};

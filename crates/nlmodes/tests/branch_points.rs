@@ -4,14 +4,16 @@ mod support;
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nlmodes::fem::MassMatrix;
-use nlmodes::hbm::Symmetry;
+use nlmodes::hbm::{Switching, Symmetry};
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MasslessContactModel;
 use nlmodes::study::{
     BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
-    compute_branch, compute_tree,
+    StudyError, Watch, compute_branch, compute_tree,
 };
 use support::massless_beam;
 
@@ -97,7 +99,16 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
     for computed in [&even, &any] {
         assert_eq!(computed.branch.end.reason, "frequency-window", "{}", computed.branch.end.message);
         assert_eq!(computed.tongues().len(), 1);
+        // The phase brings no crossings of its own, at grazing or elsewhere.
+        assert!(computed.branch.points.iter().all(|p| !p.has_event("kink")));
     }
+    let a_point = |computed: &ComputedBranch| computed.evaluations as f64 / computed.branch.points.len() as f64;
+    assert!(
+        a_point(&any) < 4.0 * a_point(&even),
+        "{} instead of {} evaluations a point",
+        a_point(&any),
+        a_point(&even)
+    );
     let events = |computed: &ComputedBranch, name: &str| {
         let named = computed.branch.points.iter().filter(|p| p.has_event(name));
         named.map(|p| place(computed, p)).collect::<Vec<_>>()
@@ -205,6 +216,75 @@ fn a_branch_starts_at_an_energy() {
             assert!(energies.windows(2).all(|w| w[1] > w[0]) && (energies[energies.len() - 1] - end).abs() < 12.0);
         } else {
             assert!(energies.iter().any(|e| (e - end).abs() < 1e-6), "it does not pass grazing");
+        }
+    }
+}
+
+/// An exact branch comes back from the tip of the loop. Samples that do not divide a period in three part the arms there: the branch that ends
+/// on the second mode says so.
+#[test]
+fn a_sampled_branch_that_leaves_its_mode_says_so() {
+    let switching = |samples| BranchSettings { switching: Switching::Sampled { samples }, ..settings(3) };
+    let computed = compute_branch(rod(), &switching(256), go_on_alone).unwrap();
+    let left = computed.left_mode().expect("256 samples part the arms");
+    let (hz, energy) = place(&computed, &computed.branch.points[left.point]);
+    assert!((hz - 182.37496593 / 3.0).abs() < 1e-5 && (energy / 9.0005 - 1.0).abs() < 1e-3, "{hz} {energy}");
+    assert_eq!((left.harmonic, left.mode, left.at_branch_point), (3, Some(2), false));
+    assert_eq!(computed.branch.points.iter().filter(|p| p.has_event("other-mode")).count(), 1);
+    let end = &computed.branch.end;
+    assert!(!end.complete && end.reason == "other-mode" && end.message.contains("mode 2"), "{}", end.message);
+    // With 384 samples the three touches are alike, as with exact switching.
+    for settings in [settings(3), switching(384)] {
+        let computed = compute_branch(rod(), &settings, go_on_alone).unwrap();
+        assert_eq!(computed.left_mode(), None);
+        assert!(computed.branch.points.iter().all(|p| !p.has_event("other-mode")));
+        assert!(computed.branch.end.complete, "{}", computed.branch.end.message);
+    }
+    // Where the arm is asked for it is no failure.
+    let asked = BranchSettings { at_branch_point: BranchPointRule::Switch, ..settings(3) };
+    let computed = compute_branch(rod(), &asked, go_on_alone).unwrap();
+    assert!(computed.left_mode().is_some_and(|left| left.at_branch_point) && computed.branch.end.complete);
+}
+
+/// Whoever looks on ends a search at once, wherever it is, and what was found before that stays.
+#[test]
+fn a_study_ends_at_the_next_evaluation_wherever_it_is() {
+    let skip = BranchSettings {
+        harmonics: 9,
+        internal_resonance: ResonanceRule::Skip,
+        max_energy_ratio: Some(5.0),
+        ..BranchSettings::default()
+    };
+    let elsewhere = BranchSettings { start: BranchStart::Frequency { hz: 64.0, upward: true }, ..settings(5) };
+    for (base, wanted) in [(&skip, None), (&elsewhere, None), (&skip, Some("backbone")), (&elsewhere, Some("backbone"))]
+    {
+        for after in [1, 50, 400] {
+            let (asked, late) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
+            let counts = (Arc::clone(&asked), Arc::clone(&late));
+            let watch = Watch::new(move |doing, _| {
+                let counted = wanted.is_none_or(|wanted| doing.to_string().contains(wanted));
+                if counted && counts.0.fetch_add(1, Ordering::Relaxed) + 1 >= after {
+                    counts.1.fetch_add(1, Ordering::Relaxed);
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            });
+            let settings = BranchSettings { watch: watch.clone(), ..base.clone() };
+            let mut seen = 0;
+            let computed = compute_branch(support::rod(20, MassMatrix::Consistent), &settings, |_| {
+                seen += 1;
+                ControlFlow::Continue(())
+            });
+            assert!(watch.has_ended());
+            // Nothing was evaluated once it had ended.
+            assert_eq!(late.load(Ordering::Relaxed), 1);
+            match computed {
+                Ok(computed) => {
+                    assert_eq!(computed.branch.end.reason, "stopped", "{}", computed.branch.end.message);
+                    assert!(seen > 0 && !computed.branch.points.is_empty());
+                }
+                Err(error) => assert!(matches!(error, StudyError::Ended(_)) && seen == 0, "{error}, {seen} points"),
+            }
         }
     }
 }

@@ -138,7 +138,11 @@ impl Tracer<'_> {
         self.set_harmonics(from.harmonics)?;
         control.changed(from.harmonics);
         loop {
-            let (stop, change) = self.run(control, &from, bound, &mut stretch, &mut found, each)?;
+            let outcome = self.run(control, &from, bound, &mut stretch, &mut found, each);
+            if self.settings.watch.has_ended() && !found.points.is_empty() {
+                return Ok((found, StopReason::Stopped));
+            }
+            let (stop, change) = outcome?;
             let Some(change) = change else { return Ok((found, stop)) };
             from = match change {
                 Change::BackTo(harmonics) => {
@@ -266,7 +270,12 @@ impl Tracer<'_> {
         let series = problem.series();
         let place = Place { series, contacts: self.structure.n_contact_dofs(), energy: self.grazing.energy };
         let (problem, log) = (&mut self.problem, &mut *self.log);
+        let watch = &self.settings.watch;
+        problem.accepted(&from.x, from.p);
         let branch = method.run_with_log(problem, &from.x, from.p, &from.direction, log, |point| {
+            if watch.has_ended() {
+                return ControlFlow::Break(());
+            }
             let singular = point.events.iter().any(|e| matches!(e, EventKind::BranchPoint | EventKind::Kink));
             let error = (!singular).then(|| estimator.estimate(&point.x, point.p, &point.tangent));
             let mut names = Vec::new();

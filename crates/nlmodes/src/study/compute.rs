@@ -12,7 +12,11 @@ use super::prepare::{check_window, condense, exact, linear_start, shooting_modes
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::{First, Found, Shown, Tracer};
-use super::{AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StudyError};
+use super::watch::WatchedLog;
+use super::{
+    AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing, Ended, ResonanceRule,
+    StudyError,
+};
 
 /// Branches of a nonlinear mode that are connected by branch points.
 #[derive(Debug)]
@@ -69,10 +73,14 @@ pub fn compute_tree_with_log(
     if let Some(accuracy) = settings.accuracy {
         settings.harmonics = first_harmonics(accuracy, fewest);
     }
+    let mut log = WatchedLog { log, watch: settings.watch.clone() };
     loop {
-        match with_modes(&model, &settings, [fewest, at_least], log, &mut observe)? {
-            WithModes::Done(tree) => return Ok(tree),
-            WithModes::TooFew(modes) => at_least = 2 * modes,
+        match with_modes(&model, &settings, [fewest, at_least], &mut log, &mut observe) {
+            Ok(WithModes::Done(tree)) => return Ok(tree),
+            Ok(WithModes::TooFew(modes)) => at_least = 2 * modes,
+            // Whatever failed, it did since nothing was evaluated any more.
+            Err(_) if settings.watch.has_ended() => return Err(Ended.into()),
+            Err(error) => return Err(error),
         }
         // Where nothing more is wanted, the next point will tell.
         let _ = observe(BranchProgress::Withdrawn { branch: 0, kept: 0 });
@@ -103,6 +111,7 @@ fn with_modes(
     let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
     let start_event = if from_grazing { "grazing" } else { "start" };
+    settings.watch.begins(Doing::Branch)?;
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
         (_, ResonanceRule::Skip) => {
@@ -144,6 +153,7 @@ fn with_modes(
             settings: settings.clone(),
         };
         computed.review_accuracy();
+        computed.review_departure();
         computed
     });
     let branches = branches.collect();

@@ -4,7 +4,7 @@ use nlmodes_hbm::HbmError;
 use nlmodes_timestep::TimestepError;
 use thiserror::Error;
 
-use super::PeriodicError;
+use super::{Ended, PeriodicError};
 
 /// Why a study has no result.
 #[derive(Debug, Error)]
@@ -22,6 +22,9 @@ pub enum StudyError {
     /// The continuation.
     #[error(transparent)]
     Continuation(#[from] ContinuationError<PeriodicError>),
+    /// It was asked to end before there was any point.
+    #[error("no point was found before the computation was asked to end")]
+    Ended(#[from] Ended),
     /// Shooting was asked for with a setting that it does not have.
     #[error("shooting finds motions that are even in time; others need harmonic balance")]
     NotEven,
@@ -67,6 +70,7 @@ impl From<PeriodicError> for StudyError {
         match error {
             PeriodicError::Harmonics(error) => Self::Hbm(error),
             PeriodicError::Exact(error) => Self::Timestep(error),
+            PeriodicError::Ended(ended) => Self::Ended(ended),
         }
     }
 }

@@ -10,6 +10,7 @@ use nlmodes_continuation::EventKind;
 /// | `branch-point` | other branches cross |
 /// | `kink` | the branch has a corner |
 /// | `contact-change` | the sequence of closed contacts within a period changes |
+/// | `other-mode` | the branch has left its nonlinear mode for that of another linear mode (given by the study) |
 /// | `harmonics`, `harmonics-unproven`, `accuracy-limit` | the number of harmonics changes, and what comes of an [`super::Accuracy`] (given by the study) |
 pub fn event_name(kind: EventKind) -> &'static str {
     match kind {

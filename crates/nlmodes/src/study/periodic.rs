@@ -6,6 +6,8 @@ use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
 
+use super::{BranchSettings, Ended, Watch};
+
 /// Why a periodic problem cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -16,63 +18,87 @@ pub enum PeriodicError {
     /// By exact integration.
     #[error(transparent)]
     Exact(#[from] TimestepError),
+    /// The study was asked to end.
+    #[error(transparent)]
+    Ended(#[from] Ended),
 }
 
-/// Equations of periodic motions, as a system for continuation.
-pub(super) enum Periodic<'s> {
+/// Equations of periodic motions, as a system for continuation that is watched.
+pub(super) struct Periodic<'s> {
+    equations: Equations<'s>,
+    watch: Watch,
+}
+
+enum Equations<'s> {
     Harmonics(Box<MixedShooting<'s>>),
     Exact(Box<ModeShooting>),
 }
 
-impl Periodic<'_> {
+impl<'s> Periodic<'s> {
+    pub fn in_harmonics(problem: MixedShooting<'s>, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Harmonics(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    pub fn exact(problem: ModeShooting, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Exact(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    /// The exact problem, if it is one.
+    pub fn shooting(&mut self) -> Option<&mut ModeShooting> {
+        match &mut self.equations {
+            Equations::Harmonics(_) => None,
+            Equations::Exact(problem) => Some(problem),
+        }
+    }
+
     /// Unknowns at grazing and the direction of growing amplitude.
     pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
-        match self {
-            Self::Harmonics(problem) => {
+        match &self.equations {
+            Equations::Harmonics(problem) => {
                 let (series, dim) = (problem.series(), problem.dim());
                 (grazing.unknowns(series, dim), grazing.direction(series, dim))
             }
-            Self::Exact(problem) => problem.start(),
+            Equations::Exact(problem) => problem.start(),
         }
     }
 
     /// The problem in harmonics, if it is one.
-    pub fn harmonics(&self) -> Option<&MixedShooting<'_>> {
-        match self {
-            Self::Harmonics(problem) => Some(problem),
-            Self::Exact(_) => None,
+    pub fn harmonics(&self) -> Option<&MixedShooting<'s>> {
+        match &self.equations {
+            Equations::Harmonics(problem) => Some(problem),
+            Equations::Exact(_) => None,
         }
     }
 
     /// Index of the frequency among the unknowns.
     pub fn frequency_index(&self) -> usize {
-        match self {
-            Self::Harmonics(problem) => problem.frequency_index(),
-            Self::Exact(problem) => problem.frequency_index(),
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.frequency_index(),
+            Equations::Exact(problem) => problem.frequency_index(),
         }
     }
 
     /// Angular frequency of the unknowns `x`, rad/s.
     pub fn omega(&self, x: &[f64]) -> f64 {
-        match self {
-            Self::Harmonics(problem) => problem.omega(x),
-            Self::Exact(problem) => problem.omega(x),
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.omega(x),
+            Equations::Exact(problem) => problem.omega(x),
         }
     }
 
     /// Iterations of the contact solver.
     pub fn contact_iterations(&self) -> usize {
-        match self {
-            Self::Harmonics(problem) => problem.contact_iterations(),
-            Self::Exact(_) => 0,
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.contact_iterations(),
+            Equations::Exact(_) => 0,
         }
     }
 
     /// The point with the unknowns `x`; that of an exact motion may have more harmonics than were asked for.
     pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, PeriodicError> {
-        Ok(match self {
-            Self::Harmonics(problem) => problem.modal_point(x, residual)?,
-            Self::Exact(problem) => problem.modal_point(x, residual)?,
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.modal_point(x, residual)?,
+            Equations::Exact(problem) => problem.modal_point(x, residual)?,
         })
     }
 
@@ -86,10 +112,10 @@ impl Periodic<'_> {
         if let Some(modal) = onto.of_motion(motion) {
             return Ok(modal);
         }
-        Ok(match self {
-            Self::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
             // Exact motions are those of all degrees of freedom.
-            Self::Exact(_) => HarmonicCoefficients::zeros(0, 0),
+            Equations::Exact(_) => HarmonicCoefficients::zeros(0, 0),
         })
     }
 
@@ -101,9 +127,9 @@ impl Periodic<'_> {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, PeriodicError> {
-        Ok(match self {
-            Self::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
-            Self::Exact(problem) => problem.time_history(x, contact, samples, label)?,
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
+            Equations::Exact(problem) => problem.time_history(x, contact, samples, label)?,
         })
     }
 }
@@ -112,30 +138,31 @@ impl ParametricSystem for Periodic<'_> {
     type Error = PeriodicError;
 
     fn dim(&self) -> usize {
-        match self {
-            Self::Harmonics(problem) => problem.dim(),
-            Self::Exact(problem) => problem.dim(),
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.dim(),
+            Equations::Exact(problem) => problem.dim(),
         }
     }
 
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), PeriodicError> {
-        match self {
-            Self::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
-            Self::Exact(problem) => Ok(problem.linearize(x, p, out)?),
+        self.watch.evaluates()?;
+        match &mut self.equations {
+            Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
+            Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
         }
     }
 
     fn pattern(&self) -> u64 {
-        match self {
-            Self::Harmonics(problem) => problem.pattern(),
-            Self::Exact(problem) => problem.pattern(),
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.pattern(),
+            Equations::Exact(problem) => problem.pattern(),
         }
     }
 
     fn accepted(&mut self, x: &[f64], p: f64) {
-        match self {
-            Self::Harmonics(problem) => problem.accepted(x, p),
-            Self::Exact(problem) => problem.accepted(x, p),
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.accepted(x, p),
+            Equations::Exact(problem) => problem.accepted(x, p),
         }
     }
 }

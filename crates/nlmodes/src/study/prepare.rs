@@ -11,7 +11,7 @@ use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
 
 use super::periodic::Periodic;
-use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, StudyError};
+use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing, StudyError};
 
 /// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
 const MIN_ENERGY_RATIO: f64 = 1e-3;
@@ -31,6 +31,7 @@ pub(super) fn condense(
     settings: &BranchSettings,
     at_least: usize,
 ) -> Result<CondensedStructure, StudyError> {
+    settings.watch.begins(Doing::Modes)?;
     let size = model.linear_dofs().len();
     if let Some(accuracy) = settings.accuracy {
         return super::accuracy::condense(model, settings, accuracy, at_least);
@@ -44,6 +45,7 @@ pub(super) fn condense(
     // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
     let mut count = 32 + 8 * settings.harmonics;
     loop {
+        settings.watch.begins(Doing::Modes)?;
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
         let top = settings.frequency_hz.map(|w| w[1] * TAU);
         let top = top.map_or_else(|| Ok(2.0 * linear_start(&structure, settings)?.omega), Ok::<f64, StudyError>)?;
@@ -87,8 +89,8 @@ pub(super) fn periodic<'s>(
     start: &Grazing,
 ) -> Result<Periodic<'s>, StudyError> {
     Ok(match settings.method {
-        BranchMethod::HarmonicBalance => Periodic::Harmonics(Box::new(problem(structure, settings, start)?)),
-        BranchMethod::Shooting => Periodic::Exact(Box::new(exact(structure.model(), settings, start)?)),
+        BranchMethod::HarmonicBalance => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
+        BranchMethod::Shooting => Periodic::exact(exact(structure.model(), settings, start)?, settings),
     })
 }
 

@@ -1,7 +1,7 @@
 use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{Switching, Symmetry};
 
-use super::Accuracy;
+use super::{Accuracy, Watch};
 
 /// Where a branch begins, and which way it goes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -113,6 +113,8 @@ pub struct BranchSettings {
     pub max_points: usize,
     /// Steps of the continuation.
     pub step: StepSettings,
+    /// Who looks on and may end the computation. Default nobody.
+    pub watch: Watch,
 }
 
 impl Default for BranchSettings {
@@ -137,6 +139,7 @@ impl Default for BranchSettings {
             stability: StabilityRule::Auto,
             max_points: 5000,
             step: StepSettings::default(),
+            watch: Watch::default(),
         }
     }
 }

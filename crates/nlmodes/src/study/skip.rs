@@ -9,7 +9,7 @@ use nlmodes_modal::{BranchEnd, InternalResonance, ModalPoint};
 use super::branch::branch_end;
 use super::start::{Seed, Target, heading, refined};
 use super::trace::{First, Found, Shown, Tracer};
-use super::{BranchProgress, StudyError};
+use super::{BranchProgress, Doing, StudyError};
 
 /// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less than half of that.
 const FOOT: f64 = 0.05;
@@ -41,8 +41,10 @@ pub(super) fn follow(
     let mut stretch = 0;
     loop {
         let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
+        let watch = tracer.settings.watch.clone();
+        let _ = watch.begins(Doing::Branch);
         let before = all.points.len();
-        let (segment, stop) = tracer.trace(&seed, None, first, |shown| {
+        let traced = tracer.trace(&seed, None, first, |shown| {
             let point = match shown {
                 Shown::Point(point) => point,
                 Shown::Withdrawn(kept) => {
@@ -57,7 +59,11 @@ pub(super) fn follow(
             count += 1;
             observe(BranchProgress::Found { branch: 0, point })?;
             if count < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        })?;
+        });
+        let (segment, stop) = match traced {
+            Err(_) if watch.has_ended() && before > 0 => (Found::default(), StopReason::Stopped),
+            traced => traced?,
+        };
         let Some(resonance) = resonance else {
             all.append(segment);
             let end = branch_end(&stop, tracer, all.points.len());
@@ -79,7 +85,12 @@ pub(super) fn follow(
             return Ok((all, end));
         }
         let near = all.points[foot].clone();
-        match resume(tracer, &near, upward, resonance)? {
+        let behind = resume(tracer, &near, upward, resonance);
+        if watch.has_ended() {
+            let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+            return Ok((all, end));
+        }
+        match behind? {
             Behind::Found { points, seed: next } => {
                 for point in &points.points {
                     if observe(BranchProgress::Found { branch: 0, point }).is_break() {

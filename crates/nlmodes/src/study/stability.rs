@@ -9,7 +9,8 @@ use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{Floquet, MAX_SHOOTING_MODES, ModeShooting, ReducedStructure};
 
 use super::periodic::Periodic;
-use super::{BranchMethod, BranchSettings, StabilityRule};
+use super::watch::Watched;
+use super::{BranchMethod, BranchSettings, StabilityRule, Watch};
 
 /// Modes up to which the multipliers of a motion in harmonics cost no more than the motion itself.
 const CHEAP: usize = 16;
@@ -30,6 +31,7 @@ pub(super) enum Probe {
 /// The exact motions of a structure whose points are known in harmonics.
 pub(super) struct Beside {
     shooting: ModeShooting,
+    watch: Watch,
     /// Guess at the last point of the branch, unknowns and parameter.
     last: Option<Vec<f64>>,
 }
@@ -50,15 +52,17 @@ impl Probe {
         // A structure of more modes than are cheap is not to be judged by some of them unasked.
         let reduced = reduced.filter(|r| settings.stability == StabilityRule::Always || r.n_held_modes() == size);
         let shooting = reduced.and_then(|r| ModeShooting::new(r, grazing.omega, settings.harmonics).ok());
-        shooting.map_or(Self::Silent, |shooting| Self::Beside(Box::new(Beside { shooting, last: None })))
+        shooting.map_or(Self::Silent, |shooting| {
+            Self::Beside(Box::new(Beside { shooting, watch: settings.watch.clone(), last: None }))
+        })
     }
 
     /// Stability of the point with the unknowns `x`; `None` where it is not asked for or could not be found.
     pub fn of(&mut self, viewer: &mut Periodic, x: &[f64], point: &ModalPoint) -> Option<Stability> {
-        match (self, viewer) {
-            (Self::Exact, Periodic::Exact(problem)) => problem.floquet(x).ok().map(|found| stability(&found)),
-            (Self::Beside(beside), _) => beside.of(point),
-            _ => None,
+        match self {
+            Self::Exact => viewer.shooting()?.floquet(x).ok().map(|found| stability(&found)),
+            Self::Beside(beside) => beside.of(point),
+            Self::Silent => None,
         }
     }
 
@@ -85,7 +89,8 @@ impl Beside {
         let along = along.filter(|d| length(d) > 1e-9 * length(&guess)).unwrap_or(upward);
         let (p, x) = guess.split_last()?;
         let method = Continuation { max_points: 1, ..Continuation::default() };
-        let found = method.run(&mut self.shooting, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
+        let mut watched = Watched { system: &mut self.shooting, watch: &self.watch };
+        let found = method.run(&mut watched, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
         let exact = found.points.into_iter().next()?;
         let gap: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
         if length(&gap) > NEAR * length(x) {

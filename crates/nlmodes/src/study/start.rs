@@ -10,7 +10,7 @@ use super::periodic::Periodic;
 use super::prepare::{continuation, periodic, problem, within_window};
 use super::touching::beginning;
 use super::trace::Tracer;
-use super::{BranchMethod, BranchSettings, BranchStart, StudyError};
+use super::{BranchMethod, BranchSettings, BranchStart, Doing, StudyError};
 
 /// Most points on the way to a start.
 const APPROACH: usize = 1000;
@@ -71,6 +71,13 @@ impl Target {
         }
     }
 
+    fn sought(self) -> Doing {
+        match self {
+            Self::Frequency(hz) => Doing::BackboneAtFrequency(hz),
+            Self::Energy(ratio) => Doing::BackboneAtEnergy(ratio),
+        }
+    }
+
     fn not_found(self, reason: String) -> StudyError {
         match self {
             Self::Frequency(hz) => StudyError::NoStart { hz, reason },
@@ -101,6 +108,7 @@ pub(super) fn seed(
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
+            settings.watch.begins(Doing::Start)?;
             let seed = beginning(problem, settings, start, log)?;
             if start.touches_at_rest() {
                 within_window(settings, problem.omega(&seed.x) / TAU)?;
@@ -108,6 +116,7 @@ pub(super) fn seed(
             return Ok(seed);
         }
     };
+    settings.watch.begins(target.sought())?;
     let mut other = periodic(structure, settings, start)?;
     match on_backbone(&mut other, settings, start, target, log) {
         Ok((x, p)) => {
@@ -128,6 +137,7 @@ pub(super) fn refined(
     upward: bool,
     log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
+    settings.watch.begins(target.sought())?;
     let mut failure = None;
     let harmonic = BranchSettings {
         method: BranchMethod::HarmonicBalance,
@@ -165,7 +175,7 @@ fn exact_seed(
 ) -> Result<Seed, StudyError> {
     let mut problem = super::prepare::exact(structure.model(), settings, start)?;
     let (mut x, mut p) = problem.unknowns(&point.coefficients, point.omega)?;
-    let mut problem = Periodic::Exact(Box::new(problem));
+    let mut problem = Periodic::exact(problem, settings);
     let (coordinate, value) = target.coordinate((&problem).into(), start);
     // What the reduction changes of the grazing changes what the target is.
     match target {
@@ -195,7 +205,8 @@ fn refined_from(
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
     let coarse_problem = problem(structure, &coarse, start)?;
     let mut series = coarse_problem.series();
-    let (mut x, mut p) = on_backbone(&mut Periodic::Harmonics(Box::new(coarse_problem)), &coarse, start, target, log)?;
+    let (mut x, mut p) =
+        on_backbone(&mut Periodic::in_harmonics(coarse_problem, &coarse), &coarse, start, target, log)?;
     for harmonics in ladder(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let problem = self::problem(structure, &step, start)?;
@@ -204,7 +215,7 @@ fn refined_from(
         let direction = along((&problem).into(), start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate((&problem).into(), start);
-        let mut problem = Periodic::Harmonics(Box::new(problem));
+        let mut problem = Periodic::in_harmonics(problem, &step);
         let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
             .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, Effort::FULL, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;

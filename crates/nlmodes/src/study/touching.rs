@@ -10,7 +10,8 @@ use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::problem;
 use super::start::{FEW, Seed, ladder, one_point};
-use super::{BranchSettings, StudyError};
+use super::watch::Watched;
+use super::{BranchSettings, Doing, StudyError};
 
 /// Most points on the way from contacts that stand back to contacts that touch.
 const MOST: usize = 1000;
@@ -46,6 +47,7 @@ fn before_touching_contacts(
     start: &Grazing,
     log: &mut dyn RunLog,
 ) -> Result<Seed, StudyError> {
+    settings.watch.begins(Doing::Touching)?;
     let mut failure = None;
     for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
         match refined_from(structure, settings, start, first, log) {
@@ -69,7 +71,7 @@ fn refined_from(
         let problem = problem(structure, &finer, start)?;
         let (next, dim) = (problem.series(), problem.dim());
         let guess: Vec<f64> = problem.resized(&x, series).into_iter().chain([0.0]).collect();
-        let mut problem = Periodic::Harmonics(Box::new(problem));
+        let mut problem = Periodic::in_harmonics(problem, &finer);
         let mut energy = vec![0.0; dim + 1];
         energy[dim] = 1.0;
         let corrected = one_point(&finer, start, &mut problem, &guess, &energy, log)
@@ -99,6 +101,7 @@ fn close(
     let mut direction = vec![0.0; dim + 1];
     direction[dim] = -1.0;
     let mut closing = problem.closing(&start.opening);
+    let mut closing = Watched { system: &mut closing, watch: &settings.watch };
     let x = start.unknowns(series, dim);
     let branch = method
         .run_with_log(&mut closing, &x, 1.0, &direction, log, |_| ControlFlow::Continue(()))

@@ -10,12 +10,13 @@ use nlmodes_modal::ModalPoint;
 
 use super::accuracy::Control;
 use super::events::event_name;
+use super::left::{Departure, OTHER_MODE};
 use super::periodic::Periodic;
 use super::prepare::{continuation, estimator, periodic};
 use super::resonances::Resonances;
 use super::stability::{Probe, length};
 use super::start::Seed;
-use super::{BranchMethod, BranchSettings, StudyError};
+use super::{BranchMethod, BranchSettings, StudyError, Watch};
 
 /// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may take.
 const CHANGE_LOCATED: f64 = 1e-7;
@@ -179,12 +180,13 @@ impl<'s> Tracer<'s> {
         let mut found = Found::new(&first);
         let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
+        let watch = &self.settings.watch;
         problem.accepted(&seed.x, seed.p);
         let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
-            found.keep(viewer, point).iter().map(Shown::Point).try_for_each(&mut each)
+            found.keep_unless_ended(watch, viewer, point)?.iter().map(Shown::Point).try_for_each(&mut each)
         })?;
         found.count(&branch);
-        Ok((found, branch.stop))
+        Ok((found, if watch.has_ended() { StopReason::Stopped } else { branch.stop }))
     }
 
     /// The modal points of a tree of branches; `each` is shown every point with the number of its branch.
@@ -200,7 +202,8 @@ impl<'s> Tracer<'s> {
         let viewer = &mut self.viewer;
         let (problem, log) = (&mut self.problem, &mut *self.log);
         problem.accepted(&seed.x, seed.p);
-        let tree = method.run_tree_with_log(
+        let watch = &self.settings.watch;
+        let mut tree = method.run_tree_with_log(
             problem,
             &seed.x,
             seed.p,
@@ -211,9 +214,17 @@ impl<'s> Tracer<'s> {
                 if number == all.len() {
                     all.push(Found::new(&First::Plain));
                 }
-                all[number].keep(viewer, point).iter().try_for_each(|modal| each(number, modal))
+                let points = all[number].keep_unless_ended(watch, viewer, point)?;
+                points.iter().try_for_each(|modal| each(number, modal))
             },
         )?;
+        if watch.has_ended() {
+            // Arms that were open still begin, and have no points.
+            let begun = all.iter().take_while(|found| !found.points.is_empty()).count().max(1);
+            all.truncate(begun);
+            tree.branches.truncate(begun);
+            tree.branches.iter_mut().last().into_iter().for_each(|b| b.branch.stop = StopReason::Stopped);
+        }
         all.iter_mut().zip(&tree.branches).for_each(|(found, b)| found.count(&b.branch));
         Ok((all, tree))
     }
@@ -238,6 +249,8 @@ pub(super) struct Found {
     /// Points kept when each point of the continuation had been seen.
     seen: Vec<usize>,
     start_event: Option<String>,
+    /// Where the branch leaves its nonlinear mode.
+    departure: Departure,
     /// The solution kept last, with its parameter.
     last: Option<Vec<f64>>,
     /// Where the run began, and whether that point is left out.
@@ -257,6 +270,26 @@ impl Found {
         self.take(viewer, point);
         self.seen.push(self.points.len());
         &self.points[before..]
+    }
+
+    /// As [`Self::keep`], but nothing once the study has ended: what is found then may lack what could not be looked for any more.
+    fn keep_unless_ended(
+        &mut self,
+        watch: &Watch,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+    ) -> ControlFlow<(), &[ModalPoint]> {
+        if watch.has_ended() {
+            return ControlFlow::Break(());
+        }
+        let before = self.points.len();
+        self.keep(viewer, point);
+        if watch.has_ended() {
+            self.truncate(before);
+            self.seen.pop();
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(&self.points[before..])
     }
 
     fn take(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> Option<()> {
@@ -288,6 +321,9 @@ impl Found {
         self.largest_held_modes_error = error.map_or(0.0, |e| e.held_modes).max(self.largest_held_modes_error);
         if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
             self.push(change, x);
+        }
+        if self.departure.is_seen(&modal) {
+            modal.events.push(OTHER_MODE.to_owned());
         }
         viewer.probe.accepted(&modal);
         self.last = Some(point.z());
