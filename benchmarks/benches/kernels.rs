@@ -16,7 +16,7 @@ fn kernels(criterion: &mut Criterion) {
             bencher.iter_custom(|iterations| {
                 let before = thread_time();
                 (0..iterations).for_each(|_| kernel());
-                thread_time() - before
+                thread_time().saturating_sub(before)
             });
         });
     }

@@ -78,7 +78,7 @@ fn header(title: &str, first: &[&str]) {
 fn row(first: &[String], model: MasslessContactModel, settings: &BranchSettings) {
     let began = thread_time();
     let outcome = compute_branch(model, settings, |_| ControlFlow::Continue(()));
-    let time = (thread_time() - began).as_secs_f64() * 1e3;
+    let time = thread_time().saturating_sub(began).as_secs_f64() * 1e3;
     let cells = match outcome {
         Ok(computed) => describe(&computed, time),
         Err(error) => format!("- | - | - | - | no branch: {error} | - | {time:.0}"),

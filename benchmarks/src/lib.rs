@@ -143,7 +143,8 @@ fn bench(law: ContactLaw) -> Result<(Bench, ModalReduction), Failure> {
     Ok((bench, reduction))
 }
 
-/// Time that the processor has spent on the calling thread; other programs on the machine do not count.
+/// Time that the processor has spent on the calling thread; other programs on the machine do not count. Under callgrind and other simulators
+/// it may go back: differences are to be taken with `saturating_sub`.
 pub fn thread_time() -> Duration {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or(0))
@@ -157,7 +158,7 @@ pub fn smallest_time<T>(rounds: usize, mut work: impl FnMut() -> T) -> f64 {
         (0..runs).for_each(|_| {
             std::hint::black_box(work());
         });
-        (thread_time() - before).as_secs_f64() / runs as f64
+        thread_time().saturating_sub(before).as_secs_f64() / runs as f64
     };
     let mut least = time(runs);
     while runs < 1 << 20 && least * (runs as f64) < 2e-3 {

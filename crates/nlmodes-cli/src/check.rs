@@ -10,7 +10,9 @@ use nlmodes_scene::scene::{
 };
 
 /// What the scene would compute.
-pub fn summary(scene: &Scene) -> String {
+///
+/// `warned` says that something stands above it which is to be read first.
+pub fn summary(scene: &Scene, warned: bool) -> String {
     let mut lines = vec![scene.title.clone(), String::new()];
     lines.push(row("structure", &structure(&scene.structure)));
     lines.extend(scene.structure.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
@@ -24,7 +26,8 @@ pub fn summary(scene: &Scene) -> String {
     lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
     lines.push(row("results", &scene.output_directory.display().to_string()));
     lines.push(String::new());
-    lines.push("The scene is sound; nothing was computed.".into());
+    let verdict = if warned { "can be computed, but see the warning" } else { "is sound" };
+    lines.push(format!("The scene {verdict}; nothing was computed."));
     lines.join("\n")
 }
 

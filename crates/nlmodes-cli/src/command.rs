@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use nlmodes_run::updating::updated;
 use nlmodes_run::{chain, no_contact};
 use nlmodes_scene::scene::TestScene;
-use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory};
+use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, nearest};
 
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
@@ -165,7 +166,7 @@ struct SceneArguments {
 
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
-    match CommandLine::parse().command {
+    match CommandLine::try_parse().unwrap_or_else(|error| said_better(error).exit()).command {
         Command::Run { scene, out, options } => {
             let limit = scene.memory_limit;
             with(scenes::load_to_run(&scene.path, &scene.overrides), |scene| run_any(scene, out, limit, options))
@@ -195,6 +196,24 @@ pub fn run() -> Status {
     }
 }
 
+/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own guesses go further.
+fn said_better(mut error: clap::Error) -> clap::Error {
+    if error.kind() == ErrorKind::InvalidSubcommand {
+        let typed = match error.get(ContextKind::InvalidSubcommand) {
+            Some(ContextValue::String(typed)) => typed.clone(),
+            _ => String::new(),
+        };
+        let command = CommandLine::command();
+        let meant = nearest(&typed, command.get_subcommands().map(clap::Command::get_name));
+        let meant = ContextValue::Strings(meant.map(str::to_owned).into_iter().collect());
+        error.remove(ContextKind::SuggestedSubcommand);
+        if meant != ContextValue::Strings(Vec::new()) {
+            error.insert(ContextKind::SuggestedSubcommand, meant);
+        }
+    }
+    error
+}
+
 /// Says what a scene would compute.
 fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
     match scene {
@@ -207,8 +226,15 @@ fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
                 if file.scene.contacts.is_empty() {
                     return refuse(&no_contact(&file));
                 }
-                match updated(file.clone()).and_then(|updated| nlmodes_run::check(&updated)) {
-                    Ok(()) => print(&check::summary(&file.scene)),
+                let checked = updated(file.clone()).and_then(|updated| {
+                    nlmodes_run::check(&updated)?;
+                    nlmodes_run::mass::warning_of(&updated)
+                });
+                match checked {
+                    Ok(warning) => {
+                        warning.iter().for_each(|text| say!("warning: {text}\n"));
+                        print(&check::summary(&file.scene, warning.is_some()))
+                    }
                     Err(error) => refuse_run(&error),
                 }
             })

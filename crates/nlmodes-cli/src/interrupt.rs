@@ -1,9 +1,18 @@
-//! Ctrl-C: the first one ends the computation behind the step in progress, the second one ends it at once.
+//! Ctrl-C: the first one ends the computation where it is, which writes what was found; where nothing was, and the second time, at once.
 
 use std::process;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// What there is to keep: nothing is known of that, there is nothing yet, or there is something.
+static FOUND: AtomicU8 = AtomicU8::new(UNKNOWN);
+const UNKNOWN: u8 = 0;
+const NOTHING: u8 = 1;
+const SOMETHING: u8 = 2;
+
+/// Exit status of a computation that ended early.
+const EARLY: i32 = 1;
 
 /// Exit status of a program that Ctrl-C ends.
 const ENDED: i32 = 130;
@@ -14,12 +23,26 @@ pub fn install() {
         if REQUESTED.swap(true, Ordering::SeqCst) {
             process::exit(ENDED);
         }
+        if FOUND.load(Ordering::SeqCst) == NOTHING {
+            say!("\ninterrupted before any point was found: there are no results");
+            process::exit(EARLY);
+        }
         say!("\ninterrupted: ends behind the step in progress and writes what was found; Ctrl-C again ends at once");
     });
     // Without it Ctrl-C ends the program as it ends any other; the points found are on disk.
     if let Err(error) = outcome {
         say!("warning: Ctrl-C will end the program at once: {error}");
     }
+}
+
+/// A computation begins: until [`something_found`] nothing is lost with it, and Ctrl-C ends it at once, whatever it is at.
+pub fn nothing_found_yet() {
+    _ = FOUND.compare_exchange(UNKNOWN, NOTHING, Ordering::SeqCst, Ordering::SeqCst);
+}
+
+/// There is something that a computation writes when it ends.
+pub fn something_found() {
+    FOUND.store(SOMETHING, Ordering::SeqCst);
 }
 
 /// Whether the user wants it to end.

@@ -2,10 +2,13 @@
 
 use std::f64::consts::TAU;
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use nlmodes::modal::ModalPoint;
+use nlmodes::study::Watch;
 
 use crate::options::RunOptions;
 use nlmodes_scene::number;
@@ -13,6 +16,9 @@ use nlmodes_scene::scene::{Scene, Start};
 
 /// Time between two plain lines.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
+
+/// Time after which a moving line that shows the last point shows what is done since then.
+const MOVING_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Parts of the moving bar.
 const PARTS: u64 = 1000;
@@ -23,7 +29,8 @@ pub struct Progress {
     plain: bool,
     verbose: bool,
     began: Instant,
-    last: Instant,
+    /// When something was said last, by points or between them.
+    last: Arc<Mutex<Instant>>,
     points: usize,
     repeated: usize,
     event: String,
@@ -46,7 +53,7 @@ impl Progress {
             plain: !options.quiet && !terminal,
             verbose: options.verbose,
             began: now,
-            last: now,
+            last: Arc::new(Mutex::new(now)),
             points: 0,
             repeated: 0,
             event: String::new(),
@@ -72,10 +79,30 @@ impl Progress {
             bar.set_position((share * PARTS as f64) as u64);
             bar.set_message(self.line(point));
             bar.tick();
-        } else if self.plain && !self.verbose && self.last.elapsed() >= PLAIN_INTERVAL {
+            is_due(&self.last, Duration::ZERO);
+        } else if self.plain && !self.verbose && is_due(&self.last, PLAIN_INTERVAL) {
             say!("{}", self.line(point));
-            self.last = Instant::now();
         }
+    }
+
+    /// Looks on between points: says what is sought where that takes long, and ends it when `ended` says so.
+    pub fn watch(&self, ended: impl Fn() -> bool + Send + Sync + 'static) -> Watch {
+        let (bar, plain, last, began) = (self.bar.clone(), self.plain, Arc::clone(&self.last), self.began);
+        Watch::new(move |doing, evaluations| {
+            if ended() {
+                return ControlFlow::Break(());
+            }
+            let line = || format!("{doing}, {evaluations} evaluations, {:.0} s", began.elapsed().as_secs_f64());
+            match &bar {
+                Some(bar) if is_due(&last, MOVING_INTERVAL) => {
+                    bar.set_message(line());
+                    bar.tick();
+                }
+                None if plain && is_due(&last, PLAIN_INTERVAL) => say!("{}", line()),
+                _ => {}
+            }
+            ControlFlow::Continue(())
+        })
     }
 
     /// Only the first `kept` points stay.
@@ -124,6 +151,16 @@ impl Progress {
         let (energy, residual) = (point.kinetic_energy, point.residual);
         format!("{branch}point {number}: {frequency:.6} Hz, {energy:.6e} J, residual {residual:.1e}{events}")
     }
+}
+
+/// Whether nothing was said for this long; from now on something was.
+fn is_due(last: &Mutex<Instant>, interval: Duration) -> bool {
+    let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+    let due = last.elapsed() >= interval;
+    if due {
+        *last = Instant::now();
+    }
+    due
 }
 
 /// Where a branch ends at the latest.

@@ -1,6 +1,8 @@
 //! What a run tells, on the terminal.
 
+use std::collections::HashSet;
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 use nlmodes::virtual_test::TestLevel;
 use nlmodes_run::linear::modal_model;
@@ -17,6 +19,8 @@ use crate::{Status, interrupt, modes, told};
 pub struct Watch {
     options: RunOptions,
     progress: Option<Progress>,
+    /// Several parts of a scene have much to warn of in common.
+    warned: HashSet<String>,
     /// Whether something could not be told on standard output, or ended early.
     pub status: Status,
 }
@@ -24,7 +28,7 @@ pub struct Watch {
 impl Watch {
     /// Nothing has happened yet.
     pub fn new(options: RunOptions) -> Self {
-        Self { options, progress: None, status: Status::Done }
+        Self { options, progress: None, warned: HashSet::new(), status: Status::Done }
     }
 
     fn print(&mut self, text: &str) {
@@ -56,21 +60,31 @@ impl Observer for Watch {
                 say!("part {} of {of}: {}", number + 1, folder.display());
             }
             Event::Begun(scene) => {
+                interrupt::nothing_found_yet();
                 if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
                     _ = print(&text);
                 }
                 self.progress = Some(Progress::new(self.options, scene));
             }
+            Event::Warning(text) => {
+                if self.warned.insert(text.to_owned()) {
+                    say!("warning: {text}");
+                }
+            }
             Event::NothingToResume { directory } if !quiet => {
                 say!("{} holds no interrupted run: computed from the beginning", directory.display());
             }
-            Event::Done(part) => self.note(told::part(part, quiet)),
+            Event::Done(part) => {
+                interrupt::something_found();
+                self.note(told::part(part, quiet));
+            }
             Event::TestBeginsAnew if !quiet => {
                 say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
             }
             Event::Rig(text) if !quiet => say!("{text}"),
             Event::Level { scene, number, level } if !quiet => say!("{}", of_level(scene, number, level)),
             Event::Point { branch, point, is_new } => {
+                interrupt::something_found();
                 self.progress.iter_mut().for_each(|progress| progress.point(branch, point, is_new));
             }
             Event::Withdrawn { kept } => self.progress.iter_mut().for_each(|progress| progress.withdrawn(kept)),
@@ -82,6 +96,16 @@ impl Observer for Watch {
 
     fn is_cancelled(&self) -> bool {
         interrupt::requested()
+    }
+
+    fn watch(&self) -> nlmodes::study::Watch {
+        match &self.progress {
+            Some(progress) => progress.watch(interrupt::requested),
+            None => nlmodes::study::Watch::new(|_, _| match interrupt::requested() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }),
+        }
     }
 }
 

@@ -23,7 +23,44 @@ fn scenes_that_come_along_are_sound() -> Outcome {
         let scene = scene.as_str();
         let output = call(&["check", scene])?;
         assert_eq!(output.status.code(), Some(0));
-        assert_eq!(String::from_utf8(output.stderr)?, "", "{scene}");
+        // The rule of the paper, by which contact nodes lose their mass, moves the linear mode: that is said, and nothing else.
+        let said = String::from_utf8(output.stderr)?;
+        assert!(said.starts_with("warning: taking the mass of the contact nodes away (drop)"), "{scene}: {said}");
+        assert_eq!(said.trim().lines().count(), 1, "{scene}: {said}");
+    }
+    for scene in ["configs/beam_hbm.toml", "configs/beam_updated.toml", "configs/beam_modal.toml"] {
+        let output = call(&["check", scene])?;
+        assert_eq!(String::from_utf8(output.stderr)?, "", "{scene}: with its mass, or at a measured frequency");
+    }
+    Ok(())
+}
+
+#[test]
+fn mass_that_is_left_out_is_told_with_both_frequencies_and_what_helps() -> Outcome {
+    let coarse = ["--set", "structure.elements=4", "--set", "structure.grading=1.0"];
+    let check = |more: &[&str]| call(&[&["check", "configs/beam_two_stops.toml"], &coarse[..], more].concat());
+    let output = check(&[])?;
+    let (said, verdict) = (String::from_utf8(output.stderr)?, String::from_utf8(output.stdout)?);
+    for part in ["moves mode 1 from 39.4", "to 57.", "refine", "\"conserve\"", "\"move\"", "hbm"] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+    assert!(verdict.contains("can be computed, but see the warning") && !verdict.contains("is sound"), "{verdict}");
+    // With a mass that is kept, or moved little, there is nothing to say.
+    let output = check(&["--set", "method.mass_redistribution=\"conserve\""])?;
+    assert_eq!(String::from_utf8(output.stderr)?, "");
+    assert!(String::from_utf8(output.stdout)?.contains("The scene is sound"));
+    Ok(())
+}
+
+#[test]
+fn commands_that_do_not_exist_are_told_only_what_is_near() -> Outcome {
+    for (typed, meant) in [("rnu", "run"), ("chek", "check"), ("mode", "modes")] {
+        let said = String::from_utf8(call(&[typed, "a.toml"])?.stderr)?;
+        assert!(said.contains(&format!("'{meant}'")), "{said}");
+    }
+    for typed in ["plot", "simulate", "draw"] {
+        let said = String::from_utf8(call(&[typed, "a.toml"])?.stderr)?;
+        assert!(!said.contains("similar") && said.contains("--help"), "{said}");
     }
     Ok(())
 }

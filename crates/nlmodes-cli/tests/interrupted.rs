@@ -323,6 +323,37 @@ fn new_scenes_are_sound_and_are_never_written_over_a_file() -> Outcome {
 }
 
 #[test]
+fn new_scenes_run_to_their_ends() -> Outcome {
+    let folder = tempdir()?;
+    for kind in ["rod", "beam", "virtual-test"] {
+        let call = |arguments: &[&str]| program().current_dir(folder.path()).args(arguments).output();
+        assert_eq!(call(&["new", kind])?.status.code(), Some(0));
+        let output = call(&["run", &format!("{kind}.toml"), "--quiet"])?;
+        assert_eq!((output.status.code(), said(&output).as_str()), (Some(0), ""), "{kind}");
+    }
+    Ok(())
+}
+
+/// Linear modes of many elements take long, and so does the search for a backbone: before there is a point nothing is lost, and the program
+/// ends at once.
+#[cfg(unix)]
+#[test]
+fn before_the_first_point_ctrl_c_ends_at_once() -> Outcome {
+    let folder = tempdir()?;
+    let large = ["--set", "structure.elements=20000", "--set", "method.harmonics=60"];
+    let mut child =
+        program().args(["run", "configs/rod.toml", "--out"]).arg(folder.path().join("r")).args(large).spawn()?;
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(child.try_wait()?.is_none(), "it was to be at work on the modes");
+    let began = std::time::Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status()?.success());
+    assert_eq!(child.wait()?.code(), Some(1));
+    assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
+    assert!(!folder.path().join("r/branch.csv").exists());
+    Ok(())
+}
+
+#[test]
 fn completions_know_the_commands() -> Outcome {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let output = program().args(["completions", shell]).output()?;
@@ -339,6 +370,7 @@ fn quiet_says_nothing_and_verbose_every_point() -> Outcome {
     let folder = tempdir()?;
     let run = |more: &str| -> Outcome<Output> {
         let small = ["--set", "structure.elements=20", "--set", "continuation.max_energy_ratio=1.2"];
+        let small = [&small[..], &["--set", "method.mass_redistribution=\"conserve\""]].concat();
         let out: PathBuf = folder.path().join(more);
         Ok(program().args(["run", "configs/rod.toml", more, "--out"]).arg(out).args(small).output()?)
     };

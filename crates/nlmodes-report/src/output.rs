@@ -1,6 +1,6 @@
 use crate::ReportError;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a file, which is replaced at once, never half.
@@ -14,7 +14,7 @@ pub fn write_file(path: impl AsRef<Path>, content: &[u8]) -> Result<(), ReportEr
 /// Writes a file under a temporary name beside `path` and renames it, so that `path` is never half written.
 pub(crate) fn replace_file(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    write: impl FnOnce(&mut Output<BufWriter<File>>) -> io::Result<()>,
 ) -> Result<(), ReportError> {
     let temporary = temporary_name(path);
     write_all(&temporary, write).and_then(|()| fs::rename(&temporary, path)).map_err(|source| {
@@ -24,10 +24,49 @@ pub(crate) fn replace_file(
     })
 }
 
-fn write_all(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
+fn write_all(path: &Path, write: impl FnOnce(&mut Output<BufWriter<File>>) -> io::Result<()>) -> io::Result<()> {
+    let mut file = Output { inner: BufWriter::new(File::create(path)?), has_failed: false };
     write(&mut file)?;
+    if file.has_failed {
+        return Err(io::Error::other("an earlier write had failed"));
+    }
     file.flush()
+}
+
+/// What fails once and is silent from then on: writers of archives that are dropped behind a failure try to write their end, and would
+/// complain of that on standard error, beside the message of the failure itself.
+pub(crate) struct Output<W> {
+    inner: W,
+    has_failed: bool,
+}
+
+impl<W> Output<W> {
+    /// `work` unless something has failed before, else `otherwise`.
+    fn once<T>(&mut self, otherwise: T, work: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
+        if self.has_failed {
+            return Ok(otherwise);
+        }
+        let done = work(&mut self.inner);
+        // What is interrupted is tried again.
+        self.has_failed = done.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
+        done
+    }
+}
+
+impl<W: Write> Write for Output<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.once(bytes.len(), |inner| inner.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.once((), Write::flush)
+    }
+}
+
+impl<W: Seek> Seek for Output<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.once(0, |inner| inner.seek(to))
+    }
 }
 
 /// Hidden name in the same directory: a rename must not cross file systems.
@@ -39,6 +78,38 @@ pub(crate) fn temporary_name(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_archive_on_a_full_disk_fails_once_and_is_silent_when_it_is_dropped() {
+        // Room for so many bytes, and a note of each attempt to write beyond it.
+        struct Full(usize, usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                if bytes.len() > self.0 {
+                    self.1 += 1;
+                    return Err(io::ErrorKind::StorageFull.into());
+                }
+                self.0 -= bytes.len();
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut output = Output { inner: Full(10, 0), has_failed: false };
+        output.write_all(b"12345678").unwrap();
+        assert_eq!(output.write_all(b"12345678").unwrap_err().kind(), io::ErrorKind::StorageFull);
+        output.write_all(b"the end of the archive").unwrap();
+        output.flush().unwrap();
+        assert!(output.has_failed && output.inner.1 == 1);
+        // A writer that overlooks the failure has not written its file all the same.
+        let folder = tempfile::tempdir().unwrap();
+        let outcome = replace_file(&folder.path().join("archive"), |file| {
+            file.has_failed = true;
+            file.write_all(b"end")
+        });
+        assert!(outcome.is_err() && fs::read_dir(folder.path()).unwrap().count() == 0);
+    }
 
     #[test]
     fn failed_write_keeps_the_old_file_and_leaves_no_other() {

@@ -21,7 +21,7 @@ impl Stroke {
         Self { color, width, dash: Some("6 4") }
     }
 
-    /// Short dashes, for what is unstable.
+    /// Short dashes that look like dots, for what is unstable.
     pub const fn short_dashed(color: &'static str, width: f64) -> Self {
         Self { color, width, dash: Some("3 3") }
     }

@@ -23,6 +23,9 @@ pub enum RunError {
     /// The computation failed, at the key that it is about; another value may do, but the scene is not wrong.
     #[error("{0}")]
     Failed(Box<SceneError>),
+    /// It was asked to end before there was any point.
+    #[error("ended before any point was found: there are no results")]
+    Ended,
     /// There is no scene to run.
     #[error("there is no scene to run")]
     NoScene,
@@ -76,7 +79,9 @@ impl RunError {
         match self {
             Self::Scene(_) | Self::Scenes(_) | Self::NoScene => true,
             Self::InUse { .. } | Self::Foreign { .. } | Self::Link { .. } => true,
-            Self::Failed(_) | Self::Unwritable { .. } | Self::NotRecorded { .. } | Self::Files(_) => false,
+            Self::Ended | Self::Failed(_) | Self::Unwritable { .. } | Self::NotRecorded { .. } | Self::Files(_) => {
+                false
+            }
         }
     }
 }

@@ -11,6 +11,7 @@
 //! | [`compare::rows`] | the same branch with several contact solvers |
 //! | [`verify::verify`] | one period of the full structure from a computed point |
 //! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
+//! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
 //! | [`lcp`] | contact problems of one's own, in NumPy archives |
 //! | [`Observer`], [`Event`] | progress, and cancellation |
 //! | [`RunError`] | why there are no results, and whether the scene or the call is to blame |
@@ -57,6 +58,7 @@ mod files;
 pub mod lcp;
 pub mod linear;
 mod links;
+pub mod mass;
 mod observer;
 mod outcome;
 #[doc(hidden)]

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes::model::{MasslessContactModel, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
+use crate::mass;
 use nlmodes_scene::assemble::{StructureError, element_model, redistribution};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{Scene, Structure, StructureKind};
@@ -24,6 +25,9 @@ pub struct LinearFrequencies {
     pub mass_redistributed: Option<Vec<f64>>,
     /// Contacts held, contact mass redistributed.
     pub contacts_held: Option<Vec<f64>>,
+    /// What a user should know about the mode that is computed, if it is moved by the mass that the contacts lose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_warning: Option<String>,
 }
 
 /// Computes the lowest frequencies of the scene's structure.
@@ -48,6 +52,7 @@ pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<Line
     };
     let massless = MasslessContactModel::new(model, rule)?;
     Ok(LinearFrequencies {
+        mass_warning: mass::warning(scene, model, &massless)?,
         mass_kept,
         of_the_elements,
         mass_redistributed: Some(hertz(linear_modes(massless.mass(), massless.stiffness(), COUNT)?.omega)),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nlmodes::modal::ModalPoint;
+use nlmodes::study::Watch;
 use nlmodes::virtual_test::TestLevel;
 use nlmodes_scene::scene::{Scene, TestScene, Updating};
 
@@ -41,6 +42,8 @@ pub enum Event<'a> {
     },
     /// The branches of this scene begin.
     Begun(&'a Scene),
+    /// Something about the structure that a user should know before trusting what comes out.
+    Warning(&'a str),
     /// There is no interrupted run to go on with: it is computed from the beginning.
     NothingToResume {
         /// The output directory.
@@ -92,6 +95,11 @@ pub trait Observer {
     /// Whether the run is to end behind the step in progress, with what was found.
     fn is_cancelled(&self) -> bool {
         false
+    }
+
+    /// Who looks on between points, when branches begin: he is told what is sought, and may end that at once. Default nobody.
+    fn watch(&self) -> Watch {
+        Watch::default()
     }
 }
 

@@ -13,6 +13,13 @@ use crate::{RunError, chain};
 /// An error of the study, at the key of the scene that it is about.
 pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
     let path = match error {
+        StudyError::Ended(_) => return RunError::Ended,
+        StudyError::Hbm(HbmError::NoMassBehindContacts { .. }) => {
+            let help = [
+                "more `structure.elements` leave nodes with mass beside the stops; `nlmodes-cli modes` shows what is left",
+            ];
+            return file.error_at("method.mass_redistribution", &chain(error), "", &help).into();
+        }
         StudyError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
             let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
             let label = format!("mode {mode} moves across the beam: expected \"transverse\"");

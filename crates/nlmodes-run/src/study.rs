@@ -25,7 +25,7 @@ use crate::linear::{LinearFrequencies, linear_frequencies};
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::settings::{branch_settings, models, starts};
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, links, no_contact, refusal};
+use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
 use journal::Journal;
 use sink::{Sink, branch_directory};
@@ -82,6 +82,11 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let began = Instant::now();
     let (model, massless) = models(file)?;
     observer.event(Event::Begun(scene));
+    if let Some(text) = mass::warning(scene, &model, &massless)
+        .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?
+    {
+        observer.event(Event::Warning(&text));
+    }
     let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(failure, true))?;
     if claim.resumes() && journal.known_steps() == 0 {
         observer.event(Event::NothingToResume { directory });
@@ -133,17 +138,31 @@ fn compute(
     sink: &mut Sink,
 ) -> Result<ComputedTree, StudyError> {
     let (start, other) = starts(scene.continuation.start);
-    let settings = BranchSettings { start, ..branch_settings(scene) };
+    let settings = BranchSettings { start, watch: sink.observer.watch(), ..branch_settings(scene) };
     let mut tree = compute_tree_with_log(model.clone(), &settings, journal, |progress| sink.take(progress))?;
     let ended = sink.failure.is_some() || journal.failure.is_some() || sink.observer.is_cancelled();
     let (Some(start), false) = (other, ended) else { return Ok(tree) };
     let first = tree.branches.swap_remove(0);
     sink.begin_again(first.branch.points.iter().skip(1).rev());
     let settings = BranchSettings { start, ..settings };
-    let mut tree = compute_tree_with_log(model, &settings, journal, |progress| sink.take(progress))?;
+    let mut tree = match compute_tree_with_log(model, &settings, journal, |progress| sink.take(progress)) {
+        Err(StudyError::Ended(_)) => {
+            sink.begin_again(first.branch.points.iter());
+            tree.branches.push(one_way_only(first));
+            return Ok(tree);
+        }
+        tree => tree?,
+    };
     let second = tree.branches.swap_remove(0);
     tree.branches.push(second.preceded_by(first));
     Ok(tree)
+}
+
+/// The way down of a branch that was asked to end before its way up began.
+fn one_way_only(mut first: ComputedBranch) -> ComputedBranch {
+    first.branch.end.message += "; the other way was not begun";
+    (first.branch.end.reason, first.branch.end.complete) = ("stopped".to_owned(), false);
+    first
 }
 
 /// What several files show of the structure and of whole branches: computed once.

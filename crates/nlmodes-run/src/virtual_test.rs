@@ -14,6 +14,7 @@ use nlmodes::experiment::records::write_record;
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::ReportError;
 use nlmodes::rig::{RigError, VirtualTest};
+use nlmodes::study::Watch;
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::claim::Claim;
@@ -61,7 +62,8 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
         let (done, all) = (levels.len(), scene.schedule.levels.len());
         wrong.push(format!("the test ended after {done} of {all} levels: {}", chain(&error)));
     }
-    let computed = if observer.is_cancelled() { Vec::new() } else { backbones(scene, &rig, &mut wrong) };
+    let computed =
+        if observer.is_cancelled() { Vec::new() } else { backbones(scene, &rig, &observer.watch(), &mut wrong) };
     let (n, settled) = (levels.len(), levels.iter().filter(|level| is_good(level)).count());
     if settled < n {
         wrong.push(format!("{} of {n} levels did not settle, or gave no modal point; the table says why", n - settled));
@@ -94,11 +96,19 @@ fn claim(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer) -
 }
 
 /// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not complete.
-fn backbones(scene: &TestScene, rig: &Rig, wrong: &mut Vec<String>) -> Vec<(BackboneMethod, ModalBranch)> {
+fn backbones(
+    scene: &TestScene,
+    rig: &Rig,
+    watch: &Watch,
+    wrong: &mut Vec<String>,
+) -> Vec<(BackboneMethod, ModalBranch)> {
     let Some(wanted) = &scene.backbone else { return Vec::new() };
     let mut computed = Vec::new();
     for &method in &wanted.methods {
-        match backbone::compute(scene, rig, wanted, method) {
+        if watch.has_ended() {
+            break;
+        }
+        match backbone::compute(scene, rig, wanted, method, watch) {
             Ok(branch) => {
                 if !branch.end.complete {
                     wrong.push(format!("the backbone ({}) ended early: {}", branch.label, branch.end.message));

@@ -142,14 +142,25 @@ fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
         "duplicate key" => "a key is given twice in the same table",
         _ => "the scene is not valid TOML",
     };
-    let problem = Problem::error(title).at(place, message);
+    let problem = Problem::error(title).at(place.clone(), message);
     match message {
-        _ if message.contains("must be quoted") => problem.help("texts stand in quotes: kind = \"rod\""),
+        _ if message.contains("must be quoted") => {
+            let (key, value) = bare_word(text, place.start).unwrap_or(("kind", "rod"));
+            problem.help(format!("texts stand in quotes: {key} = \"{value}\""))
+        }
         _ if message.contains("array") => {
             problem.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
         }
         _ => problem,
     }
+}
+
+/// The key of the line, and the text behind it that stands without quotes.
+fn bare_word(text: &str, at: usize) -> Option<(&str, &str)> {
+    let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let (key, value) = text.get(start..)?.lines().next()?.split('#').next()?.split_once('=')?;
+    let (key, value) = (key.trim(), value.trim());
+    (!key.is_empty() && !value.is_empty() && !value.contains(['"', '\\', '[', '{', ','])).then_some((key, value))
 }
 
 /// The key of the line, and what to write for its value, where that is a number with a unit behind it.

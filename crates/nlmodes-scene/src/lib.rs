@@ -80,6 +80,7 @@ mod unknown;
 pub use document::{Document, Place};
 pub use file::FileError;
 pub use findings::Findings;
+pub use nearest::nearest;
 pub use problem::{Mark, Problem, Severity};
 pub use read::{
     load_any, load_each_method, load_records, load_to_run, parse, parse_each_method, parse_records, parse_test,

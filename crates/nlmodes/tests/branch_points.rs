@@ -102,13 +102,13 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
         // The phase brings no crossings of its own, at grazing or elsewhere.
         assert!(computed.branch.points.iter().all(|p| !p.has_event("kink")));
     }
-    let a_point = |computed: &ComputedBranch| computed.evaluations as f64 / computed.branch.points.len() as f64;
-    assert!(
-        a_point(&any) < 4.0 * a_point(&even),
-        "{} instead of {} evaluations a point",
-        a_point(&any),
-        a_point(&even)
-    );
+    // Up to the tip, where more arms meet, it costs little more.
+    let [even_up, any_up] = [Symmetry::Even, Symmetry::None].map(|symmetry| {
+        let settings = BranchSettings { symmetry, max_energy_ratio: Some(8.0), ..settings(3) };
+        let computed = compute_branch(rod(), &settings, go_on_alone).unwrap();
+        computed.evaluations as f64 / computed.branch.points.len() as f64
+    });
+    assert!(any_up < 3.0 * even_up, "{any_up} instead of {even_up} evaluations a point");
     let events = |computed: &ComputedBranch, name: &str| {
         let named = computed.branch.points.iter().filter(|p| p.has_event(name));
         named.map(|p| place(computed, p)).collect::<Vec<_>>()

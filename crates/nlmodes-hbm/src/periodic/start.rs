@@ -40,7 +40,8 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
     let largest = structure.omega_squared().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
     let square = structure.omega_squared()[k];
     if square <= 1e-12 * largest {
-        return Err(HbmError::RigidBodyMode { mode });
+        let first_elastic = structure.omega_squared().iter().position(|w| *w > 1e-12 * largest).map(|k| k + 1);
+        return Err(HbmError::RigidBodyMode { mode, first_elastic });
     }
     let omega = square.sqrt();
     let row = |i: usize| structure.rows()[(i, k)];

@@ -231,7 +231,7 @@ impl State {
         }
     }
 
-    /// Solid where stable, dashed where unstable, as usual; thin where unknown beside points that are known.
+    /// Solid where stable, dotted where unstable; thin where unknown beside points that are known.
     fn stroke(self, index: usize) -> Stroke {
         match self {
             Self::Stable | Self::NotJudged => branch_stroke(index),

@@ -45,6 +45,9 @@ pub fn write(
         .table(linear_table(linear))
         .document("Scene as read, in SI units", scene)?
         .document("Method as used", &method)?;
+    if let Some(text) = &linear.mass_warning {
+        report = report.line(format!("Warning: {text}"));
+    }
     if let Some(text) = modal_model(&scene.structure) {
         report = report.line(text);
     }
@@ -94,12 +97,16 @@ fn shown(found: &[Participation]) -> Vec<Participation> {
 
 /// All stops, in the order of the scene.
 fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
-    let line = |contact: &nlmodes::model::DofContact| StopLine {
-        coordinate: contact.dof,
-        position: contact.side.sign() * contact.gap,
-        positive: contact.side.sign() > 0.0,
+    let line = |contact: &nlmodes::model::DofContact| {
+        Some(StopLine {
+            // The page numbers what is recorded, which of large structures is not every degree of freedom.
+            coordinate: computed.structure.recorded_index(contact.dof)?,
+            position: contact.side.sign() * contact.gap,
+            positive: contact.side.sign() > 0.0,
+        })
     };
-    computed.structure.model().contacts().iter().map(line).collect()
+    // Contacts are among the recorded ones, whatever the size.
+    computed.structure.model().contacts().iter().filter_map(line).collect()
 }
 
 /// Where the accuracy that was asked for is not reached, if it is not.
@@ -136,4 +143,37 @@ fn linear_table(found: &LinearFrequencies) -> DataTable {
         table.rows.push([(k + 1).to_string()].into_iter().chain(columns.iter().map(cell)).collect());
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{branch_settings, models};
+    use nlmodes::study::{BranchSettings, compute_branch};
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn stops_stand_at_the_positions_of_their_contacts_whatever_the_size() -> Result<(), Failure> {
+        // Up to 4000 degrees of freedom are recorded all; beyond, some of them.
+        for elements in [40, 4500] {
+            let text = format!(
+                "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = {elements}\nstart = \"clamped\"\n\
+                 material = {{ youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
+                 [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-3\n\
+                 [[contact]]\nat_m = 0.5\ndirection = \"axial\"\nside = \"negative\"\ngap_m = 2e-3\n\
+                 [method]\nharmonics = 1\n[continuation]\nmax_points = 2\n"
+            );
+            let files =
+                nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false))?;
+            let (_, massless) = models(&files[0])?;
+            let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
+            let computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
+            let stops = stops(&computed);
+            let at: Vec<f64> = stops.iter().map(|stop| computed.branch.coordinates[stop.coordinate].position).collect();
+            assert!(at.len() == 2 && (at[0] - 1.0).abs() < 1e-9 && (at[1] - 0.5).abs() < 1e-9, "{elements}: {at:?}");
+            let stands: Vec<(f64, bool)> = stops.iter().map(|stop| (stop.position, stop.positive)).collect();
+            assert_eq!(stands, [(1e-3, true), (-2e-3, false)]);
+        }
+        Ok(())
+    }
 }

@@ -85,7 +85,12 @@ pub fn study(
             break;
         }
         observer.event(Event::Part { number, of: parts.len(), folder: &part.folder });
-        let mut done = one_branch(&part.file, claim, observer)?;
+        let done = one_branch(&part.file, claim, observer);
+        if matches!(done, Err(RunError::Ended)) && !outcome.parts.is_empty() {
+            outcome.is_cut_off = true;
+            break;
+        }
+        let mut done = done?;
         // The others are on disk; those that are compared stay in memory.
         done.tree.branches.truncate(1);
         done.participation.truncate(1);

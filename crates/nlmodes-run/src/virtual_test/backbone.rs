@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
-use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
+use nlmodes::study::{BranchSettings, ResonanceRule, Watch, compute_branch};
 
 use super::bench::Rig;
 use crate::Failure;
@@ -28,6 +28,7 @@ pub fn compute(
     rig: &Rig,
     wanted: &Backbone,
     method: BackboneMethod,
+    watch: &Watch,
 ) -> Result<ModalBranch, Failure> {
     let mode = (scene.settings.mode - 1).min(rig.bench.omega.len() - 1);
     let (found, name) = match method {
@@ -41,6 +42,7 @@ pub fn compute(
         internal_resonance: ResonanceRule::Skip,
         frequency_hz: Some([0.99 * rig.bench.omega[mode] / TAU, wanted.end_hz]),
         max_points: MAX_POINTS,
+        watch: watch.clone(),
         ..BranchSettings::default()
     };
     let mut branch = compute_branch(model, &settings, |_| ControlFlow::Continue(()))?.branch;

@@ -9,7 +9,7 @@ mod window;
 pub use test::{damping, warn as warn_of_test};
 
 use crate::rule::number;
-use crate::scene::{Scene, Section, Structure, Support};
+use crate::scene::{Scene, Section, Structure, StructureKind, Support};
 use crate::{Findings, Problem};
 
 /// Structures that are longer are rare, m.
@@ -75,8 +75,16 @@ fn slenderness(structure: &Structure, findings: &mut Findings<'_>) {
 
 fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
     if (structure.start, structure.end) == (Support::Free, Support::Free) {
-        let problem = Problem::warning("the structure is held nowhere")
-            .help("its first modes are rigid-body motions at 0 Hz; start = \"clamped\" would hold it");
+        // Along the axis, and of a beam across it and about a point too.
+        let help = match structure.kind() {
+            StructureKind::Rod => {
+                "its first mode is a rigid-body motion at 0 Hz; method.mode = 2 is the first that vibrates"
+            }
+            StructureKind::Beam => {
+                "its first 3 modes are rigid-body motions at 0 Hz; method.mode = 4 is the first that vibrates"
+            }
+        };
+        let problem = Problem::warning("the structure is held nowhere").help(help);
         findings.put("structure.start", problem, "free, as is the end");
     }
 }

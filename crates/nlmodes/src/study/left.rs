@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use nlmodes_hbm::Switching;
 use nlmodes_modal::{BranchEnd, ModalPoint};
 
+use super::BranchPointRule;
 use super::branch::ComputedBranch;
-use super::{BranchPointRule, Switching};
 
 /// Event of the first point of which it is sure that the branch has gone over to another nonlinear mode.
 pub(super) const OTHER_MODE: &str = "other-mode";

@@ -1,0 +1,62 @@
+//! What the mass that contacts lose does to the mode that is computed.
+
+use std::f64::consts::TAU;
+
+use nlmodes::model::{MassShift, MasslessContactModel, ModelError, StructuralModel};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
+
+use crate::settings::models;
+use crate::{RunError, refusal};
+
+/// Relative change of the linear frequency from which on a user is told.
+pub const NOTABLE: f64 = 0.005;
+
+/// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
+/// the frequency is one that was measured: imposed on the mode, or met by parameters.
+///
+/// # Errors
+/// [`ModelError`] if an eigenproblem cannot be solved.
+pub fn warning(
+    scene: &Scene,
+    model: &StructuralModel,
+    massless: &MasslessContactModel,
+) -> Result<Option<String>, ModelError> {
+    if scene.structure.modes.is_some() || scene.updating.is_some() {
+        return Ok(None);
+    }
+    let shift = MassShift::of(model, massless, scene.method.mode)?;
+    Ok(shift.filter(|shift| shift.relative().abs() >= NOTABLE).map(|shift| text(scene, &shift)))
+}
+
+/// The same for a scene that is only looked at.
+///
+/// # Errors
+/// [`RunError`] if the structure cannot be made.
+pub fn warning_of(file: &SceneFile) -> Result<Option<String>, RunError> {
+    let (model, massless) = models(file)?;
+    warning(&file.scene, &model, &massless).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
+}
+
+fn text(scene: &Scene, shift: &MassShift) -> String {
+    let [with, without] = [shift.with_mass, shift.without_mass].map(|omega| omega / TAU);
+    let percent = 100.0 * shift.relative();
+    let rule = scene.method.mass_redistribution;
+    let keep = match rule {
+        MassRule::Drop => ", or keep it with method.mass_redistribution = \"conserve\" (or \"move\")",
+        MassRule::Move => ", or method.mass_redistribution = \"conserve\"",
+        MassRule::Conserve | MassRule::None => "",
+    };
+    let kind = match scene.method.kind {
+        MethodKind::MsHbm | MethodKind::Shooting => {
+            ", or take method.kind = \"hbm\" with an elastic stop, whose contacts keep their mass"
+        }
+        MethodKind::Hbm => "",
+    };
+    format!(
+        "taking the mass of the contact nodes away ({name}) moves mode {mode} from {with:.4} to {without:.4} Hz ({percent:+.1} %), and all that \
+         follows with it: refine the mesh around the stop{keep}{kind}",
+        name = rule.name(),
+        mode = shift.mode,
+    )
+}
