@@ -27,7 +27,7 @@ pub fn install() {
             say!("\ninterrupted before any point was found: there are no results");
             process::exit(EARLY);
         }
-        say!("\ninterrupted: ends behind the step in progress and writes what was found; Ctrl-C again ends at once");
+        say!("\ninterrupted: what was found is written; Ctrl-C again ends at once");
     });
     // Without it Ctrl-C ends the program as it ends any other; the points found are on disk.
     if let Err(error) = outcome {

@@ -92,7 +92,11 @@ impl Progress {
             if ended() {
                 return ControlFlow::Break(());
             }
-            let line = || format!("{doing}, {evaluations} evaluations, {:.0} s", began.elapsed().as_secs_f64());
+            let time = began.elapsed().as_secs_f64();
+            let line = || match evaluations {
+                0 => format!("{doing}, {time:.0} s"),
+                _ => format!("{doing}, {evaluations} evaluations, {time:.0} s"),
+            };
             match &bar {
                 Some(bar) if is_due(&last, MOVING_INTERVAL) => {
                     bar.set_message(line());

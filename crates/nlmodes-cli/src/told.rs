@@ -65,7 +65,7 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
     if !wandered.is_empty() {
         return Some(wandered);
     }
-    if computed.branch.points.iter().any(|point| point.has_event(ModalPoint::RESUMED)) {
+    if computed.left_mode().is_some() || computed.branch.points.iter().any(|p| p.has_event(ModalPoint::RESUMED)) {
         return None;
     }
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;

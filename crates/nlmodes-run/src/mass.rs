@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use nlmodes::model::{MassShift, MasslessContactModel, ModelError, StructuralModel};
-use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
+use nlmodes_scene::{SceneFile, number};
 
 use crate::settings::models;
 use crate::{RunError, refusal};
@@ -38,8 +38,14 @@ pub fn warning_of(file: &SceneFile) -> Result<Option<String>, RunError> {
     warning(&file.scene, &model, &massless).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
 }
 
+/// Hz of an angular frequency, to six digits whatever its size.
+fn hertz(omega: f64) -> String {
+    let hz = omega / TAU;
+    number(format!("{hz:.5e}").parse().unwrap_or(hz))
+}
+
 fn text(scene: &Scene, shift: &MassShift) -> String {
-    let [with, without] = [shift.with_mass, shift.without_mass].map(|omega| omega / TAU);
+    let [with, without] = [shift.with_mass, shift.without_mass].map(hertz);
     let percent = 100.0 * shift.relative();
     let rule = scene.method.mass_redistribution;
     let keep = match rule {
@@ -54,7 +60,7 @@ fn text(scene: &Scene, shift: &MassShift) -> String {
         MethodKind::Hbm => "",
     };
     format!(
-        "taking the mass of the contact nodes away ({name}) moves mode {mode} from {with:.4} to {without:.4} Hz ({percent:+.1} %), and all that \
+        "taking the mass of the contact nodes away ({name}) moves mode {mode} from {with} to {without} Hz ({percent:+.1} %), and all that \
          follows with it: refine the mesh around the stop{keep}{kind}",
         name = rule.name(),
         mode = shift.mode,

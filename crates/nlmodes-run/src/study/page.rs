@@ -161,7 +161,7 @@ mod tests {
                  material = {{ youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
                  [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-3\n\
                  [[contact]]\nat_m = 0.5\ndirection = \"axial\"\nside = \"negative\"\ngap_m = 2e-3\n\
-                 [method]\nharmonics = 1\n[continuation]\nmax_points = 2\n"
+                 [method]\nharmonics = 1\n[continuation]\nmax_energy_ratio = 2.0\nmax_points = 2\n"
             );
             let files =
                 nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false))?;

@@ -45,7 +45,7 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
   const shapes = Object.fromEntries(DATA.eventSymbols.map(entry => [entry.name, entry]));
   DATA.branches.forEach((branch, key) => {
     const [x, y] = [branch[column], branch.frequency];
-    // What leaves an unstable point is drawn by itself, dotted.
+    // What leaves an unstable point is drawn by itself, dashed.
     const unstable = branch.unstable.filter(index => index + 1 < x.length && !branch.resumed.includes(index + 1));
     curves.push({ key, x, y, color: branch.color, breaks: new Set([...branch.resumed, ...unstable.map(index => index + 1)]) });
     for (const [from, to] of stretches(unstable)) {
