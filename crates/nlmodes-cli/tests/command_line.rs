@@ -42,16 +42,20 @@ fn scenes_that_come_along_are_sound() -> Outcome {
 
 #[test]
 fn mass_that_is_left_out_is_told_with_both_frequencies_and_what_helps() -> Outcome {
-    let coarse = ["--set", "structure.elements=4", "--set", "structure.grading=1.0"];
-    let check = |more: &[&str]| call(&[&["check", "configs/beam_two_stops.toml"], &coarse[..], more].concat());
-    let output = check(&[])?;
+    let check = |elements: usize, rule: &str| {
+        let (elements, rule) =
+            (format!("structure.elements={elements}"), format!("method.mass_redistribution=\"{rule}\""));
+        let uniform = ["--set", "structure.grading=1.0", "--set", elements.as_str(), "--set", rule.as_str()];
+        call(&[&["check", "configs/beam_two_stops.toml"], &uniform[..]].concat())
+    };
+    let output = check(4, "drop")?;
     let (said, verdict) = (String::from_utf8(output.stderr)?, String::from_utf8(output.stdout)?);
     for part in ["moves mode 1 from 39.4291 to 56.7027 Hz", "refine", "\"conserve\"", "\"move\"", "hbm"] {
         assert!(said.contains(part), "{part} is not in\n{said}");
     }
     assert!(verdict.contains("can be computed, but see the warning") && !verdict.contains("is sound"), "{verdict}");
     // With a mass that is kept, or moved little, there is nothing to say.
-    let output = check(&["--set", "method.mass_redistribution=\"conserve\""])?;
+    let output = check(10, "conserve")?;
     assert_eq!(String::from_utf8(output.stderr)?, "");
     assert!(String::from_utf8(output.stdout)?.contains("The scene is sound"));
     Ok(())
