@@ -227,14 +227,12 @@ fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
                     return refuse(&no_contact(&file));
                 }
                 let checked = updated(file.clone()).and_then(|updated| {
-                    nlmodes_run::check(&updated)?;
-                    nlmodes_run::mass::warning_of(&updated)
+                    let warning = nlmodes_run::mass::warning_of(&updated)?;
+                    warning.iter().for_each(|text| say!("warning: {text}\n"));
+                    nlmodes_run::check(&updated).map(|()| warning)
                 });
                 match checked {
-                    Ok(warning) => {
-                        warning.iter().for_each(|text| say!("warning: {text}\n"));
-                        print(&check::summary(&file.scene, warning.is_some()))
-                    }
+                    Ok(warning) => print(&check::summary(&file.scene, warning.is_some())),
                     Err(error) => refuse_run(&error),
                 }
             })

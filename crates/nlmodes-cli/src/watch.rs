@@ -68,7 +68,7 @@ impl Observer for Watch {
             }
             Event::Warning(text) => {
                 if self.warned.insert(text.to_owned()) {
-                    say!("warning: {text}");
+                    say!("warning: {text}\n");
                 }
             }
             Event::NothingToResume { directory } if !quiet => {
