@@ -83,7 +83,7 @@ impl ComputedBranch {
         Some(LeftMode { point, at_branch_point, harmonic, mode: resonance.map(|found| found.mode) })
     }
 
-    /// A branch that has left its mode says so at its end, and is not complete where nobody asked for that.
+    /// A branch that has left its mode says so at its end, and is not complete where samples took it there.
     pub(super) fn review_departure(&mut self) {
         let Some(left) = self.left_mode() else { return };
         let at = &self.branch.points[left.point];
@@ -105,7 +105,8 @@ impl ComputedBranch {
             energy = at.kinetic_energy / self.grazing.energy,
         );
         let chosen = left.at_branch_point || self.settings.at_branch_point != BranchPointRule::Stay;
-        if *complete && !chosen {
+        let sampled = matches!(self.settings.switching, Switching::Sampled { .. });
+        if *complete && !chosen && sampled {
             (*reason, *complete) = (OTHER_MODE.to_owned(), false);
         }
     }
