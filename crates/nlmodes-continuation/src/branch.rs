@@ -1,5 +1,5 @@
-use crate::Crossing;
 use crate::record::{is_direction, is_vector};
+use crate::{Crossing, Refusal};
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -92,7 +92,7 @@ pub enum StopReason {
         /// The last step tried.
         step: f64,
         /// Why it was refused.
-        refusal: String,
+        refusal: Refusal,
     },
 }
 

@@ -16,6 +16,22 @@ pub struct Bound {
     pub max: f64,
 }
 
+/// Share of a coordinate by which a start on a bound may lie beyond it.
+const ON_BOUND: f64 = 1e-12;
+
+impl Bound {
+    /// The end of the window beyond which the coordinate has this value.
+    pub(crate) fn passed_by(&self, value: f64) -> Option<f64> {
+        if value > self.max {
+            Some(self.max)
+        } else if value < self.min {
+            Some(self.min)
+        } else {
+            None
+        }
+    }
+}
+
 /// Continuation by pseudo-arclength: its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Continuation {
@@ -88,13 +104,13 @@ impl Continuation {
         p: f64,
         direction: &[f64],
     ) -> Result<(Correction, Corrector), ContinuationError<S::Error>> {
-        self.check(system, x, direction)?;
+        self.check(system, x, p, direction)?;
         let mut corrector = Corrector::new(x.len(), self.step.tolerance, 3 * self.step.max_iterations);
         let z: Vec<f64> = x.iter().copied().chain([p]).collect();
         corrector.evaluate(system, &z).map_err(ContinuationError::System)?;
         let start = corrector
             .correct(system, &z, &Surface::Plane(Hyperplane::through(&z, direction)))
-            .map_err(|f| ContinuationError::Start { residual: f.residual, iterations: f.iterations, why: f.why })?;
+            .map_err(ContinuationError::Start)?;
         corrector.max_iterations = self.step.max_iterations;
         Ok((start, corrector))
     }
@@ -103,6 +119,7 @@ impl Continuation {
         &self,
         system: &S,
         x: &[f64],
+        p: f64,
         direction: &[f64],
     ) -> Result<(), ContinuationError<S::Error>> {
         let n = system.dim();
@@ -117,10 +134,26 @@ impl Continuation {
             let what = "the squared length of the starting direction";
             return Err(ContinuationError::Setting { what, value: length, expected: "a positive number" });
         }
-        for bound in &self.bounds {
-            if bound.coordinate > n {
-                let value = bound.coordinate as f64;
-                return Err(ContinuationError::Setting { what: "bounded coordinate", value, expected: "at most n" });
+        let setting = |what, value, expected| Err(ContinuationError::Setting { what, value, expected });
+        if let Some(&watched) = self.watched.iter().find(|&&watched| watched >= n) {
+            return setting("watched unknown", watched as f64, "less than n");
+        }
+        for Bound { coordinate, min, max } in &self.bounds {
+            if *coordinate > n {
+                return setting("bounded coordinate", *coordinate as f64, "at most n");
+            }
+            if min.is_nan() || max.is_nan() {
+                return setting("bound", f64::NAN, "a number");
+            }
+            if min > max {
+                return setting("lower bound", *min, "at most the upper one");
+            }
+            let value = x.get(*coordinate).copied().unwrap_or(p);
+            // A start that lies on the bound may be rounded.
+            let rounding = ON_BOUND * value.abs();
+            if value < min - rounding || value > max + rounding {
+                let (coordinate, min, max) = (*coordinate, *min, *max);
+                return Err(ContinuationError::OutsideBound { coordinate, value, min, max });
             }
         }
         self.step.check()

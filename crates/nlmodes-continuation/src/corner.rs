@@ -134,12 +134,14 @@ fn across_boundary<S: ParametricSystem>(
     })
 }
 
-/// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on the branch.
+/// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on the branch and
+/// lead to points that are `permitted`.
 pub(crate) fn approach<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
     foot: &mut Foot,
+    permitted: impl Fn(&[f64]) -> bool,
 ) {
     let mut h = 0.5 * settings.min;
     for _ in 0..APPROACH {
@@ -147,7 +149,7 @@ pub(crate) fn approach<S: ParametricSystem>(
             break;
         }
         match step(system, corrector, settings, foot, h) {
-            Ok(end) if end.orientation * foot.orientation > 0.0 && end.pattern == foot.pattern => {
+            Ok(end) if end.orientation * foot.orientation > 0.0 && end.pattern == foot.pattern && permitted(&end.z) => {
                 *foot = Foot::from(&end)
             }
             _ => h *= 0.4,

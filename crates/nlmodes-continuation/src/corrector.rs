@@ -1,7 +1,7 @@
 use nlmodes_linalg::{DenseLu, Mat};
 
 use crate::record::{is_direction, is_vector};
-use crate::{Linearization, ParametricSystem};
+use crate::{CorrectionFailure, Linearization, NewtonFailure, ParametricSystem};
 
 /// Newton step below which a point counts as settled.
 const RESOLUTION: f64 = 1e-9;
@@ -107,14 +107,6 @@ impl Correction {
     }
 }
 
-/// Why a correction was given up.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Failure {
-    pub residual: f64,
-    pub iterations: usize,
-    pub why: &'static str,
-}
-
 /// Newton's method on a hyperplane or a sphere, with its work space.
 #[derive(Debug)]
 pub struct Corrector {
@@ -178,19 +170,18 @@ impl Corrector {
         system: &mut S,
         guess: &[f64],
         surface: &Surface,
-    ) -> Result<Correction, Failure> {
+    ) -> Result<Correction, CorrectionFailure> {
         let mut z = guess.to_vec();
-        let failure = |residual, iterations, why| Failure { residual, iterations, why };
         let mut norm =
-            self.evaluate(system, &z).map_err(|_| failure(f64::INFINITY, 0, "the system has no residual"))?;
+            self.evaluate(system, &z).map_err(|_| self.failure(f64::INFINITY, 0, NewtonFailure::NoResidual))?;
         let mut last_update = f64::INFINITY;
         for iteration in 0..=self.max_iterations {
             if !norm.is_finite() {
-                return Err(failure(norm, iteration, "the residual is not finite"));
+                return Err(self.failure(norm, iteration, NewtonFailure::NotFinite));
             }
             let defect = surface.defect(&z);
             surface.normal(&z, &mut self.normal);
-            self.factor_bordered().map_err(|why| failure(norm, iteration, why))?;
+            self.factor_bordered().map_err(|reason| self.failure(norm, iteration, reason))?;
             self.newton_update(-defect);
             let update = dot(&self.update, &self.update).sqrt();
             if norm.max(defect.abs()) <= self.tolerance {
@@ -206,9 +197,13 @@ impl Corrector {
             last_update = update;
             (z, norm) = self
                 .advance(system, &z, norm.max(defect.abs()))
-                .ok_or_else(|| failure(norm, iteration, "Newton's method does not lower the residual"))?;
+                .ok_or_else(|| self.failure(norm, iteration, NewtonFailure::NoDescent))?;
         }
-        Err(failure(norm, self.max_iterations, "Newton's method took too many iterations"))
+        Err(self.failure(norm, self.max_iterations, NewtonFailure::TooManyIterations))
+    }
+
+    fn failure(&self, residual: f64, iterations: usize, reason: NewtonFailure) -> CorrectionFailure {
+        CorrectionFailure { reason, residual, tolerance: self.tolerance, rounding: self.rounding, iterations }
     }
 
     /// The Jacobian of the point evaluated last with this row below it.
@@ -228,9 +223,9 @@ impl Corrector {
         }
     }
 
-    fn factor_bordered(&mut self) -> Result<(), &'static str> {
+    fn factor_bordered(&mut self) -> Result<(), NewtonFailure> {
         self.fill_bordered();
-        self.lu.refactor(&self.bordered).map_err(|_| "the bordered Jacobian is singular")
+        self.lu.refactor(&self.bordered).map_err(|_| NewtonFailure::Singular)
     }
 
     fn newton_update(&mut self, surface_defect: f64) {

@@ -1,5 +1,7 @@
 use thiserror::Error;
 
+use crate::CorrectionFailure;
+
 /// Why there is no branch at all.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -25,14 +27,19 @@ pub enum ContinuationError<E: std::error::Error + 'static> {
         expected: &'static str,
     },
     /// Newton's method did not reach the curve from the starting point.
-    #[error("the starting point could not be corrected: {why} (residual {residual:e}, {iterations} iterations)")]
-    Start {
-        /// Residual reached.
-        residual: f64,
-        /// Iterations taken.
-        iterations: usize,
-        /// Why Newton's method was given up.
-        why: &'static str,
+    #[error("the starting point could not be corrected: {0}")]
+    Start(#[source] CorrectionFailure),
+    /// The starting point lies outside of the window within which the branch is wanted.
+    #[error("coordinate {coordinate} of the starting point is {value}, outside of its bounds {min} to {max}")]
+    OutsideBound {
+        /// Index in `z`; n is the parameter.
+        coordinate: usize,
+        /// Where it starts.
+        value: f64,
+        /// Lower bound.
+        min: f64,
+        /// Upper bound.
+        max: f64,
     },
     /// The residual cannot be evaluated at the starting point.
     #[error("the system cannot be evaluated at the starting point")]

@@ -17,6 +17,9 @@ const DIP_DEPTH: f64 = 0.3;
 /// Most changes of pattern looked for within a step.
 const MOST_CHANGES: usize = 8;
 
+/// Shares of the bracket of a root that are tried where the branch is not found at the first.
+const ELSEWHERE: [f64; 3] = [0.5, 0.25, 0.75];
+
 /// An event within a step, at the distance `s` along the foot's tangent.
 #[derive(Debug, Clone)]
 pub(crate) struct Located {
@@ -79,11 +82,8 @@ impl<S: ParametricSystem> Search<'_, S> {
         let mut found: Vec<Located> = crossing.into_iter().collect();
         for &(i, kind) in turned {
             let sense = -self.end.tangent[i].signum();
-            found.extend(self.root(0.0, |c| sense * c.tangent[i]).map(|(s, point)| Located {
-                s,
-                kinds: vec![kind],
-                point,
-            }));
+            let Root { s, point, .. } = self.root(0.0, |c| sense * c.tangent[i]);
+            found.push(Located { s, kinds: vec![kind], point });
         }
         found.extend(self.pattern_changes());
         found.sort_by(|a, b| a.s.total_cmp(&b.s));
@@ -97,10 +97,10 @@ impl<S: ParametricSystem> Search<'_, S> {
         found
     }
 
-    /// Where `det [J; tᵀ]` changes its sign.
+    /// Where `det [J; tᵀ]` changes its sign; `None` if it is not known where within the step.
     pub fn crossing(&mut self) -> Option<Located> {
         let sense = self.foot.orientation;
-        let (s, point) = self.root(0.0, |c| sense * c.orientation)?;
+        let Root { s, point, .. } = self.certain_root(|c| sense * c.orientation)?;
         Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
     }
 
@@ -108,20 +108,19 @@ impl<S: ParametricSystem> Search<'_, S> {
     /// regularity of an earlier point and its distance from the foot.
     ///
     /// Where curves meet in an even number of free directions beyond the tangent, `det [J; tᵀ]` vanishes without a change of sign.
-    pub fn dip(&mut self, before: (f64, f64)) -> Option<Result<Located, &'static str>> {
+    pub fn dip(&mut self, before: (f64, f64)) -> Option<Option<Located>> {
         let (behind, distance) = before;
         let (here, there) = (self.foot.regularity, self.end.regularity);
         if here * (distance + DIP_AHEAD * self.h) > behind * DIP_AHEAD * self.h {
             return None;
         }
-        let lost = "the point at which the Jacobian comes closest to singular could not be located";
         let Ok(middle) = reach(self.system, self.corrector, self.foot, self.h * here / (here + there)) else {
-            return Some(Err(lost));
+            return Some(None);
         };
         if middle.regularity > DIP_DEPTH * here.min(there) {
             return None;
         }
-        Some(self.lowest_regularity().ok_or(lost))
+        Some(self.lowest_regularity())
     }
 
     /// The point of least regularity, by golden sections.
@@ -146,12 +145,17 @@ impl<S: ParametricSystem> Search<'_, S> {
         Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
     }
 
-    /// Where the system passes from one smooth piece to another.
+    /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one stands for the rest.
     pub fn pattern_changes(&mut self) -> Vec<Located> {
         let (mut from, mut s) = (self.foot.pattern, 0.0);
         let mut found = Vec::new();
-        while from != self.end.pattern && found.len() < MOST_CHANGES {
-            let Some((at, point)) = self.root(s, |c| if c.pattern == from { 1.0 } else { -1.0 }) else { break };
+        while from != self.end.pattern {
+            if found.len() == MOST_CHANGES {
+                let kinds = vec![EventKind::PatternChange { from, to: self.end.pattern }];
+                found.push(Located { s: self.h, kinds, point: self.end.clone() });
+                break;
+            }
+            let Root { s: at, point, .. } = self.root(s, |c| if c.pattern == from { 1.0 } else { -1.0 });
             let to = point.pattern;
             found.push(Located { s: at, kinds: vec![EventKind::PatternChange { from, to }], point });
             (from, s) = (to, at);
@@ -159,8 +163,19 @@ impl<S: ParametricSystem> Search<'_, S> {
         found
     }
 
-    /// Where `test` turns negative beyond `start`, the point on its far side: secant steps, kept in the bracket by bisection.
-    pub fn root(&mut self, start: f64, test: impl Fn(&Correction) -> f64) -> Option<(f64, Correction)> {
+    /// Where `test`, which is negative at the end, turns so beyond `start`: secant steps, kept in the bracket by bisection. Where a point of
+    /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side stands for the root.
+    pub fn root(&mut self, start: f64, test: impl Fn(&Correction) -> f64) -> Root {
+        self.root_trying(&ELSEWHERE, start, test)
+    }
+
+    /// The same where a point that is not found casts doubt on the step: `None` then.
+    pub fn certain_root(&mut self, test: impl Fn(&Correction) -> f64) -> Option<Root> {
+        Some(self.root_trying(&[], 0.0, test)).filter(|root| root.settled)
+    }
+
+    fn root_trying(&mut self, elsewhere: &[f64], start: f64, test: impl Fn(&Correction) -> f64) -> Root {
+        let mut settled = true;
         let mut best = self.end.clone();
         let (mut low, mut f_low): (f64, Option<f64>) = (start, None);
         let (mut high, mut f_high) = (self.h, test(self.end));
@@ -172,7 +187,13 @@ impl<S: ParametricSystem> Search<'_, S> {
                 Some(f_low) if k % 3 != 2 => (low + (high - low) * f_low / (f_low - f_high)).clamp(low, high),
                 _ => 0.5 * (low + high),
             };
-            let c = reach(self.system, self.corrector, self.foot, s).ok()?;
+            let others = elsewhere.iter().map(|share| low + share * (high - low));
+            let mut tried = std::iter::once(s).chain(others);
+            let reached = tried.find_map(|s| Some((s, reach(self.system, self.corrector, self.foot, s).ok()?)));
+            let Some((s, c)) = reached else {
+                settled = false;
+                break;
+            };
             let f = test(&c);
             if f > 1e-12 {
                 (low, f_low) = (s, Some(f));
@@ -180,6 +201,16 @@ impl<S: ParametricSystem> Search<'_, S> {
                 (high, f_high, best) = (s, if f.abs() <= 1e-12 { 0.0 } else { f }, c);
             }
         }
-        Some((high, best))
+        Root { s: high, point: best, settled }
     }
+}
+
+/// Where a test function changes its sign within a step.
+pub(crate) struct Root {
+    /// Distance along the tangent of the foot.
+    pub s: f64,
+    /// The point there, on the far side.
+    pub point: Correction,
+    /// Whether no point that was looked for on the way is missing; else this is the nearest one that is known.
+    pub settled: bool,
 }

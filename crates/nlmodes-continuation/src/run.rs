@@ -1,15 +1,16 @@
+mod bounds;
 mod replay;
 
 use std::ops::ControlFlow;
 
 use crate::corner::{self, Passage};
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance, dot};
+use crate::corrector::{Correction, Corrector, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
 use crate::record::RunLog;
 use crate::singular::{NEARLY_FREE, SingularDirections};
-use crate::step::{Foot, reach, step};
-use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, StepSettings, StopReason};
+use crate::step::{Foot, step};
+use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Refusal, StepSettings, StopReason};
 
 /// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
 const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
@@ -41,6 +42,14 @@ pub(crate) struct Run<'a, S, F> {
 
 /// Where a step passes a crossing, and the arms there.
 type Crossing = (Located, Choice);
+
+/// A step that is shown to stay on the branch.
+struct Taken {
+    end: Correction,
+    crossing: Option<Crossing>,
+    /// Where the branch ends within the step, and why.
+    last: Option<(StopReason, Correction)>,
+}
 
 impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a, S, F> {
     pub fn new(
@@ -114,10 +123,10 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             // Where steps are this short, one is worth more than the iterations saved by giving it up.
             self.corrector.max_iterations = max_iterations * if h < 100.0 * min { 3 } else { 1 };
             let outcome = match self.try_step(h) {
-                Ok((end, crossing)) => {
+                Ok(taken) => {
                     let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
-                    let next = if end.iterations <= 3 { (h * growth).min(max) } else { h };
-                    self.accept(&end, crossing, h, next)
+                    let next = if taken.end.iterations <= 3 { (h * growth).min(max) } else { h };
+                    self.accept(taken, h, next)
                 }
                 Err(_) if h > min => {
                     refused_in_a_row += 1;
@@ -152,33 +161,38 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         self.limits.min = self.settings.step.min.max(blurred).min(self.limits.max);
     }
 
-    /// A step that stays on the branch, and the crossing that it passes, if it does.
-    ///
+    /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it, if it does.
+    fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
+        let end = step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
+        let crossing = self.crossing_passed(&end, h)?;
+        let last = match self.bound_crossed(&end, h)? {
+            None => self.closing_point(&end, h)?.map(|last| (StopReason::Closed, last)),
+            bound => bound,
+        };
+        Ok(Taken { end, crossing, last })
+    }
+
     /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
     /// a crossing is a jump to another arm.
-    fn try_step(&mut self, h: f64) -> Result<(Correction, Option<Crossing>), String> {
-        let end = step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
+    fn crossing_passed(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, Refusal> {
         if end.orientation * self.foot.orientation > 0.0 {
-            let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(&end, h) };
-            let passed = if touched.is_none() { self.passed_in_step(&end, h)? } else { touched };
-            return Ok((end, passed));
+            let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(end, h) };
+            return if touched.is_none() { self.passed_in_step(end, h) } else { Ok(touched) };
         }
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end: &end, h };
-        let crossing = search.crossing().ok_or("the crossing that the step passes could not be located")?;
-        match self.arms_at(&crossing, &end, h) {
-            Some(choice) => Ok((end, Some((crossing, choice)))),
-            None => Err("the step ends on another arm of the curve".to_owned()),
-        }
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let crossing = search.crossing().ok_or(Refusal::CrossingNotLocated)?;
+        let choice = self.arms_at(&crossing, end, h).ok_or(Refusal::OtherArm)?;
+        Ok(Some((crossing, choice)))
     }
 
     /// A crossing within a step that leaves the sign of `det [J; tᵀ]` as it was, for it has an even number of free directions beyond
     /// the tangent. Where other curves only come close, the step is refused: it may have jumped across.
-    fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, String> {
+    fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, Refusal> {
         let Some(before) = self.before.filter(|_| h > 10.0 * self.limits.min) else { return Ok(None) };
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
         let Some(dip) = search.dip(before) else { return Ok(None) };
-        let dip = dip?;
-        let choice = self.arms_at(&dip, end, h).ok_or("other curves are closer to the step than it is long")?;
+        let dip = dip.ok_or(Refusal::CrossingNotLocated)?;
+        let choice = self.arms_at(&dip, end, h).ok_or(Refusal::CloseCurves)?;
         Ok(Some((dip, choice)))
     }
 
@@ -206,7 +220,9 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// Goes on along the arm that continues the branch through a corner or a crossing; `None` if no arm leaves.
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
-        corner::approach(self.system, &mut self.corrector, &self.limits, &mut self.foot);
+        let bounds = &self.settings.bounds;
+        let within = |z: &[f64]| bounds.iter().all(|b| b.passed_by(z[b.coordinate]).is_none());
+        corner::approach(self.system, &mut self.corrector, &self.limits, &mut self.foot, within);
         let (points, foot) = (&self.branch.points, &self.foot);
         let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
         let way_back = |radius| corner::way_back(latest(), foot, radius);
@@ -219,7 +235,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             Passage::Corner(next) => (next, None),
             Passage::Crossing(choice) => (choice.arms[choice.arm(self.settings.at_branch_point)].clone(), Some(choice)),
         };
-        let corner = self.corner_point(&next, choice.is_some());
+        let mut corner = self.corner_point(&next, choice.is_some());
+        corner.events.extend(self.folds.update(&next.tangent).into_iter().map(|(_, kind)| kind));
         if !corner.events.is_empty() {
             self.keep(corner)?;
         }
@@ -231,8 +248,11 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         self.leave_for(&next, length)
     }
 
+    /// Goes on at the first point beyond a corner or a crossing, unless a bound lies in between.
     fn leave_for(&mut self, next: &Correction, length: f64) -> ControlFlow<StopReason, f64> {
-        self.folds.update(&next.tangent);
+        if let Some(stop) = self.bound_before(next) {
+            return ControlFlow::Break(stop?);
+        }
         self.go_to(next, Vec::new())?;
         self.before = None;
         ControlFlow::Continue(length)
@@ -274,26 +294,22 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
     /// the length of the next step.
-    fn accept(
-        &mut self,
-        end: &Correction,
-        crossing: Option<Crossing>,
-        h: f64,
-        next: f64,
-    ) -> ControlFlow<StopReason, f64> {
-        let bound = self.bound_crossed(end, h);
-        let last = bound.or_else(|| Some((StopReason::Closed, self.closing_point(end, h)?)));
+    fn accept(&mut self, taken: Taken, h: f64, next: f64) -> ControlFlow<StopReason, f64> {
+        let Taken { end, crossing, last } = &taken;
         let ahead = |c: &Correction| dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
         let length = last.as_ref().map_or(h, |(_, last)| ahead(last));
-        let crossing = crossing.filter(|(located, _)| located.s <= length);
+        let crossing = crossing.clone().filter(|(located, _)| located.s <= length);
         let way = crossing.as_ref().map(|(_, choice)| self.choose(choice));
         let end = last.as_ref().map_or(end, |(_, last)| last);
         match (crossing, way) {
-            (Some((located, choice)), Some(way)) if way != Some(choice.own) => {
-                let (s, point) = (located.s, located.point.clone());
-                self.keep_events(&point, Some(located), s)?;
-                self.note(&choice, way)?;
+            (Some((mut located, choice)), Some(way)) if way != Some(choice.own) => {
                 let start = &choice.arms[way.unwrap_or(choice.own)];
+                // What turns does so at the crossing, where the Jacobian has no tangent to offer.
+                let turned = if way.is_some() { self.folds.update(&start.tangent) } else { Vec::new() };
+                located.kinds.extend(turned.into_iter().map(|(_, kind)| kind));
+                let (s, point) = (located.s, located.point.clone());
+                self.keep_located(&point, &[], Some(located), s)?;
+                self.note(&choice, way)?;
                 return self.leave_for(start, distance(&start.z, &choice.z));
             }
             (Some((located, choice)), way) => {
@@ -303,16 +319,26 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             (None, _) => self.keep_events(end, None, length)?,
         }
         self.go_to(end, Vec::new())?;
-        last.map_or(ControlFlow::Continue(next), |(stop, _)| ControlFlow::Break(stop))
+        last.as_ref().map_or(ControlFlow::Continue(next), |(stop, _)| ControlFlow::Break(stop.clone()))
     }
 
     fn keep_events(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
         let turned = self.folds.update(&end.tangent);
+        self.keep_located(end, &turned, crossing, h)
+    }
+
+    fn keep_located(
+        &mut self,
+        end: &Correction,
+        turned: &[(usize, EventKind)],
+        crossing: Option<Located>,
+        h: f64,
+    ) -> ControlFlow<StopReason> {
         if h <= 0.0 {
             return ControlFlow::Continue(());
         }
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        for located in search.all(&turned, crossing) {
+        for located in search.all(turned, crossing) {
             self.keep(point(&located.point, located.kinds))?;
         }
         ControlFlow::Continue(())
@@ -360,60 +386,6 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             return ControlFlow::Break(StopReason::MaxPoints);
         }
         ControlFlow::Continue(())
-    }
-
-    /// The first bound that the step to `end` crosses, and the point of the branch on it.
-    fn bound_crossed(&mut self, end: &Correction, h: f64) -> Option<(StopReason, Correction)> {
-        let crossed = self.settings.bounds.iter().filter_map(|b| {
-            let (from, to) = (self.foot.z[b.coordinate], end.z[b.coordinate]);
-            let value = if to > b.max {
-                b.max
-            } else if to < b.min {
-                b.min
-            } else {
-                return None;
-            };
-            Some((((value - from) / (to - from)).clamp(0.0, 1.0), b.coordinate, value))
-        });
-        let (_, coordinate, value) = crossed.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let before = (value - self.foot.z[coordinate]).signum();
-        // From a guess off the branch, Newton's method could find another arm on the bound.
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        let guess =
-            search.root(0.0, |c| before * (value - c.z[coordinate])).map_or_else(|| end.z.clone(), |(_, c)| c.z);
-        let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), end)?;
-        Some((StopReason::Bound { coordinate, value }, last))
-    }
-
-    /// The start, if the step to `end` passes it in the direction in which the branch left it.
-    fn closing_point(&mut self, end: &Correction, h: f64) -> Option<Correction> {
-        let first = self.branch.points.first()?;
-        let (z, tangent) = (first.z(), first.tangent.clone());
-        let ahead = |at: &[f64]| dot(at, &tangent) - dot(&z, &tangent);
-        let passes = ahead(&self.foot.z) < 0.0 && ahead(&end.z) >= 0.0 && distance(&end.z, &z) < 2.0 * h;
-        if !passes || dot(&end.tangent, &tangent) < 0.5 {
-            return None;
-        }
-        let last = self.on_plane(&z, Hyperplane::through(&z, &tangent), end)?;
-        let gap = distance(&last.z, &self.foot.z) - distance(&z, &self.foot.z);
-        (distance(&last.z, &z) < 1e-6 && gap.abs() < 1e-6 && self.leads_to(&last)).then_some(last)
-    }
-
-    /// Whether the branch itself, corrected across its own tangent, goes through this point of the step.
-    fn leads_to(&mut self, c: &Correction) -> bool {
-        let s = dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
-        let reached = reach(self.system, &mut self.corrector, &self.foot, s);
-        reached.is_ok_and(|r| distance(&r.z, &c.z) < 1e-6)
-    }
-
-    /// The solution on a plane between the foot and `end`, with its tangent in the direction of travel.
-    fn on_plane(&mut self, guess: &[f64], plane: Hyperplane, end: &Correction) -> Option<Correction> {
-        let mut last = self.corrector.correct(self.system, guess, &Surface::Plane(plane)).ok()?;
-        if dot(&last.tangent, &end.tangent) < 0.0 {
-            last.tangent.iter_mut().for_each(|t| *t = -*t);
-            last.orientation = -last.orientation;
-        }
-        Some(last)
     }
 }
 

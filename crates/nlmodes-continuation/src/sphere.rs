@@ -195,9 +195,9 @@ impl<S: ParametricSystem> Walk<'_, S> {
         }
         let h = dot(&end.z, &foot.tangent) - dot(&foot.z, &foot.tangent);
         let mut search = Search { system: &mut *self.system, corrector: &mut *self.corrector, foot, end, h };
-        let located = if h > 0.0 { search.root(0.0, |c| from.signum() * c.z[last]) } else { None };
+        let root = if h > 0.0 { search.certain_root(|c| from.signum() * c.z[last]) } else { None };
         let share = from / (from - to);
-        Some(located.map_or_else(|| along_chord(&foot.z, &end.z, share), |(_, c)| c.z))
+        Some(root.map_or_else(|| along_chord(&foot.z, &end.z, share), |root| root.point.z))
     }
 
     /// The first point beyond a corner of the curve.

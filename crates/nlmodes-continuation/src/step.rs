@@ -1,5 +1,5 @@
-use crate::corrector::{Correction, Corrector, Failure, Hyperplane, Surface, along, distance, dot};
-use crate::{ContinuationError, ParametricSystem};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::{ContinuationError, CorrectionFailure, ParametricSystem, Refusal};
 
 /// Length of a step and what makes it credible.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,14 @@ impl StepSettings {
             let what = "largest unknown for which the longest step is meant";
             return Err(ContinuationError::Setting { what, value: self.far, expected: "a positive number" });
         }
+        if self.max_iterations == 0 {
+            let what = "number of Newton iterations permitted";
+            return Err(ContinuationError::Setting { what, value: 0.0, expected: "at least one" });
+        }
+        if self.checked_turn.is_nan() {
+            let what = "turn beyond which the middle of a step is checked";
+            return Err(ContinuationError::Setting { what, value: f64::NAN, expected: "a number" });
+        }
         if self.min > self.max {
             return Err(ContinuationError::Setting {
                 what: "shortest step",
@@ -101,7 +109,7 @@ pub(crate) fn reach<S: ParametricSystem>(
     corrector: &mut Corrector,
     foot: &Foot,
     h: f64,
-) -> Result<Correction, Failure> {
+) -> Result<Correction, CorrectionFailure> {
     let predicted = along(&foot.z, h, &foot.tangent);
     corrector.correct(system, &predicted, &Surface::Plane(Hyperplane::through(&predicted, &foot.tangent)))
 }
@@ -113,16 +121,15 @@ pub(crate) fn step<S: ParametricSystem>(
     settings: &StepSettings,
     foot: &Foot,
     h: f64,
-) -> Result<Correction, String> {
-    let end = reach(system, corrector, foot, h)
-        .map_err(|f| format!("{} (residual {:.1e} after {} iterations)", f.why, f.residual, f.iterations))?;
+) -> Result<Correction, Refusal> {
+    let end = reach(system, corrector, foot, h).map_err(Refusal::End)?;
     let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
     if moved > settings.max_correction * h {
-        return Err(format!("the corrected point lies {:.2} steps from the predicted one", moved / h));
+        return Err(Refusal::FarFromPrediction { steps: moved / h });
     }
     let turn = dot(&end.tangent, &foot.tangent).clamp(-1.0, 1.0).acos();
     if turn > settings.max_turn {
-        return Err(format!("the tangent turns by {:.0} degrees", turn.to_degrees()));
+        return Err(Refusal::Turn { radians: turn });
     }
     // An arc lies half its turn off its tangent; what lies further off may be another arm.
     let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution.max(0.1 * corrector.blur);
@@ -141,8 +148,8 @@ fn check_middle<S: ParametricSystem>(
     h: f64,
     end: &Correction,
     most: f64,
-) -> Result<(), String> {
-    let middle = reach(system, corrector, foot, 0.5 * h).map_err(|f| format!("at half the step, {}", f.why))?;
+) -> Result<(), Refusal> {
+    let middle = reach(system, corrector, foot, 0.5 * h).map_err(Refusal::Middle)?;
     let chord = distance(&end.z, &foot.z);
     let cubic: Vec<f64> = (0..end.z.len())
         .map(|i| 0.5 * (foot.z[i] + end.z[i]) + chord / 8.0 * (foot.tangent[i] - end.tangent[i]))
@@ -152,7 +159,7 @@ fn check_middle<S: ParametricSystem>(
     let on_tangent = dot(&gap, &middle.tangent);
     let off = (dot(&gap, &gap) - on_tangent * on_tangent).max(0.0).sqrt();
     if off > most {
-        return Err(format!("the point at half the step lies {:.2} steps off the curve through both ends", off / h));
+        return Err(Refusal::MiddleOff { steps: off / h });
     }
     Ok(())
 }

@@ -147,8 +147,8 @@ impl Shooting {
         match branch.map(|branch| branch.points.into_iter().next()) {
             Ok(Some(point)) => self.motion(&point.x),
             Err(ContinuationError::System(error)) => Err(error),
-            Err(ContinuationError::Start { residual, iterations, .. }) => {
-                Err(TimestepError::NotConverged { residual, iterations })
+            Err(ContinuationError::Start(failure)) => {
+                Err(TimestepError::NotConverged { residual: failure.residual, iterations: failure.iterations })
             }
             Ok(None) | Err(_) => Err(TimestepError::NotConverged { residual: f64::NAN, iterations: 0 }),
         }

@@ -65,7 +65,7 @@ fn a_singular_start_is_an_error() {
         &[0.0, 1.0],
         |_| ControlFlow::Continue(()),
     );
-    assert!(matches!(crossing, Err(ContinuationError::Start { .. })));
+    assert!(matches!(crossing, Err(ContinuationError::Start(_))));
     let without_solution = Continuation::default().run(
         &mut smooth(|x, p| [x * x + p * p + 1.0, 2.0 * x, 2.0 * p]),
         &[1.0],
@@ -73,7 +73,7 @@ fn a_singular_start_is_an_error() {
         &[0.0, 1.0],
         |_| ControlFlow::Continue(()),
     );
-    assert!(matches!(without_solution, Err(ContinuationError::Start { .. })));
+    assert!(matches!(without_solution, Err(ContinuationError::Start(_))));
 }
 
 #[test]
@@ -81,11 +81,11 @@ fn a_residual_that_is_not_finite_ends_the_branch_with_the_reason() {
     let f = |x: f64, p: f64| if p > 0.5 { [f64::NAN; 3] } else { line(x, p) };
     let branch = trace(&Continuation::default(), smooth(f), [0.0, 0.0], [1.0, 1.0]);
     let StopReason::StepTooSmall { refusal, .. } = &branch.stop else { panic!("{:?}", branch.stop) };
-    assert!(refusal.contains("not finite"), "{refusal}");
+    assert!(refusal.to_string().contains("not finite"), "{refusal}");
     let last = branch.points.last().unwrap();
     assert!(last.p <= 0.5 && last.p > 0.5 - 1e-5);
     let start = Continuation::default().run(&mut smooth(f), &[1.0], 1.0, &[1.0, 1.0], |_| ControlFlow::Continue(()));
-    assert!(matches!(start, Err(ContinuationError::Start { .. })));
+    assert!(matches!(start, Err(ContinuationError::Start(_))));
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -136,6 +136,18 @@ fn what_does_not_fit_is_refused() {
         let settings = Continuation { step, ..Continuation::default() };
         assert!(matches!(run(&settings, [0.0, 0.0], &[1.0, 1.0]), Err(ContinuationError::Setting { .. })));
     }
+    let watched = Continuation { watched: vec![0, 1], ..Continuation::default() };
+    assert!(matches!(run(&watched, [0.0, 0.0], &[1.0, 1.0]), Err(ContinuationError::Setting { value: 1.0, .. })));
+    for (min, max) in [(1.0, -1.0), (f64::NAN, 1.0), (-1.0, f64::NAN)] {
+        assert!(matches!(run(&window(1, min, max), [0.0, 0.0], &[1.0, 1.0]), Err(ContinuationError::Setting { .. })));
+    }
+    for (coordinate, from) in [(0, [1.5, 0.0]), (1, [0.0, -1.5])] {
+        let outside = run(&window(coordinate, -1.0, 1.0), from, &[1.0, 1.0]);
+        assert!(matches!(outside, Err(ContinuationError::OutsideBound { min: -1.0, max: 1.0, .. })), "{outside:?}");
+    }
+    let unable = StepSettings { max_iterations: 0, ..StepSettings::default() };
+    let unable = Continuation { step: unable, ..Continuation::default() };
+    assert!(matches!(run(&unable, [0.0, 0.0], &[1.0, 1.0]), Err(ContinuationError::Setting { value: 0.0, .. })));
     let long = default.run(&mut smooth(line), &[0.0, 0.0], 0.0, &[1.0, 1.0], |_| ControlFlow::Continue(()));
     assert!(matches!(long, Err(ContinuationError::Dimension { expected: 1, found: 2, .. })));
 }

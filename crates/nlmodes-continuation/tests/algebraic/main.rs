@@ -6,6 +6,7 @@ mod ends;
 mod resumed;
 mod rounding;
 mod samples;
+mod seen;
 mod smooth;
 mod three_free;
 mod trees;

@@ -1,0 +1,89 @@
+//! What was seen is told, also where it cannot be located, and no bound is passed.
+
+use nlmodes_continuation::{Bound, Continuation, EventKind, StopReason};
+
+use crate::samples::{events, piecewise, smooth, trace, window};
+
+fn circle(x: f64, p: f64) -> [f64; 3] {
+    [x * x + p * p - 1.0, 2.0 * x, 2.0 * p]
+}
+
+#[test]
+fn a_fold_beside_which_no_point_is_found_is_told_at_the_nearest_one() {
+    for start in 0..100 {
+        let (x, p) = (0.0612 * f64::from(start) - 0.01).sin_cos();
+        // There is no residual around both folds.
+        let f = |x: f64, p: f64| if (p.abs() - 1.0).abs() < 1e-10 { [f64::NAN; 3] } else { circle(x, p) };
+        let branch = trace(&Continuation::default(), smooth(f), [x, p], [-p, x]);
+        assert_eq!(branch.stop, StopReason::Closed, "from {x}, {p}");
+        let folds = events(&branch, |e| *e == EventKind::ParameterFold);
+        assert_eq!(folds.len(), 2, "from {x}, {p}");
+        assert!(folds.iter().all(|q| q.p.abs() > 1.0 - 1e-6), "from {x}, {p}");
+    }
+}
+
+#[test]
+fn a_bound_on_which_no_point_is_found_is_not_passed() {
+    for width in [1e-9, 1e-6, 1e-4, 1e-2] {
+        let f = |x: f64, p: f64| if (p - 0.5).abs() < width { [f64::NAN; 3] } else { [x - p, 1.0, -1.0] };
+        let branch = trace(&window(1, -1.0, 0.5), smooth(f), [0.0, 0.0], [1.0, 1.0]);
+        assert!(branch.points.iter().all(|q| q.p <= 0.5), "{width}: {:?}", branch.points.last());
+        assert!(matches!(branch.stop, StopReason::StepTooSmall { .. }), "{width}: {:?}", branch.stop);
+        assert!(branch.points.last().unwrap().p > 0.5 - 2.0 * width - 1e-5, "{width}: {:?}", branch.points.last());
+    }
+}
+
+#[test]
+fn a_bound_that_a_curve_passes_between_two_points_ends_it() {
+    for bound in [0.999, 0.9999, 0.999_99] {
+        for start in 0..100 {
+            let (p, x) = (-0.011 * f64::from(start)).sin_cos();
+            let branch = trace(&window(1, -2.0, bound), smooth(circle), [x, p], [-p, x]);
+            assert_eq!(branch.stop, StopReason::Bound { coordinate: 1, value: bound }, "from {x}, {p}");
+            let last = branch.points.last().unwrap();
+            assert!((last.p - bound).abs() < 1e-12 && last.x[0] > 0.0, "{:?}", last.z());
+            assert!((last.x[0] - (1.0 - bound * bound).sqrt()).abs() < 1e-9, "{:?}", last.z());
+        }
+    }
+}
+
+#[test]
+fn a_bound_is_not_passed_behind_a_corner() {
+    // The parameter turns back at once where the curve has just turned at x = 0: the bound is half a shortest step beyond.
+    let f = |x: f64, p: f64| [p + 3.0 * x.abs(), 3.0 * x.signum(), 1.0];
+    for beyond in [5e-7, 5e-6, 1e-4] {
+        let bounds = vec![Bound { coordinate: 0, min: -1.0, max: beyond }];
+        let settings = Continuation { bounds, ..Continuation::default() };
+        let branch = trace(&settings, piecewise(f, |x, _| u64::from(x >= 0.0)), [-0.3, -0.9], [1.0, 3.0]);
+        assert!(branch.points.iter().all(|q| q.x[0] <= beyond), "{beyond}: {:?}", branch.points.last());
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 0, value: beyond });
+    }
+}
+
+#[test]
+fn a_parameter_that_turns_at_a_corner_has_a_fold_there() {
+    for slope in [1.0, 0.3, 3.0] {
+        let f = |x: f64, p: f64| [p + slope * x.abs(), slope * x.signum(), 1.0];
+        let settings = window(0, -1.0, 1.0);
+        let system = piecewise(f, |x, _| u64::from(x >= 0.0));
+        let branch = trace(&settings, system, [-0.5, -0.5 * slope], [1.0, slope]);
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 0, value: 1.0 });
+        let folds = events(&branch, |e| *e == EventKind::ParameterFold);
+        assert_eq!(folds.len(), 1, "slope {slope}");
+        assert!(folds[0].x[0].abs() < 1e-6 && folds[0].p.abs() < 1e-5, "{:?}", folds[0].z());
+    }
+}
+
+#[test]
+fn changes_of_the_piece_form_a_chain_however_many_a_step_passes() {
+    let steps = piecewise(|x, p| [x - p, 1.0, -1.0], |_, p| ((p + 1.0) * 700.0) as u64);
+    let branch = trace(&window(1, -1.0, 0.5), steps, [0.0, 0.0], [1.0, 1.0]);
+    let mut piece = branch.points[0].pattern;
+    for event in branch.points.iter().flat_map(|q| &q.events) {
+        if let EventKind::PatternChange { from, to } = event {
+            assert_eq!(*from, piece);
+            piece = *to;
+        }
+    }
+    assert_eq!(piece, branch.points.last().unwrap().pattern);
+}
