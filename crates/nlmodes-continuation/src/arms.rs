@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::ParametricSystem;
 use crate::corrector::{Correction, Corrector, Surface, along, distance, dot};
+use crate::crossing::Choice;
 use crate::singular::SingularDirections;
 use crate::sphere::Sphere;
 
@@ -16,7 +17,10 @@ const ITERATIONS: usize = 40;
 /// Steps tried, each half the one before: from where an interval of contact has just closed, Newton's full step may lead far away.
 const TRIALS: usize = 12;
 
-/// Most curves that are followed on one sphere.
+/// Most arms that are joined in pairs: the ways to do so grow with the factorial.
+const MOST_PAIRED: usize = 14;
+
+/// Most curves that are followed on one sphere with one equation given up.
 const MOST_CURVES: usize = 24;
 
 /// Solutions at the distance `radius` from `center`.
@@ -26,6 +30,8 @@ pub(crate) struct Arms {
     pub back: Vec<f64>,
     /// The others; their tangents point outward.
     pub onward: Vec<Correction>,
+    /// Curves on the sphere that were not followed, or not to their end.
+    pub unsearched: usize,
 }
 
 impl Arms {
@@ -47,10 +53,11 @@ impl Arms {
         let (tolerance, resolution) = (corrector.tolerance, corrector.resolution.max(corrector.blur));
         let mut own = Corrector::new(center.len() - 1, tolerance, ITERATIONS);
         (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
+        own.rounding.clone_from(&corrector.rounding);
         let surface = Surface::Sphere { center: center.to_vec(), radius };
         let back = own.correct(system, back, &surface).ok()?;
-        let sphere = Sphere { center, radius, tolerance, resolution, nesting };
-        let mut search = Search { system, own, surface, sphere, arms: vec![back], spent: 0 };
+        let sphere = Sphere { center, radius, tolerance, resolution, rounding: &corrector.rounding, nesting };
+        let mut search = Search { system, own, surface, sphere, arms: vec![back], spent: 0, unsearched: 0 };
         if nesting > 0 {
             search.along(&free.left[..free.left.len().min(2)]);
         } else {
@@ -60,9 +67,46 @@ impl Arms {
             }
         }
         corrector.evaluations += search.own.evaluations + search.spent;
+        let unsearched = search.unsearched;
         let mut arms = search.arms.into_iter();
         let back = outward(center, &arms.next()?.z);
-        Some(Self { back, onward: arms.collect() })
+        Some(Self { back, onward: arms.collect(), unsearched })
+    }
+
+    /// As a choice of which one is the branch's own.
+    pub fn choice(self, center: &[f64], own: usize) -> Choice {
+        Choice { z: center.to_vec(), back: self.back, arms: self.onward, own, unsearched: self.unsearched }
+    }
+
+    /// Number of arms, but for the way back, that are found again ever closer to the center.
+    pub fn n_leading_inward<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        corrector: &mut Corrector,
+        center: &[f64],
+        radius: f64,
+        least: f64,
+    ) -> usize {
+        let mut own = Corrector::new(center.len() - 1, corrector.tolerance, ITERATIONS);
+        (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
+        own.rounding.clone_from(&corrector.rounding);
+        let closer = || std::iter::successors(Some(0.1 * radius), |r| Some(0.1 * r)).take_while(|r| *r >= 0.99 * least);
+        let mut leads = |arm: &Correction| {
+            let mut direction = outward(center, &arm.z);
+            closer().all(|radius| {
+                let guess = along(center, radius, &direction);
+                let surface = Surface::Sphere { center: center.to_vec(), radius };
+                let found =
+                    own.correct(system, &guess, &surface).ok().filter(|c| distance(&c.z, &guess) < 0.3 * radius);
+                found.is_some_and(|c| {
+                    direction = outward(center, &c.z);
+                    true
+                })
+            })
+        };
+        let count = self.onward.iter().filter(|arm| leads(arm)).count();
+        corrector.evaluations += own.evaluations;
+        count
     }
 
     /// Index of the arm that continues the branch.
@@ -72,6 +116,12 @@ impl Arms {
     pub fn partner(&self, center: &[f64]) -> Option<usize> {
         let mut directions = vec![self.back.clone()];
         directions.extend(self.onward.iter().map(|arm| outward(center, &arm.z)));
+        if directions.len() > MOST_PAIRED {
+            // Too many to join all of them.
+            let straight =
+                (1..directions.len()).min_by(|i, j| bend(&directions, 0, *i).total_cmp(&bend(&directions, 0, *j)));
+            return straight.map(|k| k - 1);
+        }
         best_partner(&directions).map(|k| k - 1)
     }
 }
@@ -92,6 +142,8 @@ struct Search<'a, S> {
     arms: Vec<Correction>,
     /// Evaluations by others than `own`.
     spent: usize,
+    /// Curves that were not followed, or not to their end.
+    unsearched: usize,
 }
 
 impl<S: ParametricSystem> Search<'_, S> {
@@ -106,10 +158,12 @@ impl<S: ParametricSystem> Search<'_, S> {
                 covered.push(a);
                 let track = self.sphere.arms_along(self.system, &self.arms[a].z, left);
                 self.spent += track.evaluations;
+                self.unsearched += usize::from(!track.closed);
                 for guess in track.arms {
                     covered.extend(self.take(&guess));
                 }
             }
+            self.unsearched += (0..self.arms.len()).filter(|a| !covered.contains(a)).count();
             let nothing_new = before > 1 && self.arms.len() == before;
             if nothing_new || (self.sphere.nesting > 0 && self.arms.len() > 1) {
                 break;

@@ -1,5 +1,5 @@
 use crate::record::{is_direction, is_vector};
-use crate::{Crossing, Refusal};
+use crate::{Crossing, Refusal, Scales};
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -37,7 +37,7 @@ pub struct BranchPoint {
     pub p: f64,
     /// Unit tangent, n + 1, in the direction of travel.
     pub tangent: Vec<f64>,
-    /// Largest entry of the residual in magnitude.
+    /// Largest entry of the residual in magnitude, over the size of its equation.
     #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub residual: f64,
     /// Newton iterations of the last correction.
@@ -89,7 +89,7 @@ pub enum StopReason {
     Joined,
     /// No step, however short, could be shown to stay on the branch.
     StepTooSmall {
-        /// The last step tried.
+        /// The last step tried, over the sizes of the unknowns.
         step: f64,
         /// Why it was refused.
         refusal: Refusal,
@@ -121,6 +121,8 @@ pub struct Branch {
     pub crossings: Vec<Crossing>,
     /// Why there are no more.
     pub stop: StopReason,
+    /// Sizes of unknowns and equations beside which steps and tolerances were taken.
+    pub scales: Scales,
     /// Evaluations of residual and Jacobian.
     pub evaluations: usize,
     /// Steps that were tried and refused.

@@ -3,7 +3,8 @@ use std::ops::ControlFlow;
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, dot};
 use crate::record::RunLog;
 use crate::run::Run;
-use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, StepSettings};
+use crate::scales::Scaled;
+use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, Scales, StepSettings};
 
 /// A window of one coordinate of `z` outside of which the branch ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +19,30 @@ pub struct Bound {
 
 /// Share of a coordinate by which a start on a bound may lie beyond it.
 const ON_BOUND: f64 = 1e-12;
+
+/// Largest unknown, over sizes that were found, beyond which steps grow in proportion.
+const FAR: f64 = 4.0;
+
+/// A start that has been corrected, in shares of the sizes.
+pub(crate) struct Start<'s, E> {
+    pub settings: Continuation,
+    pub system: Scaled<'s, E>,
+    pub correction: Correction,
+    pub corrector: Corrector,
+}
+
+fn check_scales<E: std::error::Error + 'static>(scales: &Scales, n: usize) -> Result<(), ContinuationError<E>> {
+    let sizes = [("sizes of the unknowns", n + 1, &scales.unknowns), ("sizes of the equations", n, &scales.equations)];
+    for (what, expected, sizes) in sizes {
+        if sizes.len() != expected {
+            return Err(ContinuationError::Dimension { what, expected, found: sizes.len() });
+        }
+        if let Some(&value) = sizes.iter().find(|size| !(size.is_finite() && **size > 0.0)) {
+            return Err(ContinuationError::Setting { what, value, expected: "a positive number" });
+        }
+    }
+    Ok(())
+}
 
 impl Bound {
     /// The end of the window beyond which the coordinate has this value.
@@ -90,29 +115,54 @@ impl Continuation {
         p: f64,
         direction: &[f64],
         log: &mut dyn RunLog,
-        observe: impl FnMut(&BranchPoint) -> ControlFlow<()>,
+        mut observe: impl FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Result<Branch, ContinuationError<S::Error>> {
-        let (start, corrector) = self.start(system, x, p, direction)?;
-        Ok(Run::new(self, system, observe, corrector, &start, log).finish(&start))
+        let Start { settings, mut system, correction, corrector } = self.start(system, x, p, direction)?;
+        Ok(Run::new(&settings, &mut system, &mut observe, corrector, &correction, log).finish(&correction))
     }
 
-    /// Checks the input and corrects the start.
-    pub(crate) fn start<S: ParametricSystem>(
+    /// Checks the input, sizes unknowns and equations, and corrects the start.
+    pub(crate) fn start<'s, S: ParametricSystem>(
         &self,
-        system: &mut S,
+        system: &'s mut S,
         x: &[f64],
         p: f64,
         direction: &[f64],
-    ) -> Result<(Correction, Corrector), ContinuationError<S::Error>> {
+    ) -> Result<Start<'s, S::Error>, ContinuationError<S::Error>> {
         self.check(system, x, p, direction)?;
         let mut corrector = Corrector::new(x.len(), self.step.tolerance, 3 * self.step.max_iterations);
-        let z: Vec<f64> = x.iter().copied().chain([p]).collect();
+        let mut z: Vec<f64> = x.iter().copied().chain([p]).collect();
         corrector.evaluate(system, &z).map_err(ContinuationError::System)?;
-        let start = corrector
-            .correct(system, &z, &Surface::Plane(Hyperplane::through(&z, direction)))
+        let given = system.scales();
+        let of_parameter = self.bounds.iter().filter(|bound| bound.coordinate == x.len());
+        let most = of_parameter.map(|bound| bound.min.abs().max(bound.max.abs())).fold(f64::INFINITY, f64::min);
+        let scales = given.clone().unwrap_or_else(|| Scales::found(corrector.linearization(), x, p, direction, most));
+        check_scales(&scales, x.len())?;
+        let scales = scales.rounded();
+        let settings = self.in_scales(&scales, given.is_some());
+        let mut direction = direction.to_vec();
+        scales.to_scaled(&mut z);
+        scales.to_scaled(&mut direction);
+        let mut system = Scaled::new(system, scales);
+        let correction = corrector
+            .correct(&mut system, &z, &Surface::Plane(Hyperplane::through(&z, &direction)))
             .map_err(ContinuationError::Start)?;
         corrector.max_iterations = self.step.max_iterations;
-        Ok((start, corrector))
+        Ok(Start { settings, system, correction, corrector })
+    }
+
+    /// These settings for unknowns that are shares of their sizes.
+    fn in_scales(&self, scales: &Scales, given: bool) -> Self {
+        let mut settings = self.clone();
+        for bound in &mut settings.bounds {
+            let size = scales.unknowns[bound.coordinate];
+            (bound.min, bound.max) = (bound.min / size, bound.max / size);
+        }
+        if !given && scales.unknowns.iter().any(|size| *size != 1.0) {
+            // A starting point may be small beside the points that follow.
+            settings.step.far = settings.step.far.min(FAR);
+        }
+        settings
     }
 
     fn check<S: ParametricSystem>(

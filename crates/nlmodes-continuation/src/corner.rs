@@ -57,7 +57,7 @@ pub(crate) fn pass<S: ParametricSystem>(
     let own = arms.partner(&foot.z)?;
     match arms.onward.as_slice() {
         [only] => Some(Passage::Corner(only.clone())),
-        _ => Some(Passage::Crossing(Choice { z: foot.z.clone(), back: arms.back, arms: arms.onward, own })),
+        _ => Some(Passage::Crossing(arms.choice(&foot.z, own))),
     }
 }
 
@@ -79,9 +79,40 @@ pub(crate) fn crossing<S: ParametricSystem>(
     let radius = 10.0 * settings.min;
     let back = along(center, -radius, tangent);
     let arms = Arms::around(system, corrector, center, radius, 0, &back).filter(|arms| arms.onward.len() > 2)?;
+    straight_on(arms, center, tangent)
+}
+
+/// The same where several directions become free at once: cubic terms are drowned by rounding close by, so arms are looked for at a distance
+/// first; those that lead to the center belong to it.
+pub(crate) fn crossing_of_several<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    center: &[f64],
+    tangent: &[f64],
+) -> Option<Choice> {
+    let least = 10.0 * settings.min;
+    let mut most: Option<Arms> = None;
+    for radius in radii(settings) {
+        let back = along(center, -radius, tangent);
+        let Some(arms) = Arms::around(system, corrector, center, radius, 0, &back) else { continue };
+        let more = arms.onward.len() > most.as_ref().map_or(2, |most| most.onward.len());
+        if more && arms.n_leading_inward(system, corrector, center, radius, least) > 2 {
+            most = Some(arms);
+        }
+        // With the way back they are even in number, unless one is missing.
+        if most.as_ref().is_some_and(|most| most.onward.len() % 2 == 1) {
+            break;
+        }
+    }
+    straight_on(most?, center, tangent)
+}
+
+/// Of several arms, the one that lies most ahead.
+fn straight_on(arms: Arms, center: &[f64], tangent: &[f64]) -> Option<Choice> {
     let ahead = |k: &usize| dot(&outward(center, &arms.onward[*k].z), tangent);
     let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
-    Some(Choice { z: center.to_vec(), back: arms.back, arms: arms.onward, own })
+    Some(arms.choice(center, own))
 }
 
 /// Shares of the shortest step with which a corner is tried.

@@ -1,5 +1,6 @@
 use nlmodes_linalg::{DenseLu, Mat};
 
+use crate::pencil::Bordered;
 use crate::record::{is_direction, is_vector};
 use crate::{CorrectionFailure, Linearization, NewtonFailure, ParametricSystem};
 
@@ -22,6 +23,13 @@ const COARSEST: f64 = 1e-7;
 
 /// Largest distance by which rounding may blur a point that is accepted.
 const MOST_BLURRED: f64 = 1e-5;
+
+/// Largest rounding of a residual, over the size of its equation, that is put up with.
+const MOST_ROUNDED: f64 = 1e-6;
+
+/// Neighbours of a point at which the rounding of the residual is measured, and the least size of an unknown there.
+const NEIGHBOURS: usize = 3;
+const NEAR_ZERO: f64 = 1e-3;
 
 /// Vectors of signs by which the norm of an inverse is estimated.
 const PROBES: usize = 8;
@@ -119,8 +127,8 @@ pub struct Corrector {
     pub(crate) resolution: f64,
     /// How well points are known in spite of rounding where the branch is now; at least the resolution.
     pub(crate) blur: f64,
-    /// Rounding of the residual.
-    pub(crate) rounding: f64,
+    /// Rounding of each entry of the residual, as large as it was found so far.
+    pub(crate) rounding: Vec<f64>,
     /// Steps tried, each half the one before, until the residual does not rise.
     pub(crate) trials: usize,
     linearization: Linearization,
@@ -139,7 +147,7 @@ impl Corrector {
             evaluations: 0,
             resolution: RESOLUTION,
             blur: RESOLUTION,
-            rounding: ROUNDING,
+            rounding: vec![ROUNDING; n],
             trials: 4,
             linearization: Linearization::new(n),
             bordered: Mat::zeros(n + 1, n + 1),
@@ -183,27 +191,106 @@ impl Corrector {
             surface.normal(&z, &mut self.normal);
             self.factor_bordered().map_err(|reason| self.failure(norm, iteration, reason))?;
             self.newton_update(-defect);
-            let update = dot(&self.update, &self.update).sqrt();
-            if norm.max(defect.abs()) <= self.tolerance {
+            let (update, far) = (dot(&self.update, &self.update).sqrt(), norm.max(defect.abs()));
+            let last = iteration == self.max_iterations;
+            if defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.0) {
                 let stagnates = update > 0.5 * last_update;
-                let last = iteration == self.max_iterations;
-                if self.is_found(norm, update, stagnates, last) {
+                if self.is_found(update, stagnates, last) {
                     return Ok(self.finish(system, z, norm, iteration));
                 }
             }
-            if iteration == self.max_iterations {
-                break;
-            }
+            let next = if last { None } else { self.advance(system, &z, far) };
+            let Some((trial, trial_norm)) = next else {
+                if self.rests_on_rounding(system, &z, norm, defect, update) {
+                    return Ok(self.finish(system, z, norm, iteration));
+                }
+                let reason = if last { NewtonFailure::TooManyIterations } else { NewtonFailure::NoDescent };
+                return Err(self.failure(norm, iteration, reason));
+            };
             last_update = update;
-            (z, norm) = self
-                .advance(system, &z, norm.max(defect.abs()))
-                .ok_or_else(|| self.failure(norm, iteration, NewtonFailure::NoDescent))?;
+            (z, norm) = (trial, trial_norm);
         }
         Err(self.failure(norm, self.max_iterations, NewtonFailure::TooManyIterations))
     }
 
+    /// Whether Newton's method does not come further because the residual is rounded by more than was known; takes note of how much.
+    fn rests_on_rounding<S: ParametricSystem>(
+        &mut self,
+        system: &mut S,
+        z: &[f64],
+        norm: f64,
+        defect: f64,
+        update: f64,
+    ) -> bool {
+        if norm > MOST_ROUNDED || update > MOST_BLURRED {
+            return false;
+        }
+        let Some(measured) = self.measured_rounding(system, z) else { return false };
+        self.rounding.iter_mut().zip(measured).for_each(|(known, measured)| *known = known.max(measured));
+        defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.1) && self.is_found(update, true, true)
+    }
+
+    /// How far each entry of the residual is from smooth over distances at which nothing but rounding changes it: the median of a few. The
+    /// point is the one evaluated last again.
+    fn measured_rounding<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64]) -> Option<Vec<f64>> {
+        self.evaluate(system, z).ok()?;
+        let at = self.linearization.clone();
+        let mut signs = Signs::default();
+        let mut found = vec![Vec::new(); at.residual.len()];
+        for k in 1..=NEIGHBOURS {
+            let near = |v: &f64| v + signs.draw() * k as f64 * 4.0 * f64::EPSILON * v.abs().max(NEAR_ZERO);
+            let near: Vec<f64> = z.iter().map(near).collect();
+            self.evaluate(system, &near).ok()?;
+            for (i, found) in found.iter_mut().enumerate() {
+                let moved = near.iter().zip(z).enumerate();
+                let expected = at.residual[i] + moved.map(|(j, (a, b))| at.jacobian[(i, j)] * (a - b)).sum::<f64>();
+                found.push((self.linearization.residual[i] - expected).abs());
+            }
+        }
+        self.evaluate(system, z).ok()?;
+        let median = |mut of: Vec<f64>| {
+            of.sort_by(f64::total_cmp);
+            of.get(NEIGHBOURS / 2).copied().filter(|rounding| *rounding <= MOST_ROUNDED)
+        };
+        found.into_iter().map(median).collect()
+    }
+
     fn failure(&self, residual: f64, iterations: usize, reason: NewtonFailure) -> CorrectionFailure {
-        CorrectionFailure { reason, residual, tolerance: self.tolerance, rounding: self.rounding, iterations }
+        CorrectionFailure { reason, residual, tolerance: self.tolerance, rounding: self.largest_rounding(), iterations }
+    }
+
+    fn largest_rounding(&self) -> f64 {
+        self.rounding.iter().fold(0.0, |m: f64, r| m.max(*r))
+    }
+
+    /// Whether no entry of the residual is larger than this, or than this multiple of its rounding.
+    fn is_within(&self, tolerance: f64, factor: f64) -> bool {
+        let entries = self.linearization.residual.iter().zip(&self.rounding);
+        entries.into_iter().all(|(r, rounding)| r.abs() <= tolerance.max(factor * rounding))
+    }
+
+    /// The bordered Jacobian of the point that was found last; `None` before there is one.
+    pub(crate) fn border(&self) -> Option<Bordered> {
+        let (jacobian, row, lu) = (self.linearization.jacobian.clone(), self.normal.clone(), self.lu.clone());
+        (lu.dim() > 0).then_some(Bordered { jacobian, row, lu })
+    }
+
+    /// The bordered Jacobian at a known point, with this row below it.
+    pub(crate) fn border_at<S: ParametricSystem>(
+        &mut self,
+        system: &mut S,
+        z: &[f64],
+        row: &[f64],
+    ) -> Option<Bordered> {
+        self.evaluate(system, z).ok()?;
+        self.normal.copy_from_slice(row);
+        self.factor_bordered().ok()?;
+        self.border()
+    }
+
+    /// The row below the Jacobian that was factored last; `None` before there is one.
+    pub(crate) fn border_row(&self) -> Option<Vec<f64>> {
+        (self.lu.dim() > 0).then(|| self.normal.clone())
     }
 
     /// The Jacobian of the point evaluated last with this row below it.
@@ -236,8 +323,8 @@ impl Corrector {
     }
 
     /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known.
-    fn is_found(&self, norm: f64, update: f64, stagnates: bool, last: bool) -> bool {
-        let firm = |factor: f64| norm <= factor * self.rounding;
+    fn is_found(&self, update: f64, stagnates: bool, last: bool) -> bool {
+        let firm = |factor: f64| self.is_within(0.0, factor);
         if update <= self.resolution {
             return stagnates || firm(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
         }
@@ -248,21 +335,16 @@ impl Corrector {
     /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last: `ε ‖B⁻¹‖`, which is
     /// `ε/σ` where a direction with the singular value σ is nearly free.
     fn blurred_by(&self) -> f64 {
-        let n = self.update.len() - 1;
-        // Signs from a linear congruential generator: the mean of ‖B⁻¹ s‖² is the square of the norm of Frobenius.
-        let mut state = 1_u64;
-        let mut sign = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            if state >> 63 == 0 { 1.0 } else { -1.0 }
-        };
+        // The mean of ‖B⁻¹ s‖² over vectors of signs is the square of the norm of Frobenius.
+        let mut signs = Signs::default();
         let squares: f64 = (0..PROBES)
             .map(|_| {
-                let mut moved: Vec<f64> = (0..n).map(|_| sign()).chain([0.0]).collect();
+                let mut moved: Vec<f64> = self.rounding.iter().map(|r| r * signs.draw()).chain([0.0]).collect();
                 self.lu.solve_in_place(&mut moved);
                 dot(&moved, &moved)
             })
             .sum();
-        self.rounding * (squares / PROBES as f64).sqrt()
+        (squares / PROBES as f64).sqrt()
     }
 
     /// Takes note of how well points near this one, with this tangent, are known in spite of rounding.
@@ -284,10 +366,11 @@ impl Corrector {
     fn advance<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64], norm: f64) -> Option<(Vec<f64>, f64)> {
         let mut best: Option<(Vec<f64>, f64)> = None;
         let mut factor = 1.0;
+        let permitted = self.tolerance.max(FIRM.0 * self.largest_rounding());
         for _ in 0..self.trials {
             let trial: Vec<f64> = z.iter().zip(&self.update).map(|(a, d)| a + factor * d).collect();
             if let Ok(trial_norm) = self.evaluate(system, &trial) {
-                if trial_norm <= norm.max(self.tolerance) {
+                if trial_norm <= norm.max(permitted) {
                     return Some((trial, trial_norm));
                 }
                 if trial_norm.is_finite() && best.as_ref().is_none_or(|(_, b)| trial_norm < *b) {
@@ -312,6 +395,28 @@ impl Corrector {
         let orientation = self.lu.determinant_sign();
         let (pattern, regularity) = (system.pattern(), self.lu.pivot_ratio());
         Correction { z, tangent, orientation, residual, iterations, pattern, regularity }
+    }
+}
+
+/// Signs from a linear congruential generator, the same each time.
+pub(crate) struct Signs(u64);
+
+impl Default for Signs {
+    fn default() -> Self {
+        Self(1)
+    }
+}
+
+impl Signs {
+    pub fn draw(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if self.0 >> 63 == 0 { 1.0 } else { -1.0 }
+    }
+
+    /// A number between −1 and 1, to which no symmetry is known.
+    pub fn draw_between(&mut self) -> f64 {
+        let sign = self.draw();
+        sign * ((self.0 << 1) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 

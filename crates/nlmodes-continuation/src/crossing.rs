@@ -37,6 +37,8 @@ pub struct Crossing {
     pub z: Vec<f64>,
     /// The arms, but for the one on which the branch came.
     pub arms: Vec<Arm>,
+    /// Curves around the crossing that were not followed, or not to their end: where it is not zero, there may be more arms.
+    pub unsearched: usize,
 }
 
 /// Arms around a crossing before the branch has chosen: the way back, its own continuation and the others.
@@ -52,6 +54,9 @@ pub struct Choice {
     pub arms: Vec<Correction>,
     /// Index of the branch's own continuation.
     pub own: usize,
+    /// Curves around the crossing that were not followed, or not to their end.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub unsearched: usize,
 }
 
 impl Choice {
@@ -76,7 +81,7 @@ impl Choice {
     pub(crate) fn crossing(&self, point: usize, followed: Option<usize>) -> Crossing {
         let arms = self.arms.iter().enumerate();
         let arms = arms.map(|(k, start)| Arm { start: start.clone(), followed: followed == Some(k) });
-        Crossing { point, z: self.z.clone(), arms: arms.collect() }
+        Crossing { point, z: self.z.clone(), arms: arms.collect(), unsearched: self.unsearched }
     }
 }
 

@@ -8,12 +8,6 @@ const SIGNIFICANT: f64 = 1e-9;
 /// Distance below which events happen at one point.
 const COINCIDENT: f64 = 1e-8;
 
-/// How far ahead of a step the Jacobian may become singular, over the step, where it is looked whether it does so within.
-const DIP_AHEAD: f64 = 1.5;
-
-/// Regularity, over that at the ends of a step, below which it counts as vanishing within.
-const DIP_DEPTH: f64 = 0.3;
-
 /// Most changes of pattern looked for within a step.
 const MOST_CHANGES: usize = 8;
 
@@ -77,15 +71,15 @@ pub(crate) struct Search<'a, S> {
 }
 
 impl<S: ParametricSystem> Search<'_, S> {
-    /// Folds of the coordinates `turned` and changes of the pattern, ascending; what coincides is one.
-    pub fn all(&mut self, turned: &[(usize, EventKind)], crossing: Option<Located>) -> Vec<Located> {
-        let mut found: Vec<Located> = crossing.into_iter().collect();
+    /// Folds of the coordinates `turned` and the others that are known, ascending; what coincides is one.
+    pub fn all(&mut self, turned: &[(usize, EventKind)], others: impl Iterator<Item = Located>) -> Vec<Located> {
+        let mut found = Vec::new();
         for &(i, kind) in turned {
             let sense = -self.end.tangent[i].signum();
             let Root { s, point, .. } = self.root(0.0, |c| sense * c.tangent[i]);
             found.push(Located { s, kinds: vec![kind], point });
         }
-        found.extend(self.pattern_changes());
+        found.extend(others);
         found.sort_by(|a, b| a.s.total_cmp(&b.s));
         found.dedup_by(|later, kept| {
             let same = later.s - kept.s <= COINCIDENT;
@@ -101,47 +95,6 @@ impl<S: ParametricSystem> Search<'_, S> {
     pub fn crossing(&mut self) -> Option<Located> {
         let sense = self.foot.orientation;
         let Root { s, point, .. } = self.certain_root(|c| sense * c.orientation)?;
-        Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
-    }
-
-    /// Where the Jacobian is closest to singular, if that is within the step and much closer than at both its ends; `before` is the
-    /// regularity of an earlier point and its distance from the foot.
-    ///
-    /// Where curves meet in an even number of free directions beyond the tangent, `det [J; tᵀ]` vanishes without a change of sign.
-    pub fn dip(&mut self, before: (f64, f64)) -> Option<Option<Located>> {
-        let (behind, distance) = before;
-        let (here, there) = (self.foot.regularity, self.end.regularity);
-        if here * (distance + DIP_AHEAD * self.h) > behind * DIP_AHEAD * self.h {
-            return None;
-        }
-        let Ok(middle) = reach(self.system, self.corrector, self.foot, self.h * here / (here + there)) else {
-            return Some(None);
-        };
-        if middle.regularity > DIP_DEPTH * here.min(there) {
-            return None;
-        }
-        Some(self.lowest_regularity())
-    }
-
-    /// The point of least regularity, by golden sections.
-    fn lowest_regularity(&mut self) -> Option<Located> {
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (0.0, self.h);
-        let mut at = |s: f64| reach(self.system, self.corrector, self.foot, s).ok();
-        let (mut s, mut t) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut left, mut right) = (at(s)?, at(t)?);
-        while high - low > COINCIDENT {
-            if left.regularity < right.regularity {
-                (high, t, right) = (t, s, left);
-                s = high - golden * (high - low);
-                left = at(s)?;
-            } else {
-                (low, s, left) = (s, t, right);
-                t = low + golden * (high - low);
-                right = at(t)?;
-            }
-        }
-        let (s, point) = if left.regularity < right.regularity { (s, left) } else { (t, right) };
         Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
     }
 

@@ -10,8 +10,9 @@
 //! branch passed is located and named.
 //!
 //! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it changes is
-//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened; likewise where it vanishes
-//! without a change of sign. Where no step exists, all arms that leave a small sphere are found and the branch goes on along the one
+//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. How often it vanishes within a step
+//! is told by the eigenvalues of the Jacobian at its end in terms of that at its beginning: a step that passes more than one such point is
+//! shortened until they are told apart, or are one. Where no step exists, all arms that leave a small sphere are found and the branch goes on along the one
 //! that is its own, or along another ([`AtBranchPoint`]); any number of directions may be nearly free there.
 //! [`Continuation::run_tree`] follows them all.
 //!
@@ -22,7 +23,8 @@
 //! | `t` | [`BranchPoint::tangent`] | n + 1 |
 //! | `h` | step along the curve, [`StepSettings`] | |
 //!
-//! There are no units here: scale a problem so that its unknowns are near one.
+//! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scales`]: those that the system gives, or else
+//! those that are found from the starting point and the Jacobian there. So no problem needs to be scaled for it.
 //!
 //! ```
 //! use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem};
@@ -59,9 +61,11 @@ mod corrector;
 mod crossing;
 mod error;
 mod events;
+mod pencil;
 mod record;
 mod refusal;
 mod run;
+mod scales;
 mod singular;
 mod sphere;
 mod step;
@@ -75,6 +79,7 @@ pub use crossing::{Arm, AtBranchPoint, Choice, Crossing};
 pub use error::ContinuationError;
 pub use record::{RunLog, StepRecord};
 pub use refusal::{CorrectionFailure, NewtonFailure, Refusal};
+pub use scales::Scales;
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
 pub use tree::{BranchTree, Origin, TreeBranch};

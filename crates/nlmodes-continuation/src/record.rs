@@ -18,6 +18,9 @@ pub struct StepRecord {
     /// How well points are known in spite of rounding there; zero where that does not matter.
     #[cfg_attr(feature = "serde", serde(default))]
     pub blur: f64,
+    /// Rounding of the entries of the residual, as large as it was found so far; empty in a log that does not know it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub rounding: Vec<f64>,
     /// The regularity at the point from which the step was taken, and the distance of that; `None` behind a corner.
     pub before: Option<(f64, f64)>,
     /// Sense in which the coordinates whose turning points are events moved last.
@@ -51,6 +54,7 @@ impl StepRecord {
             && self.points.iter().all(|point| point.is_of(n))
             && self.crossing.as_ref().is_none_or(|choice| choice.is_of(n))
             && self.blur >= 0.0
+            && (self.rounding.is_empty() || is_vector(&self.rounding, n))
             && self.evaluations < MOST
             && self.refused_steps < MOST
     }

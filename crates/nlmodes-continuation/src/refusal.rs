@@ -75,6 +75,14 @@ pub enum Refusal {
     /// `det [J; tᵀ]` has changed its sign and no other arm leaves the point where it does.
     #[error("the step ends on another arm of the curve")]
     OtherArm,
+    /// The Jacobian becomes singular more than once within the step.
+    #[error("the Jacobian becomes singular {count} times within the step")]
+    SeveralCrossings {
+        /// How often, as far as its change is even.
+        count: usize,
+        /// A step that is likely to tell them apart.
+        next: f64,
+    },
     /// A crossing within the step was seen but not located.
     #[error("the crossing that the step passes could not be located")]
     CrossingNotLocated,

@@ -1,15 +1,19 @@
 mod bounds;
 mod replay;
+mod several;
 
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
 use crate::corner::{self, Passage};
 use crate::corrector::{Correction, Corrector, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
+use crate::pencil::Bordered;
 use crate::record::RunLog;
+use crate::scales::Scaled;
 use crate::singular::{NEARLY_FREE, SingularDirections};
-use crate::step::{Foot, step};
+use crate::step::{Foot, Watched, watched_step};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Refusal, StepSettings, StopReason};
 
 /// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
@@ -19,12 +23,12 @@ const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 const ABOVE_ROUNDING: f64 = 50.0;
 
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
-pub(crate) struct Run<'a, S, F> {
+pub(crate) struct Run<'a, 's, E> {
     settings: &'a Continuation,
     /// Those of the steps, with a shortest one that is no shorter than rounding permits at the foot.
     limits: StepSettings,
-    system: &'a mut S,
-    observe: F,
+    system: &'a mut Scaled<'s, E>,
+    observe: &'a mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
     corrector: Corrector,
     branch: Branch,
     foot: Foot,
@@ -38,6 +42,8 @@ pub(crate) struct Run<'a, S, F> {
     passed: Option<Choice>,
     /// Points of the step in progress that were shown before.
     shown: usize,
+    /// The row below the Jacobian at the foot, while steps of a log are repeated.
+    row: Option<Vec<f64>>,
 }
 
 /// Where a step passes a crossing, and the arms there.
@@ -49,13 +55,17 @@ struct Taken {
     crossing: Option<Crossing>,
     /// Where the branch ends within the step, and why.
     last: Option<(StopReason, Correction)>,
+    /// Changes of the pattern, where they have been looked for.
+    changes: Option<Vec<Located>>,
+    /// The Jacobian at the end.
+    border: Option<Rc<Bordered>>,
 }
 
-impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a, S, F> {
+impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     pub fn new(
         settings: &'a Continuation,
-        system: &'a mut S,
-        observe: F,
+        system: &'a mut Scaled<'s, E>,
+        observe: &'a mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
         corrector: Corrector,
         start: &Correction,
         log: &'a mut dyn RunLog,
@@ -66,13 +76,29 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             points: Vec::new(),
             crossings: Vec::new(),
             stop: StopReason::MaxPoints,
+            scales: system.scales.clone(),
             evaluations: 0,
             refused_steps: 0,
         };
-        let foot = Foot::from(start);
+        let foot = Foot { border: corrector.border().map(Rc::new), ..Foot::from(start) };
         let (limits, known, passed) = (settings.step.clone(), None, None);
-        let before = None;
-        Self { settings, limits, system, observe, corrector, branch, foot, before, folds, known, log, passed, shown: 0 }
+        let (before, row) = (None, corrector.border_row());
+        Self {
+            settings,
+            limits,
+            system,
+            observe,
+            corrector,
+            branch,
+            foot,
+            before,
+            folds,
+            known,
+            log,
+            passed,
+            shown: 0,
+            row,
+        }
     }
 
     /// As branch `number` of several, which does not go where another has been.
@@ -87,7 +113,23 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             ControlFlow::Continue(h) => self.follow(h),
         };
         self.branch.evaluations = self.corrector.evaluations;
-        self.branch
+        self.in_units()
+    }
+
+    /// The branch, whose points are shares of the sizes so far, in the units of the system.
+    fn in_units(self) -> Branch {
+        let (scales, branch) = (&self.system.scales, self.branch);
+        Branch {
+            points: branch.points.into_iter().map(|q| scales.point_in_units(q)).collect(),
+            crossings: branch.crossings.into_iter().map(|crossing| scales.crossing_in_units(crossing)).collect(),
+            stop: scales.stop_in_units(branch.stop),
+            ..branch
+        }
+    }
+
+    /// Shows a point to the observer.
+    fn show(&mut self, point: &BranchPoint) -> ControlFlow<()> {
+        (self.observe)(&self.system.scales.point_in_units(point.clone()))
     }
 
     /// Takes the steps that the log knows, or else keeps the start; and the length of the next step.
@@ -95,7 +137,8 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         let limits = &self.settings.step;
         let mut h = limits.initial.clamp(limits.min, limits.max);
         let mut repeated = 0;
-        for record in self.log.begin(start) {
+        for record in self.log.begin(&self.system.scales.correction_for_log(start.clone())) {
+            let record = self.system.scales.record_in_scales(record);
             if !self.holds(&record) {
                 break;
             }
@@ -104,9 +147,12 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         }
         let told = self.log.computing(repeated);
         if self.branch.points.is_empty() {
+            let border = self.foot.border.take();
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
+            self.foot.border = border;
             return self.record(0, outcome);
         }
+        self.restore_border();
         if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(h) }
     }
 
@@ -128,10 +174,13 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                     let next = if taken.end.iterations <= 3 { (h * growth).min(max) } else { h };
                     self.accept(taken, h, next)
                 }
-                Err(_) if h > min => {
+                Err(refusal) if h > min => {
                     refused_in_a_row += 1;
                     self.branch.refused_steps += 1;
-                    h = (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(min);
+                    h = match refusal {
+                        Refusal::SeveralCrossings { next, .. } => next.min(0.7 * h).max(min),
+                        _ => (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(min),
+                    };
                     continue;
                 }
                 Err(refusal) => {
@@ -163,49 +212,48 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
 
     /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it, if it does.
     fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
-        let end = step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
-        let crossing = self.crossing_passed(&end, h)?;
+        let watched = watched_step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
+        let Watched { end, border, singular } = watched;
+        let (crossing, changes) = match self.several_passed(&end, h, &singular)? {
+            Some(crossing) => (Some(crossing), None),
+            None => self.crossing_passed(&end, h)?,
+        };
         let last = match self.bound_crossed(&end, h)? {
             None => self.closing_point(&end, h)?.map(|last| (StopReason::Closed, last)),
             bound => bound,
         };
-        Ok(Taken { end, crossing, last })
+        Ok(Taken { end, crossing, last, changes, border })
     }
 
+    /// The crossing within a step, if there is one, and the changes of the pattern, where they have been looked for.
+    ///
     /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
     /// a crossing is a jump to another arm.
-    fn crossing_passed(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, Refusal> {
-        if end.orientation * self.foot.orientation > 0.0 {
-            let touched = if end.pattern == self.foot.pattern { None } else { self.touched_corner(end, h) };
-            return if touched.is_none() { self.passed_in_step(end, h) } else { Ok(touched) };
+    fn crossing_passed(
+        &mut self,
+        end: &Correction,
+        h: f64,
+    ) -> Result<(Option<Crossing>, Option<Vec<Located>>), Refusal> {
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        if end.orientation * self.foot.orientation < 0.0 {
+            let crossing = search.crossing().ok_or(Refusal::CrossingNotLocated)?;
+            let choice = self.arms_at(&crossing, end, h).ok_or(Refusal::OtherArm)?;
+            return Ok((Some((crossing, choice)), None));
         }
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        let crossing = search.crossing().ok_or(Refusal::CrossingNotLocated)?;
-        let choice = self.arms_at(&crossing, end, h).ok_or(Refusal::OtherArm)?;
-        Ok(Some((crossing, choice)))
-    }
-
-    /// A crossing within a step that leaves the sign of `det [J; tᵀ]` as it was, for it has an even number of free directions beyond
-    /// the tangent. Where other curves only come close, the step is refused: it may have jumped across.
-    fn passed_in_step(&mut self, end: &Correction, h: f64) -> Result<Option<Crossing>, Refusal> {
-        let Some(before) = self.before.filter(|_| h > 10.0 * self.limits.min) else { return Ok(None) };
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        let Some(dip) = search.dip(before) else { return Ok(None) };
-        let dip = dip.ok_or(Refusal::CrossingNotLocated)?;
-        let choice = self.arms_at(&dip, end, h).ok_or(Refusal::CloseCurves)?;
-        Ok(Some((dip, choice)))
+        let changes = (end.pattern != self.foot.pattern).then(|| search.pattern_changes());
+        let touched = changes.as_ref().and_then(|changes| self.touched_corner(changes, end, h));
+        Ok((touched, changes))
     }
 
     /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
     /// `det [J; tᵀ]` as it was.
-    fn touched_corner(&mut self, end: &Correction, h: f64) -> Option<Crossing> {
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        search.pattern_changes().into_iter().find_map(|mut change| {
+    fn touched_corner(&mut self, changes: &[Located], end: &Correction, h: f64) -> Option<Crossing> {
+        changes.iter().find_map(|change| {
             self.corrector.evaluate(self.system, &change.point.z).ok()?;
             if SingularDirections::of(self.corrector.linearization())?.ratio > NEARLY_FREE {
                 return None;
             }
-            change.kinds = vec![EventKind::BranchPoint];
+            let change = Located { kinds: vec![EventKind::BranchPoint], ..change.clone() };
             let choice = self.arms_at(&change, end, h)?;
             Some((change, choice))
         })
@@ -288,14 +336,15 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
             events.push(EventKind::PatternChange { from: foot.pattern, to: next.pattern });
         }
         let residual = self.corrector.evaluate(self.system, &foot.z).unwrap_or(f64::INFINITY);
-        let Foot { z, tangent, orientation, pattern, regularity } = foot.clone();
+        let Foot { z, tangent, orientation, pattern, regularity, .. } = foot.clone();
         point(&Correction { z, tangent, orientation, residual, iterations: 0, pattern, regularity }, events)
     }
 
     /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
     /// the length of the next step.
     fn accept(&mut self, taken: Taken, h: f64, next: f64) -> ControlFlow<StopReason, f64> {
-        let Taken { end, crossing, last } = &taken;
+        let Taken { end, crossing, last, changes, border } = &taken;
+        let changes = if last.is_none() { changes.clone() } else { None };
         let ahead = |c: &Correction| dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
         let length = last.as_ref().map_or(h, |(_, last)| ahead(last));
         let crossing = crossing.clone().filter(|(located, _)| located.s <= length);
@@ -308,23 +357,30 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 let turned = if way.is_some() { self.folds.update(&start.tangent) } else { Vec::new() };
                 located.kinds.extend(turned.into_iter().map(|(_, kind)| kind));
                 let (s, point) = (located.s, located.point.clone());
-                self.keep_located(&point, &[], Some(located), s)?;
+                self.keep_located(&point, &[], Some(located), None, s)?;
                 self.note(&choice, way)?;
                 return self.leave_for(start, distance(&start.z, &choice.z));
             }
             (Some((located, choice)), way) => {
-                self.keep_events(end, Some(located), length)?;
+                self.keep_events(end, Some(located), changes, length)?;
                 self.note(&choice, way.flatten())?;
             }
-            (None, _) => self.keep_events(end, None, length)?,
+            (None, _) => self.keep_events(end, None, changes, length)?,
         }
         self.go_to(end, Vec::new())?;
+        self.foot.border.clone_from(border);
         last.as_ref().map_or(ControlFlow::Continue(next), |(stop, _)| ControlFlow::Break(stop.clone()))
     }
 
-    fn keep_events(&mut self, end: &Correction, crossing: Option<Located>, h: f64) -> ControlFlow<StopReason> {
+    fn keep_events(
+        &mut self,
+        end: &Correction,
+        crossing: Option<Located>,
+        changes: Option<Vec<Located>>,
+        h: f64,
+    ) -> ControlFlow<StopReason> {
         let turned = self.folds.update(&end.tangent);
-        self.keep_located(end, &turned, crossing, h)
+        self.keep_located(end, &turned, crossing, changes, h)
     }
 
     fn keep_located(
@@ -332,13 +388,15 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
         end: &Correction,
         turned: &[(usize, EventKind)],
         crossing: Option<Located>,
+        changes: Option<Vec<Located>>,
         h: f64,
     ) -> ControlFlow<StopReason> {
         if h <= 0.0 {
             return ControlFlow::Continue(());
         }
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        for located in search.all(turned, crossing) {
+        let changes = changes.unwrap_or_else(|| search.pattern_changes());
+        for located in search.all(turned, changes.into_iter().chain(crossing)) {
             self.keep(point(&located.point, located.kinds))?;
         }
         ControlFlow::Continue(())
@@ -371,7 +429,7 @@ impl<'a, S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'a,
                 self.shown = rest;
                 ControlFlow::Continue(())
             }
-            None => (self.observe)(&point),
+            None => self.show(&point),
         };
         self.branch.points.push(point);
         self.go_on_if(told)

@@ -33,6 +33,8 @@ pub(crate) struct Sphere<'a> {
     pub tolerance: f64,
     /// Newton step below which a point counts as settled.
     pub resolution: f64,
+    /// Rounding of each entry of the residual.
+    pub rounding: &'a [f64],
     /// Number of spheres around corners of whose curves this one is.
     pub nesting: usize,
 }
@@ -82,6 +84,8 @@ impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
 pub(crate) struct Track {
     /// Points near its arms, without the one from which it started.
     pub arms: Vec<Vec<f64>>,
+    /// Whether it came back to where it began.
+    pub closed: bool,
     /// Evaluations spent.
     pub evaluations: usize,
 }
@@ -108,11 +112,14 @@ impl Sphere<'_> {
             ..StepSettings::default()
         };
         let mut corrector = Corrector::new(n + 1, settings.tolerance, 2 * settings.max_iterations);
-        (corrector.resolution, corrector.blur, corrector.rounding) = (resolution, resolution, ROUNDING / self.radius);
+        (corrector.resolution, corrector.blur) = (resolution, resolution);
+        let all = self.rounding.iter().copied().chain([ROUNDING]);
+        corrector.rounding = all.map(|rounding| rounding / self.radius).collect();
         let mut track = Track::default();
         if let Some(start) = self.start(&mut relaxed, &mut corrector, from) {
             let mut walk = Walk { system: &mut relaxed, corrector: &mut corrector, settings, nesting: self.nesting };
-            if !walk.follow(&start, 1.0, &mut track.arms) {
+            track.closed = walk.follow(&start, 1.0, &mut track.arms);
+            if !track.closed {
                 walk.follow(&start, -1.0, &mut track.arms);
             }
         }

@@ -1,10 +1,13 @@
+use std::rc::Rc;
+
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::pencil::Bordered;
 use crate::{ContinuationError, CorrectionFailure, ParametricSystem, Refusal};
 
 /// Length of a step and what makes it credible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
-    /// First step. Default 0.01.
+    /// First step. This and all lengths are distances between points whose unknowns are over their sizes. Default 0.01.
     pub initial: f64,
     /// Shortest step. Where it is refused, the arms around the point are looked for. Default 1e-6.
     pub min: f64,
@@ -13,7 +16,8 @@ pub struct StepSettings {
     pub arm: f64,
     /// Longest step. Default 0.1.
     pub max: f64,
-    /// Largest unknown beyond which the longest step grows in proportion to it. Default infinite: the longest step is the same everywhere.
+    /// Largest unknown, over its size, beyond which the longest step grows in proportion to it; four at most where sizes other than one are
+    /// found. Default infinite: the longest step is the same everywhere.
     pub far: f64,
     /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
     pub max_turn: f64,
@@ -21,7 +25,7 @@ pub struct StepSettings {
     pub max_correction: f64,
     /// Turn beyond which, or a change of pattern upon which, the middle of the step is checked too. Default 0.1 rad.
     pub checked_turn: f64,
-    /// Residual, largest entry, at which a point counts as found if Newton's method also has come to rest. Default 1e-11.
+    /// Residual, largest entry over the size of its equation, at which a point counts as found if Newton's method also has come to rest. Default 1e-11.
     pub tolerance: f64,
     /// Newton iterations permitted a step; three times as many for the start and for steps near the shortest. Default 8.
     pub max_iterations: usize,
@@ -94,12 +98,14 @@ pub(crate) struct Foot {
     pub orientation: f64,
     pub pattern: u64,
     pub regularity: f64,
+    /// The Jacobian, where it is known and wanted.
+    pub border: Option<Rc<Bordered>>,
 }
 
 impl From<&Correction> for Foot {
     fn from(c: &Correction) -> Self {
         let Correction { orientation, pattern, regularity, .. } = *c;
-        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation, pattern, regularity }
+        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation, pattern, regularity, border: None }
     }
 }
 
@@ -123,21 +129,88 @@ pub(crate) fn step<S: ParametricSystem>(
     h: f64,
 ) -> Result<Correction, Refusal> {
     let end = reach(system, corrector, foot, h).map_err(Refusal::End)?;
+    let turn = near_and_straight(settings, foot, &end, h)?;
+    confirm(system, corrector, settings, foot, &end, h, turn)?;
+    Ok(end)
+}
+
+/// A step with the Jacobian at its end, and where the Jacobian is singular within.
+pub(crate) struct Watched {
+    pub end: Correction,
+    pub border: Option<Rc<Bordered>>,
+    /// Shares of the step, ascending.
+    pub singular: Vec<f64>,
+}
+
+/// A step that also is refused if the Jacobian becomes singular more than once within, unless it is so short that these are one point.
+pub(crate) fn watched_step<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+    h: f64,
+) -> Result<Watched, Refusal> {
+    let end = reach(system, corrector, foot, h).map_err(Refusal::End)?;
+    let turn = near_and_straight(settings, foot, &end, h)?;
+    let border = corrector.border().map(Rc::new);
+    let singular = match (&foot.border, &border) {
+        (Some(from), Some(to)) => to.singular_since(from, end.orientation * foot.orientation < 0.0),
+        _ => Vec::new(),
+    };
+    if let [first, .., last] = singular.as_slice() {
+        let near = settings.arm.max(10.0 * settings.min);
+        let spread = (last - first) * h;
+        if h > 1.01 * near || (spread > ONE_POINT * near && h > 10.0 * settings.min) {
+            return Err(Refusal::SeveralCrossings { count: singular.len(), next: telling(&singular, h, near) });
+        }
+    }
+    confirm(system, corrector, settings, foot, &end, h, turn)?;
+    Ok(Watched { end, border, singular })
+}
+
+/// Spread of singular points, over the distance at which arms are looked for, up to which they are one.
+const ONE_POINT: f64 = 0.05;
+
+/// The length of a step that tells singular points apart, or ends just before the first ones if they are close together.
+fn telling(singular: &[f64], h: f64, near: f64) -> f64 {
+    if h <= 1.01 * near {
+        return 0.5 * h;
+    }
+    let apart = singular.windows(2).find(|pair| (pair[1] - pair[0]) * h > 4.0 * near);
+    match apart {
+        Some(pair) => 0.5 * (pair[0] + pair[1]) * h,
+        None => (singular[0] * h - 0.5 * near).max(near),
+    }
+}
+
+/// The turn of the tangent within a step, unless that or the distance from the prediction is too large.
+fn near_and_straight(settings: &StepSettings, foot: &Foot, end: &Correction, h: f64) -> Result<f64, Refusal> {
     let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
     if moved > settings.max_correction * h {
         return Err(Refusal::FarFromPrediction { steps: moved / h });
     }
     let turn = dot(&end.tangent, &foot.tangent).clamp(-1.0, 1.0).acos();
-    if turn > settings.max_turn {
-        return Err(Refusal::Turn { radians: turn });
-    }
+    if turn > settings.max_turn { Err(Refusal::Turn { radians: turn }) } else { Ok(turn) }
+}
+
+/// Looks at the middle of a step where its end alone does not tell enough.
+fn confirm<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+    end: &Correction,
+    h: f64,
+    turn: f64,
+) -> Result<(), Refusal> {
+    let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
     // An arc lies half its turn off its tangent; what lies further off may be another arm.
     let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution.max(0.1 * corrector.blur);
     if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
         let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
-        check_middle(system, corrector, foot, h, &end, most.min(0.03 * h))?;
+        check_middle(system, corrector, foot, h, end, most.min(0.03 * h))?;
     }
-    Ok(end)
+    Ok(())
 }
 
 /// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another arm it does not.

@@ -1,5 +1,7 @@
 use nlmodes_linalg::Mat;
 
+use crate::Scales;
+
 /// Residual and Jacobian of a [`ParametricSystem`] at a point.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -41,6 +43,12 @@ pub trait ParametricSystem {
     /// # Errors
     /// If the residual does not exist there. The continuation then tries a shorter step.
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Self::Error>;
+
+    /// What is large for each unknown and each equation. Where this is not given, all unknowns have one size, found from the starting
+    /// point, and each equation that of its largest derivative there; unknowns of different kinds need sizes of their own.
+    fn scales(&self) -> Option<Scales> {
+        None
+    }
 
     /// The smooth piece of a piecewise smooth system on which the point evaluated last lies; equal numbers, equal pieces.
     fn pattern(&self) -> u64 {

@@ -1,5 +1,6 @@
 use std::ops::ControlFlow;
 
+use crate::continuation::Start;
 use crate::corrector::Corrector;
 use crate::crossing::Registry;
 use crate::record::RunLog;
@@ -71,14 +72,15 @@ impl Continuation {
         log: &mut dyn RunLog,
         mut observe: impl FnMut(usize, &BranchPoint) -> ControlFlow<()>,
     ) -> Result<BranchTree, ContinuationError<S::Error>> {
-        let (mut start, mut corrector) = self.start(system, x, p, direction)?;
+        let Start { settings, mut system, correction: mut start, mut corrector } =
+            self.start(system, x, p, direction)?;
         let mut registry = Registry::default();
         let mut branches: Vec<TreeBranch> = Vec::new();
         let mut origin = None;
         loop {
             let number = branches.len();
-            let watch = |point: &BranchPoint| observe(number, point);
-            let run = Run::new(self, system, watch, corrector, &start, &mut *log);
+            let mut watch = |point: &BranchPoint| observe(number, point);
+            let run = Run::new(&settings, &mut system, &mut watch, corrector, &start, &mut *log);
             let branch = run.within(&mut registry, number).finish(&start);
             let stopped = branch.stop == StopReason::Stopped;
             branches.push(TreeBranch { branch, origin });

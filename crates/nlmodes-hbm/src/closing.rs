@@ -1,4 +1,4 @@
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
 
 use crate::{HbmError, MixedShooting};
 
@@ -73,6 +73,10 @@ impl ParametricSystem for Closing<'_, '_> {
             self.problem.standing_back.iter_mut().zip(&opening.full).for_each(|(o, full)| *o = s * s * full);
         }
         self.problem.linearize(x, 0.0, out)
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,5 +1,5 @@
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
 use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
@@ -408,6 +408,10 @@ impl ParametricSystem for MixedShooting<'_> {
             self.anchor_row(x, out);
         }
         Ok(())
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,4 +1,4 @@
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 
 use crate::phase::dot;
@@ -244,6 +244,10 @@ impl ParametricSystem for ModeShooting {
 
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), TimestepError> {
         self.shooting.linearize(x, p, out)
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem};
+use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scales};
 use nlmodes_linalg::Mat;
 
 use crate::phase::dot;
@@ -220,6 +220,10 @@ impl ParametricSystem for Shooting {
         out.jacobian[(m, m)] = self.scales.omega / omega + final_power * half_by_frequency / energy;
         out.jacobian[(m, m + 1)] = -1.0;
         Ok(())
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -6,12 +6,12 @@ use super::Run;
 use crate::corrector::{Correction, Hyperplane, Surface, distance, dot};
 use crate::events::{Root, Search};
 use crate::step::reach;
-use crate::{Bound, BranchPoint, ParametricSystem, Refusal, StopReason};
+use crate::{Bound, Refusal, StopReason};
 
 /// Share of a step by which the point on a bound may lie off the branch that was followed to the bound.
 const OFF_BRANCH: f64 = 0.3;
 
-impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, F> {
+impl<E: std::error::Error + 'static> Run<'_, '_, E> {
     /// The first bound that the step to `end` crosses, and the point of the branch on it.
     ///
     /// # Errors
@@ -66,7 +66,10 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
         let guess = search.root(0.0, |c| before * (value - c.z[coordinate])).point.z;
         let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), end);
         let last = last.filter(|last| distance(&last.z, &guess) <= OFF_BRANCH * distance(&end.z, &self.foot.z));
-        Ok((StopReason::Bound { coordinate, value }, last.ok_or(Refusal::BoundNotLocated { coordinate, value })?))
+        let mut last = last.ok_or(Refusal::BoundNotLocated { coordinate, value })?;
+        // But for rounding it is there.
+        last.z[coordinate] = value;
+        Ok((StopReason::Bound { coordinate, value }, last))
     }
 
     /// Keeps the point on a bound between the foot and the first point beyond a corner or a crossing, and says why the branch ends;

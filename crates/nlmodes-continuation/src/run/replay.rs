@@ -1,11 +1,12 @@
 //! Steps that a log knows from an earlier run, and those that it is to know.
 
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
 use super::Run;
 use crate::record::StepRecord;
 use crate::step::Foot;
-use crate::{BranchPoint, ParametricSystem, StopReason};
+use crate::{ParametricSystem, StopReason};
 
 /// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
 /// any case, beyond the third in none.
@@ -13,7 +14,7 @@ const WORSE: f64 = 1e3;
 const SOLVED: f64 = 1e-9;
 const UNSOLVED: f64 = 1e-3;
 
-impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, F> {
+impl<E: std::error::Error + 'static> Run<'_, '_, E> {
     /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
     pub(super) fn holds(&mut self, record: &StepRecord) -> bool {
         if !record.is_of(self.system.dim()) {
@@ -35,7 +36,7 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
     pub(super) fn repeat(&mut self, record: StepRecord, h: f64) -> ControlFlow<StopReason, f64> {
         let (from, count) = (self.branch.points.len(), record.points.len());
         for point in record.points {
-            let told = (self.observe)(&point);
+            let told = self.show(&point);
             self.branch.points.push(point);
             self.go_on_if(told)?;
         }
@@ -46,7 +47,12 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
             return ControlFlow::Continue(h);
         }
         if let Some(last) = self.branch.points.last() {
+            // Behind a corner the Jacobian is not known; nor is it that of another step at the start.
+            if from > 0 {
+                self.row = record.before.map(|_| self.foot.tangent.clone());
+            }
             self.foot = Foot {
+                border: None,
                 z: last.z(),
                 tangent: last.tangent.clone(),
                 orientation: record.orientation,
@@ -64,9 +70,19 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
             self.passed = None;
         }
         self.corrector.blur = record.blur.max(self.corrector.resolution);
+        let known = self.corrector.rounding.iter_mut().zip(record.rounding);
+        known.for_each(|(now, then)| *now = now.max(then));
         self.corrector.evaluations = record.evaluations;
         self.branch.refused_steps = record.refused_steps;
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
+    }
+
+    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken.
+    pub(super) fn restore_border(&mut self) {
+        let Some(row) = self.row.take() else { return };
+        let evaluations = self.corrector.evaluations;
+        self.foot.border = self.corrector.border_at(self.system, &self.foot.z, &row).map(Rc::new);
+        self.corrector.evaluations = evaluations;
     }
 
     /// Hands the points from number `from` on, and what goes with them, to the log.
@@ -80,11 +96,12 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
             ControlFlow::Continue(next) => (*next, None),
             ControlFlow::Break(stop) => (0.0, Some(stop.clone())),
         };
-        let told = self.log.record(&StepRecord {
+        let record = StepRecord {
             points: self.branch.points[from..].to_vec(),
             orientation: self.foot.orientation,
             regularity: self.foot.regularity,
             blur: if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 },
+            rounding: self.corrector.rounding.clone(),
             before: self.before,
             senses: self.folds.senses(),
             crossing: self.passed.take(),
@@ -92,7 +109,8 @@ impl<S: ParametricSystem, F: FnMut(&BranchPoint) -> ControlFlow<()>> Run<'_, S, 
             evaluations: self.corrector.evaluations,
             refused_steps: self.branch.refused_steps,
             stop,
-        });
+        };
+        let told = self.log.record(&self.system.scales.record_for_log(record));
         outcome?;
         if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(next) }
     }

@@ -7,6 +7,8 @@ mod resumed;
 mod rounding;
 mod samples;
 mod seen;
+mod several;
 mod smooth;
 mod three_free;
 mod trees;
+mod units;

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, RunLog, StepSettings, StopReason};
+use nlmodes_continuation::{
+    Bound, Continuation, Linearization, ParametricSystem, RunLog, Scales, StepSettings, StopReason,
+};
 use thiserror::Error;
 
 /// What may be spent on the way to a solution. A search for the arms of a corner on it, among a hundred unknowns, may take a hundred
@@ -67,6 +69,10 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
         out.residual[n] = z[self.coordinate] - self.value;
         (0..=n + 1).for_each(|j| out.jacobian[(n, j)] = if j == self.coordinate { 1.0 } else { 0.0 });
         Ok(())
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

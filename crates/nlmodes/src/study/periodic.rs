@@ -1,6 +1,6 @@
 //! The periodic problem of a study, in harmonics or exact.
 
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
 use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
@@ -150,6 +150,10 @@ impl ParametricSystem for Periodic<'_> {
             Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
             Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
         }
+    }
+
+    fn scales(&self) -> Option<Scales> {
+        Some(Scales::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

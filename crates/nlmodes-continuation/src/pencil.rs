@@ -1,0 +1,144 @@
+//! How often the Jacobian becomes singular between two points: eigenvalues of one Jacobian in terms of the other.
+
+use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
+
+use crate::corrector::{Signs, dot};
+
+/// Vectors of the subspace in which it is looked whether anything may have changed its sign: at first, and where that is not clear.
+const SUBSPACE: [usize; 2] = [4, 12];
+
+/// Rayleigh quotient above which nothing has.
+const CLEAR: f64 = 0.25;
+
+/// Ritz value below which all eigenvalues are computed.
+const UNCLEAR: f64 = 0.1;
+
+/// Largest imaginary part of an eigenvalue that counts as real, over its real part.
+const REAL: f64 = 0.05;
+
+/// `B = [J; cᵀ]` at a point: the Jacobian, with the row that was below it when the point was found, and its factors.
+#[derive(Debug, Clone)]
+pub(crate) struct Bordered {
+    pub jacobian: Mat<f64>,
+    pub row: Vec<f64>,
+    pub lu: DenseLu,
+}
+
+impl Bordered {
+    /// `[J; rowᵀ] v`.
+    fn times(&self, row: &[f64], v: &[f64]) -> Vec<f64> {
+        let n = v.len() - 1;
+        let mut product = vec![0.0; n + 1];
+        for (j, v) in v.iter().enumerate() {
+            product.iter_mut().zip(self.jacobian.col(j).iter()).for_each(|(p, a)| *p += a * v);
+        }
+        product[n] = dot(row, v);
+        product
+    }
+
+    /// `B⁻¹ B'` times a vector, for another point, both with the row of this one.
+    fn in_terms(&self, other: &Self, v: &[f64]) -> Vec<f64> {
+        let mut product = other.times(&self.row, v);
+        self.lu.solve_in_place(&mut product);
+        product
+    }
+
+    /// Whether `B⁻¹ B'` may have eigenvalues that are not positive, as far as a small subspace tells.
+    fn may_differ_in_sign(&self, other: &Self) -> bool {
+        let n = self.row.len();
+        let mut signs = Signs::default();
+        // Not orthogonal to what is symmetric.
+        let start: Vec<f64> = (0..n).map(|_| signs.draw_between()).collect();
+        let length = dot(&start, &start).sqrt();
+        let mut basis = vec![start.iter().map(|v| v / length).collect::<Vec<f64>>()];
+        let mut h: Vec<Vec<f64>> = Vec::new();
+        for k in 1..=SUBSPACE[1].min(n) {
+            let mut next = self.in_terms(other, &basis[k - 1]);
+            let size = dot(&next, &next).sqrt();
+            if !size.is_finite() {
+                return true;
+            }
+            let mut column = vec![0.0; k];
+            // Twice is enough.
+            for _ in 0..2 {
+                for (c, b) in column.iter_mut().zip(&basis) {
+                    let share = dot(b, &next);
+                    *c += share;
+                    next.iter_mut().zip(b).for_each(|(v, b)| *v -= share * b);
+                }
+            }
+            let rest = dot(&next, &next).sqrt();
+            let complete = rest <= 1e-10 * size || k == n;
+            column.push(rest);
+            h.push(column);
+            if (k == SUBSPACE[0] || complete) && is_positive(&h) {
+                return false;
+            }
+            if complete {
+                break;
+            }
+            next.iter_mut().for_each(|v| *v /= rest);
+            basis.push(next);
+        }
+        let k = h.len();
+        let projected = Mat::from_fn(k, k, |i, j| h[j].get(i).copied().unwrap_or(0.0));
+        eigenvalues(&projected)
+            .map_or(true, |ritz| ritz.iter().any(|μ| μ.re < UNCLEAR && μ.im.abs() <= μ.re.abs().max(UNCLEAR)))
+    }
+
+    /// Shares of the way from another point to this one at which the Jacobian is singular, ascending, if it changes evenly; none where that
+    /// can be ruled out at less expense.
+    ///
+    /// Each is an eigenvalue μ of `B⁻¹ B'` that is negative: `(1 − τ) B' + τ B` is singular at `τ = μ/(μ − 1)`. Neither the units of the
+    /// unknowns nor those of the equations matter, nor whether the Jacobian is symmetric.
+    pub fn singular_since(&self, other: &Self, certain: bool) -> Vec<f64> {
+        if !certain && !self.may_differ_in_sign(other) && !other.may_differ_in_sign(self) {
+            return Vec::new();
+        }
+        let all = self.eigenvalues_of(other);
+        let negative = all.into_iter().filter(|(re, im)| *re < 0.0 && im.abs() <= REAL * re.abs());
+        let mut shares: Vec<f64> = negative.map(|(μ, _)| μ / (μ - 1.0)).collect();
+        shares.sort_by(f64::total_cmp);
+        shares
+    }
+
+    /// The share of the way from another point to this one, be it beyond this one, at which the Jacobian becomes singular next to here.
+    pub fn nearest_singular(&self, other: &Self) -> Option<f64> {
+        let all = self.eigenvalues_of(other).into_iter().filter(|(re, im)| im.abs() <= REAL * re.abs());
+        let (μ, _) = all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+        Some(μ / (μ - 1.0)).filter(|share| share.is_finite())
+    }
+
+    fn eigenvalues_of(&self, other: &Self) -> Vec<(f64, f64)> {
+        let n = self.row.len();
+        let mut product = Mat::zeros(n, n);
+        for j in 0..n {
+            let unit: Vec<f64> = (0..n).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
+            let column = self.in_terms(other, &unit);
+            product.col_mut(j).iter_mut().zip(&column).for_each(|(to, from)| *to = *from);
+        }
+        eigenvalues(&product).map_or_else(|_| Vec::new(), |all| all.iter().map(|μ| (μ.re, μ.im)).collect())
+    }
+}
+
+/// Whether the symmetric part of the projected matrix, whose columns these are, exceeds a multiple of one: by elimination.
+fn is_positive(columns: &[Vec<f64>]) -> bool {
+    let k = columns.len();
+    let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
+    let mut a: Vec<Vec<f64>> = (0..k).map(|i| (0..k).map(|j| 0.5 * (entry(i, j) + entry(j, i))).collect()).collect();
+    for i in 0..k {
+        a[i][i] -= CLEAR;
+    }
+    for p in 0..k {
+        if a[p][p] <= 0.0 {
+            return false;
+        }
+        for i in p + 1..k {
+            let factor = a[i][p] / a[p][p];
+            for j in p..k {
+                a[i][j] -= factor * a[p][j];
+            }
+        }
+    }
+    true
+}

@@ -1,0 +1,236 @@
+//! Sizes of unknowns and equations: beside them everything is judged.
+
+use nlmodes_linalg::{DenseLu, Mat};
+
+use crate::corrector::dot;
+use crate::crossing::Choice;
+use crate::record::StepRecord;
+use crate::{BranchPoint, Correction, Crossing, Linearization, ParametricSystem, Refusal, StopReason};
+
+/// Least size of an unknown that follows from the tangent; below it stands rounding.
+const LEAST: f64 = 1e-10;
+
+/// Largest derivative of an equation, over its size: residuals of numbers near one have such.
+const LARGEST: f64 = 4.0;
+
+/// Sizes of unknowns between which numbers are near one, and lengths are as they are given.
+const NEAR_ONE: f64 = 32.0;
+
+/// What is large for each unknown and for each equation: steps, distances and tolerances are shares of these.
+///
+/// A continuation uses the nearest powers of two, so that nothing is rounded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scales {
+    /// Of the unknowns and, last, of the parameter: n + 1.
+    pub unknowns: Vec<f64>,
+    /// Of the equations, n: what a residual of one means.
+    pub equations: Vec<f64>,
+}
+
+impl Scales {
+    /// For a system of n equations all of whose numbers are near one.
+    pub fn unit(n: usize) -> Self {
+        Self { unknowns: vec![1.0; n + 1], equations: vec![1.0; n] }
+    }
+
+    /// From the starting point, and the Jacobian and the direction there.
+    ///
+    /// All unknowns have one size, that of the largest. What is zero has the size by which it moves while the other one moves by its own, if
+    /// the tangent tells that, else one; sizes near one are one. An equation has a size a little below that of its
+    /// largest derivative.
+    /// The parameter is no larger than `most`, between its bounds.
+    pub(crate) fn found(at: &Linearization, x: &[f64], p: f64, direction: &[f64], most: f64) -> Self {
+        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let (x_size, p_size) = (largest(x), p.abs());
+        let ratio = tangent(&at.jacobian, direction)
+            .map(|t| largest(&t[..x.len()]) / t[x.len()].abs())
+            .filter(|ratio| ratio.is_finite() && *ratio > 0.0);
+        let credible = |size: f64| if size > LEAST { size } else { 1.0 };
+        let (x_size, p_size) = match (x_size > 0.0, p_size > 0.0, ratio) {
+            (true, true, _) => (x_size, p_size),
+            (false, true, Some(ratio)) => (credible(ratio * p_size), p_size),
+            (true, false, Some(ratio)) => (x_size, credible(x_size / ratio)),
+            (false, false, Some(ratio)) => (credible(ratio / ratio.max(1.0)), credible(1.0 / ratio.max(1.0))),
+            (true, false, None) => (x_size, 1.0),
+            (false, true, None) => (1.0, p_size),
+            (false, false, None) => (1.0, 1.0),
+        };
+        let p_size = if most > 0.0 { p_size.min(most) } else { p_size };
+        let size = |size: f64| if (1.0 / NEAR_ONE..=NEAR_ONE).contains(&size) { 1.0 } else { size };
+        let unknowns: Vec<f64> = x.iter().map(|_| size(x_size)).chain([size(p_size)]).collect();
+        let of_row = |i: usize| {
+            let sizes = unknowns.iter().enumerate().map(|(j, size)| at.jacobian[(i, j)].abs() * size);
+            let size = sizes.fold(0.0, f64::max);
+            if size > 0.0 && size.is_finite() { (size / LARGEST).log2().floor().exp2() } else { 1.0 }
+        };
+        let equations = (0..x.len()).map(of_row).collect();
+        Self { unknowns, equations }
+    }
+
+    /// The nearest powers of two.
+    pub(crate) fn rounded(mut self) -> Self {
+        let all = self.unknowns.iter_mut().chain(&mut self.equations);
+        all.for_each(|size| *size = size.log2().round().clamp(-1000.0, 1000.0).exp2());
+        self
+    }
+
+    pub(crate) fn to_scaled(&self, z: &mut [f64]) {
+        z.iter_mut().zip(&self.unknowns).for_each(|(z, size)| *z /= size);
+    }
+
+    pub(crate) fn to_units(&self, z: &mut [f64]) {
+        z.iter_mut().zip(&self.unknowns).for_each(|(z, size)| *z *= size);
+    }
+
+    fn parameter(&self) -> f64 {
+        self.unknowns.last().copied().unwrap_or(1.0)
+    }
+
+    /// A point in the units of the system, with a tangent of unit length there.
+    pub(crate) fn point_in_units(&self, q: BranchPoint) -> BranchPoint {
+        let mut q = self.point_for_log(q);
+        to_unit_length(&mut q.tangent);
+        q
+    }
+
+    /// A point for a log: from its tangent, whose length is one only over the sizes, that can be had again bit for bit.
+    fn point_for_log(&self, mut q: BranchPoint) -> BranchPoint {
+        self.to_units(&mut q.x);
+        self.to_units(&mut q.tangent);
+        q.p *= self.parameter();
+        q
+    }
+
+    pub(crate) fn correction_for_log(&self, mut c: Correction) -> Correction {
+        self.to_units(&mut c.z);
+        self.to_units(&mut c.tangent);
+        c
+    }
+
+    fn choice_for_log(&self, mut choice: Choice) -> Choice {
+        self.to_units(&mut choice.z);
+        self.to_units(&mut choice.back);
+        choice.arms = choice.arms.into_iter().map(|arm| self.correction_for_log(arm)).collect();
+        choice
+    }
+
+    pub(crate) fn crossing_in_units(&self, mut crossing: Crossing) -> Crossing {
+        self.to_units(&mut crossing.z);
+        for arm in &mut crossing.arms {
+            self.to_units(&mut arm.start.z);
+            self.to_units(&mut arm.start.tangent);
+            to_unit_length(&mut arm.start.tangent);
+        }
+        crossing
+    }
+
+    pub(crate) fn stop_in_units(&self, mut stop: StopReason) -> StopReason {
+        if let StopReason::Bound { coordinate, value }
+        | StopReason::StepTooSmall { refusal: Refusal::BoundNotLocated { coordinate, value }, .. } = &mut stop
+        {
+            *value *= self.unknowns.get(*coordinate).copied().unwrap_or(1.0);
+        }
+        stop
+    }
+
+    pub(crate) fn record_for_log(&self, mut record: StepRecord) -> StepRecord {
+        record.points = record.points.into_iter().map(|q| self.point_for_log(q)).collect();
+        record.crossing = record.crossing.map(|choice| self.choice_for_log(choice));
+        record.stop = record.stop.map(|stop| self.stop_in_units(stop));
+        record
+    }
+
+    pub(crate) fn record_in_scales(&self, record: StepRecord) -> StepRecord {
+        self.inverse().record_for_log(record)
+    }
+
+    /// Sizes are powers of two: nothing is rounded.
+    fn inverse(&self) -> Self {
+        let inverse = |sizes: &[f64]| sizes.iter().map(|size| 1.0 / size).collect();
+        Self { unknowns: inverse(&self.unknowns), equations: inverse(&self.equations) }
+    }
+}
+
+/// Leaves vectors alone that have it but for rounding.
+fn to_unit_length(v: &mut [f64]) {
+    let length = dot(v, v).sqrt();
+    if (length - 1.0).abs() > 1e-12 {
+        v.iter_mut().for_each(|v| *v /= length);
+    }
+}
+
+/// The vector that the Jacobian takes to zero, along `direction`.
+fn tangent(jacobian: &Mat<f64>, direction: &[f64]) -> Option<Vec<f64>> {
+    let n = jacobian.nrows();
+    let bordered = Mat::from_fn(n + 1, n + 1, |i, j| if i < n { jacobian[(i, j)] } else { direction[j] });
+    let mut tangent = vec![0.0; n + 1];
+    tangent[n] = 1.0;
+    DenseLu::factor(&bordered).ok()?.solve_in_place(&mut tangent);
+    Some(tangent)
+}
+
+/// A system in shares of its sizes.
+///
+/// The type of the system ends here: what follows branches is compiled once, not for each system.
+pub(crate) struct Scaled<'a, E> {
+    system: &'a mut (dyn ParametricSystem<Error = E> + 'a),
+    pub scales: Scales,
+    /// Whether all sizes are one.
+    unit: bool,
+    z: Vec<f64>,
+}
+
+impl<'a, E: std::error::Error + 'static> Scaled<'a, E> {
+    pub fn new(system: &'a mut (dyn ParametricSystem<Error = E> + 'a), scales: Scales) -> Self {
+        let unit = scales.unknowns.iter().chain(&scales.equations).all(|size| *size == 1.0);
+        Self { z: vec![0.0; scales.unknowns.len()], system, scales, unit }
+    }
+
+    fn set(&mut self, x: &[f64], p: f64) {
+        let all = x.iter().copied().chain([p]);
+        self.z.iter_mut().zip(all.zip(&self.scales.unknowns)).for_each(|(z, (scaled, size))| *z = scaled * size);
+    }
+}
+
+impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
+    type Error = E;
+
+    fn dim(&self) -> usize {
+        self.scales.equations.len()
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), E> {
+        if self.unit {
+            return self.system.linearize(x, p, out);
+        }
+        self.set(x, p);
+        let n = x.len();
+        out.sizes.fill(1.0);
+        self.system.linearize(&self.z[..n], self.z[n], out)?;
+        let Scales { unknowns, equations } = &self.scales;
+        for (j, size) in unknowns.iter().enumerate() {
+            equations.iter().enumerate().for_each(|(i, unit)| out.jacobian[(i, j)] *= size / unit);
+        }
+        for (i, unit) in equations.iter().enumerate() {
+            out.residual[i] /= unit;
+            // One stands for a system that writes none.
+            if out.sizes[i] != 1.0 {
+                out.sizes[i] /= unit;
+            }
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.system.pattern()
+    }
+
+    fn accepted(&mut self, x: &[f64], p: f64) {
+        if self.unit {
+            return self.system.accepted(x, p);
+        }
+        self.set(x, p);
+        let n = x.len();
+        self.system.accepted(&self.z[..n], self.z[n]);
+    }
+}

@@ -1,0 +1,151 @@
+//! Points at which several directions become free at once, and such points close together.
+
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{
+    Branch, Continuation, EventKind, Linearization, ParametricSystem, StepSettings, StopReason,
+};
+
+use crate::samples::{events, window};
+use crate::units::InUnits;
+
+const CROSSING: fn(&EventKind) -> bool = |e| *e == EventKind::BranchPoint;
+
+/// `(p − c_i) x_i − x_i³ − g x_i Σ x_j² = 0`: the normal form with the symmetry of a cube where all c are zero; modes of a stripe otherwise.
+struct Modes {
+    at: Vec<f64>,
+    g: f64,
+}
+
+impl ParametricSystem for Modes {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        self.at.len()
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        let n = x.len();
+        let sum: f64 = x.iter().map(|x| x * x).sum();
+        for i in 0..n {
+            let rest = p - self.at[i] - self.g * sum;
+            out.residual[i] = x[i] * (rest - x[i] * x[i]);
+            (0..n).for_each(|j| out.jacobian[(i, j)] = -2.0 * self.g * x[i] * x[j]);
+            out.jacobian[(i, i)] += rest - 3.0 * x[i] * x[i];
+            out.jacobian[(i, n)] = x[i];
+        }
+        Ok(())
+    }
+}
+
+fn along_zero<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, mut system: S, from: f64) -> Branch {
+    let n = system.dim();
+    let mut direction = vec![0.0; n + 1];
+    direction[n] = 1.0;
+    settings.run(&mut system, &vec![0.0; n], from, &direction, |_| ControlFlow::Continue(())).unwrap()
+}
+
+/// Arms of the cubic normal form but for the way back: each unknown is zero or one of two, and zero goes on.
+fn n_onward(n: u32) -> usize {
+    3_usize.pow(n)
+}
+
+#[test]
+fn a_branch_point_of_one_to_four_free_directions_is_found_from_any_start_in_any_units() {
+    for (n, starts) in [(1, 100), (2, 100), (3, 100), (4, 100)] {
+        for [x, p, residual] in [[1.0, 1.0, 1.0], [1.0, 1.0, 10.0], [0.01, 1e3, 1e6]] {
+            for k in 0..starts {
+                let from = -0.2 - 0.00731 * f64::from(k);
+                let g = 0.3 + 0.004 * f64::from(k);
+                let system = InUnits { inner: Modes { at: vec![0.0; n], g }, x, p, residual };
+                let branch = along_zero(&window(n, -p, 0.5 * p), system, from * p);
+                let case = format!("n = {n}, from {from}, units {x} {p} {residual}");
+                assert_eq!(branch.stop, StopReason::Bound { coordinate: n, value: 0.5 * p }, "{case}");
+                assert!(branch.points.iter().all(|q| q.x.iter().all(|v| v.abs() < 1e-7 * x)), "{case}");
+                let found = events(&branch, CROSSING);
+                assert_eq!(found.len(), 1, "{case}: {:?}", found.iter().map(|q| q.p).collect::<Vec<_>>());
+                assert!(found[0].p.abs() < 1e-6 * p, "{case}: {}", found[0].p);
+                let crossing = &branch.crossings[0];
+                let complete = crossing.arms.len() == n_onward(n as u32);
+                assert!(crossing.arms.len() <= n_onward(n as u32), "{case}: {} arms", crossing.arms.len());
+                assert!(complete || n != 2 || crossing.unsearched > 0, "{case}: {} arms", crossing.arms.len());
+            }
+        }
+    }
+}
+
+/// `Δu + p (u − u³) = 0` on a square of m × m inner nodes, in five-point differences times h².
+struct Square {
+    m: usize,
+}
+
+impl ParametricSystem for Square {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        self.m * self.m
+    }
+
+    fn linearize(&mut self, u: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        let (m, n) = (self.m, u.len());
+        (0..=n).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
+        for (i, &v) in u.iter().enumerate() {
+            let (row, column) = (i / m, i % m);
+            let neighbours = [
+                (row > 0).then(|| i - m),
+                (row + 1 < m).then(|| i + m),
+                (column > 0).then(|| i - 1),
+                (column + 1 < m).then(|| i + 1),
+            ];
+            out.residual[i] = p * (v - v * v * v) - 4.0 * v;
+            out.jacobian[(i, i)] = p * (1.0 - 3.0 * v * v) - 4.0;
+            out.jacobian[(i, n)] = v - v * v * v;
+            for j in neighbours.into_iter().flatten() {
+                out.residual[i] += u[j];
+                out.jacobian[(i, j)] = 1.0;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn double_branch_points_of_a_square_are_found_on_all_grids() {
+    for m in 2..=8 {
+        let angle = |k: usize| (k as f64 * std::f64::consts::PI / (m + 1) as f64).cos();
+        let (first, double) = (4.0 - 4.0 * angle(1), 4.0 - 2.0 * angle(1) - 2.0 * angle(2));
+        for residual in [1.0, ((m + 1) * (m + 1)) as f64] {
+            for share in [0.2, 0.3317, 0.77] {
+                let to = double + 0.3 * (double - first);
+                let system = InUnits { inner: Square { m }, x: 1.0, p: 1.0, residual };
+                let branch = along_zero(&window(m * m, 0.0, to), system, share * first);
+                let found: Vec<f64> = events(&branch, CROSSING).iter().map(|q| q.p).collect();
+                assert_eq!(found.len(), 2, "m = {m}, from {share}: {found:?} for {first}, {double}");
+                assert!((found[0] - first).abs() < 1e-6 && (found[1] - double).abs() < 1e-6, "m = {m}: {found:?}");
+                // Two modes and both their sums and differences, each with two signs, and the branch itself.
+                assert_eq!(branch.crossings[1].arms.len(), 9, "m = {m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn branch_points_close_together_are_all_found_whatever_the_longest_step() {
+    // Modes of the equation of Swift and Hohenberg on a stripe of length 30.
+    let at: Vec<f64> = (1..=20).map(|k| (1.0 - (f64::from(k) * std::f64::consts::PI / 30.0).powi(2)).powi(2)).collect();
+    let mut expected: Vec<f64> = at.iter().copied().filter(|c| *c < 1.2).collect();
+    expected.sort_by(f64::total_cmp);
+    for max in [1.0, 0.3, 0.1, 0.05, 0.02] {
+        for residual in [1.0, 1e4] {
+            let step = StepSettings { max, ..StepSettings::default() };
+            let settings = Continuation { step, ..window(at.len(), -2.0, 1.2) };
+            let inner = Modes { at: at.clone(), g: 0.5 };
+            let branch = along_zero(&settings, InUnits { inner, x: 1.0, p: 1.0, residual }, -1.0);
+            assert_eq!(branch.stop, StopReason::Bound { coordinate: at.len(), value: 1.2 });
+            let found: Vec<f64> = events(&branch, CROSSING).iter().map(|q| q.p).collect();
+            assert_eq!(found.len(), expected.len(), "longest step {max}: {found:?} for {expected:?}");
+            assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+        }
+    }
+}
