@@ -1,5 +1,5 @@
 use crate::record::{is_direction, is_vector};
-use crate::{Crossing, Refusal, Scales};
+use crate::{Crossing, Refusal, Scaling};
 
 /// What a branch passes at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -122,7 +122,7 @@ pub struct Branch {
     /// Why there are no more.
     pub stop: StopReason,
     /// Sizes of unknowns and equations beside which steps and tolerances were taken.
-    pub scales: Scales,
+    pub scales: Scaling,
     /// Evaluations of residual and Jacobian.
     pub evaluations: usize,
     /// Steps that were tried and refused.

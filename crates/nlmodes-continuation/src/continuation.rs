@@ -4,7 +4,7 @@ use crate::corrector::{Correction, Corrector, Hyperplane, Surface, dot};
 use crate::record::RunLog;
 use crate::run::Run;
 use crate::scales::Scaled;
-use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, Scales, StepSettings};
+use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, Scaling, StepSettings};
 
 /// A window of one coordinate of `z` outside of which the branch ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) struct Start<'s, E> {
     pub corrector: Corrector,
 }
 
-fn check_scales<E: std::error::Error + 'static>(scales: &Scales, n: usize) -> Result<(), ContinuationError<E>> {
+fn check_scales<E: std::error::Error + 'static>(scales: &Scaling, n: usize) -> Result<(), ContinuationError<E>> {
     let sizes = [("sizes of the unknowns", n + 1, &scales.unknowns), ("sizes of the equations", n, &scales.equations)];
     for (what, expected, sizes) in sizes {
         if sizes.len() != expected {
@@ -133,10 +133,10 @@ impl Continuation {
         let mut corrector = Corrector::new(x.len(), self.step.tolerance, 3 * self.step.max_iterations);
         let mut z: Vec<f64> = x.iter().copied().chain([p]).collect();
         corrector.evaluate(system, &z).map_err(ContinuationError::System)?;
-        let given = system.scales();
+        let given = system.scaling();
         let of_parameter = self.bounds.iter().filter(|bound| bound.coordinate == x.len());
         let most = of_parameter.map(|bound| bound.min.abs().max(bound.max.abs())).fold(f64::INFINITY, f64::min);
-        let scales = given.clone().unwrap_or_else(|| Scales::found(corrector.linearization(), x, p, direction, most));
+        let scales = given.clone().unwrap_or_else(|| Scaling::found(corrector.linearization(), x, p, direction, most));
         check_scales(&scales, x.len())?;
         let scales = scales.rounded();
         let settings = self.in_scales(&scales, given.is_some());
@@ -152,7 +152,7 @@ impl Continuation {
     }
 
     /// These settings for unknowns that are shares of their sizes.
-    fn in_scales(&self, scales: &Scales, given: bool) -> Self {
+    fn in_scales(&self, scales: &Scaling, given: bool) -> Self {
         let mut settings = self.clone();
         for bound in &mut settings.bounds {
             let size = scales.unknowns[bound.coordinate];

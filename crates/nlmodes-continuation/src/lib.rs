@@ -23,7 +23,7 @@
 //! | `t` | [`BranchPoint::tangent`] | n + 1 |
 //! | `h` | step along the curve, [`StepSettings`] | |
 //!
-//! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scales`]: those that the system gives, or else
+//! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scaling`]: those that the system gives, or else
 //! those that are found from the starting point and the Jacobian there. So no problem needs to be scaled for it.
 //!
 //! ```
@@ -79,7 +79,7 @@ pub use crossing::{Arm, AtBranchPoint, Choice, Crossing};
 pub use error::ContinuationError;
 pub use record::{RunLog, StepRecord};
 pub use refusal::{CorrectionFailure, NewtonFailure, Refusal};
-pub use scales::Scales;
+pub use scales::Scaling;
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
 pub use tree::{BranchTree, Origin, TreeBranch};

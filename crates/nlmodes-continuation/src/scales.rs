@@ -20,14 +20,14 @@ const NEAR_ONE: f64 = 32.0;
 ///
 /// A continuation uses the nearest powers of two, so that nothing is rounded.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scales {
+pub struct Scaling {
     /// Of the unknowns and, last, of the parameter: n + 1.
     pub unknowns: Vec<f64>,
     /// Of the equations, n: what a residual of one means.
     pub equations: Vec<f64>,
 }
 
-impl Scales {
+impl Scaling {
     /// For a system of n equations all of whose numbers are near one.
     pub fn unit(n: usize) -> Self {
         Self { unknowns: vec![1.0; n + 1], equations: vec![1.0; n] }
@@ -174,14 +174,14 @@ fn tangent(jacobian: &Mat<f64>, direction: &[f64]) -> Option<Vec<f64>> {
 /// The type of the system ends here: what follows branches is compiled once, not for each system.
 pub(crate) struct Scaled<'a, E> {
     system: &'a mut (dyn ParametricSystem<Error = E> + 'a),
-    pub scales: Scales,
+    pub scales: Scaling,
     /// Whether all sizes are one.
     unit: bool,
     z: Vec<f64>,
 }
 
 impl<'a, E: std::error::Error + 'static> Scaled<'a, E> {
-    pub fn new(system: &'a mut (dyn ParametricSystem<Error = E> + 'a), scales: Scales) -> Self {
+    pub fn new(system: &'a mut (dyn ParametricSystem<Error = E> + 'a), scales: Scaling) -> Self {
         let unit = scales.unknowns.iter().chain(&scales.equations).all(|size| *size == 1.0);
         Self { z: vec![0.0; scales.unknowns.len()], system, scales, unit }
     }
@@ -207,7 +207,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         let n = x.len();
         out.sizes.fill(1.0);
         self.system.linearize(&self.z[..n], self.z[n], out)?;
-        let Scales { unknowns, equations } = &self.scales;
+        let Scaling { unknowns, equations } = &self.scales;
         for (j, size) in unknowns.iter().enumerate() {
             equations.iter().enumerate().for_each(|(i, unit)| out.jacobian[(i, j)] *= size / unit);
         }

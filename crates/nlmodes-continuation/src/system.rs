@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::Scales;
+use crate::Scaling;
 
 /// Residual and Jacobian of a [`ParametricSystem`] at a point.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ pub trait ParametricSystem {
 
     /// What is large for each unknown and each equation. Where this is not given, all unknowns have one size, found from the starting
     /// point, and each equation that of its largest derivative there; unknowns of different kinds need sizes of their own.
-    fn scales(&self) -> Option<Scales> {
+    fn scaling(&self) -> Option<Scaling> {
         None
     }
 

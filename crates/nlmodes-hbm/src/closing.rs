@@ -1,4 +1,4 @@
-use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 
 use crate::{HbmError, MixedShooting};
 
@@ -75,8 +75,8 @@ impl ParametricSystem for Closing<'_, '_> {
         self.problem.linearize(x, 0.0, out)
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,5 +1,5 @@
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
@@ -410,8 +410,8 @@ impl ParametricSystem for MixedShooting<'_> {
         Ok(())
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

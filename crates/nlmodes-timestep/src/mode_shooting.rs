@@ -1,4 +1,4 @@
-use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 
 use crate::phase::dot;
@@ -246,8 +246,8 @@ impl ParametricSystem for ModeShooting {
         self.shooting.linearize(x, p, out)
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scales};
+use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::Mat;
 
 use crate::phase::dot;
@@ -222,8 +222,8 @@ impl ParametricSystem for Shooting {
         Ok(())
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

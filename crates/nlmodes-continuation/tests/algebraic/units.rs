@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{
-    Bound, Branch, Continuation, EventKind, Linearization, ParametricSystem, Scales, StopReason,
+    Bound, Branch, Continuation, EventKind, Linearization, ParametricSystem, Scaling, StopReason,
 };
 
 use crate::samples::{events, smooth, trace, window};
@@ -227,7 +227,7 @@ fn a_point_that_is_not_found_is_told_with_residual_tolerance_and_rounding() {
 }
 
 /// A system that tells its sizes.
-struct Sized(InUnits<crate::samples::Planar<fn(f64, f64) -> [f64; 3], fn(f64, f64) -> u64>>, Scales);
+struct Sized(InUnits<crate::samples::Planar<fn(f64, f64) -> [f64; 3], fn(f64, f64) -> u64>>, Scaling);
 
 impl ParametricSystem for Sized {
     type Error = Infallible;
@@ -240,7 +240,7 @@ impl ParametricSystem for Sized {
         self.0.linearize(x, p, out)
     }
 
-    fn scales(&self) -> Option<Scales> {
+    fn scaling(&self) -> Option<Scaling> {
         Some(self.1.clone())
     }
 }
@@ -249,7 +249,7 @@ impl ParametricSystem for Sized {
 fn sizes_that_are_given_are_used_and_wrong_ones_refused() {
     let system = |unknowns: Vec<f64>, equations: Vec<f64>| {
         let inner = smooth(circle as fn(f64, f64) -> [f64; 3]);
-        Sized(InUnits { inner, x: 4096.0, p: 1.0 / 64.0, residual: 1024.0 }, Scales { unknowns, equations })
+        Sized(InUnits { inner, x: 4096.0, p: 1.0 / 64.0, residual: 1024.0 }, Scaling { unknowns, equations })
     };
     let run = |mut system: Sized| {
         Continuation::default().run(&mut system, &[4096.0], 0.0, &[0.0, 1.0], |_| ControlFlow::Continue(()))

@@ -278,6 +278,10 @@ impl ParametricSystem for PeriodicSystem {
         self.n_coefficients() + self.conditions.n_unknowns()
     }
 
+    fn scaling(&self) -> Option<nlmodes_continuation::Scaling> {
+        Some(nlmodes_continuation::Scaling::unit(self.dim()))
+    }
+
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), HbmError> {
         let at = self.solve(x, p)?;
         self.differentiate_forces();

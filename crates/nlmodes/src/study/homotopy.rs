@@ -71,8 +71,8 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
         Ok(())
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {

@@ -1,6 +1,6 @@
 //! The periodic problem of a study, in harmonics or exact.
 
-use nlmodes_continuation::{Linearization, ParametricSystem, Scales};
+use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
@@ -152,8 +152,8 @@ impl ParametricSystem for Periodic<'_> {
         }
     }
 
-    fn scales(&self) -> Option<Scales> {
-        Some(Scales::unit(self.dim()))
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
     }
 
     fn pattern(&self) -> u64 {
