@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{
-    Bound, Continuation, Linearization, ParametricSystem, RunLog, Scales, StepSettings, StopReason,
+    Bound, Continuation, Linearization, ParametricSystem, RunLog, Scaling, StepSettings, StopReason,
 };
 use thiserror::Error;
 
