@@ -237,7 +237,10 @@ fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
                 }
             })
         }
-        AnyScene::Records(file) => with_warnings(*file, |file| print(&check::records::summary(&file.scene))),
+        AnyScene::Records(file) => with_warnings(*file, |file| match nlmodes_run::records::files_are_there(&file) {
+            Ok(()) => print(&check::records::summary(&file.scene)),
+            Err(error) => refuse_run(&error),
+        }),
         AnyScene::Test(file) => match memory::admit_test(&file, limit) {
             Ok(()) => with_warnings(*file, |file| match nlmodes_run::virtual_test::check(&file) {
                 Ok(()) => print(&check::test::summary(&file.scene)),

@@ -169,6 +169,41 @@ fn a_file_that_cannot_be_read_ends_it_and_nothing_is_written() -> Outcome {
 }
 
 #[test]
+fn a_file_that_is_not_there_is_named_before_anything_else() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let (scene, out) = (rewritten(folder.path(), "r.csv", |_| ())?, folder.path().join("out"));
+    assert_eq!(extract(&scene, &out, &[])?.0, 0);
+    let text = fs::read_to_string(&scene)?.replace("r.csv", "rr.csv");
+    let line = 1 + text.lines().take_while(|line| !line.contains("rr.csv")).count();
+    fs::write(&scene, text)?;
+    let check = Command::cargo_bin("nlmodes-cli")?.arg("check").arg(&scene).output()?;
+    let checked = String::from_utf8(check.stdout)? + &String::from_utf8(check.stderr)?;
+    let (status, extracted, _) = extract(&scene, &out, &[])?;
+    assert_eq!((check.status.code(), status), (Some(2), 2), "{checked}\n{extracted}");
+    for said in [checked, extracted] {
+        let path = folder.path().join("rr.csv");
+        assert!(said.contains(&path.display().to_string()) && said.contains("No such file"), "{said}");
+        assert!(said.contains(&format!("scene.toml:{line}")) || said.contains(&format!("{line} |")), "{said}");
+        assert!(!said.contains("sound") && !said.contains("another scene"), "{said}");
+    }
+    Ok(())
+}
+
+#[test]
+fn an_accelerometer_declared_in_g_is_named_with_its_factor() -> Outcome {
+    let out = tempfile::tempdir()?;
+    let scene = configs().join("measured_record.toml");
+    let (status, said, rows) = extract(&scene, out.path(), &["--set", "channel.3.unit=\"g\""])?;
+    assert_eq!((status, rows.len()), (0, 2), "{said}");
+    assert!(rows.iter().all(|row| row["findings"] == "wrong-scale"), "{said}");
+    assert!(
+        said.contains("channel \"a1_mps2\" is 9.8") && said.contains("declared in g, are its numbers in m/s^2?"),
+        "{said}"
+    );
+    Ok(())
+}
+
+#[test]
 fn scenes_of_one_kind_are_refused_by_commands_of_the_other() -> Outcome {
     for (arguments, said) in [
         (["run", "measured_record.toml"].as_slice(), "`nlmodes-cli experiment extract`"),

@@ -7,9 +7,9 @@ pub(crate) mod summary;
 pub(crate) mod table;
 
 use nlmodes::experiment::extraction::{ExtractionError, RecordExtraction, extract as extract_record};
-use nlmodes::experiment::records::{Record, RecordError};
+use nlmodes::experiment::records::{Record, RecordError, Recording};
 
-use nlmodes_scene::{RecordScene, SceneFile};
+use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 
 use crate::claim::Claim;
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
@@ -51,6 +51,8 @@ pub fn extract(
     over: Over,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Outcome>, RunError> {
+    // Before anything else: earlier results say nothing about files that are not there.
+    files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
@@ -87,6 +89,24 @@ fn with_modes(file: &SceneFile<RecordScene>) -> Result<RecordScene, RunError> {
     Ok(scene)
 }
 
+/// Whether all files of the scene are there, of kinds that can be read.
+///
+/// # Errors
+/// [`RunError::Scenes`] with each that is not, at its place in the scene.
+pub fn files_are_there(file: &SceneFile<RecordScene>) -> Result<(), RunError> {
+    let lost = file.scene.files.iter().enumerate().filter_map(|(i, name)| {
+        let error = Recording::find(&file.scene.base.join(name)).err()?;
+        Some(unusable(file, i, name, &error))
+    });
+    let lost: Vec<_> = lost.collect();
+    if lost.is_empty() { Ok(()) } else { Err(RunError::Scenes(lost)) }
+}
+
+fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordError) -> SceneError {
+    let title = format!("the record \"{name}\" cannot be used: {}", chain(error));
+    file.error_at(&format!("recording.files.{i}"), &title, "this file", help(error))
+}
+
 /// All records with the names of their files.
 ///
 /// # Errors
@@ -97,10 +117,7 @@ fn read(file: &SceneFile<RecordScene>) -> Result<Vec<(String, Record)>, RunError
     for (i, name) in scene.files.iter().enumerate() {
         match scene.recording.read(&scene.base.join(name)) {
             Ok(record) => records.push((name.clone(), record)),
-            Err(error) => {
-                let title = format!("the record \"{name}\" cannot be used: {}", chain(&error));
-                refused.push(file.error_at(&format!("recording.files.{i}"), &title, "this file", help(&error)));
-            }
+            Err(error) => refused.push(unusable(file, i, name, &error)),
         }
     }
     if refused.is_empty() { Ok(records) } else { Err(RunError::Scenes(refused)) }

@@ -36,7 +36,7 @@ pub fn summary(scene: &RecordScene) -> String {
         row("stop", stop),
         row("results", scene.output_directory.display().to_string()),
         String::new(),
-        "The scene is sound; nothing was read or computed.".into(),
+        "The scene is sound and its files are there; nothing was read or computed.".into(),
     ]
     .join("\n")
 }
