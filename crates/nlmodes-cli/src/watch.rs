@@ -66,11 +66,7 @@ impl Observer for Watch {
                 }
                 self.progress = Some(Progress::new(self.options, scene));
             }
-            Event::Warning(text) => {
-                if self.warned.insert(text.to_owned()) {
-                    say!("warning: {text}\n");
-                }
-            }
+            Event::Warning(text) if self.warned.insert(text.to_owned()) => say!("warning: {text}\n"),
             Event::NothingToResume { directory } if !quiet => {
                 say!("{} holds no interrupted run: computed from the beginning", directory.display());
             }

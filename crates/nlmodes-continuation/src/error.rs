@@ -28,7 +28,7 @@ pub enum ContinuationError<E: std::error::Error + 'static> {
     },
     /// Newton's method did not reach the curve from the starting point.
     #[error("the starting point could not be corrected: {0}")]
-    Start(#[source] CorrectionFailure),
+    Start(CorrectionFailure),
     /// The starting point lies outside of the window within which the branch is wanted.
     #[error("coordinate {coordinate} of the starting point is {value}, outside of its bounds {min} to {max}")]
     OutsideBound {

@@ -125,19 +125,17 @@ impl Bordered {
 fn is_positive(columns: &[Vec<f64>]) -> bool {
     let k = columns.len();
     let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
-    let mut a: Vec<Vec<f64>> = (0..k).map(|i| (0..k).map(|j| 0.5 * (entry(i, j) + entry(j, i))).collect()).collect();
-    for i in 0..k {
-        a[i][i] -= CLEAR;
-    }
+    let shifted = |i: usize, j: usize| 0.5 * (entry(i, j) + entry(j, i)) - if i == j { CLEAR } else { 0.0 };
+    let mut a: Vec<Vec<f64>> = (0..k).map(|i| (0..k).map(|j| shifted(i, j)).collect()).collect();
     for p in 0..k {
-        if a[p][p] <= 0.0 {
+        let (above, below) = a.split_at_mut(p + 1);
+        let pivot = &above[p];
+        if pivot[p] <= 0.0 {
             return false;
         }
-        for i in p + 1..k {
-            let factor = a[i][p] / a[p][p];
-            for j in p..k {
-                a[i][j] -= factor * a[p][j];
-            }
+        for row in below {
+            let factor = row[p] / pivot[p];
+            row.iter_mut().zip(pivot).skip(p).for_each(|(entry, pivot)| *entry -= factor * pivot);
         }
     }
     true

@@ -226,8 +226,10 @@ fn a_point_that_is_not_found_is_told_with_residual_tolerance_and_rounding() {
     assert!(["residual", "tolerance 1.0e-11", "rounding"].iter().all(|word| message.contains(word)), "{message}");
 }
 
+type Curve = crate::samples::Planar<fn(f64, f64) -> [f64; 3], fn(f64, f64) -> u64>;
+
 /// A system that tells its sizes.
-struct Sized(InUnits<crate::samples::Planar<fn(f64, f64) -> [f64; 3], fn(f64, f64) -> u64>>, Scaling);
+struct Sized(InUnits<Curve>, Scaling);
 
 impl ParametricSystem for Sized {
     type Error = Infallible;
