@@ -7,6 +7,9 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RigError {
+    /// Somebody who was asked broke it off.
+    #[error("interrupted")]
+    Interrupted,
     /// A quantity that has to be positive and finite is not.
     #[error("{what} must be positive and finite, not {value}")]
     NotPositive {

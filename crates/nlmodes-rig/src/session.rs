@@ -1,4 +1,7 @@
 use std::collections::VecDeque;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
 use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
@@ -22,6 +25,33 @@ pub struct Session {
     force: usize,
     response: usize,
     amplitude: f64,
+    asked: Asked,
+}
+
+/// Who is asked from time to time whether the motion goes on, and the samples since.
+#[derive(Clone, Default)]
+struct Asked {
+    who: Option<Arc<dyn Fn() -> ControlFlow<()> + Send + Sync>>,
+    samples: usize,
+}
+
+impl Asked {
+    /// Samples from one question to the next: some milliseconds of computation.
+    const EVERY: usize = 500;
+
+    fn goes_on(&mut self) -> Result<(), RigError> {
+        self.samples += 1;
+        match &self.who {
+            Some(who) if self.samples % Self::EVERY == 0 && who().is_break() => Err(RigError::Interrupted),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl fmt::Debug for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.who.is_some() { "Asked(somebody)" } else { "Asked(nobody)" })
+    }
 }
 
 impl Session {
@@ -35,7 +65,15 @@ impl Session {
         let pll = PhaseLockedLoop::new(settings)?;
         check_channels(&rig, &pll, force, response)?;
         let state = pll.start();
-        Ok(Self { rig, pll, state, force, response, amplitude: 0.0 })
+        Ok(Self { rig, pll, state, force, response, amplitude: 0.0, asked: Asked::default() })
+    }
+
+    /// Asks `who` from time to time whether the motion goes on; where it is to break off, whatever was begun ends with
+    /// [`RigError::Interrupted`].
+    #[must_use]
+    pub fn asking(mut self, who: impl Fn() -> ControlFlow<()> + Send + Sync + 'static) -> Self {
+        self.asked.who = Some(Arc::new(who));
+        self
     }
 
     /// The rig.
@@ -201,6 +239,7 @@ impl Session {
         amplitude: f64,
         see: impl FnOnce(&mut dyn FnMut(usize) -> Result<f64, RigError>, &LoopState) -> Result<(), RigError>,
     ) -> Result<(), RigError> {
+        self.asked.goes_on()?;
         let (force, response) = (self.rig.read(self.force)?, self.rig.read(self.response)?);
         let (rig, of_force, of_response) = (&mut self.rig, self.force, self.response);
         let mut readings = |channel: usize| match channel {

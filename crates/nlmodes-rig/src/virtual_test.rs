@@ -77,21 +77,24 @@ impl VirtualTest {
     /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come to rest is no
     /// error: its findings say so.
     pub fn run(&self, mut observe: impl FnMut(&LevelOutcome)) -> Result<Vec<LevelOutcome>, RigError> {
-        self.run_while(|level| {
+        let told = |level: &LevelOutcome| {
             observe(level);
             ControlFlow::Continue(())
-        })
+        };
+        self.run_while(|| ControlFlow::Continue(()), told)
     }
 
-    /// As [`run`](Self::run), up to the level behind which `observe` ends it.
+    /// As [`run`](Self::run), as long as `asked`, many times a level, lets it go on, and up to the level behind which `observe` ends it.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
+    /// As [`run`](Self::run); [`RigError::Interrupted`] where `asked` ended it.
     pub fn run_while(
         &self,
+        asked: impl Fn() -> ControlFlow<()> + Send + Sync + 'static,
         mut observe: impl FnMut(&LevelOutcome) -> ControlFlow<()>,
     ) -> Result<Vec<LevelOutcome>, RigError> {
-        let mut session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
+        let session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
+        let mut session = session.asking(asked);
         self.schedule.hold.check()?;
         not_negative("time at the start (s)", self.schedule.start)?;
         let mut outcomes = Vec::with_capacity(self.schedule.levels.len());

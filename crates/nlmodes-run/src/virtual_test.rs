@@ -55,12 +55,15 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     let not_recorded = |reason| RunError::NotRecorded { directory: directory.clone(), reason };
     let TestRun { levels, failure } = levels(scene, &rig, observer).map_err(not_recorded)?;
     let mut wrong = Vec::new();
-    if let Some(error) = failure {
-        if levels.is_empty() {
-            return Err(refuse_rig(file, &error));
+    match failure {
+        Some(RigError::Interrupted) if levels.is_empty() => return Err(RunError::Ended),
+        Some(error) if levels.is_empty() => return Err(refuse_rig(file, &error)),
+        // What was interrupted is told below.
+        None | Some(RigError::Interrupted) => {}
+        Some(error) => {
+            let (done, all) = (levels.len(), scene.schedule.levels.len());
+            wrong.push(format!("the test ended after {done} of {all} levels: {}", chain(&error)));
         }
-        let (done, all) = (levels.len(), scene.schedule.levels.len());
-        wrong.push(format!("the test ended after {done} of {all} levels: {}", chain(&error)));
     }
     let computed =
         if observer.is_cancelled() { Vec::new() } else { backbones(scene, &rig, &observer.watch(), &mut wrong) };
@@ -143,7 +146,7 @@ fn levels(scene: &TestScene, rig: &Rig, observer: &mut dyn Observer) -> Result<T
     };
     let mut table = results::table(scene, rig).map_err(|error| chain(error.as_ref()))?;
     let (mut count, mut failure) = (0, None);
-    let run = virtual_test::run_while(&test, &settings, |level| {
+    let run = virtual_test::run_while(&test, &settings, &observer.watch(), |level| {
         count += 1;
         observer.event(Event::Level { scene, number: count, level });
         failure = write(scene, count, level, &mut table).err();

@@ -12,6 +12,8 @@ use nlmodes_rig::{
     VirtualTest,
 };
 
+use crate::study::{Doing, Ended, Watch};
+
 /// Channel of the excitation force in [`Bench::setup`].
 pub const FORCE: usize = 0;
 /// Channel of the drive point's displacement.
@@ -221,20 +223,26 @@ pub struct TestRun {
 /// Runs a test and extracts from each record as soon as it is there. `observe` sees each level. Where the motion cannot be followed any
 /// further, the levels before remain.
 pub fn run(test: &VirtualTest, settings: &ExtractionSettings, mut observe: impl FnMut(&TestLevel)) -> TestRun {
-    run_while(test, settings, |level| {
+    run_while(test, settings, &Watch::default(), |level| {
         observe(level);
         ControlFlow::Continue(())
     })
 }
 
-/// As [`run`], up to the level behind which `observe` ends it.
+/// As [`run`], as long as `watch` lets it go on, and up to the level behind which `observe` ends it.
 pub fn run_while(
     test: &VirtualTest,
     settings: &ExtractionSettings,
+    watch: &Watch,
     mut observe: impl FnMut(&TestLevel) -> ControlFlow<()>,
 ) -> TestRun {
     let mut levels = Vec::with_capacity(test.schedule.levels.len());
-    let outcome = test.run_while(|outcome| {
+    let asking = watch.clone();
+    let asked = move || match asking.begins(Doing::Level) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(Ended) => ControlFlow::Break(()),
+    };
+    let outcome = test.run_while(asked, |outcome| {
         let level = TestLevel { outcome: outcome.clone(), extraction: extract(&outcome.record, settings) };
         let told = observe(&level);
         levels.push(level);

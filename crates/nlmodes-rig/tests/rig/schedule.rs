@@ -1,6 +1,9 @@
 //! Schedules, records, findings.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nlmodes_experiment::phase_loop::{LoopSettings, Resonance, ResponseQuantity};
 use nlmodes_experiment::records::{Quantity, Role};
@@ -51,6 +54,29 @@ fn a_test_repeats_itself_from_its_seed_and_records_every_channel() {
         assert!(samples(record, DRIVE_PHASE).iter().all(|θ| (0.0..TAU).contains(θ)));
     }
     assert!(outcomes.windows(2).all(|pair| pair[0].start + 0.25 < pair[1].start));
+}
+
+#[test]
+fn a_level_is_interrupted_within_a_twentieth_of_a_second_of_the_motion() {
+    // The first level takes 1.5 s at 20 kHz: thirty thousand samples and more.
+    let asked = Arc::new(AtomicUsize::new(0));
+    let asks = Arc::clone(&asked);
+    let twice = move || match asks.fetch_add(1, Ordering::Relaxed) {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    let mut levels = 0;
+    let outcome = hasty(7).run_while(twice, |_| {
+        levels += 1;
+        ControlFlow::Continue(())
+    });
+    assert_eq!(outcome, Err(RigError::Interrupted));
+    assert_eq!((asked.load(Ordering::Relaxed), levels), (2, 0));
+    let mut session = Session::new(hasty(7).rig, hasty(7).settings, beam::FORCE, beam::DRIVE_DISPLACEMENT)
+        .unwrap()
+        .asking(|| ControlFlow::Break(()));
+    assert_eq!(session.run(1.0), Err(RigError::Interrupted));
+    assert!(session.rig().time() < 0.05, "{} s", session.rig().time());
 }
 
 #[test]

@@ -22,6 +22,8 @@ pub enum Doing {
     BackboneAtEnergy(f64),
     /// It seeks the motion before contacts that touch at rest.
     Touching,
+    /// It brings a virtual test to its next level.
+    Level,
     /// It follows a branch.
     Branch,
 }
@@ -34,7 +36,8 @@ impl Doing {
             Self::BackboneAtFrequency(hz) => (2, hz),
             Self::BackboneAtEnergy(ratio) => (3, ratio),
             Self::Touching => (4, 0.0),
-            Self::Branch => (5, 0.0),
+            Self::Level => (5, 0.0),
+            Self::Branch => (6, 0.0),
         }
     }
 
@@ -45,6 +48,7 @@ impl Doing {
             2 => Self::BackboneAtFrequency(value),
             3 => Self::BackboneAtEnergy(value),
             4 => Self::Touching,
+            5 => Self::Level,
             _ => Self::Branch,
         }
     }
@@ -58,6 +62,7 @@ impl fmt::Display for Doing {
             Self::BackboneAtFrequency(hz) => write!(f, "looking for the backbone at {hz:.4} Hz"),
             Self::BackboneAtEnergy(ratio) => write!(f, "looking for the backbone at {ratio} grazing energies"),
             Self::Touching => write!(f, "looking for the motion before contacts that touch at rest"),
+            Self::Level => write!(f, "bringing the rig to its next level"),
             Self::Branch => write!(f, "following the branch"),
         }
     }
@@ -94,7 +99,7 @@ impl Watch {
     }
 
     /// Something else is done from here on.
-    pub(super) fn begins(&self, doing: Doing) -> Result<(), Ended> {
+    pub(crate) fn begins(&self, doing: Doing) -> Result<(), Ended> {
         let Some(watching) = &self.0 else { return Ok(()) };
         let (code, value) = doing.code();
         watching.doing.0.store(code, Ordering::Relaxed);
