@@ -1,34 +1,43 @@
 //! `nlmodes-cli check`: what would be computed, in a few lines.
 
+mod matrices;
 pub mod records;
 pub mod test;
 
+use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{
-    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, Method, MethodKind, Scene, Section, Start,
+    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Start,
     Structure, Updating,
 };
 
 /// What the scene would compute.
 ///
 /// `warned` says that something stands above it which is to be read first.
-pub fn summary(scene: &Scene, warned: bool) -> String {
+pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> String {
     let mut lines = vec![scene.title.clone(), String::new()];
-    lines.push(row("structure", &structure(&scene.structure)));
-    lines.extend(scene.structure.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
-    lines.push(row("supports", &format!("start {}, end {}", scene.structure.start.name(), scene.structure.end.name())));
-    lines.push(row("mesh", &mesh(&scene.structure)));
+    lines.extend(scene.structure.straight().into_iter().flat_map(straight));
+    lines.extend(matrices::rows(scene, open));
     for (i, contact) in scene.contacts.iter().enumerate() {
         lines.push(row(&format!("contact {i}"), &stop(contact)));
     }
     lines.extend(scene.updating.as_ref().map(|updating| row("updating", &fitted(updating))));
-    lines.push(row("method", &method(&scene.method)));
+    lines.extend(open.map(|open| matrices::reduction(scene, open)));
+    lines.push(row("method", &method(scene)));
     lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
     lines.push(row("results", &scene.output_directory.display().to_string()));
     lines.push(String::new());
     let verdict = if warned { "can be computed, but see the warning" } else { "is sound" };
     lines.push(format!("The scene {verdict}; nothing was computed."));
     lines.join("\n")
+}
+
+fn straight(of: &Structure) -> Vec<String> {
+    let mut lines = vec![row("structure", &structure(of))];
+    lines.extend(of.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
+    lines.push(row("supports", &format!("start {}, end {}", of.start.name(), of.end.name())));
+    lines.push(row("mesh", &mesh(of)));
+    lines
 }
 
 fn row(name: &str, text: &str) -> String {
@@ -94,7 +103,8 @@ fn fitted(updating: &Updating) -> String {
     format!("{} from {}", names.join(", "), modes.join(", "))
 }
 
-fn method(method: &Method) -> String {
+fn method(scene: &Scene) -> String {
+    let method = &scene.method;
     let kind = match method.kind {
         MethodKind::MsHbm => "mixed shooting-harmonic balance",
         MethodKind::Hbm => "harmonic balance",
@@ -117,7 +127,7 @@ fn method(method: &Method) -> String {
         "{kind}, {harmonics}, {} switching ({} samples), contact mass: {}, solver {}",
         method.switching.name(),
         method.samples,
-        method.mass_redistribution.name(),
+        if scene.is_in_open_modes() { "kept" } else { method.mass_redistribution.name() },
         method.contact_solver.name()
     )
 }

@@ -173,7 +173,7 @@ pub fn run() -> Status {
         }
         Command::New(arguments) => new::write(&arguments),
         Command::Compare { scene, compare } => with_scene(&scene, |file| {
-            if file.scene.contacts.is_empty() {
+            if file.scene.n_contact_tables() == 0 {
                 return refuse(&no_contact(&file));
             }
             with_parameters(file, |file| compare::run(file, &compare))
@@ -223,16 +223,16 @@ fn check_any(scene: AnyScene, limit: Option<memory::Limit>) -> Status {
             }
             say_warnings(&files);
             each(files, |file| {
-                if file.scene.contacts.is_empty() {
+                if file.scene.n_contact_tables() == 0 {
                     return refuse(&no_contact(&file));
                 }
                 let checked = updated(file.clone()).and_then(|updated| {
                     let warning = nlmodes_run::mass::warning_of(&updated)?;
                     warning.iter().for_each(|text| say!("warning: {text}\n"));
-                    nlmodes_run::check(&updated).map(|()| warning)
+                    nlmodes_run::check(&updated).map(|open| (warning, open))
                 });
                 match checked {
-                    Ok(warning) => print(&check::summary(&file.scene, warning.is_some())),
+                    Ok((warning, open)) => print(&check::summary(&file.scene, open.as_ref(), warning.is_some())),
                     Err(error) => refuse_run(&error),
                 }
             })

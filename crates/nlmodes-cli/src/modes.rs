@@ -14,7 +14,7 @@ pub fn run(file: &SceneFile) -> Status {
     let found = structural_model(&file.scene).and_then(|model| linear_frequencies(&file.scene, &model));
     match found {
         Ok(found) => print(table(&file.scene, &found).trim_end()),
-        Err(error) => refuse(&file.error_at(error.path(), &chain(&error), "", &[])),
+        Err(error) => refuse(&file.error_at(&error.path(), &chain(&error), "", &[])),
     }
 }
 
@@ -42,7 +42,7 @@ fn table(scene: &Scene, found: &LinearFrequencies) -> String {
         found.of_the_elements.as_ref().map(|f| ("of the elements", f)),
     ];
     let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
-    let modal = modal_model(&scene.structure).map_or_else(String::new, |text| format!("\n{text}"));
+    let modal = scene.structure.straight().and_then(modal_model).map_or_else(String::new, |text| format!("\n{text}"));
     let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);
     columns.iter().for_each(|(name, _)| text += &format!("{name:>22}"));
     text += "\n";

@@ -61,7 +61,7 @@ impl Observer for Watch {
             }
             Event::Begun(scene) => {
                 interrupt::nothing_found_yet();
-                if let Some(text) = modal_model(&scene.structure).filter(|_| !quiet) {
+                if let Some(text) = scene.structure.straight().and_then(modal_model).filter(|_| !quiet) {
                     _ = print(&text);
                 }
                 self.progress = Some(Progress::new(self.options, scene));

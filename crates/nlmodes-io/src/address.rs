@@ -3,6 +3,8 @@ use std::path::{Path, PathBuf};
 
 /// A matrix in a file: the file, and the matrix's name in it where it holds several, as in `model.mat#K`.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "String", from = "String"))]
 pub struct Address {
     /// The file.
     pub path: PathBuf,
@@ -38,6 +40,18 @@ impl Address {
         let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
         let name = name.strip_suffix(".gz").unwrap_or(&name);
         name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_owned())
+    }
+}
+
+impl From<String> for Address {
+    fn from(text: String) -> Self {
+        Self::parse(&text)
+    }
+}
+
+impl From<Address> for String {
+    fn from(address: Address) -> Self {
+        address.to_string()
     }
 }
 

@@ -26,6 +26,8 @@ use crate::lower::LowerTriangle;
 /// A way to write a sparse matrix into a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Format {
     /// `.sti` and `.mas` of CalculiX: `row column value`, upper triangle column by column.
     Calculix,

@@ -13,6 +13,8 @@ use crate::Component;
 /// K_SI = M L²/T² K / (l_i l_j) ,  M_SI = M L² M / (l_i l_j) ,  l = L for displacements, 1 for rotations and generalised coordinates
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
 pub struct UnitSystem {
     /// Metres in a unit of length.
     length: f64,
@@ -70,6 +72,20 @@ impl UnitSystem {
 impl Default for UnitSystem {
     fn default() -> Self {
         Self::SI
+    }
+}
+
+impl TryFrom<String> for UnitSystem {
+    type Error = UnknownUnits;
+
+    fn try_from(name: String) -> Result<Self, UnknownUnits> {
+        name.parse()
+    }
+}
+
+impl From<UnitSystem> for String {
+    fn from(units: UnitSystem) -> Self {
+        units.to_string()
     }
 }
 

@@ -27,11 +27,13 @@ pub enum DofKind {
     RZ,
     /// A coordinate that belongs to no node, of a structure that was reduced before. Rigid-body motions leave it at rest.
     Modal,
+    /// Displacement of a contact toward what it touches, m, of a structure that was reduced before: it stands beside modal coordinates and has no mass.
+    Contact,
 }
 
 impl DofKind {
     /// All of them.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Axial,
         Self::Deflection,
         Self::Rotation,
@@ -42,6 +44,7 @@ impl DofKind {
         Self::RY,
         Self::RZ,
         Self::Modal,
+        Self::Contact,
     ];
 
     /// Lower-case name, as it stands in result files.
@@ -57,6 +60,7 @@ impl DofKind {
             Self::RY => "ry",
             Self::RZ => "rz",
             Self::Modal => "modal",
+            Self::Contact => "contact",
         }
     }
 
@@ -66,7 +70,7 @@ impl DofKind {
             Self::Axial | Self::X => Some(0),
             Self::Deflection | Self::Y => Some(1),
             Self::Z => Some(2),
-            Self::Rotation | Self::RX | Self::RY | Self::RZ | Self::Modal => None,
+            Self::Rotation | Self::RX | Self::RY | Self::RZ | Self::Modal | Self::Contact => None,
         }
     }
 
@@ -76,7 +80,7 @@ impl DofKind {
             Self::RX => Some(0),
             Self::RY => Some(1),
             Self::Rotation | Self::RZ => Some(2),
-            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal => None,
+            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal | Self::Contact => None,
         }
     }
 

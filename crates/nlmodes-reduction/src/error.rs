@@ -1,5 +1,6 @@
 use nlmodes_contact::LcpError;
 use nlmodes_linalg::LinalgError;
+use nlmodes_model::ModelError;
 use thiserror::Error;
 
 /// Why a structure cannot be reduced.
@@ -54,6 +55,22 @@ pub enum ReductionError {
         /// Modes retained.
         retained: usize,
     },
+    /// A contact whose motion others determine.
+    #[error(
+        "the motion of contact {contact} (counted from 0) follows from those of other contacts or from the {retained} retained modes: \
+         {left:.1e} of its flexibility is left; take it away, or retain fewer modes"
+    )]
+    DependentContact {
+        /// Index of the contact.
+        contact: usize,
+        /// Its residual flexibility with the contacts before it held, over its static one.
+        left: f64,
+        /// Modes retained.
+        retained: usize,
+    },
+    /// The reduced equations make no structure.
+    #[error("the reduced structure")]
+    Model(#[from] ModelError),
     /// A structure that floats is pressed at rest.
     #[error(
         "the structure floats: where it rests under loads or between stops that it interferes with is not determined by its stiffness"

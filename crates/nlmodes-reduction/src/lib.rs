@@ -21,6 +21,7 @@
 //! | `Φᵀf`, `a` | a load | N/√kg, m | m, c | [`OpenModes::load`] |
 //! | | displacement at chosen places | | | [`OpenModes::rows`] |
 //! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |
+//! | `(η, u)` | the reduced equations as a structure with massless contact nodes | | m + c | [`ReducedStructure`] |
 //! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
 //!
 //! ```
@@ -47,6 +48,7 @@
 mod error;
 mod mode_count;
 mod open_modes;
+mod reduced;
 mod residual;
 mod rest;
 mod rows;
@@ -54,5 +56,6 @@ mod rows;
 pub use error::ReductionError;
 pub use mode_count::ModeCount;
 pub use open_modes::OpenModes;
+pub use reduced::ReducedStructure;
 pub use rest::{ClosedModes, RestState};
 pub use rows::{ModalLoad, ResponseRows};

@@ -212,7 +212,7 @@ impl OpenModes {
 fn wanted(modes: ModeCount) -> usize {
     match modes {
         ModeCount::Lowest(count) => count,
-        ModeCount::UpTo(_) => 1,
+        ModeCount::UpTo(_) | ModeCount::Beyond { .. } => 1,
     }
 }
 

@@ -26,7 +26,7 @@ pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> 
         let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at each instant";
         return Err(file.error_at("method.kind", title, "expected \"ms-hbm\" or \"hbm\" here", &[help]).into());
     }
-    let (_, model) = models(file)?;
+    let model = models(file)?.massless;
     let mut reference: Option<ComputedBranch> = None;
     let mut rows = Vec::new();
     for solver in solvers {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::model::{MasslessContactModel, StructuralModel, held_modes, linear_modes};
+use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
 use crate::mass;
@@ -37,10 +37,16 @@ pub struct LinearFrequencies {
 pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
     let hertz = |omega: Vec<f64>| omega.into_iter().map(|ω| ω / TAU).collect::<Vec<f64>>();
     let mass_kept = hertz(linear_modes(model.mass(), model.stiffness(), COUNT)?.omega);
+    if scene.is_in_open_modes() {
+        let held = MasslessContactModel::new(model, &Drop)?;
+        let contacts_held = Some(hertz(held_modes(&held, COUNT)?.omega));
+        return Ok(LinearFrequencies { mass_kept, contacts_held, ..LinearFrequencies::default() });
+    }
     let rule = redistribution(scene).filter(|_| !model.contacts().is_empty());
-    let of_the_elements = match scene.structure.modes {
-        Some(_) => {
-            let elements = element_model(scene)?;
+    let straight = scene.structure.straight();
+    let of_the_elements = match straight.filter(|structure| structure.modes.is_some()) {
+        Some(structure) => {
+            let elements = element_model(structure, &scene.contacts)?;
             let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
             let mass = redistributed.as_ref().unwrap_or(elements.mass());
             Some(hertz(linear_modes(mass, elements.stiffness(), COUNT)?.omega))

@@ -6,7 +6,7 @@ use nlmodes::model::{MassShift, MasslessContactModel, ModelError, StructuralMode
 use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
 use nlmodes_scene::{SceneFile, number};
 
-use crate::settings::models;
+use crate::settings::{Models, models};
 use crate::{RunError, refusal};
 
 /// Relative change of the linear frequency from which on a user is told.
@@ -22,7 +22,8 @@ pub fn warning(
     model: &StructuralModel,
     massless: &MasslessContactModel,
 ) -> Result<Option<String>, ModelError> {
-    if scene.structure.modes.is_some() || scene.updating.is_some() {
+    let is_imposed = scene.structure.straight().is_some_and(|structure| structure.modes.is_some());
+    if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {
         return Ok(None);
     }
     let shift = MassShift::of(model, massless, scene.method.mode)?;
@@ -34,7 +35,10 @@ pub fn warning(
 /// # Errors
 /// [`RunError`] if the structure cannot be made.
 pub fn warning_of(file: &SceneFile) -> Result<Option<String>, RunError> {
-    let (model, massless) = models(file)?;
+    if file.scene.is_in_open_modes() {
+        return Ok(None);
+    }
+    let Models { model, massless, .. } = models(file)?;
     warning(&file.scene, &model, &massless).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
 }
 

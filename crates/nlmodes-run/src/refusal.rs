@@ -72,7 +72,8 @@ pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
 
 /// Whether all stops of a beam stand along its axis.
 fn stops_beside_bending(scene: &Scene) -> bool {
-    scene.structure.kind() == StructureKind::Beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
+    let is_beam = scene.structure.straight().is_some_and(|structure| structure.kind() == StructureKind::Beam);
+    is_beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
 }
 
 /// An error at a key of the scene.

@@ -5,7 +5,7 @@ use nlmodes::study::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule,
 };
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{contact_model, structural_model};
+use nlmodes_scene::assemble::{Assembly, OpenStructure, contact_model};
 use nlmodes_scene::scene::{
     AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
     Symmetry,
@@ -13,12 +13,23 @@ use nlmodes_scene::scene::{
 
 use crate::{RunError, refusal};
 
+/// What a scene computes with.
+pub struct Models {
+    /// The structure.
+    pub model: StructuralModel,
+    /// The model of it that the method works on.
+    pub massless: MasslessContactModel,
+    /// The open modes from which it is made, if it is.
+    pub open: Option<OpenStructure>,
+}
+
 /// The structure of the scene, and the model of it that the method works on.
-pub fn models(file: &SceneFile) -> Result<(StructuralModel, MasslessContactModel), RunError> {
-    let model = structural_model(&file.scene).map_err(|error| refusal::at(file, error.path(), &error))?;
+pub fn models(file: &SceneFile) -> Result<Models, RunError> {
+    let Assembly { model, open } =
+        Assembly::of(&file.scene).map_err(|error| refusal::at(file, &error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
-    Ok((model, massless))
+    Ok(Models { model, massless, open })
 }
 
 /// Where the branch of a scene starts, and the start of its other half where it goes both ways.

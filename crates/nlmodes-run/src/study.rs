@@ -3,6 +3,7 @@
 mod figures;
 mod histories;
 pub(crate) mod journal;
+mod motion;
 mod page;
 pub mod repeated;
 mod several;
@@ -17,13 +18,14 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::write_harmonics;
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
 use crate::claim::{Claim, identity};
 use crate::linear::{LinearFrequencies, linear_frequencies};
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::settings::{branch_settings, models, starts};
+use crate::settings::{Models, branch_settings, models, starts};
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
@@ -39,7 +41,7 @@ use sink::{Sink, branch_directory};
 /// [`RunError`] if there are no results; a branch that ended early is in the outcome.
 pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> Result<RunOutcome, RunError> {
     for file in &scenes {
-        if file.scene.contacts.is_empty() {
+        if file.scene.n_contact_tables() == 0 {
             return Err(no_contact(file).into());
         }
         links::refuse(&file.scene.output_directory)?;
@@ -80,7 +82,7 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
-    let (model, massless) = models(file)?;
+    let Models { model, massless, open } = models(file)?;
     observer.event(Event::Begun(scene));
     if let Some(text) = mass::warning(scene, &model, &massless)
         .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?
@@ -99,7 +101,10 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     }
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
     let (written, linear, participation) = match whole(scene, &model, &tree) {
-        Ok((linear, participation)) => (write(scene, &linear, &participation, &tree, began), linear, participation),
+        Ok((linear, participation)) => {
+            let written = write(scene, &linear, &participation, &tree, began);
+            (written.and_then(|()| motion::write(scene, open.as_ref(), &tree)), linear, participation)
+        }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
     };
     let part = PartOutcome {
@@ -115,18 +120,19 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     Ok(part)
 }
 
-/// Whether a run of the scene would begin, with each of its numbers of harmonics.
+/// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if it is reduced by them.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check(file: &SceneFile) -> Result<(), RunError> {
-    let (_, massless) = models(file)?;
+pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+    let Models { massless, open, .. } = models(file)?;
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
     let (start, _) = starts(file.scene.continuation.start);
     let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
-    check_study(&massless, &settings).map_err(|error| refusal::of_study(file, &error))
+    check_study(&massless, &settings).map_err(|error| refusal::of_study(file, &error))?;
+    Ok(open)
 }
 
 /// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,

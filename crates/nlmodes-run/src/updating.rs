@@ -56,7 +56,8 @@ fn update(scene: &Scene, updating: &Updating) -> Result<Scene, UpdatingError<Tri
 /// Lowest linear frequencies of the scene, Hz, with the contact mass as its method has it.
 fn frequencies(scene: &Scene, count: usize) -> Result<Vec<f64>, Failure> {
     // Imposed frequencies would not change with the parameters.
-    let model = element_model(scene)?;
+    let Some(structure) = scene.structure.straight() else { return Ok(Vec::new()) };
+    let model = element_model(structure, &scene.contacts)?;
     let redistributed = match redistribution(scene).filter(|_| !model.contacts().is_empty()) {
         Some(rule) => Some(rule.redistribute(&model)?),
         None => None,
@@ -66,24 +67,26 @@ fn frequencies(scene: &Scene, count: usize) -> Result<Vec<f64>, Failure> {
 }
 
 fn value(scene: &Scene, parameter: UpdatedParameter) -> f64 {
-    match parameter {
-        UpdatedParameter::YoungsModulus => scene.structure.youngs_modulus,
-        UpdatedParameter::Density => scene.structure.density,
-        UpdatedParameter::Length => scene.structure.length,
-    }
+    // Structures from files have no parameters.
+    scene.structure.straight().map_or(0.0, |structure| match parameter {
+        UpdatedParameter::YoungsModulus => structure.youngs_modulus,
+        UpdatedParameter::Density => structure.density,
+        UpdatedParameter::Length => structure.length,
+    })
 }
 
 /// The scene with these values; with the length its contacts keep their nodes.
 fn with(scene: &Scene, updating: &Updating, values: &[f64]) -> Scene {
     let mut scene = scene.clone();
+    let Some(structure) = scene.structure.straight_mut() else { return scene };
     for (parameter, &value) in updating.parameters.iter().zip(values) {
         match parameter {
-            UpdatedParameter::YoungsModulus => scene.structure.youngs_modulus = value,
-            UpdatedParameter::Density => scene.structure.density = value,
+            UpdatedParameter::YoungsModulus => structure.youngs_modulus = value,
+            UpdatedParameter::Density => structure.density = value,
             UpdatedParameter::Length => {
-                let ratio = value / scene.structure.length;
+                let ratio = value / structure.length;
                 scene.contacts.iter_mut().for_each(|contact| contact.at *= ratio);
-                scene.structure.length = value;
+                structure.length = value;
             }
         }
     }

@@ -94,7 +94,9 @@ fn results_of_another_scene_are_an_error_of_the_call() {
     let place = tempfile::tempdir().unwrap();
     nlmodes_run::run(scenes(place.path()), Over::Same, &mut Silent).unwrap();
     let mut other = scenes(place.path());
-    other[0].scene.structure.length = 2.0;
+    if let Some(rod) = other[0].scene.structure.straight_mut() {
+        rod.length = 2.0;
+    }
     other[0].scene.contacts[0].at = 2.0;
     let error = nlmodes_run::run(other, Over::Same, &mut Silent).unwrap_err();
     assert!(matches!(error, RunError::Foreign { .. }) && error.is_of_the_call(), "{error}");

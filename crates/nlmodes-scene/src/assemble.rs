@@ -1,15 +1,22 @@
 //! From a checked scene to the structural model.
 
+mod open;
+
 use std::f64::consts::TAU;
 
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::model::{
-    Conserve, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel, ModelError, Move, Side,
-    StructuralModel,
+    Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
+    ModelError, Move, Side, StructuralModel,
 };
+use nlmodes_io::{ContactError, ReadError};
+use nlmodes_linalg::LinalgError;
+use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-use crate::scene::{self, MassRule, MethodKind, Scene, StructureKind};
+pub use open::{OpenStructure, dofs, read};
+
+use crate::scene::{self, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
 
 /// A structure of one of the two theories.
 #[derive(Debug, Clone)]
@@ -82,37 +89,107 @@ pub enum StructureError {
     /// Frequencies that cannot be imposed on its modes.
     #[error(transparent)]
     Imposed(#[from] ModelError),
+    /// A file of a finite-element program is not what it should be.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A contact does not fit the model of the files.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The matrices of the files make no structure.
+    #[error("the matrices")]
+    Matrices(#[from] LinalgError),
+    /// It cannot be reduced.
+    #[error("the structure cannot be reduced by its open modes")]
+    Reduction(#[from] ReductionError),
 }
 
 impl StructureError {
     /// The key of the scene that it is about.
-    pub fn path(&self) -> &'static str {
+    pub fn path(&self) -> String {
         match self {
-            Self::Elements(_) => "structure",
-            Self::Imposed(_) => "structure.modes.frequencies_hz",
+            Self::Elements(_) | Self::Read(_) | Self::Matrices(_) => "structure".into(),
+            Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
+            Self::Contact(error) => format!("contact.{}", error.contact),
+            Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {
+                "reduction".into()
+            }
+            Self::Reduction(_) => "structure".into(),
         }
     }
 }
 
-/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it.
+/// A structure that a method works on, and the open modes from which it is made if it is.
+#[derive(Debug)]
+pub struct Assembly {
+    /// The structure; in open modes, that of modal coordinates and contacts.
+    pub model: StructuralModel,
+    /// What it was reduced from.
+    pub open: Option<OpenStructure>,
+}
+
+impl Assembly {
+    /// The structure of the scene, reduced by its open modes where the scene asks for that.
+    ///
+    /// # Errors
+    /// [`StructureError`].
+    pub fn of(scene: &Scene) -> Result<Self, StructureError> {
+        if scene.is_in_open_modes() {
+            let open = OpenStructure::of(scene)?;
+            return Ok(Self { model: open.reduced.model().clone(), open: Some(open) });
+        }
+        Ok(Self { model: full_model(scene)?, open: None })
+    }
+}
+
+/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it; in open modes where the
+/// scene asks for that.
 ///
 /// # Errors
 /// [`StructureError`].
 pub fn structural_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
-    let model = element_model(scene)?;
-    match imposed(&scene.structure, &model, redistribution(scene))? {
-        Some(imposed) => Ok(imposed.model),
-        None => Ok(model),
+    Assembly::of(scene).map(|assembly| assembly.model)
+}
+
+/// The structure of the scene, not reduced.
+fn full_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
+    match &scene.structure {
+        SceneStructure::Straight(structure) => {
+            let model = element_model(structure, &scene.contacts)?;
+            match imposed(structure, &model, redistribution(scene).filter(|_| !scene.is_in_open_modes()))? {
+                Some(imposed) => Ok(imposed.model),
+                None => Ok(model),
+            }
+        }
+        SceneStructure::Matrices(matrices) => {
+            let (files, found) = read(matrices)?;
+            let dofs = dofs(&files);
+            let index = DofIndex::new(&dofs);
+            let contact = |c: &nlmodes_io::NodeContact| {
+                let normal = c.normal;
+                let contact = match c.against {
+                    None => Contact::point(&index, c.node as usize, normal, c.gap),
+                    Some(other) => Contact::pair(&index, c.node as usize, other as usize, normal, c.gap),
+                }?;
+                Ok(match c.stiffness {
+                    Some(stiffness) => contact.on_spring(stiffness),
+                    None => contact,
+                })
+            };
+            let contacts = found.iter().map(contact).collect::<Result<Vec<Contact>, ModelError>>()?;
+            let places = files.labels.iter().map(|label| files.place_of(label.node).unwrap_or([0.0; 3])).collect();
+            let model = StructuralModel::new(files.mass.symmetric()?, files.stiffness.symmetric()?, dofs, contacts)?;
+            Ok(model.with_places(places)?)
+        }
     }
 }
 
-/// The structure of the scene as its elements give it.
+/// A rod or beam with its stops as its elements give it.
 ///
 /// # Errors
 /// What the element library has against it.
-pub fn element_model(scene: &Scene) -> Result<StructuralModel, FemError> {
-    let stops: Vec<Stop> = scene.contacts.iter().map(stop).collect();
-    Elements::new(&scene.structure)?.assemble(&stops)
+pub fn element_model(structure: &scene::Structure, contacts: &[scene::Contact]) -> Result<StructuralModel, FemError> {
+    let stops: Vec<Stop> = contacts.iter().map(stop).collect();
+    Elements::new(structure)?.assemble(&stops)
 }
 
 /// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there are none.

@@ -3,11 +3,13 @@
 mod contact;
 mod continuation;
 mod frequencies;
+mod matrices;
 mod method;
 mod modes;
 mod nodes;
 mod plausible;
 mod records;
+mod reduction;
 mod shooting;
 mod structure;
 mod updating;
@@ -16,27 +18,62 @@ mod virtual_test;
 pub use records::scene as record_scene;
 pub use virtual_test::scene as test_scene;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::Findings;
-use crate::raw::{RawOutput, RawScene};
-use crate::scene::{Scene, StabilityChoice};
+use crate::raw::{RawContact, RawMatrixScene, RawOutput, RawScene};
+use crate::scene::{Contact, ReductionKind, Scene, SceneStructure, StabilityChoice};
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
     let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
     let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
-    let mut contacts = contact::check(raw, mesh.as_ref(), findings);
+    let contacts = contact::check(raw, mesh.as_ref(), findings);
+    let structure = structure.map(SceneStructure::Straight);
+    let scene = rest(raw, stem, structure, contacts, ReductionKind::HeldModes, findings)?;
+    plausible::warn(&scene, findings);
+    Some(scene)
+}
+
+/// The checked scene of a structure from files, in the same way; paths count from `base`.
+pub fn matrix_scene(raw: RawMatrixScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
+    let matrices = matrices::check(&raw, base, findings).map(SceneStructure::Matrices);
+    let plain = RawScene {
+        title: raw.title,
+        contact: raw.contact.map(|tables| tables.iter().map(|_| RawContact::default()).collect()),
+        reduction: raw.reduction,
+        method: raw.method,
+        continuation: raw.continuation,
+        output: raw.output,
+        ..RawScene::default()
+    };
+    rest(&plain, stem, matrices, Vec::new(), ReductionKind::OpenModes, findings)
+}
+
+/// What all structures share.
+fn rest(
+    raw: &RawScene,
+    stem: &str,
+    mut structure: Option<SceneStructure>,
+    mut contacts: Vec<Contact>,
+    default: ReductionKind,
+    findings: &mut Findings<'_>,
+) -> Option<Scene> {
     let method = raw.method.as_ref().and_then(|method| method::check(method, raw, &contacts, findings));
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
+        if let Some(SceneStructure::Matrices(matrices)) = &mut structure {
+            matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
+        }
     }
+    let reduction = reduction::check(raw.reduction.as_ref(), raw, default, findings);
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
     let updating = raw.updating.as_ref().map(|raw| updating::check(raw, findings));
-    let scene = Scene {
+    Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         contacts,
+        reduction,
         updating: match updating {
             Some(updating) => Some(updating?),
             None => None,
@@ -46,9 +83,7 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
         output_directory: output_directory(raw.output.as_ref(), stem),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
         warnings: Vec::new(),
-    };
-    plausible::warn(&scene, findings);
-    Some(scene)
+    })
 }
 
 fn output_directory(raw: Option<&RawOutput>, stem: &str) -> PathBuf {

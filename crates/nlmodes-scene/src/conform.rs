@@ -93,6 +93,7 @@ impl<'w> Walk<'w, '_, '_> {
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
             }
             (Kind::Text | Kind::IntegerOrText, DeValue::String(text)) => mistakes::in_text(path, text, rule),
+            (Kind::OneOf, other) => (!rule.fits(other)).then(|| mistakes::unfit(path)),
             (_, other) => Some(mistakes::wrong_kind(path, other, rule)),
         };
         let conforms = problem.is_none();

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use nlmodes::hbm::MAX_RECORDED;
 
-use crate::scene::{RecordScene, Scene, Switching, Symmetry, TestScene};
+use crate::scene::{Matrices, RecordScene, Scene, SceneStructure, Switching, Symmetry, TestScene};
 use crate::{SceneError, SceneFile};
 
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -34,6 +34,16 @@ const JACOBIAN_COPIES: f64 = 10.0;
 const BYTES_OF_A_POINT: f64 = 500.0;
 /// Up to this size the linear modes are found densely, and all held modes are taken up to the second one.
 const DENSE: [f64; 2] = [600.0, 400.0];
+
+/// Degrees of freedom of a reduced structure, where these are not known yet.
+const REDUCED_DOFS: f64 = 200.0;
+/// Bytes of an entry of a matrix in a text file and in a packed one, and of both matrices in memory.
+const BYTES_OF_AN_ENTRY: f64 = 32.0;
+const BYTES_OF_A_PACKED_ENTRY: f64 = 8.0;
+const BYTES_OF_A_READ_ENTRY: f64 = 80.0;
+/// Entries in a row of the lower triangle of a stiffness of tetrahedra, and bytes of its factor over the 4/3rd power of its size.
+const ENTRIES_OF_A_ROW: f64 = 40.0;
+const FACTOR: f64 = 150.0;
 
 /// Most memory that a run may take, bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +101,12 @@ struct Needs {
 
 impl Needs {
     fn of(scene: &Scene) -> Self {
-        let (dofs, method) = (scene.structure.free_dofs() as f64, &scene.method);
+        let method = &scene.method;
+        let (full, dofs) = match &scene.structure {
+            SceneStructure::Straight(structure) => (0.0, structure.free_dofs() as f64),
+            // Reading and factorising the files comes before the reduced problem.
+            SceneStructure::Matrices(matrices) => (of_files(matrices), REDUCED_DOFS),
+        };
         // An accuracy may choose its most everywhere.
         let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics) as f64;
         let chosen = if dofs <= DENSE[1] { dofs } else { 2.0 * (32.0 + 8.0 * harmonics) };
@@ -102,11 +117,11 @@ impl Needs {
             Symmetry::Even => harmonics + 1.0,
             Symmetry::None => 2.0 * harmonics + 1.0,
         };
-        let contacts = scene.contacts.len() as f64;
+        let contacts = scene.n_contact_tables() as f64;
         let unknowns = contacts * width + 2.0;
         let samples = if method.switching == Switching::Sampled { method.samples as f64 } else { 0.0 };
         Self {
-            structure: PROGRAM + BYTES_OF_A_DOF * dofs + modes,
+            structure: PROGRAM + full + BYTES_OF_A_DOF * dofs + modes,
             problem: 8.0 * JACOBIAN_COPIES * unknowns * unknowns + 8.0 * samples * (2.0 * width + 4.0 * contacts),
             point: 16.0 * dofs.min(MAX_RECORDED as f64) * (harmonics + 1.0) + 16.0 * unknowns + BYTES_OF_A_POINT,
         }
@@ -115,6 +130,17 @@ impl Needs {
     fn fixed(self) -> f64 {
         self.structure + self.problem
     }
+}
+
+/// Bytes that reading and factorising the matrices of these files takes, from the size of the files.
+fn of_files(matrices: &Matrices) -> f64 {
+    let path = &matrices.files.stiffness.path;
+    let size = fs::metadata(path).map_or(0.0, |data| data.len() as f64);
+    let packed = path.extension().is_some_and(|ending| ending == "gz" || ending == "npz" || ending == "mat");
+    let entries = size / if packed { BYTES_OF_A_PACKED_ENTRY } else { BYTES_OF_AN_ENTRY };
+    // A factor of a solid grows with the 4/3rd power of its size.
+    let unknowns = entries / ENTRIES_OF_A_ROW;
+    BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
 }
 
 /// Refuses scenes that do not fit, with what is to be said, and lowers the number of points to what fits.
@@ -151,11 +177,14 @@ pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), SceneE
 
 fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneError {
     let scene = &file.scene;
-    let path = if needs.structure > needs.problem { "structure.elements" } else { "method.harmonics" };
+    let structure = if scene.structure.straight().is_some() { "structure.elements" } else { "structure.stiffness" };
+    let path = if needs.structure > needs.problem { structure } else { "method.harmonics" };
     let title = format!("the scene needs some {} of memory", text(least));
-    let counts =
-        [(scene.structure.elements, "element"), (scene.method.harmonics, "harmonic"), (scene.contacts.len(), "stop")];
-    let label = counts.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).join(", ");
+    let elements = scene.structure.straight().map(|structure| (structure.elements, "element"));
+    let counts = [(scene.method.harmonics, "harmonic"), (scene.n_contact_tables(), "stop")];
+    let all = elements.into_iter().chain(counts);
+    let label: Vec<String> = all.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).collect();
+    let label = label.join(", ");
     let less = "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less";
     file.error_at(path, &title, &label, &[&limit.help(least), less]).with_last_line("nothing was computed or written")
 }

@@ -59,6 +59,11 @@ fn elsewhere<'c>(text: &str, choices: &[&'c str]) -> Option<&'c str> {
     meant.filter_map(|ours| choices.iter().copied().find(|choice| *choice == ours)).next()
 }
 
+/// A value that is none of those that the schema has.
+pub fn unfit(path: &str) -> Problem {
+    Problem::error(format!("`{path}` is not what it can be"))
+}
+
 /// A value of another kind than the schema has.
 pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Problem {
     let problem =
@@ -114,6 +119,7 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
         Kind::Integers => "a whole number or a list of them",
         Kind::IntegerOrText => "a whole number or a text",
         Kind::Text => "a text",
+        Kind::OneOf => "a value of another kind",
     }
 }
 

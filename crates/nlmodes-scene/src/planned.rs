@@ -1,6 +1,6 @@
 //! Scenes of other commands.
 
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 use crate::Problem;
 
@@ -10,6 +10,12 @@ const COMPUTED: [&str; 4] = ["contact", "method", "continuation", "structure"];
 /// Whether the scene describes measured records.
 pub fn is_of_records(root: &DeTable<'_>) -> bool {
     first(root, &RECORDS).is_some() && first(root, &["virtual_test"]).is_none()
+}
+
+/// Whether the scene describes a structure from the files of a finite-element program.
+pub fn is_of_matrices(root: &DeTable<'_>) -> bool {
+    let Some(DeValue::Table(structure)) = root.get("structure").map(|value| value.get_ref()) else { return false };
+    matches!(structure.get("kind").map(|kind| kind.get_ref()), Some(DeValue::String(kind)) if kind == "matrices")
 }
 
 /// Whether the scene describes a virtual test.

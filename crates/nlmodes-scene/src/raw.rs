@@ -6,15 +6,19 @@
 //! description in both.
 
 mod continuation;
+mod matrices;
 mod method;
 mod records;
+mod reduction;
 mod structure;
 mod updating;
 mod virtual_test;
 
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
+pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
+pub use reduction::RawReduction;
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
 pub use virtual_test::{
@@ -38,6 +42,8 @@ pub struct RawScene {
     pub structure: Option<RawStructure>,
     /// One-sided stops, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawContact>>,
+    /// How the structure is reduced
+    pub reduction: Option<RawReduction>,
     /// Parameters that are fitted to given linear frequencies first
     pub updating: Option<RawUpdating>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`

@@ -1,6 +1,6 @@
 //! From a file or a text to a checked scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -118,11 +118,16 @@ fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<Sc
     let mut problems = Vec::new();
     let (document, root) = Document::new(text, overrides, number, &mut problems);
     let mut findings = Findings::new(&document, problems);
-    let raw: Option<raw::RawScene> = root.and_then(|root| {
-        let other = planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref()));
-        read(root, other, schema::of_structure(), &mut findings)
-    });
-    let scene = raw.and_then(|raw| check::scene(&raw, &stem(text.name), &mut findings));
+    let other =
+        root.as_ref().and_then(|root| planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref())));
+    let stem = stem(text.name);
+    let scene = if root.as_ref().is_some_and(|root| planned::is_of_matrices(root.get_ref())) {
+        let raw = root.and_then(|root| read(root, other, schema::of_matrices(), &mut findings));
+        raw.and_then(|raw| check::matrix_scene(raw, &stem, &base(text.name), &mut findings))
+    } else {
+        let raw: Option<raw::RawScene> = root.and_then(|root| read(root, other, schema::of_structure(), &mut findings));
+        raw.and_then(|raw| check::scene(&raw, &stem, &mut findings))
+    };
     let mut file = finish(scene, findings)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)
@@ -137,8 +142,7 @@ fn records(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<RecordScen
         let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
         read(root, other, schema::of_records(), &mut findings)
     });
-    let base = Path::new(text.name).parent().unwrap_or(Path::new("")).to_path_buf();
-    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base, &mut findings));
+    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base(text.name), &mut findings));
     let mut file = finish(scene, findings)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)
@@ -186,6 +190,11 @@ fn finish<S>(scene: Option<S>, findings: Findings<'_>) -> Result<SceneFile<S>, B
         Some(scene) if !findings.refuse() => Ok(SceneFile { scene, document, warnings: findings.into_sorted() }),
         _ => Err(Box::new(Refused::new(document, findings.into_sorted()))),
     }
+}
+
+/// The directory of a scene, from which paths of its files count.
+fn base(name: &str) -> PathBuf {
+    Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf()
 }
 
 fn stem(name: &str) -> String {

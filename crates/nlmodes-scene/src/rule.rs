@@ -1,6 +1,7 @@
 //! What the schema says about one key, and the same in words.
 
 use serde_json::{Map, Value};
+use toml::de::DeValue;
 
 /// The schema of one key.
 #[derive(Debug, Clone, Copy)]
@@ -18,10 +19,15 @@ pub enum Kind {
     /// A whole number or a word.
     IntegerOrText,
     Text,
+    /// One of several kinds, in the words of the schema.
+    OneOf,
 }
 
 impl<'a> Rule<'a> {
     pub fn kind(self) -> Kind {
+        if self.0.get("expected").is_some() {
+            return Kind::OneOf;
+        }
         if let Some(types) = self.0.get("type").and_then(Value::as_array) {
             let has_text = types.iter().any(|name| name == "string");
             return if has_text { Kind::IntegerOrText } else { Kind::Integers };
@@ -122,6 +128,34 @@ impl<'a> Rule<'a> {
             Kind::Integers => format!("a whole number{}{unit}, or a list of them", self.limits()),
             Kind::IntegerOrText => format!("a whole number{}{unit}, or {}", self.limits(), either(&self.choices())),
             Kind::Text => self.expected_text(),
+            Kind::OneOf => self.0.get("expected").and_then(Value::as_str).unwrap_or_default().to_owned(),
+        }
+    }
+
+    /// Whether a value is of one of the kinds that the schema has.
+    pub fn fits(self, value: &DeValue<'_>) -> bool {
+        let types = self.0.get("type");
+        let is = |name: &str| {
+            types.is_some_and(|t| t == name || t.as_array().is_some_and(|all| all.iter().any(|t| t == name)))
+        };
+        match value {
+            DeValue::String(text) => {
+                let words = self.0.get("enum_of_text").and_then(Value::as_array);
+                is("string")
+                    && !text.is_empty()
+                    && words.is_none_or(|words| words.iter().any(|word| word == text.as_ref()))
+            }
+            DeValue::Integer(n) => {
+                let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
+                (is("integer") || is("number")) && exact.is_some_and(|n| self.admits(n as f64))
+            }
+            DeValue::Float(x) => is("number") && x.as_str().parse().is_ok_and(|x| self.admits(x)),
+            DeValue::Array(items) => {
+                let each =
+                    |item: &toml::Spanned<DeValue<'_>>| self.items().is_none_or(|rule| rule.fits(item.get_ref()));
+                is("array") && self.admits_length(items.len()) && items.iter().all(each)
+            }
+            _ => false,
         }
     }
 

@@ -2,16 +2,18 @@
 
 mod choices;
 mod records;
+mod reduction;
 mod supports;
 mod virtual_test;
 
 pub use choices::{
     AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
-    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MeasuredQuantity, MethodKind, RecordFormat,
-    Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+    InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MatricesKind, MeasuredQuantity, MethodKind,
+    RecordFormat, ReductionKind, Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use records::RecordScene;
+pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use supports::{free_dofs, holds};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
@@ -25,9 +27,12 @@ pub struct Scene {
     /// Title of tables and figures.
     pub title: String,
     /// The structure.
-    pub structure: Structure,
-    /// One-sided stops, in the order of the file.
+    pub structure: SceneStructure,
+    /// One-sided stops of a rod or beam, in the order of the file.
     pub contacts: Vec<Contact>,
+    /// How the structure is reduced; `None` is by held modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<Reduction>,
     /// Parameters that are fitted to given linear frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub updating: Option<Updating>,
@@ -43,6 +48,18 @@ pub struct Scene {
     /// What looks wrong with the scene, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Number of `[[contact]]` tables.
+    pub fn n_contact_tables(&self) -> usize {
+        self.structure.matrices().map_or(self.contacts.len(), |matrices| matrices.contacts.len())
+    }
+
+    /// Whether the structure is reduced by its open modes.
+    pub fn is_in_open_modes(&self) -> bool {
+        self.reduction.is_some_and(|reduction| reduction.kind == ReductionKind::OpenModes)
+    }
 }
 
 /// What a scene that was written before there was a choice means.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use crate::raw::{RawRecordScene, RawScene, RawTestScene};
+use crate::raw::{RawMatrixScene, RawRecordScene, RawScene, RawTestScene};
 
 /// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
@@ -17,6 +17,12 @@ pub fn schema() -> Value {
 pub fn of_structure() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(schema_of::<RawScene>)
+}
+
+/// The schema of a scene of a structure from files, in the same way.
+pub fn of_matrices() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawMatrixScene>)
 }
 
 /// The schema of a scene of measured records, in the same way.
@@ -33,8 +39,8 @@ pub fn of_test() -> &'static Value {
 
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let (mut schema, records, tests) = (schema(), of_records(), of_test());
-    let kinds = [&schema, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
+    let (mut schema, records, tests, matrices) = (schema(), of_records(), of_test(), of_matrices());
+    let kinds = [&schema, matrices, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
     for other in [records, tests] {
         if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), other["properties"].as_object()) {
             for (key, rule) in more {
@@ -42,11 +48,20 @@ pub fn whole_schema() -> Value {
             }
         }
     }
+    for table in ["structure", "contact"] {
+        alternatives(&mut schema["properties"][table], &matrices["properties"][table]);
+    }
     if let Some(root) = schema.as_object_mut() {
         root.remove("required");
         root.insert("oneOf".into(), json!(kinds));
     }
     schema
+}
+
+/// A table, or the items of a list of tables, as either of two.
+fn alternatives(one: &mut Value, other: &Value) {
+    let (one, other) = if one.get("items").is_some() { (&mut one["items"], &other["items"]) } else { (one, other) };
+    *one = json!({ "oneOf": [one.take(), other] });
 }
 
 fn schema_of<T: JsonSchema>() -> Value {

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 /// Contacts as a user says them: of a node or of many with a wall, or of pairs.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactChoice {
     /// The nodes that touch.
     pub nodes: ContactNodes,
@@ -17,6 +18,8 @@ pub struct ContactChoice {
 
 /// Nodes, one by one or as a set of the mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum ContactNodes {
     /// A node set of the mesh.
     Set(String),
@@ -28,6 +31,8 @@ pub enum ContactNodes {
 
 /// What nodes touch.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Partner {
     /// A rigid wall.
     Wall,
@@ -40,6 +45,8 @@ pub enum Partner {
 
 /// A direction of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum NormalChoice {
     /// A vector of any length but zero.
     Vector([f64; 3]),
@@ -49,6 +56,8 @@ pub enum NormalChoice {
 
 /// A clearance.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum GapChoice {
     /// The same at each node, m; negative where it presses.
     Same(f64),

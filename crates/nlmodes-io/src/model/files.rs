@@ -4,6 +4,8 @@ use crate::{Address, Format, UnitSystem};
 
 /// Nodes that are named one by one or as a set of the mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(untagged))]
 pub enum NodeChoice {
     /// A node set of the mesh.
     Set(String),
@@ -13,6 +15,7 @@ pub enum NodeChoice {
 
 /// The files of a model, and how they are to be understood.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FeFiles {
     /// Stiffness matrix.
     pub stiffness: Address,

@@ -65,7 +65,8 @@ impl MotionData {
     pub fn new(report: &HtmlReport<'_>, index: usize, stops: &[StopLine]) -> Option<Self> {
         let branch = report.branches[index];
         let (stations, stops) = shown(report, branch, stops);
-        if stations.len() < 2 {
+        // Contacts of a reduced structure are not strung along an axis.
+        if stations.len() < 2 || stations::kind(branch) == "contact" {
             return None;
         }
         let points = chosen_points(report, index, stations.len(), stops.len());

@@ -45,7 +45,8 @@ pub fn write(
     }
     participation(directory, scene, &branches, &found.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     let clamped = held_ends(scene, computed);
-    for (k, point) in motions.iter().enumerate() {
+    // A structure in open modes moves in modal coordinates, which are nowhere.
+    for (k, point) in motions.iter().enumerate().filter(|_| !scene.is_in_open_modes()) {
         let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
         figure.write(directory.join(format!("motion_{}.svg", k + 1)))?;
     }
@@ -76,7 +77,7 @@ pub fn participation(
 pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     let coordinates = &computed.branch.coordinates;
     let Some(contact) = computed.branch.contact_coordinate.map(|i| &coordinates[i]) else { return Vec::new() };
-    let length = scene.structure.length;
+    let Some(length) = scene.structure.straight().map(|structure| structure.length) else { return Vec::new() };
     let moves = |at: f64| coordinates.iter().any(|c| c.kind == contact.kind && (c.position - at).abs() < 1e-9 * length);
     [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
 }

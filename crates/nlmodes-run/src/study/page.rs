@@ -48,7 +48,7 @@ pub fn write(
     if let Some(text) = &linear.mass_warning {
         report = report.line(format!("Warning: {text}"));
     }
-    if let Some(text) = modal_model(&scene.structure) {
+    if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);
     }
     for computed in all {
@@ -165,7 +165,7 @@ mod tests {
             );
             let files =
                 nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false))?;
-            let (_, massless) = models(&files[0])?;
+            let massless = models(&files[0])?.massless;
             let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
             let computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
             let stops = stops(&computed);

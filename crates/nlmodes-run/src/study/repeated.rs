@@ -42,7 +42,7 @@ impl Interrupted {
         let files = nlmodes_scene::parse_each_method("scene.toml", text, &[]).map_err(|refused| refused.text(false))?;
         let mut file = files.into_iter().next().ok_or("no scene")?;
         file.scene.output_directory = directory.to_path_buf();
-        let (_, model) = models(&file).map_err(|_| "no structure")?;
+        let model = models(&file).map_err(|_| "no structure")?.massless;
         let scenes = Value::Array(vec![identity(serde_json::to_value(&file.scene).unwrap_or_default())]);
         Ok(Self { scene: file.scene, scenes, model })
     }

@@ -263,7 +263,7 @@ pub fn write(
         program: "nlmodes-cli",
         version: env!("CARGO_PKG_VERSION"),
         scene,
-        model: modal_model(&scene.structure),
+        model: scene.structure.straight().and_then(modal_model),
         linear_frequencies_hz: linear,
         grazing: GrazingPoint {
             frequency_hz: computed.grazing.omega / TAU,

@@ -59,11 +59,23 @@ mod tests {
 
     #[test]
     fn rod_and_beam_of_the_paper() {
-        let rod = parse("rod.toml", include_str!("../../../../configs/rod.toml"), &[]).unwrap().scene.structure;
+        let rod = parse("rod.toml", include_str!("../../../../configs/rod.toml"), &[])
+            .unwrap()
+            .scene
+            .structure
+            .straight()
+            .unwrap()
+            .clone();
         let first = (210e9_f64 / 9000.0).sqrt() / 80.0;
         assert!((estimate(&rod, 1).unwrap() / first - 1.0).abs() < 1e-12);
         assert!((estimate(&rod, 3).unwrap() / first - 5.0).abs() < 1e-9);
-        let beam = parse("beam.toml", include_str!("../../../../configs/beam.toml"), &[]).unwrap().scene.structure;
+        let beam = parse("beam.toml", include_str!("../../../../configs/beam.toml"), &[])
+            .unwrap()
+            .scene
+            .structure
+            .straight()
+            .unwrap()
+            .clone();
         // 40.10 Hz by finite elements with shear; 250.1 Hz is the second frequency of the ideal beam.
         for (mode, hz) in [(1, 40.1), (2, 250.1)] {
             let found = estimate(&beam, mode).unwrap();

@@ -16,16 +16,17 @@ use crate::{Findings, Problem};
 const LONG: f64 = 100.0;
 
 pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
+    let Some(straight) = scene.structure.straight() else { return };
     let before = findings.count();
-    structure(&scene.structure, findings);
+    structure(straight, findings);
     let sound = findings.count() == before;
     for (i, contact) in scene.contacts.iter().enumerate() {
-        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, &scene.structure, findings);
-        stop::stiffness(i, contact, &scene.structure, findings);
+        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, straight, findings);
+        stop::stiffness(i, contact, straight, findings);
     }
     // With a slip in the structure its frequencies are wrong too.
     if sound {
-        window::warn(scene, findings);
+        window::warn(scene, straight, findings);
     }
 }
 

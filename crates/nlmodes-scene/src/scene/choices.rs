@@ -61,6 +61,18 @@ choices! {
         /// Axial motion, deflection and rotation (Timoshenko)
         Beam = "beam",
     }
+    /// A structure from files.
+    MatricesKind {
+        /// Matrices of a finite-element program
+        Matrices = "matrices",
+    }
+    /// How a structure is reduced.
+    ReductionKind {
+        /// Modes with open contacts, and the static flexibility of all others
+        OpenModes = "open-modes",
+        /// Modes with held contacts, the mass of their nodes left out or moved
+        HeldModes = "held-modes",
+    }
     /// Mass matrix of the elements.
     MassMatrix {
         /// From the shape functions of the stiffness

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use crate::check::frequencies::estimate;
 use crate::rule::number;
-use crate::scene::{Scene, Start};
+use crate::scene::{Scene, Start, Structure};
 use crate::{Findings, Problem};
 
 /// A frequency may be the mode's within this range of the closed form, which knows neither coarse meshes nor missing masses.
@@ -11,10 +11,10 @@ const AROUND: [f64; 2] = [0.5, 2.0];
 const STIFFENED: f64 = 2.0;
 
 /// Warns of a window or a start that does not belong to the mode.
-pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
+pub fn warn(scene: &Scene, structure: &Structure, findings: &mut Findings<'_>) {
     let pressed = scene.contacts.iter().any(|contact| contact.gap <= 0.0);
     let given = scene.updating.is_some() || findings.has("structure.modes");
-    let Some(hz) = estimate(&scene.structure, scene.method.mode).filter(|hz| *hz > 0.0 && !pressed && !given) else {
+    let Some(hz) = estimate(structure, scene.method.mode).filter(|hz| *hz > 0.0 && !pressed && !given) else {
         return;
     };
     let number_of_mode = scene.method.mode;

@@ -1,0 +1,173 @@
+use nlmodes_linalg::{DenseLu, Mat, Triplet, sparse_from_triplets};
+use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
+
+use crate::{OpenModes, ReductionError};
+
+/// Relative difference up to which two directions are one.
+const SAME: f64 = 1e-12;
+
+/// Residual flexibility that is left beside the other contacts, over the static one, below which nothing is left that could be pressed.
+const RIGID: f64 = 1e-9;
+
+/// The reduced equations as a structure of their own.
+///
+/// ```text
+/// x = (η, u) ,   u = −(Y η + A f)                  displacement of each direction toward its stop, f the force along it
+/// M = | 1  0 | ,   K = | Ω² + Yᵀ A⁻¹ Y   Yᵀ A⁻¹ |
+///     | 0  0 |         |     A⁻¹ Y        A⁻¹   |
+/// ```
+///
+/// Its contacts are stops of single degrees of freedom without mass, so that whatever takes a structure with massless contact nodes takes this one:
+/// no mass has been moved. Contacts that face each other at one place share a direction.
+#[derive(Debug, Clone)]
+pub struct ReducedStructure {
+    model: StructuralModel,
+    /// Direction of each contact, and +1, or −1 where it is met from the other side.
+    direction_of: Vec<(usize, f64)>,
+    /// `A⁻¹` of the directions.
+    stiffness: Mat<f64>,
+    /// `Y` of the directions.
+    rows: Mat<f64>,
+}
+
+impl ReducedStructure {
+    /// The structure of these open modes; `places` are the node and the position (m) by which each contact is known.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`]; [`ReductionError::DependentContact`] if the motion of a contact follows from those of others, or from the retained
+    /// modes alone; [`ReductionError::Model`].
+    pub fn new(open: &OpenModes, places: &[(usize, f64)]) -> Result<Self, ReductionError> {
+        let (c, m) = (open.n_contacts(), open.n_modes());
+        if places.len() != c {
+            return Err(ReductionError::Dimension { what: "places of the contacts", expected: c, found: places.len() });
+        }
+        let (first, direction_of) = directions(open);
+        let d = first.len();
+        let a = Mat::from_fn(d, d, |i, j| open.flexibility()[(first[i], first[j])]);
+        refuse_dependent(open, &first, &a)?;
+        let stiffness = inverse(&a)?;
+        let rows = Mat::from_fn(d, m, |i, r| open.contact_rows()[(first[i], r)]);
+        let pressed = &stiffness * &rows;
+        let entries = entries(open.omega_squared(), &rows, &pressed, &stiffness);
+        let failed = ReductionError::during("the reduced structure");
+        let k = sparse_from_triplets(m + d, m + d, &entries).map_err(failed)?;
+        let units: Vec<Triplet> = (0..m).map(|r| (r, r, 1.0)).collect();
+        let failed = ReductionError::during("the reduced structure");
+        let mass = sparse_from_triplets(m + d, m + d, &units).map_err(failed)?;
+        let modal = (0..m).map(|r| Dof { node: r, position: 0.0, kind: DofKind::Modal });
+        let touching = first.iter().map(|&i| Dof { node: places[i].0, position: places[i].1, kind: DofKind::Contact });
+        let contacts = (0..c).map(|i| stop(open, i, m, direction_of[i])).collect();
+        let model = StructuralModel::new(mass, k, modal.chain(touching).collect(), contacts)?;
+        Ok(Self { model, direction_of, stiffness, rows })
+    }
+
+    /// The structure: modal coordinates, then the displacement of each direction.
+    pub fn model(&self) -> &StructuralModel {
+        &self.model
+    }
+
+    /// Forces along the directions at the coordinates `x = (η, u)`, N: `f = −A⁻¹ (u + Y η)`, and of contacts that share one their difference.
+    pub fn direction_forces(&self, x: &[f64]) -> Vec<f64> {
+        let (m, d) = (self.rows.ncols(), self.rows.nrows());
+        let free = |i: usize| x[m + i] + (0..m).map(|r| self.rows[(i, r)] * x[r]).sum::<f64>();
+        let off: Vec<f64> = (0..d).map(free).collect();
+        (0..d).map(|i| -(0..d).map(|j| self.stiffness[(i, j)] * off[j]).sum::<f64>()).collect()
+    }
+
+    /// The direction of each contact, and +1, or −1 where it is met from the other side.
+    pub fn direction_of(&self) -> &[(usize, f64)] {
+        &self.direction_of
+    }
+}
+
+fn entries(omega_squared: &[f64], rows: &Mat<f64>, pressed: &Mat<f64>, stiffness: &Mat<f64>) -> Vec<Triplet> {
+    let (d, m) = (rows.nrows(), rows.ncols());
+    let modal = rows.transpose() * pressed;
+    let mut entries = Vec::new();
+    for r in 0..m {
+        for s in 0..m {
+            let own = if r == s { omega_squared[r].max(0.0) } else { 0.0 };
+            entries.push((r, s, own + 0.5 * (modal[(r, s)] + modal[(s, r)])));
+        }
+        for i in 0..d {
+            entries.extend([(m + i, r, pressed[(i, r)]), (r, m + i, pressed[(i, r)])]);
+        }
+    }
+    entries.extend((0..d).flat_map(|i| (0..d).map(move |j| (m + i, m + j, stiffness[(i, j)]))));
+    entries
+}
+
+/// `u` grows toward the stop of the first contact of a direction: `g = g₀ − u`, and `g₀ + u` from the other side.
+fn stop(open: &OpenModes, i: usize, m: usize, (direction, sign): (usize, f64)) -> Contact {
+    let side = if sign > 0.0 { Side::Positive } else { Side::Negative };
+    let contact = Contact::stop(m + direction, side, open.gaps()[i]);
+    match open.stop_compliance()[i] {
+        0.0 => contact,
+        compliance => contact.on_spring(1.0 / compliance),
+    }
+}
+
+/// The first contact of each direction, and of each contact its direction and sign.
+fn directions(open: &OpenModes) -> (Vec<usize>, Vec<(usize, f64)>) {
+    let w = open.directions();
+    let column = |i: usize| -> Vec<(usize, f64)> {
+        let entries = w.symbolic().row_idx_of_col_raw(i).iter().copied().zip(w.val_of_col(i).iter().copied());
+        entries.filter(|entry| entry.1 != 0.0).collect()
+    };
+    let columns: Vec<Vec<(usize, f64)>> = (0..open.n_contacts()).map(column).collect();
+    // Those of one direction begin at one degree of freedom.
+    let mut known = std::collections::HashMap::<usize, Vec<usize>>::new();
+    let (mut first, mut direction_of) = (Vec::<usize>::new(), Vec::new());
+    for (i, column) in columns.iter().enumerate() {
+        let beside = known.entry(column.first().map_or(usize::MAX, |entry| entry.0)).or_default();
+        let same = beside.iter().find_map(|&d| Some((d, sign(column, &columns[first[d]])?)));
+        direction_of.push(same.unwrap_or((first.len(), 1.0)));
+        if same.is_none() {
+            beside.push(first.len());
+            first.push(i);
+        }
+    }
+    (first, direction_of)
+}
+
+/// +1 or −1 where one column is the other times that.
+fn sign(a: &[(usize, f64)], b: &[(usize, f64)]) -> Option<f64> {
+    let size = b.iter().fold(0.0_f64, |size, entry| size.max(entry.1.abs()));
+    let is = |sign: f64| {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && (a.1 - sign * b.1).abs() <= SAME * size)
+    };
+    [1.0, -1.0].into_iter().find(|sign| is(*sign))
+}
+
+/// Pivots of `A`: what is left of the flexibility of a contact with those before it held.
+fn refuse_dependent(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<(), ReductionError> {
+    let (mut l, n) = (a.clone(), first.len());
+    for k in 0..n {
+        let elastic = open.omega_squared().iter().enumerate().filter(|(_, w)| **w > 1e-6 * open.residual.shift);
+        let modal: f64 = elastic.map(|(r, w)| open.contact_rows()[(first[k], r)].powi(2) / w).sum();
+        let whole = a[(k, k)] + modal;
+        if l[(k, k)].is_nan() || l[(k, k)] <= RIGID * whole {
+            let (contact, left) = (first[k], l[(k, k)] / whole);
+            return Err(ReductionError::DependentContact { contact, left, retained: open.n_modes() });
+        }
+        for i in k + 1..n {
+            let factor = l[(i, k)] / l[(k, k)];
+            if factor != 0.0 {
+                (k..n).for_each(|j| l[(i, j)] -= factor * l[(k, j)]);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn inverse(a: &Mat<f64>) -> Result<Mat<f64>, ReductionError> {
+    let n = a.nrows();
+    let lu = DenseLu::factor(a).map_err(ReductionError::during("residual flexibility of the contacts"))?;
+    let mut columns = Mat::zeros(n, n);
+    for j in 0..n {
+        let mut column: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+        lu.solve_in_place(&mut column);
+        columns.col_mut(j).iter_mut().zip(&column).for_each(|(to, from)| *to = *from);
+    }
+    Ok(Mat::from_fn(n, n, |i, j| 0.5 * (columns[(i, j)] + columns[(j, i)])))
+}

@@ -1,0 +1,150 @@
+//! Structures in their open modes: of rods, beams and matrices alike.
+
+use std::f64::consts::TAU;
+
+use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
+use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
+use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
+
+use super::StructureError;
+use crate::scene::{Matrices, ReductionKind, Scene, SceneStructure};
+
+/// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
+const BEYOND_HARMONICS: f64 = 4.0;
+/// And they are so many at least, where the structure has them.
+const FEWEST: usize = 12;
+
+/// A structure in open modes, and what its rows and contacts are called.
+#[derive(Debug)]
+pub struct OpenStructure {
+    /// Modes, residual flexibility, recovery of displacements.
+    pub modes: OpenModes,
+    /// The same as a structure with massless contact nodes.
+    pub reduced: ReducedStructure,
+    /// Node, position and kind of each degree of freedom of the structure that was reduced.
+    pub dofs: Vec<Dof>,
+    /// Node and position (m, along x) by which each contact is known.
+    pub contacts: Vec<(usize, f64)>,
+    /// The model and the contacts of its nodes, of a structure from files.
+    pub files: Option<(FeModel, Vec<NodeContact>)>,
+}
+
+impl OpenStructure {
+    /// Reduces the structure of a scene by its open modes, as `[reduction]` says or with its defaults.
+    ///
+    /// # Errors
+    /// [`StructureError`]: files that cannot be read, contacts that do not fit them, a reduction that fails.
+    pub fn of(scene: &Scene) -> Result<Self, StructureError> {
+        match &scene.structure {
+            SceneStructure::Straight(_) => Self::of_model(scene, &super::full_model(scene)?),
+            SceneStructure::Matrices(matrices) => Self::of_files(scene, matrices),
+        }
+    }
+
+    fn of_model(scene: &Scene, model: &StructuralModel) -> Result<Self, StructureError> {
+        let place = |contact: &Contact| {
+            let dof = model.dofs()[contact.normal.entries()[0].0];
+            (dof.node, dof.position)
+        };
+        let contacts: Vec<(usize, f64)> = model.contacts().iter().map(place).collect();
+        let modes = OpenModes::of_model(model, count(scene))?;
+        let (modes, reduced) = pressed(scene, modes, &contacts)?;
+        Ok(Self { modes, reduced, dofs: model.dofs().to_vec(), contacts, files: None })
+    }
+
+    fn of_files(scene: &Scene, matrices: &Matrices) -> Result<Self, StructureError> {
+        let (model, found) = read(matrices)?;
+        let (mass, stiffness) = (model.mass.symmetric()?, model.stiffness.symmetric()?);
+        let directions = model.contact_directions(&found)?;
+        let gaps = found.iter().map(|contact| contact.gap).collect();
+        let compliance = found.iter().map(|contact| contact.stiffness.map_or(0.0, |k| 1.0 / k)).collect();
+        let modes = OpenModes::new(mass, stiffness, directions, gaps, compliance, count(scene))?;
+        let at = |node: u64| model.place_of(node).map_or(0.0, |place| place[0]);
+        let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
+        let (modes, reduced) = pressed(scene, modes, &contacts)?;
+        let dofs = dofs(&model);
+        Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)) })
+    }
+
+    /// Largest frequency of the retained modes, Hz.
+    pub fn highest_hz(&self) -> f64 {
+        self.modes.omega_squared().last().map_or(0.0, |w| w.max(0.0).sqrt() / TAU)
+    }
+
+    /// Estimate of what the truncation does to the frequency of the scene's mode with its first contact closed, from half as many modes; `None`
+    /// where half of the modes do not reach that mode.
+    pub fn truncation_error(&self, mode: usize, contact: usize) -> Option<f64> {
+        let mut closed = vec![false; self.modes.n_contacts()];
+        *closed.get_mut(contact)? = true;
+        self.modes.truncation_error(&closed, mode.checked_sub(1)?).ok().filter(|error| error.is_finite())
+    }
+}
+
+/// The model of the files, and the contacts of its nodes.
+///
+/// # Errors
+/// [`StructureError`].
+pub fn read(matrices: &Matrices) -> Result<(FeModel, Vec<NodeContact>), StructureError> {
+    let model = FeModel::read(&matrices.files)?;
+    let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
+    Ok((model, found))
+}
+
+/// The degrees of freedom of a model from files.
+pub fn dofs(model: &FeModel) -> Vec<Dof> {
+    let of = |label: &nlmodes_io::DofLabel| Dof {
+        node: label.node as usize,
+        position: model.place_of(label.node).map_or(0.0, |place| place[0]),
+        kind: kind(label.component),
+    };
+    model.labels.iter().map(of).collect()
+}
+
+fn kind(component: Component) -> DofKind {
+    match component {
+        Component::X => DofKind::X,
+        Component::Y => DofKind::Y,
+        Component::Z => DofKind::Z,
+        Component::RX => DofKind::RX,
+        Component::RY => DofKind::RY,
+        Component::RZ => DofKind::RZ,
+        _ => DofKind::Modal,
+    }
+}
+
+/// How many modes the scene retains.
+fn count(scene: &Scene) -> ModeCount {
+    let asked = scene.reduction.filter(|reduction| reduction.kind == ReductionKind::OpenModes);
+    match (asked.and_then(|asked| asked.modes), asked.and_then(|asked| asked.up_to_hz)) {
+        (Some(modes), _) => ModeCount::Lowest(modes),
+        (None, Some(hz)) => ModeCount::UpTo(TAU * hz),
+        (None, None) => {
+            let method = &scene.method;
+            let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics.min(20));
+            let factor = BEYOND_HARMONICS * harmonics.max(1) as f64;
+            ModeCount::Beyond { mode: method.mode, factor, least: FEWEST.max(2 * method.mode) }
+        }
+    }
+}
+
+/// The reduced structure. Where the scene does not say how many modes are retained and these leave nothing that could be pressed, fewer are.
+fn pressed(
+    scene: &Scene,
+    mut modes: OpenModes,
+    contacts: &[(usize, f64)],
+) -> Result<(OpenModes, ReducedStructure), StructureError> {
+    let is_said = scene.reduction.is_some_and(|asked| asked.modes.is_some() || asked.up_to_hz.is_some());
+    loop {
+        match ReducedStructure::new(&modes, contacts) {
+            Ok(reduced) => return Ok((modes, reduced)),
+            Err(error @ ReductionError::DependentContact { .. }) => {
+                let fewer = modes.n_modes() * 3 / 4;
+                if is_said || fewer <= scene.method.mode {
+                    return Err(error.into());
+                }
+                modes = modes.truncated(fewer)?;
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+
+use super::{RawContinuation, RawMethod, RawOutput, RawReduction};
+use crate::scene::MatricesKind;
+
+/// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "nlmodes scene of matrices")]
+pub struct RawMatrixScene {
+    /// Title of tables and figures; default: the name of the file
+    pub title: Option<String>,
+    /// The structure: its files
+    #[schemars(required)]
+    pub structure: Option<RawMatrices>,
+    /// One-sided contacts of nodes, any number, each under its own heading `[[contact]]`
+    pub contact: Option<Vec<RawNodeContact>>,
+    /// How the structure is reduced
+    pub reduction: Option<RawReduction>,
+    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
+    #[schemars(required)]
+    pub method: Option<RawMethod>,
+    /// How far the branch is followed
+    #[schemars(required)]
+    pub continuation: Option<RawContinuation>,
+    /// Where results go
+    pub output: Option<RawOutput>,
+}
+
+/// The files of a structure.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawMatrices {
+    /// What the structure is made of
+    #[serde(rename = "kind")]
+    #[schemars(required)]
+    pub _kind: Option<MatricesKind>,
+    /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus), .npz (SciPy), .mat ("model.mat#K"), .hb, .pch, also .gz; relative to the scene
+    #[schemars(required, length(min = 1))]
+    pub stiffness: Option<String>,
+    /// Mass matrix, in the same way
+    #[schemars(required, length(min = 1))]
+    pub mass: Option<String>,
+    /// Which node and direction each row is: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z]; not needed where the matrices say it
+    #[schemars(length(min = 1))]
+    pub dofs: Option<String>,
+    /// Mesh with the places of nodes, node sets and elements: .inp or .msh
+    #[schemars(length(min = 1))]
+    pub mesh: Option<String>,
+    /// Format of the matrices: calculix, matrix-market, abaqus, npz, mat, harwell-boeing or dmig; default: from the names of the files
+    #[schemars(length(min = 1))]
+    pub format: Option<String>,
+    /// Units of the files, as mm-t-s; what comes out is in SI units
+    #[schemars(length(min = 1), extend("default" = "m-kg-s"))]
+    pub units: Option<String>,
+    /// Nodes and node sets that the files leave free and that are held
+    #[serde(default)]
+    #[schemars(schema_with = "numbers_or_names")]
+    pub fixed: Option<Vec<NumberOrName>>,
+}
+
+/// A node or a set of nodes.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum NumberOrName {
+    Number(u64),
+    Name(String),
+}
+
+/// Nodes one by one or as a set.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum NameOrNumbers {
+    Name(String),
+    Numbers(Vec<u64>),
+}
+
+/// A direction.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum RawNormal {
+    Vector([f64; 3]),
+    Word(String),
+}
+
+/// A contact of a node, of each node of a set, or of pairs of nodes.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("required" = [], "oneRequired" = ["node", "nodes", "pairs"]))]
+pub struct RawNodeContact {
+    /// The node that touches
+    pub node: Option<u64>,
+    /// The nodes that touch, each a contact of its own: a node set of the mesh, or a list of nodes
+    #[schemars(schema_with = "name_or_numbers")]
+    pub nodes: Option<NameOrNumbers>,
+    /// The nodes that they touch, each the nearest one along the normal; left out, they touch a rigid wall
+    #[schemars(schema_with = "name_or_numbers")]
+    pub against: Option<NameOrNumbers>,
+    /// Table of pairs of nodes that touch, node_a,node_b[,nx,ny,nz,gap_m], relative to the scene
+    #[schemars(length(min = 1))]
+    pub pairs: Option<String>,
+    /// How far beside the normal of its partner a node of `against` may be; default: a thousandth of the extent of those
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub pair_tolerance_m: Option<f64>,
+    /// Direction from the nodes to what they touch, of any length, or "surface" for the outward normal of the mesh at each node
+    #[schemars(schema_with = "vector_or_surface")]
+    pub normal: Option<RawNormal>,
+    /// Clearance at rest; 0 touches, a negative one presses
+    #[schemars(extend("unit" = "m"))]
+    pub gap_m: Option<f64>,
+    /// A point of the wall, which stands across the normal: each node has its own clearance
+    #[schemars(extend("unit" = "m"))]
+    pub wall_point_m: Option<[f64; 3]>,
+    /// Contact stiffness of each; left out, they are rigid
+    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
+    pub stiffness_n_m: Option<f64>,
+}
+
+fn numbers_or_names(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": "array",
+        "items": { "type": ["integer", "string"], "minimum": 1 },
+        "expected": "nodes and names of node sets in square brackets",
+    })
+}
+
+fn name_or_numbers(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["string", "array"],
+        "minLength": 1,
+        "minItems": 1,
+        "items": { "type": "integer", "minimum": 0 },
+        "expected": "the name of a node set, or nodes in square brackets",
+    })
+}
+
+fn vector_or_surface(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["string", "array"],
+        "minItems": 3,
+        "maxItems": 3,
+        "items": { "type": "number" },
+        "enum_of_text": ["surface"],
+        "expected": "3 numbers in square brackets, or \"surface\"",
+    })
+}
