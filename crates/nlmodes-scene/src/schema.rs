@@ -40,7 +40,8 @@ pub fn of_test() -> &'static Value {
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
     let (mut schema, records, tests, matrices) = (schema(), of_records(), of_test(), of_matrices());
-    let kinds = [&schema, matrices, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
+    let kinds =
+        [&schema, matrices, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
     for other in [records, tests] {
         if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), other["properties"].as_object()) {
             for (key, rule) in more {
@@ -49,7 +50,7 @@ pub fn whole_schema() -> Value {
         }
     }
     for table in ["structure", "contact"] {
-        alternatives(&mut schema["properties"][table], &matrices["properties"][table]);
+        join_tables(&mut schema["properties"][table], &matrices["properties"][table]);
     }
     if let Some(root) = schema.as_object_mut() {
         root.remove("required");
@@ -58,10 +59,26 @@ pub fn whole_schema() -> Value {
     schema
 }
 
-/// A table, or the items of a list of tables, as either of two.
-fn alternatives(one: &mut Value, other: &Value) {
+/// A table, or the items of a list of tables, with the keys of both of two, and what each of them demands.
+fn join_tables(one: &mut Value, other: &Value) {
     let (one, other) = if one.get("items").is_some() { (&mut one["items"], &other["items"]) } else { (one, other) };
-    *one = json!({ "oneOf": [one.take(), other] });
+    if let (Some(all), Some(more)) = (one["properties"].as_object_mut(), other["properties"].as_object()) {
+        for (key, rule) in more {
+            let choices = rule.get("oneOf").and_then(Value::as_array);
+            match (all.get_mut(key).and_then(|own| own.get_mut("oneOf")).and_then(Value::as_array_mut), choices) {
+                (Some(own), Some(choices)) => {
+                    let new: Vec<Value> = choices.iter().filter(|choice| !own.contains(choice)).cloned().collect();
+                    own.extend(new);
+                }
+                _ => _ = all.entry(key).or_insert_with(|| rule.clone()),
+            }
+        }
+    }
+    let demands = json!([{ "required": one["required"] }, { "required": other["required"] }]);
+    if let Some(table) = one.as_object_mut() {
+        table.remove("required");
+        table.insert("oneOf".into(), demands);
+    }
 }
 
 fn schema_of<T: JsonSchema>() -> Value {
