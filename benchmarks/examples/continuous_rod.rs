@@ -71,6 +71,7 @@ fn exact() -> ModalBranch {
             contact_fraction: 2.0 / r - 1.0,
             contact_intervals: 1,
             peak_contact_force: MODULUS * velocity / speed,
+            contacts: Vec::new(),
             residual: 0.0,
             error_estimate: None,
             events: Vec::new(),

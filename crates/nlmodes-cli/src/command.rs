@@ -115,6 +115,13 @@ Exit status 1 where the motion cannot be integrated, 2 where the directory holds
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
     #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
     Schema,
+    /// Print what every file of results, its columns and arrays mean, with units and signs
+    #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
+    Columns {
+        /// As Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print completions of this command line for a shell
     #[command(after_help = "\
 Examples:
@@ -188,6 +195,8 @@ pub fn run() -> Status {
             with(scenes::load_any(&path, &overrides), |scene| check_any(scene, memory_limit))
         }
         Command::Schema => print(&format!("{:#}", scenes::whole_schema())),
+        Command::Columns { markdown: true } => print(nlmodes::report::columns::markdown().trim_end()),
+        Command::Columns { markdown: false } => print(nlmodes::report::columns::text().trim_end()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut CommandLine::command(), "nlmodes-cli", &mut script);

@@ -1,3 +1,6 @@
+use std::f64::consts::TAU;
+
+use nlmodes_modal::ContactPeriod;
 use num_complex::Complex64;
 
 use crate::Symmetry;
@@ -6,6 +9,40 @@ use crate::trigonometric::Trigonometric;
 
 /// What users ask of a period with contact.
 impl ContactOperator {
+    /// Each contact over a period of a motion of angular frequency `omega` (rad/s).
+    pub fn contact_periods(&self, omega: f64) -> Vec<ContactPeriod> {
+        let of = |(i, mean_force): (usize, f64)| ContactPeriod {
+            closed_share: self.closed_share(i),
+            peak_force: self.peak_force(i),
+            mean_force,
+            impulse: mean_force * TAU / omega,
+            touches: self.touches(i),
+            approach_velocity: omega * self.approach(i),
+        };
+        self.mean_forces().into_iter().enumerate().map(of).collect()
+    }
+
+    /// Largest rate by phase (m/rad) at which the gap of a contact closes as it is touched; zero without a touch.
+    fn approach(&self, contact: usize) -> f64 {
+        let c = self.n_contacts();
+        let slope = |interval: &PatternInterval, tau: f64| {
+            let guard = &self.sets.get(interval.set).guard[contact * c..(contact + 1) * c];
+            self.combination(guard).evaluate(tau)[1]
+        };
+        let is_even = self.series.symmetry == Symmetry::Even;
+        let rate = |before: &PatternInterval, after: &PatternInterval| {
+            match [before, after].map(|interval| self.closed(interval)[contact]) {
+                [false, true] => -slope(before, before.to),
+                // Where it opens, its mirror image closes.
+                [true, false] if is_even => slope(after, after.from),
+                _ => 0.0,
+            }
+        };
+        let inner = self.intervals.windows(2).map(|pair| rate(&pair[0], &pair[1]));
+        let around = self.intervals.last().zip(self.intervals.first()).filter(|_| !is_even);
+        inner.chain(around.map(|(last, first)| rate(last, first))).fold(0.0, f64::max)
+    }
+
     /// Mean contact forces over a period, N, c.
     pub fn mean_forces(&self) -> Vec<f64> {
         let mut mean = vec![0.0; self.n_contacts()];

@@ -2,6 +2,8 @@ use std::f64::consts::{PI, TAU};
 
 use nlmodes_modal::{ContactInstant, TimeHistory};
 
+use crate::closed_set::ClosedSet;
+use crate::contact_operator::PatternInterval;
 use crate::energy::inner;
 use crate::trigonometric::Trigonometric;
 use crate::{HbmError, MixedShooting, Symmetry};
@@ -59,18 +61,63 @@ impl MixedShooting<'_> {
         Ok(history)
     }
 
+    /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of contact: where any
+    /// of them closes or opens stand two instants, a rounding apart, with what is just before and just after. Between them lie equidistant
+    /// ones, so that there are `samples + 1` in all, or as many more as it takes for 64 of these.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn time_histories(&mut self, x: &[f64], samples: usize, label: &str) -> Result<Vec<TimeHistory>, HbmError> {
+        self.solve_contact(x)?;
+        let omega = self.omega(x);
+        let contacts = self.structure().model().contacts();
+        let empty = |(i, of): (usize, &nlmodes_model::DofContact)| TimeHistory {
+            instants: self.instants(i, omega),
+            ..TimeHistory::empty(label, of.side.sign() * of.gap)
+        };
+        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        let stretches: Vec<(f64, f64, usize)> = self.whole_period();
+        let mut last = f64::NEG_INFINITY;
+        for (tau, stretch) in
+            TimeHistory::exact_instants(&stretches.iter().map(|s| [s.0, s.1]).collect::<Vec<_>>(), samples)
+        {
+            let set = self.sweep.sets.get(stretches[stretch].2);
+            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
+            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+            last = (tau / omega).max(f64::next_up(last));
+            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
+                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                let side = of.side.sign();
+                let motion = [side * (of.gap - gap[0]), -side * omega * gap[1], -side * omega * omega * gap[2]];
+                history.push(last, motion, force);
+            }
+        }
+        Ok(histories)
+    }
+
+    /// The intervals of one contact pattern over the whole period: phases of their ends, closed set.
+    fn whole_period(&self) -> Vec<(f64, f64, usize)> {
+        let of = |i: &PatternInterval| (i.from, i.to, i.set);
+        let forward = self.sweep.intervals.iter().map(of);
+        let is_even = self.series().symmetry == Symmetry::Even;
+        let mirrored = self.sweep.intervals.iter().rev().filter(|_| is_even).map(|i| (TAU - i.to, TAU - i.from, i.set));
+        let mut all: Vec<(f64, f64, usize)> = Vec::new();
+        for interval in forward.chain(mirrored) {
+            match all.last_mut() {
+                Some(last) if last.2 == interval.2 => last.1 = interval.1,
+                _ => all.push(interval),
+            }
+        }
+        all
+    }
+
     /// Gap with two derivatives by τ, and force, of a contact at the phase `tau`.
     fn contact_state(&self, y: &[Trigonometric], contact: usize, tau: f64) -> ([f64; 3], f64) {
         let set = self.sweep.sets.get(self.set_at(tau));
         let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
-        let at = |order: usize| values.iter().map(|v| v[order]).collect::<Vec<f64>>();
-        if set.closed[contact] {
-            // The stop yields by its own compliance; a rigid one not at all.
-            let yields = self.structure().model().contacts()[contact].law.compliance();
-            let force = [0, 1, 2].map(|order| set.force(contact, &at(order)));
-            return (force.map(|f| -yields * f), force[0]);
-        }
-        ([0, 1, 2].map(|order| set.guard_value(contact, &at(order))), 0.0)
+        let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+        state_in(set, contact, self.structure().model().contacts()[contact].law.compliance(), &at)
     }
 
     fn set_at(&self, tau: f64) -> usize {
@@ -121,4 +168,14 @@ impl MixedShooting<'_> {
         }
         Ok(worst)
     }
+}
+
+/// Gap with two derivatives by τ, and force, of a contact whose stop yields by `compliance`, while one set of contacts is closed; `y` are the gaps
+/// without contact forces and their two derivatives.
+fn state_in(set: &ClosedSet, contact: usize, compliance: f64, y: &[Vec<f64>; 3]) -> ([f64; 3], f64) {
+    if set.closed[contact] {
+        let force = [0, 1, 2].map(|order| set.force(contact, &y[order]));
+        return (force.map(|f| -compliance * f), force[0]);
+    }
+    ([0, 1, 2].map(|order| set.guard_value(contact, &y[order])), 0.0)
 }

@@ -22,7 +22,8 @@ impl MixedShooting<'_> {
         let kinetic = harmonic_energy.iter().sum();
         let modal_amplitude = self.modal_amplitude(&held);
         let first = self.structure().model().contacts()[0];
-        let (fraction, intervals) = self.contact_statistics();
+        let contacts = self.sweep.contact_periods(omega);
+        let fraction = contacts.first().map_or(0.0, |contact| contact.closed_share);
         Ok(ModalPoint {
             omega,
             fundamental: self
@@ -34,10 +35,11 @@ impl MixedShooting<'_> {
             stability: None,
             total_energy: kinetic + strain,
             modal_amplitude,
-            peak: self.peak(fraction > 0.0),
+            peak: self.peak(fraction > 0.0, contacts.first().map_or(0.0, |contact| contact.peak_force)),
             contact_fraction: fraction,
-            contact_intervals: intervals,
-            peak_contact_force: self.peak_force(),
+            contact_intervals: contacts.iter().map(|contact| contact.touches).sum(),
+            peak_contact_force: contacts.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
+            contacts,
             residual,
             error_estimate: None,
             events: Vec::new(),
@@ -164,16 +166,11 @@ impl MixedShooting<'_> {
         }
     }
 
-    /// Share of the period in which contact 0 is closed, and closed intervals a period over all contacts.
-    fn contact_statistics(&self) -> (f64, usize) {
-        (self.sweep.closed_share(0), (0..self.sweep.n_contacts()).map(|i| self.sweep.touches(i)).sum())
-    }
-
     /// Largest displacement of the first contact toward its stop, with what an elastic stop yields.
-    fn peak(&self, touches: bool) -> f64 {
+    fn peak(&self, touches: bool, force: f64) -> f64 {
         let contact = self.structure().model().contacts()[0];
         if touches {
-            return contact.gap + contact.law.compliance() * self.sweep.peak_force(0);
+            return contact.gap + contact.law.compliance() * force;
         }
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min g; other contacts may be closed meanwhile.
         let toward = self.sweep.intervals.iter().map(|interval| {
@@ -182,9 +179,5 @@ impl MixedShooting<'_> {
             largest(&self.sweep.combination(&opposite), interval.from, interval.to)
         });
         contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    fn peak_force(&self) -> f64 {
-        (0..self.structure().n_contacts()).map(|i| self.sweep.peak_force(i)).fold(0.0, f64::max)
     }
 }

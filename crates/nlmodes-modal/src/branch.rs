@@ -1,4 +1,4 @@
-use crate::{HarmonicCoefficients, InternalResonance};
+use crate::{ContactPeriod, HarmonicCoefficients, InternalResonance};
 
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +63,8 @@ pub struct ModalPoint {
     pub contact_intervals: usize,
     /// Largest contact force, N.
     pub peak_contact_force: f64,
+    /// Each contact over the period, in the order of the structure; none where they are not told apart, as in a record.
+    pub contacts: Vec<ContactPeriod>,
     /// Norm of the scaled residual.
     pub residual: f64,
     /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where one was made.

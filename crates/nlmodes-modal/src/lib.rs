@@ -16,6 +16,7 @@
 //! | `δ̃` | nonlinear modal damping coefficient, eqs. (25)-(28) | 1 | [`damping_coefficient`], [`LinearDissipation`] |
 //! | `e_N` | coefficient of restitution, eq. (29) | 1 | [`Restitution`] |
 //! | `k_c` | contact stiffness, eq. (3) | N/m | [`ContactStiffness`] |
+//! | `∫ λ dt` | share, force and impulse of a contact over a period | N·s | [`ContactPeriod`] |
 //! | `E_av` | averaged kinetic energy | J | [`ModalPoint::kinetic_energy`] |
 //!
 //! A [`ModalBranch`] is a nonlinear mode over energy, computed or measured; a [`TimeHistory`] looks closer at one of its points.
@@ -27,6 +28,7 @@ mod basis;
 mod branch;
 mod coefficients;
 mod contact_interval;
+mod contact_period;
 mod contact_stiffness;
 mod damping;
 mod error;
@@ -42,6 +44,7 @@ pub use basis::HarmonicBasis;
 pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint, Stability};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};
+pub use contact_period::ContactPeriod;
 pub use contact_stiffness::ContactStiffness;
 pub use damping::{LinearDissipation, damping_coefficient};
 pub use error::ModalError;

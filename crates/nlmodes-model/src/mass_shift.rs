@@ -24,14 +24,14 @@ impl MassShift {
     ) -> Result<Option<Self>, ModelError> {
         let omega = |mass, stiffness| Ok::<_, ModelError>(linear_modes(mass, stiffness, mode)?.omega);
         let with_mass = omega(model.mass(), model.stiffness())?;
-        let without_mass = omega(massless.mass(), massless.stiffness())?;
-        let place = mode.checked_sub(1);
-        let both = place.and_then(|k| with_mass.get(k).copied().zip(without_mass.get(k).copied()));
-        Ok(both.filter(|(a, b)| *a > 0.0 && *b > 0.0).map(|(with_mass, without_mass)| Self {
-            mode,
-            with_mass,
-            without_mass,
-        }))
+        Ok(Self::between(&with_mass, &omega(massless.mass(), massless.stiffness())?, mode))
+    }
+
+    /// Compares the angular frequencies (rad/s, ascending) of the structure with and without that mass, where they are known.
+    pub fn between(with_mass: &[f64], without_mass: &[f64], mode: usize) -> Option<Self> {
+        let place = mode.checked_sub(1)?;
+        let (with_mass, without_mass) = (*with_mass.get(place)?, *without_mass.get(place)?);
+        (with_mass > 0.0 && without_mass > 0.0).then_some(Self { mode, with_mass, without_mass })
     }
 
     /// Relative change of the frequency.

@@ -1,6 +1,7 @@
 //! Figures: what a reader sees.
 
 mod branch;
+mod contacts;
 mod convergence;
 mod events;
 mod history;
@@ -11,6 +12,7 @@ mod stiffness;
 mod stroboscope;
 
 pub use branch::{Abscissa, BranchFigure};
+pub use contacts::ContactFigure;
 pub use convergence::ConvergenceFigure;
 pub(crate) use events::EventSymbols;
 pub use history::HistoryFigure;

@@ -14,6 +14,7 @@ mod table;
 pub use table::DataTable;
 
 use crate::ReportError;
+use crate::StopLine;
 use crate::figure::Figure;
 use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
@@ -22,19 +23,8 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
 
-/// A stop as the page draws it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StopLine {
-    /// Index of the coordinate that it limits, among those of the first branch.
-    pub coordinate: usize,
-    /// Its signed position along that coordinate, m.
-    pub position: f64,
-    /// Whether it stands on the positive side.
-    pub positive: bool,
-}
-
-/// Motion and force of a contact: branch, point, index of the stop; over one period from phase 0, its end included.
-type ContactMotion<'a> = dyn Fn(usize, usize, usize) -> Option<TimeHistory> + 'a;
+/// Motion and force of the contacts at all stops: branch, point; over one period from phase 0, its end included.
+type ContactMotion<'a> = dyn Fn(usize, usize) -> Option<Vec<TimeHistory>> + 'a;
 
 /// `report.html`: one page about some branches, to be opened, shown and printed without a network.
 ///
@@ -114,7 +104,8 @@ impl<'a> HtmlReport<'a> {
 
     /// With the exact motion and the force of each stop's contact; otherwise contacts move by their harmonics.
     ///
-    /// `motion` takes the branch, the point and the index of the stop, and is asked for the points that move on the page.
+    /// `motion` takes the branch and the point, gives the contacts in the order of the stops, and is asked once for each point that moves on
+    /// the page.
     pub fn contact_motion(mut self, motion: &'a ContactMotion<'a>) -> Self {
         self.contact_motion = Some(motion);
         self

@@ -8,9 +8,14 @@
 //! | --- | --- | --- |
 //! | [`write_branch`], [`BranchWriter`] | `branch.csv` | a row a point: frequency, energies, amplitudes, contact, events |
 //! | [`write_starts`] | `starts.npz` | displacements from which exact motions start at rest |
+//! | [`write_contacts`] | `contacts.csv` | a row a point and stop: share, forces, impulse, touches |
+//! | [`write_histories`] | `histories.npz` | motion and force of the contacts over a period |
+//! | [`write_matlab`] | `results.mat` | all of these for MATLAB and Octave |
+//! | [`columns`] | | what all files, columns and arrays mean |
 //! | [`write_harmonics`] | `harmonics.npz` | frequencies and complex Fourier coefficients, eq. (7), for NumPy |
 //! | [`write_summary`] | `summary.json` | any serialisable summary |
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
+//! | [`ContactFigure`] | SVG | share, impulse and largest force of each stop over frequency |
 //! | [`MotionFigure`] | SVG | displacement over position and one period (Fig. 4) |
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
@@ -44,6 +49,7 @@
 //!     contact_fraction: 0.0,
 //!     contact_intervals: 1,
 //!     peak_contact_force: 0.0,
+//!     contacts: Vec::new(),
 //!     residual: 0.0,
 //!     error_estimate: None,
 //!     events: if amplitude == stop { vec!["grazing".into()] } else { Vec::new() },
@@ -73,12 +79,14 @@
 //! Peter et al., Mechanical Systems and Signal Processing 120 (2019) 793-807: the equations and figures cited here.
 
 mod chart;
+pub mod columns;
 mod error;
 mod figure;
 mod html;
 mod output;
 mod palette;
 mod stations;
+mod stop;
 mod surface;
 mod svg;
 mod table;
@@ -86,11 +94,13 @@ mod unit;
 
 pub use error::ReportError;
 pub use figure::{
-    Abscissa, BranchFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
+    Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
     ParticipationFigure, StiffnessFigure,
 };
-pub use html::{DataTable, HtmlReport, StopLine};
+pub use html::{DataTable, HtmlReport};
 pub use output::write_file;
+pub use stop::StopLine;
 pub use table::{
-    BRANCH_COLUMNS, BranchWriter, write_branch, write_harmonics, write_participation, write_starts, write_summary,
+    BRANCH_COLUMNS, BranchWriter, PointHistories, write_branch, write_contacts, write_harmonics, write_histories,
+    write_matlab, write_participation, write_starts, write_summary,
 };

@@ -13,7 +13,7 @@ pub(crate) const TOUCHING: &str = "#d62728";
 /// The body leaves.
 pub(crate) const LEAVING: &str = "#2ca02c";
 
-const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+pub(crate) const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
 const VIRIDIS: [[f64; 3]; 9] = [
     [68.0, 1.0, 84.0],

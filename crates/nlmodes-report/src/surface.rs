@@ -14,10 +14,10 @@ pub(crate) struct Surface {
     pub z_label: String,
     /// Heights: a row for each of `x`, a column for each of `y`.
     pub z: Vec<Vec<f64>>,
-    /// The stop.
-    pub stop: Option<Line>,
-    /// Row of `z` that is drawn bold: the motion of the contact.
-    pub contact: Option<usize>,
+    /// The stops.
+    pub stops: Vec<Line>,
+    /// Rows of `z` that are drawn bold: the motions of the contacts.
+    pub contacts: Vec<usize>,
 }
 
 /// Ascending values of an axis and its label with the unit.

@@ -135,18 +135,54 @@ pub(crate) fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
 
 fn joined(points: &[(f64, f64)]) -> String {
     points.iter().fold(String::with_capacity(14 * points.len()), |mut text, (x, y)| {
-        let separator = if text.is_empty() { "" } else { " " };
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{separator}{},{}", px(*x), px(*y));
+        if !text.is_empty() {
+            text.push(' ');
+        }
+        push_px(&mut text, *x);
+        text.push(',');
+        push_px(&mut text, *y);
         text
     })
 }
 
 /// A length to a hundredth of a pixel, without needless zeros.
 fn px(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".into() } else { short.into() }
+    let mut text = String::with_capacity(8);
+    push_px(&mut text, value);
+    text
+}
+
+/// Appends it; surfaces have tens of thousands of them, for which the general formatting of numbers takes its time.
+fn push_px(text: &mut String, value: f64) {
+    let hundredths = (100.0 * value).round();
+    if !(hundredths.abs() < 1e12) {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{value:.2}");
+        return;
+    }
+    let whole = hundredths.abs() as u64;
+    if hundredths < 0.0 {
+        text.push('-');
+    }
+    let mut digits = [0u8; 20];
+    let (mut rest, mut at) = (whole / 100, digits.len());
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    digits[at..].iter().for_each(|digit| text.push(char::from(*digit)));
+    let (tenth, hundredth) = ((whole / 10 % 10) as u8, (whole % 10) as u8);
+    if tenth != 0 || hundredth != 0 {
+        text.push('.');
+        text.push(char::from(b'0' + tenth));
+        if hundredth != 0 {
+            text.push(char::from(b'0' + hundredth));
+        }
+    }
 }
 
 /// Text for elements and attributes; control characters, which XML does not allow, become spaces.

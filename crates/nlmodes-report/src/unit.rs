@@ -33,6 +33,11 @@ impl Unit {
         Self::prefixed(symbol, thousands(largest), &LARGE)
     }
 
+    /// Prefixed either way: impulses.
+    pub fn both(symbol: &str, largest: f64) -> Self {
+        if largest < 1.0 { Self::fine(symbol, largest) } else { Self::coarse(symbol, largest) }
+    }
+
     fn prefixed(symbol: &str, exponent: Option<i32>, prefixes: &[(i32, &str)]) -> Self {
         let found = prefixes.iter().find(|(power, _)| Some(*power) == exponent);
         let (power, prefix) = found.copied().unwrap_or((0, ""));

@@ -114,6 +114,7 @@ pub fn identity(mut scene: Value) -> Value {
     if let Some(scene) = scene.as_object_mut() {
         scene.remove("title");
         scene.remove("output_directory");
+        scene.remove("files");
     }
     scene
 }

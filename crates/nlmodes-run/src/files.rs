@@ -18,16 +18,22 @@ pub const HISTORIES: usize = 20;
 /// Removes what a run writes at its end, which would not belong to the points of another one.
 pub fn remove_ends(directory: &Path) {
     remove_figures(directory);
-    remove_all(directory, &["summary.json", "harmonics.npz", STARTS]);
+    remove_all(directory, &["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS]);
 }
 
 /// Removes the figures and the page of an earlier run.
 pub fn remove_figures(directory: &Path) {
-    let numbered = (1..=4).map(|k| format!("motion_{k}.svg")).chain((1..=2).map(|k| format!("history_P{k}.svg")));
-    remove_all(directory, &numbered.collect::<Vec<_>>());
-    let common =
-        ["frequency_energy.svg", "frequency_amplitude.svg", "participation.svg", "participation.csv", "report.html"];
+    remove_all(directory, &(1..=4).map(|k| format!("motion_{k}.svg")).collect::<Vec<_>>());
+    let common = [
+        "frequency_energy.svg",
+        "frequency_amplitude.svg",
+        "contacts.svg",
+        "participation.svg",
+        "participation.csv",
+        "report.html",
+    ];
     remove_all(directory, &common);
+    remove_where(directory, |name| name.starts_with("history_P") && name.ends_with(".svg"));
 }
 
 /// Removes the figures and the page of records of an earlier run.
@@ -41,14 +47,14 @@ pub fn remove_figures_of_records(directory: &Path) {
 
 /// Removes what killed runs were about to write.
 pub fn remove_temporary(directory: &Path) {
+    // As `nlmodes-report` names them.
+    remove_where(directory, |name| name.starts_with('.') && name.ends_with(".nlmodes.tmp"));
+}
+
+fn remove_where(directory: &Path, is_one: impl Fn(&str) -> bool) {
     let Ok(entries) = fs::read_dir(directory) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        // As `nlmodes-report` names them.
-        if name.starts_with('.') && name.ends_with(".nlmodes.tmp") {
-            drop(fs::remove_file(entry.path()));
-        }
+    for entry in entries.flatten().filter(|entry| is_one(&entry.file_name().to_string_lossy())) {
+        drop(fs::remove_file(entry.path()));
     }
 }
 

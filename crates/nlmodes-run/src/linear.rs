@@ -2,13 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};
+use nlmodes::model::{
+    Drop, LinearModes, MasslessContactModel, ModelError, StructuralModel, held_modes, linear_modes,
+};
 use serde::Serialize;
 
 use crate::mass;
-use nlmodes_scene::assemble::{StructureError, element_model, redistribution};
+use nlmodes_scene::assemble::{StructureError, contact_model, element_model, redistribution};
 use nlmodes_scene::number;
-use nlmodes_scene::scene::{Scene, Structure, StructureKind};
+use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
 
 /// Modes of the table.
 const COUNT: usize = 10;
@@ -30,40 +32,99 @@ pub struct LinearFrequencies {
     pub mass_warning: Option<String>,
 }
 
+/// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
+#[derive(Debug, Clone)]
+pub struct OpenModes {
+    /// Angular frequencies with the mass of the contacts, rad/s.
+    pub kept: Vec<f64>,
+    /// The modes of the model that the method works on.
+    pub own: LinearModes,
+}
+
+impl OpenModes {
+    /// Of the structure of a scene, and of the model of it that the method works on.
+    ///
+    /// # Errors
+    /// [`ModelError`] if an eigenproblem cannot be solved.
+    pub fn new(scene: &Scene, model: &StructuralModel, massless: &MasslessContactModel) -> Result<Self, ModelError> {
+        let count = COUNT.max(scene.method.mode);
+        Ok(Self {
+            kept: linear_modes(model.mass(), model.stiffness(), count)?.omega,
+            own: linear_modes(massless.mass(), massless.stiffness(), count)?,
+        })
+    }
+
+    /// The lowest `count` modes of the model that the method works on.
+    pub fn lowest(&self, count: usize) -> LinearModes {
+        let count = count.min(self.own.omega.len());
+        let shapes = self.own.shapes.subcols(0, count).to_owned();
+        LinearModes { omega: self.own.omega[..count].to_vec(), shapes }
+    }
+}
+
 /// Computes the lowest frequencies of the scene's structure.
 ///
 /// # Errors
 /// [`StructureError`] if an eigenproblem cannot be solved.
 pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
-    let hertz = |omega: Vec<f64>| omega.into_iter().map(|ω| ω / TAU).collect::<Vec<f64>>();
-    let mass_kept = hertz(linear_modes(model.mass(), model.stiffness(), COUNT)?.omega);
+    if model.contacts().is_empty() {
+        let omega = linear_modes(model.mass(), model.stiffness(), COUNT)?.omega;
+        let of_the_elements = of_the_elements(scene, false)?;
+        return Ok(LinearFrequencies { mass_kept: hertz(&omega), of_the_elements, ..LinearFrequencies::default() });
+    }
+    let massless = contact_model(scene, model)?;
+    let open = OpenModes::new(scene, model, &massless)?;
+    frequencies(scene, model, &massless, &open)
+}
+
+/// The same where the modes with open contacts are known.
+///
+/// # Errors
+/// [`StructureError`] if an eigenproblem cannot be solved.
+pub fn frequencies(
+    scene: &Scene,
+    model: &StructuralModel,
+    massless: &MasslessContactModel,
+    open: &OpenModes,
+) -> Result<LinearFrequencies, StructureError> {
+    let mass_kept = hertz(&open.kept);
     if scene.is_in_open_modes() {
         let held = MasslessContactModel::new(model, &Drop)?;
-        let contacts_held = Some(hertz(held_modes(&held, COUNT)?.omega));
+        let contacts_held = Some(hertz(&held_modes(&held, COUNT)?.omega));
         return Ok(LinearFrequencies { mass_kept, contacts_held, ..LinearFrequencies::default() });
     }
-    let rule = redistribution(scene).filter(|_| !model.contacts().is_empty());
-    let straight = scene.structure.straight();
-    let of_the_elements = match straight.filter(|structure| structure.modes.is_some()) {
-        Some(structure) => {
-            let elements = element_model(structure, &scene.contacts)?;
-            let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
-            let mass = redistributed.as_ref().unwrap_or(elements.mass());
-            Some(hertz(linear_modes(mass, elements.stiffness(), COUNT)?.omega))
-        }
-        None => None,
-    };
-    let Some(rule) = rule else {
+    let of_the_elements = of_the_elements(scene, true)?;
+    let Some(rule) = redistribution(scene) else {
         return Ok(LinearFrequencies { mass_kept, of_the_elements, ..LinearFrequencies::default() });
     };
-    let massless = MasslessContactModel::new(model, rule)?;
+    let held = match scene.method.kind {
+        // The tips of the springs would be held, not the nodes.
+        MethodKind::Hbm => held_modes(&MasslessContactModel::new(model, rule)?, COUNT)?,
+        MethodKind::MsHbm | MethodKind::Shooting => held_modes(massless, COUNT)?,
+    };
     Ok(LinearFrequencies {
-        mass_warning: mass::warning(scene, model, &massless)?,
+        mass_warning: mass::warning(scene, open),
         mass_kept,
         of_the_elements,
-        mass_redistributed: Some(hertz(linear_modes(massless.mass(), massless.stiffness(), COUNT)?.omega)),
-        contacts_held: Some(hertz(held_modes(&massless, COUNT)?.omega)),
+        mass_redistributed: Some(hertz(&open.own.omega)),
+        contacts_held: Some(hertz(&held.omega)),
     })
+}
+
+/// Those of the elements, where others are imposed on the modes.
+fn of_the_elements(scene: &Scene, has_contacts: bool) -> Result<Option<Vec<f64>>, StructureError> {
+    let straight = scene.structure.straight();
+    let Some(structure) = straight.filter(|structure| structure.modes.is_some()) else { return Ok(None) };
+    let elements = element_model(structure, &scene.contacts)?;
+    let rule = redistribution(scene).filter(|_| has_contacts);
+    let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
+    let mass = redistributed.as_ref().unwrap_or(elements.mass());
+    Ok(Some(hertz(&linear_modes(mass, elements.stiffness(), COUNT)?.omega)))
+}
+
+/// The frequencies of the table, Hz.
+fn hertz(omega: &[f64]) -> Vec<f64> {
+    omega.iter().take(COUNT).map(|omega| omega / TAU).collect()
 }
 
 /// What a structure with imposed frequencies is, in a line: nobody should take it for that of the elements.

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::model::{MassShift, MasslessContactModel, ModelError, StructuralModel};
+use nlmodes::model::{MassShift, MasslessContactModel, StructuralModel};
 use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
 use nlmodes_scene::{SceneFile, number};
 
+use crate::linear::OpenModes;
 use crate::settings::{Models, models};
 use crate::{RunError, refusal};
 
@@ -14,20 +15,13 @@ pub const NOTABLE: f64 = 0.005;
 
 /// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
 /// the frequency is one that was measured: imposed on the mode, or met by parameters.
-///
-/// # Errors
-/// [`ModelError`] if an eigenproblem cannot be solved.
-pub fn warning(
-    scene: &Scene,
-    model: &StructuralModel,
-    massless: &MasslessContactModel,
-) -> Result<Option<String>, ModelError> {
+pub fn warning(scene: &Scene, open: &OpenModes) -> Option<String> {
     let is_imposed = scene.structure.straight().is_some_and(|structure| structure.modes.is_some());
     if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {
-        return Ok(None);
+        return None;
     }
-    let shift = MassShift::of(model, massless, scene.method.mode)?;
-    Ok(shift.filter(|shift| shift.relative().abs() >= NOTABLE).map(|shift| text(scene, &shift)))
+    let shift = MassShift::between(&open.kept, &open.own.omega, scene.method.mode)?;
+    (shift.relative().abs() >= NOTABLE).then(|| text(scene, &shift))
 }
 
 /// The same for a scene that is only looked at.
@@ -39,7 +33,20 @@ pub fn warning_of(file: &SceneFile) -> Result<Option<String>, RunError> {
         return Ok(None);
     }
     let Models { model, massless, .. } = models(file)?;
-    warning(&file.scene, &model, &massless).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
+    Ok(warning(&file.scene, &open_modes(file, &model, &massless)?))
+}
+
+/// The linear modes with open contacts of a scene that is computed.
+///
+/// # Errors
+/// [`RunError`] if an eigenproblem cannot be solved.
+pub fn open_modes(
+    file: &SceneFile,
+    model: &StructuralModel,
+    massless: &MasslessContactModel,
+) -> Result<OpenModes, RunError> {
+    OpenModes::new(&file.scene, model, massless)
+        .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
 }
 
 /// Hz of an angular frequency, to six digits whatever its size.

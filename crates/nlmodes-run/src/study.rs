@@ -9,13 +9,14 @@ pub mod repeated;
 mod several;
 mod sink;
 mod starts;
+mod stops;
 mod summary;
 
 use std::time::Instant;
 
 use nlmodes::modal::Participation;
 use nlmodes::model::{MasslessContactModel, StructuralModel};
-use nlmodes::report::write_harmonics;
+use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_matlab};
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
@@ -23,7 +24,7 @@ use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
 use crate::claim::{Claim, identity};
-use crate::linear::{LinearFrequencies, linear_frequencies};
+use crate::linear::{LinearFrequencies, OpenModes, frequencies};
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::settings::{Models, branch_settings, models, starts};
 use crate::updating::updated;
@@ -84,9 +85,8 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let began = Instant::now();
     let Models { model, massless, open } = models(file)?;
     observer.event(Event::Begun(scene));
-    if let Some(text) = mass::warning(scene, &model, &massless)
-        .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?
-    {
+    let modes = mass::open_modes(file, &model, &massless)?;
+    if let Some(text) = mass::warning(scene, &modes) {
         observer.event(Event::Warning(&text));
     }
     let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(failure, true))?;
@@ -94,13 +94,13 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
         observer.event(Event::NothingToResume { directory });
     }
     let mut sink = Sink::new(directory, claim, journal.computing.clone(), observer);
-    let tree = compute(scene, massless, &mut journal, &mut sink);
+    let tree = compute(scene, massless.clone(), &mut journal, &mut sink);
     sink.finish();
     if let Some(failure) = sink.failure.take().or(journal.failure) {
         return Err(unwritable(failure, !sink.is_empty()));
     }
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
-    let (written, linear, participation) = match whole(scene, &model, &tree) {
+    let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
             let written = write(scene, &linear, &participation, &tree, began);
             (written.and_then(|()| motion::write(scene, open.as_ref(), &tree)), linear, participation)
@@ -116,8 +116,20 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
         wall_time: began.elapsed(),
         failure: written.err(),
     };
+    for point in missing_points(&part) {
+        let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
+        let text =
+            format!("output.histories asks for point {point}, which the branch of {n_points} points does not have");
+        observer.event(Event::Warning(&text));
+    }
     observer.event(Event::Done(&part));
     Ok(part)
+}
+
+/// Points with histories that were asked for and are not there.
+fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
+    let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
+    part.scene.files.histories.iter().copied().filter(move |point| *point >= n_points)
 }
 
 /// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if it is reduced by them.
@@ -175,10 +187,12 @@ fn one_way_only(mut first: ComputedBranch) -> ComputedBranch {
 fn whole(
     scene: &Scene,
     model: &StructuralModel,
+    massless: &MasslessContactModel,
+    open: &OpenModes,
     tree: &ComputedTree,
 ) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
-    let linear = linear_frequencies(scene, model)?;
-    let participation = tree.branches.iter().map(|computed| computed.participation(LINEAR_MODES));
+    let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.lowest(LINEAR_MODES));
+    let participation = tree.branches.iter().map(|computed| computed.participation_in(&lowest));
     Ok((linear, participation.collect::<Result<_, _>>()?))
 }
 
@@ -191,14 +205,39 @@ fn write(
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
-    let harmonics = |(number, computed): (usize, &ComputedBranch)| {
-        write_harmonics(branch_directory(directory, number).join("harmonics.npz"), &computed.branch)
-    };
-    tree.branches.iter().enumerate().try_for_each(harmonics)?;
+    for (number, computed) in tree.branches.iter().enumerate() {
+        let folder = branch_directory(directory, number);
+        write_contacts(folder.join("contacts.csv"), &computed.branch)?;
+        write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
+    }
     starts::write(directory, &tree.branches)?;
     summary::write(directory, scene, linear, tree, began.elapsed())?;
-    figures::write(directory, scene, &tree.branches, participation)?;
+    figures::write_participations(directory, &tree.branches, participation)?;
+    let Some(first) = tree.branches.first() else { return Ok(()) };
+    write_motions(scene, first)?;
+    if !(scene.files.figures || scene.files.page) {
+        return Ok(());
+    }
+    let references = histories::own_references(first)?;
+    if scene.files.figures {
+        figures::write(directory, scene, &tree.branches, participation, &references)?;
+    }
+    if !scene.files.page {
+        return Ok(());
+    }
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
-    page::write(directory, &[scene], linear, &branches, &participation, &[])
+    page::write(directory, &[scene], linear, &branches, &participation, &references)
+}
+
+/// Writes the motions of the contacts at some points, and the results for MATLAB.
+fn write_motions(scene: &Scene, first: &ComputedBranch) -> Result<(), Failure> {
+    let histories = histories::of_points(first, &scene.files)?;
+    if !histories.points.is_empty() {
+        write_histories(scene.output_directory.join("histories.npz"), &histories)?;
+    }
+    if scene.files.matlab {
+        write_matlab(scene.output_directory.join("results.mat"), &first.branch, &histories)?;
+    }
+    Ok(())
 }

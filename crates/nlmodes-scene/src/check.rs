@@ -21,8 +21,8 @@ pub use virtual_test::scene as test_scene;
 use std::path::{Path, PathBuf};
 
 use crate::Findings;
-use crate::raw::{RawContact, RawMatrixScene, RawOutput, RawScene};
-use crate::scene::{Contact, ReductionKind, Scene, SceneStructure, StabilityChoice};
+use crate::raw::{RawContact, RawMatrixScene, RawResults, RawScene};
+use crate::scene::{Contact, OutputFiles, ReductionKind, Scene, SceneStructure, StabilityChoice};
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
@@ -80,13 +80,27 @@ fn rest(
         },
         method: method?,
         continuation: continuation?,
-        output_directory: output_directory(raw.output.as_ref(), stem),
+        output_directory: output_directory(raw.output.as_ref().and_then(|output| output.directory.as_ref()), stem),
+        files: files(raw.output.as_ref()),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
         warnings: Vec::new(),
     })
 }
 
-fn output_directory(raw: Option<&RawOutput>, stem: &str) -> PathBuf {
-    let written = raw.and_then(|output| output.directory.as_ref());
+/// Where results go; `stem` is the name of the file.
+fn output_directory(written: Option<&String>, stem: &str) -> PathBuf {
     written.map_or_else(|| PathBuf::from("results").join(stem), PathBuf::from)
+}
+
+fn files(raw: Option<&RawResults>) -> OutputFiles {
+    let (Some(raw), default) = (raw, OutputFiles::default()) else { return OutputFiles::default() };
+    let mut histories = raw.histories.clone().unwrap_or_default();
+    histories.sort_unstable();
+    histories.dedup();
+    OutputFiles {
+        figures: raw.figures.unwrap_or(default.figures),
+        page: raw.page.unwrap_or(default.page),
+        matlab: raw.matlab.unwrap_or(default.matlab),
+        histories,
+    }
 }

@@ -88,6 +88,7 @@ impl<'w> Walk<'w, '_, '_> {
                 let x = exact.map_or(f64::MAX, |n| n as f64);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
             }
+            (Kind::Boolean, DeValue::Boolean(_)) => None,
             (Kind::Number, DeValue::Float(x)) => {
                 let x = x.as_str().parse().unwrap_or(f64::NAN);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))

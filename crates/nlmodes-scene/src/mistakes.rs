@@ -118,6 +118,7 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
         Kind::Integer => "a whole number",
         Kind::Integers => "a whole number or a list of them",
         Kind::IntegerOrText => "a whole number or a text",
+        Kind::Boolean => "true or false",
         Kind::Text => "a text",
         Kind::OneOf => "a value of another kind",
     }

@@ -10,6 +10,7 @@ mod matrices;
 mod method;
 mod records;
 mod reduction;
+mod results;
 mod structure;
 mod updating;
 mod virtual_test;
@@ -19,6 +20,7 @@ pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, Raw
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
+pub use results::RawResults;
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
 pub use virtual_test::{
@@ -28,7 +30,7 @@ pub use virtual_test::{
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::scene::{Direction, Side, StabilityChoice};
+use crate::scene::{Direction, Side};
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -53,7 +55,7 @@ pub struct RawScene {
     #[schemars(required)]
     pub continuation: Option<RawContinuation>,
     /// Where results go
-    pub output: Option<RawOutput>,
+    pub output: Option<RawResults>,
 }
 
 /// A stop on one side of a node.
@@ -84,7 +86,4 @@ pub struct RawOutput {
     /// Directory of the result files, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,
-    /// For which points Floquet multipliers are computed
-    #[schemars(extend("default" = "auto"))]
-    pub stability: Option<StabilityChoice>,
 }

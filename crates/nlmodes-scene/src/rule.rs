@@ -19,6 +19,7 @@ pub enum Kind {
     /// A whole number or a word.
     IntegerOrText,
     Text,
+    Boolean,
     /// One of several kinds, in the words of the schema.
     OneOf,
 }
@@ -37,6 +38,7 @@ impl<'a> Rule<'a> {
             Some("array") => Kind::Array,
             Some("number") => Kind::Number,
             Some("integer") => Kind::Integer,
+            Some("boolean") => Kind::Boolean,
             _ => Kind::Text,
         }
     }
@@ -127,6 +129,7 @@ impl<'a> Rule<'a> {
             Kind::Integer => format!("a whole number{}{unit}", self.limits()),
             Kind::Integers => format!("a whole number{}{unit}, or a list of them", self.limits()),
             Kind::IntegerOrText => format!("a whole number{}{unit}, or {}", self.limits(), either(&self.choices())),
+            Kind::Boolean => "true or false".into(),
             Kind::Text => self.expected_text(),
             Kind::OneOf => self.0.get("expected").and_then(Value::as_str).unwrap_or_default().to_owned(),
         }

@@ -1,6 +1,7 @@
 //! A scene that was checked: plain values in SI units, every default filled in.
 
 mod choices;
+mod output;
 mod records;
 mod reduction;
 mod supports;
@@ -12,6 +13,7 @@ pub use choices::{
     RecordFormat, ReductionKind, Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
+pub use output::OutputFiles;
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use supports::{free_dofs, holds};
@@ -42,6 +44,9 @@ pub struct Scene {
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// Which files are written there.
+    #[serde(default, skip_serializing_if = "OutputFiles::is_default")]
+    pub files: OutputFiles,
     /// For which points Floquet multipliers are computed.
     #[serde(default = "auto")]
     pub stability: StabilityChoice,

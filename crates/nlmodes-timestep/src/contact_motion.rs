@@ -1,6 +1,7 @@
-use nlmodes_modal::ContactInstant;
+use nlmodes_modal::{ContactInstant, ContactPeriod, TimeHistory};
 
 use crate::trajectory::Segment;
+use crate::verification::{n_intervals, share};
 use crate::{ClosedInterval, Trajectory};
 
 /// Gap and force of a contact at an instant, each with its first two derivatives by time.
@@ -16,13 +17,54 @@ pub struct ContactState {
 impl Trajectory {
     /// Gap and force of contact `contact` at the instant `t`, which is kept within the trajectory.
     pub fn contact_state(&self, contact: usize, t: f64) -> ContactState {
-        let segment = self.segment_at(t);
-        let after = (t.min(segment.to) - segment.from).max(0.0);
-        if segment.phase.closed[contact] {
-            let force = segment.phase.force_motion(contact, &segment.start).evaluate(after);
-            return ContactState { gap: [0.0; 3], force };
-        }
-        ContactState { gap: segment.phase.guard(contact, &segment.start).evaluate(after), force: [0.0; 3] }
+        self.segment_at(t).contact_state(contact, t)
+    }
+
+    /// Each of `count` contacts over the trajectory, taken as one period.
+    pub fn contact_periods(&self, count: usize) -> Vec<ContactPeriod> {
+        let (intervals, period) = (self.closed_intervals(), self.duration());
+        let of = |contact: usize| {
+            let own: Vec<ClosedInterval> = intervals.iter().filter(|i| i.contact == contact).copied().collect();
+            let impulse = self.impulse(contact);
+            ContactPeriod {
+                closed_share: share(&own, contact, period),
+                peak_force: self.peak_force(contact),
+                mean_force: impulse / period,
+                impulse,
+                touches: n_intervals(&own, count, period),
+                approach_velocity: self.approach_velocity(contact),
+            }
+        };
+        (0..count).map(of).collect()
+    }
+
+    /// Integral of the force of contact `contact` over the trajectory, N·s.
+    pub fn impulse(&self, contact: usize) -> f64 {
+        let closed = self.segments.iter().filter(|s| s.phase.closed[contact]);
+        // An empty sum of floats is −0.
+        closed.map(|s| s.phase.force_motion(contact, &s.start).integral(s.to - s.from)).sum::<f64>() + 0.0
+    }
+
+    /// Largest speed at which the gap of contact `contact` closes as it is touched, m/s, the beginning taken to follow the end.
+    fn approach_velocity(&self, contact: usize) -> f64 {
+        let around = self.segments.last().zip(self.segments.first());
+        let pairs = self.segments.windows(2).map(|pair| (&pair[0], &pair[1])).chain(around);
+        let touching = pairs.filter(|(before, after)| !before.phase.closed[contact] && after.phase.closed[contact]);
+        touching.map(|(before, _)| -before.contact_state(contact, before.to).gap[1]).fold(0.0, f64::max)
+    }
+
+    /// Instants for a time history (see [`TimeHistory::exact_instants`]), each with the states of `count` contacts.
+    pub fn exact_states(&self, samples: usize, count: usize) -> Vec<(f64, Vec<ContactState>)> {
+        let ends: Vec<[f64; 2]> = self.segments.iter().map(|s| [s.from, s.to]).collect();
+        let of = |(t, number): (f64, usize)| {
+            let states = (0..count).map(|contact| self.segments[number].contact_state(contact, t));
+            (t, states.collect())
+        };
+        TimeHistory::exact_instants(&ends, samples).into_iter().map(of).collect()
+    }
+
+    fn segment_at(&self, t: f64) -> &Segment {
+        &self.segments[self.segments.partition_point(|s| s.to < t).min(self.segments.len() - 1)]
     }
 
     /// Largest force of contact `contact`, N.
@@ -51,8 +93,16 @@ impl Trajectory {
         let all = intervals.iter().filter(|i| i.contact == contact).flat_map(of);
         all.filter(|instant| instant.time > 0.0 && instant.time < end).collect()
     }
+}
 
-    fn segment_at(&self, t: f64) -> &Segment {
-        &self.segments[self.segments.partition_point(|s| s.to < t).min(self.segments.len() - 1)]
+impl Segment {
+    /// Gap and force of a contact at the instant `t`, which is kept within the segment.
+    fn contact_state(&self, contact: usize, t: f64) -> ContactState {
+        let after = (t.min(self.to) - self.from).max(0.0);
+        if self.phase.closed[contact] {
+            let force = self.phase.force_motion(contact, &self.start).evaluate(after);
+            return ContactState { gap: [0.0; 3], force };
+        }
+        ContactState { gap: self.phase.guard(contact, &self.start).evaluate(after), force: [0.0; 3] }
     }
 }

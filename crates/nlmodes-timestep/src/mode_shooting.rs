@@ -137,7 +137,7 @@ impl ModeShooting {
         let contact = full.contacts()[0];
         let intervals = trajectory.closed_intervals();
         let period = trajectory.duration();
-        let forces: Vec<f64> = (0..full.contacts().len()).map(|i| trajectory.peak_force(i)).collect();
+        let contacts = trajectory.contact_periods(full.contacts().len());
         let touches = intervals.iter().any(|i| i.contact == 0);
         Ok(ModalPoint {
             omega: motion.omega,
@@ -150,12 +150,13 @@ impl ModeShooting {
             total_energy: motion.total_energy,
             modal_amplitude,
             peak: match touches {
-                true => contact.gap + contact.law.compliance() * forces[0],
+                true => contact.gap + contact.law.compliance() * contacts[0].peak_force,
                 false => contact.gap - trajectory.smallest_gap(0),
             },
             contact_fraction: share(&intervals, 0, period),
-            contact_intervals: n_intervals(&intervals, forces.len(), period),
-            peak_contact_force: forces.iter().copied().fold(0.0, f64::max),
+            contact_intervals: n_intervals(&intervals, contacts.len(), period),
+            peak_contact_force: contacts.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
+            contacts,
             residual,
             error_estimate: None,
             events: Vec::new(),
@@ -196,6 +197,38 @@ impl ModeShooting {
             stop,
             instants: trajectory.contact_instants(contact),
         })
+    }
+
+    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the instants of contact: where any of
+    /// them closes or opens stand two instants, a rounding apart, with what is just before and just after; `samples + 1` instants in all, or
+    /// as many more as it takes for 64 equidistant ones.
+    ///
+    /// # Errors
+    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    pub fn time_histories(
+        &mut self,
+        x: &[f64],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, TimestepError> {
+        let trajectory = self.shooting.motion(x)?.trajectory;
+        let contacts = self.structure.full().contacts();
+        let empty = |(i, of): (usize, &nlmodes_model::DofContact)| TimeHistory {
+            instants: trajectory.contact_instants(i),
+            ..TimeHistory::empty(label, of.side.sign() * of.gap)
+        };
+        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let mut last = f64::NEG_INFINITY;
+        for (t, states) in trajectory.exact_states(samples, contacts.len()) {
+            last = t.max(f64::next_up(last));
+            for ((history, of), state) in histories.iter_mut().zip(contacts).zip(states) {
+                // Where the contact is closed, its stop has yielded by its own compliance.
+                let beyond =
+                    |order: usize| of.side.sign() * (of.law.compliance() * state.force[order] - state.gap[order]);
+                history.push(last, [history.stop + beyond(0), beyond(1), beyond(2)], state.force[0]);
+            }
+        }
+        Ok(histories)
     }
 
     /// The harmonics of a motion that can meet a mode of the structure.

@@ -42,6 +42,16 @@ impl Oscillation<'_> {
         value
     }
 
+    /// `∫ f dt` from 0 to `end`.
+    pub fn integral(&self, end: f64) -> f64 {
+        let terms = (0..self.omega.len()).map(|k| {
+            // (1 − cos ωt)/ω² = 2 (sin(ωt/2)/ω)², which is t²/2 without a frequency.
+            let [(_, whole), (_, half)] = [end, 0.5 * end].map(|t| cosine_and_sine(self.omega[k], t));
+            self.a[k] * whole + 2.0 * self.b[k] * half * half
+        });
+        self.constant * end + terms.sum::<f64>()
+    }
+
     /// Bound of `|f'''|` for all times.
     fn third_derivative(&self) -> f64 {
         let terms = self.lambda.iter().zip(self.omega).zip(self.a.iter().zip(&self.b));

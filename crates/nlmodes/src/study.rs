@@ -8,6 +8,7 @@ mod compute;
 mod equal;
 mod error;
 mod events;
+mod histories;
 mod homotopy;
 mod left;
 mod participation;
@@ -31,6 +32,7 @@ pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_
 pub use equal::PointBetween;
 pub use error::StudyError;
 pub use events::event_name;
+pub use histories::Histories;
 pub use left::LeftMode;
 pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points};

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{ModalPoint, Stability};
 use nlmodes::model::{MasslessContactModel, Side};
-use nlmodes::study::{BranchMethod, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch};
+use nlmodes::study::{BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch};
 use support::unit_rod as rod;
 
 fn tip() -> Stop {
@@ -51,6 +51,69 @@ fn the_branch_of_the_rod_of_two_elements_is_the_closed_form() {
         assert_eq!(point.contact_intervals, 1);
         // One degree of freedom with mass: no multiplier but the double one.
         assert_eq!(point.stability, Some(Stability { stable: true, largest_multiplier: [1.0, 0.0] }));
+    }
+}
+
+/// Share of the period, peak, impulse and approach velocity at the stop of the same rod: the tip pushes with `2 (x − 1)`.
+fn contact_in_closed_form(total_energy: f64) -> (f64, f64, f64, f64) {
+    let (free, closed) = (6.0_f64.sqrt(), 12.0_f64.sqrt());
+    let a = total_energy.sqrt();
+    let b = (0.25 + 0.5 * (a * a - 1.0)).sqrt();
+    let theta = [(0.5 / b).acos(), PI - (1.0 / a).acos()];
+    let time = theta[0] / closed;
+    let impulse = 4.0 * (b * theta[0].sin() / closed - 0.5 * time);
+    (time / (time + theta[1] / free), 2.0 * (b - 0.5), impulse, (6.0 * (a * a - 1.0)).sqrt())
+}
+
+#[test]
+fn share_force_impulse_and_approach_at_the_stop_are_the_closed_form_exactly_and_in_harmonics() {
+    let exact = BranchSettings { max_energy_ratio: Some(20.0), ..settings() };
+    let harmonic = BranchSettings { method: BranchMethod::HarmonicBalance, harmonics: 60, ..exact.clone() };
+    // The displacement has a kink in its second derivative: coefficients fall with the cube of their number, forces with the square.
+    for (settings, tolerance) in [(exact, 1e-9), (harmonic, 2e-3)] {
+        let computed = branch(rod(2, &[tip()]), &settings);
+        for point in computed.branch.points.iter().filter(|point| point.total_energy > 1.5) {
+            let contact = point.contacts[0];
+            let (share, peak, impulse, approach) = contact_in_closed_form(point.total_energy);
+            let found = [contact.closed_share, contact.peak_force, contact.impulse, contact.approach_velocity];
+            for (found, wanted) in found.into_iter().zip([share, peak, impulse, approach]) {
+                assert!((found / wanted - 1.0).abs() < tolerance, "{contact:?}: {found} against {wanted}");
+            }
+            assert_eq!((contact.touches, contact.peak_force), (1, point.peak_contact_force));
+        }
+    }
+}
+
+#[test]
+fn histories_of_all_contacts_are_those_of_each_and_exact_where_they_close() {
+    let stops = [tip(), Stop::rigid(1.0, Direction::Axial, Side::Negative, 1.2)];
+    for method in [BranchMethod::Shooting, BranchMethod::HarmonicBalance] {
+        let settings = BranchSettings { method, max_energy_ratio: Some(3.0), harmonics: 5, ..settings() };
+        let computed = branch(rod(4, &stops), &settings);
+        let last = computed.branch.points.len() - 1;
+        let all = Histories::of(&computed).at(last, 800, "all").unwrap();
+        assert_eq!((all.len(), all[0].time.len()), (2, 801));
+        for (contact, history) in all.iter().enumerate() {
+            assert!(history.force.iter().copied().fold(0.0, f64::max) > 0.0);
+            let single = computed.time_history(last, contact, 64, "one").unwrap();
+            assert_eq!(single.instants, history.instants);
+            let (period, size) = (single.time[64], history.stop.abs());
+            for (time, displacement) in single.time.iter().zip(&single.displacement) {
+                let at = history.time.partition_point(|t| t < time).min(800);
+                let near = (history.time[at] - time).abs() < 2e-3 * period;
+                assert!(!near || (history.displacement[at] - displacement).abs() < 0.05 * size);
+            }
+            for instant in &history.instants {
+                // Both sides of it, at the stop, a rounding apart.
+                let at = history.time.partition_point(|t| *t < instant.time * (1.0 - 1e-13));
+                for side in [at, at + 1] {
+                    assert!((history.time[side] / instant.time - 1.0).abs() < 1e-12);
+                    assert!((history.displacement[side] - history.stop).abs() < 1e-9 * size);
+                }
+                let [before, after] = [at, at + 1].map(|side| history.velocity[side] == 0.0);
+                assert_eq!([before, after], [!instant.touching, instant.touching]);
+            }
+        }
     }
 }
 

@@ -119,6 +119,7 @@ impl RecordExtraction {
             contact_fraction: contact.map_or(f64::NAN, |contact| contact.closed_fraction),
             contact_intervals: contact.map_or(0, |contact| contact.intervals_per_period.round() as usize),
             peak_contact_force: contact.map_or(f64::NAN, |contact| contact.peak_force.value),
+            contacts: Vec::new(),
             residual: f64::NAN,
             error_estimate: None,
             events: vec![],

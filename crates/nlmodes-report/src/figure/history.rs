@@ -13,7 +13,7 @@ const INSTANT: Stroke = Stroke { color: "#999999", width: 0.8, dash: Some("2 3")
 
 /// Displacement, velocity and contact force over time, as in Fig. 9: a panel each, several histories in each.
 ///
-/// The stop is a blue line; touching is marked red, leaving green, with different symbols. Of several histories each has these symbols in
+/// The stops are blue lines; touching is marked red, leaving green, with different symbols. Of several histories each has these symbols in
 /// the colour of its curve.
 #[derive(Debug, Clone)]
 pub struct HistoryFigure<'a> {
@@ -88,7 +88,10 @@ impl<'a> HistoryFigure<'a> {
         let unit = (quantity.unit)(largest(values()));
         let scale = Scale::linear(values().map(|value| value * unit.per_si), 0.08);
         let scale = scale.ok_or_else(|| nothing("a panel has no finite value"))?;
-        let stop = stops.clone().next().map(|stop| self.stop_line(*stop * unit.per_si, per_second));
+        let mut places: Vec<f64> = stops.clone().copied().filter(|stop| stop.is_finite()).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let lines: Vec<Curve> = places.into_iter().map(|stop| self.stop_line(stop * unit.per_si, per_second)).collect();
         let curves = self.histories.iter().enumerate().map(|(index, history)| {
             let pairs = history.time.iter().zip((quantity.values)(history));
             let points = pairs.map(|(time, value)| (time * per_second, value * unit.per_si)).collect();
@@ -97,10 +100,10 @@ impl<'a> HistoryFigure<'a> {
         let symbols = self.symbols(quantity, per_second, unit.per_si);
         let verticals = self.instants().map(|(.., instant)| (instant.time * per_second, INSTANT)).collect();
         let y = Axis { label: format!("{} in {}", quantity.name, unit.symbol), scale };
-        Ok(Panel { y, curves: stop.into_iter().chain(curves).collect(), symbols, verticals })
+        Ok(Panel { y, curves: lines.into_iter().chain(curves).collect(), symbols, verticals })
     }
 
-    /// The stop of the first history over the time of all of them.
+    /// A stop over the time of all histories.
     fn stop_line(&self, stop: f64, per_second: f64) -> Curve {
         let times = || self.histories.iter().flat_map(|history| &history.time).copied();
         let ends = [times().fold(f64::NAN, f64::min), times().fold(f64::NAN, f64::max)];

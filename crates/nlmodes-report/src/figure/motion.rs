@@ -1,5 +1,6 @@
 use super::Figure;
 use crate::ReportError;
+use crate::StopLine;
 use crate::chart::scientific;
 use crate::stations::{self, Station};
 use crate::surface::{Line, Surface, SurfaceAxis};
@@ -20,17 +21,24 @@ pub struct MotionFigure<'a> {
     branch: &'a ModalBranch,
     point: usize,
     clamped: Vec<f64>,
+    stops: Vec<StopLine>,
 }
 
 impl<'a> MotionFigure<'a> {
     /// A figure of the motion at point `point` of the branch.
     pub fn new(branch: &'a ModalBranch, point: usize) -> Self {
-        Self { branch, point, clamped: Vec::new() }
+        Self { branch, point, clamped: Vec::new(), stops: StopLine::first_of(branch).into_iter().collect() }
     }
 
     /// With displacement zero at these positions, m, which have no coordinate because they are clamped.
     pub fn clamped_at(mut self, positions: &[f64]) -> Self {
         self.clamped.extend_from_slice(positions);
+        self
+    }
+
+    /// With these stops instead of the first one of the branch; those that limit another kind of motion are not shown.
+    pub fn stops(mut self, stops: &[StopLine]) -> Self {
+        self.stops = stops.to_vec();
         self
     }
 
@@ -43,7 +51,9 @@ impl<'a> MotionFigure<'a> {
         let point = self.checked_point()?;
         let kind = stations::kind(self.branch);
         let all = stations::stations(self.branch, kind, &self.clamped);
-        let stations = stations::thinned(all, MAX_POSITIONS, stations::contact_position(self.branch).as_slice());
+        let stops = self.shown_stops(kind);
+        let kept: Vec<f64> = stops.iter().map(|(at, _)| *at).chain(stations::contact_position(self.branch)).collect();
+        let stations = stations::thinned(all, MAX_POSITIONS, &kept);
         if stations.len() < 2 {
             return Err(ReportError::TooFewPositions { kind: kind.into(), found: stations.len() });
         }
@@ -53,7 +63,7 @@ impl<'a> MotionFigure<'a> {
             let reason = "the motion or its frequency is not finite";
             return Err(ReportError::NothingToDraw { figure: "motion over a period", reason });
         }
-        Ok(Figure::new(self.surface(point, kind, &stations, &heights).draw()))
+        Ok(Figure::new(self.surface(point, kind, (&stations, &heights), &stops).draw()))
     }
 
     fn checked_point(&self) -> Result<&ModalPoint, ReportError> {
@@ -68,27 +78,42 @@ impl<'a> MotionFigure<'a> {
         Err(ReportError::CoefficientShape { point: self.point, found: (found, width), expected: (expected, width) })
     }
 
-    fn surface(&self, point: &ModalPoint, kind: &str, stations: &[Station], heights: &[Vec<f64>]) -> Surface {
+    /// Place along the structure and height of the stops that limit motions of this kind.
+    fn shown_stops(&self, kind: &str) -> Vec<(f64, f64)> {
+        let coordinate = |stop: &StopLine| self.branch.coordinates.get(stop.coordinate).filter(|c| c.kind == kind);
+        let finite = self.stops.iter().filter(|stop| stop.position.is_finite());
+        finite.filter_map(|stop| Some((coordinate(stop)?.position, stop.position))).collect()
+    }
+
+    fn surface(
+        &self,
+        point: &ModalPoint,
+        kind: &str,
+        (stations, heights): (&[Station], &[Vec<f64>]),
+        stops: &[(f64, f64)],
+    ) -> Surface {
         let period = TAU / point.omega;
         let positions: Vec<f64> = stations.iter().map(|(position, _)| *position).collect();
         let times: Vec<f64> = (0..=N_TIMES).map(|k| period * k as f64 / N_TIMES as f64).collect();
-        let largest = heights.iter().flatten().chain(&self.branch.stop).fold(0.0, |m: f64, value| m.max(value.abs()));
+        let largest = heights
+            .iter()
+            .flatten()
+            .chain(stops.iter().map(|(_, height)| height))
+            .fold(0.0, |m: f64, value| m.max(value.abs()));
         let (name, z) = quantity(kind, largest);
         let x = Unit::fine("m", positions.iter().fold(0.0, |m: f64, value| m.max(value.abs())));
         let t = Unit::fine("s", period);
         let scaled = |values: &[f64], unit: &Unit| values.iter().map(|value| value * unit.per_si).collect::<Vec<_>>();
-        let line =
-            |y: f64| stations::contact_position(self.branch).map(|at| Line { x: at * x.per_si, z: y * z.per_si });
+        let first = stations::contact_position(self.branch);
+        let is_contact = |position: f64| Some(position) == first || stops.iter().any(|(at, _)| *at == position);
         Surface {
             title: self.title(point),
             x: SurfaceAxis { label: format!("position in {}", x.symbol), values: scaled(&positions, &x) },
             y: SurfaceAxis { label: format!("time in {}", t.symbol), values: scaled(&times, &t) },
             z_label: format!("{name} in {}", z.symbol),
             z: heights.iter().map(|row| scaled(row, &z)).collect(),
-            stop: self.branch.stop.filter(|stop| stop.is_finite()).and_then(line),
-            contact: stations
-                .iter()
-                .position(|(position, _)| Some(*position) == stations::contact_position(self.branch)),
+            stops: stops.iter().map(|(at, height)| Line { x: at * x.per_si, z: height * z.per_si }).collect(),
+            contacts: (0..stations.len()).filter(|i| is_contact(stations[*i].0)).collect(),
         }
     }
 

@@ -1,9 +1,10 @@
 //! What the script of the page knows.
 
+use super::HtmlReport;
 use super::history::HistoryData;
 use super::motion::MotionData;
 use super::number::rounded;
-use super::{HtmlReport, StopLine};
+use crate::StopLine;
 use crate::figure::EventSymbols;
 use crate::palette;
 use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
@@ -35,6 +36,8 @@ struct EventSymbol {
 struct Colors {
     touching: &'static str,
     leaving: &'static str,
+    /// Of the stops, repeated after the last.
+    stops: Vec<&'static str>,
 }
 
 /// Columns over the points; a value that is not finite is null.
@@ -88,7 +91,7 @@ impl Data {
             marks: report.marks.clone(),
             event_symbols: symbols.all().map(symbol).collect(),
             histories: report.histories.iter().filter_map(|(name, all)| HistoryData::of_all(name, all)).collect(),
-            colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING },
+            colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING, stops: palette::CURVES.to_vec() },
         }
     }
 
@@ -153,9 +156,7 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
         let moved = |stop: &StopLine| StopLine { coordinate: place(stop).unwrap_or(usize::MAX), ..*stop };
         return report.stops.iter().map(moved).collect();
     }
-    let first = branch.contact_coordinate.zip(branch.stop);
-    let line = |(coordinate, position): (usize, f64)| StopLine { coordinate, position, positive: position >= 0.0 };
-    first.map(line).into_iter().collect()
+    StopLine::first_of(branch).into_iter().collect()
 }
 
 fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Vec<f64>> {

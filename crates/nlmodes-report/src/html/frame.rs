@@ -19,7 +19,7 @@ const SCRIPT: &str = concat!(
 
 /// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
 const STYLE_HASH: &str = "iB15JtQ8kP4SEHBkfNvDQMw8LSYJXRVIf2SCawgUMvI=";
-const SCRIPT_HASH: &str = "/txcw/fpXfNdy+/qQVGxHWE2iq1jgtyX7EiHwd9e4Nc=";
+const SCRIPT_HASH: &str = "4luVY5VtZvtPTKnMHZ/6TiTx+VICeJPhPYaqV7MNjcU=";
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
     let policy = format!(

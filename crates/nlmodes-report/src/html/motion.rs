@@ -1,10 +1,11 @@
 //! Motions for the script: as many points as fit into a page of sensible size, in whole numbers.
 
+use super::HtmlReport;
 use super::knots::knots;
 use super::number::rounded;
-use super::{HtmlReport, StopLine};
+use crate::StopLine;
 use crate::stations::{self, Station};
-use nlmodes_modal::{ModalBranch, ModalPoint};
+use nlmodes_modal::{ModalBranch, ModalPoint, TimeHistory};
 use num_complex::Complex64;
 use serde::Serialize;
 
@@ -41,6 +42,7 @@ pub(super) struct MotionData {
 
 #[derive(Serialize)]
 struct StopData {
+    number: usize,
     station: usize,
     at: f64,
     side: i32,
@@ -70,11 +72,14 @@ impl MotionData {
             return None;
         }
         let points = chosen_points(report, index, stations.len(), stops.len());
-        let frame = |point: &usize| Frame {
-            motion: packed_motion(&branch.points[*point], &stations),
-            contacts: stops.iter().map(|(number, ..)| contact(report, index, *point, *number)).collect(),
+        let frame = |point: &usize| {
+            let histories = report.contact_motion.and_then(|motion| motion(index, *point)).unwrap_or_default();
+            let contact = |(number, ..): &(usize, StopLine, usize)| histories.get(*number).and_then(contact);
+            let motion = packed_motion(&branch.points[*point], &stations);
+            Frame { motion, contacts: stops.iter().map(contact).collect() }
         };
-        let at = |(_, stop, station): &(usize, StopLine, usize)| StopData {
+        let at = |(number, stop, station): &(usize, StopLine, usize)| StopData {
+            number: *number,
             station: *station,
             at: stop.position,
             side: if stop.positive { 1 } else { -1 },
@@ -162,8 +167,7 @@ fn trimmed(mut row: Vec<i32>) -> Vec<i32> {
     row
 }
 
-fn contact(report: &HtmlReport<'_>, branch: usize, point: usize, stop: usize) -> Option<Contact> {
-    let history = report.contact_motion?(branch, point, stop)?;
+fn contact(history: &TimeHistory) -> Option<Contact> {
     let (time, displacement, force) = (&history.time, &history.displacement, &history.force);
     let [first, .., last] = time[..] else { return None };
     if time.len() != displacement.len() || time.len() != force.len() {

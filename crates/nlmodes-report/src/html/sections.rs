@@ -80,7 +80,7 @@ impl HtmlReport<'_> {
         let still = stroboscope(point, name, &stations, &lines).filter(|_| stations.len() > 1);
         let Some(still) = still else { return String::new() };
         let contact = if self.contact_motion.is_some() && !stops.is_empty() {
-            "<h3 class=\"needs-script\">Contact node over the period</h3><div id=\"contact\" class=\"plot plain\"></div>"
+            "<h3 class=\"needs-script\">Contacts over the period</h3><div id=\"contact\"></div>"
         } else {
             ""
         };

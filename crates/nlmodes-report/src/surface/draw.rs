@@ -1,5 +1,5 @@
-use super::Surface;
 use super::view::View;
+use super::{Line, Surface};
 use crate::chart::{Scale, linear_ticks};
 use crate::palette;
 use crate::svg::{Anchor, Stroke, Svg, fitting_size, text_width};
@@ -38,9 +38,9 @@ impl Surface {
     }
 
     fn ends(&self) -> [(f64, f64); 3] {
-        let stop = self.stop.map(|stop| stop.z);
+        let stops = self.stops.iter().map(|stop| stop.z);
         let range = |values: &[f64]| Scale::linear(values.iter().copied(), 0.0).map_or((0.0, 1.0), Scale::ends);
-        let heights: Vec<f64> = self.z.iter().flatten().copied().chain(stop).collect();
+        let heights: Vec<f64> = self.z.iter().flatten().copied().chain(stops).collect();
         let (low, high) = range(&heights);
         let margin = 0.04 * (high - low);
         [range(&self.x.values), range(&self.y.values), (low - margin, high + margin)]
@@ -59,15 +59,14 @@ impl Surface {
         })
     }
 
-    /// Stop and motion of the contact, cut at the times of the surface so that nearer cells hide them.
+    /// Stops and motions of the contacts, cut at the times of the surface so that nearer cells hide them.
     fn lines(&self) -> impl Iterator<Item = Piece> {
+        let segment = |class, ends, stroke| Piece::Segment { class, ends, stroke };
         let spans = self.y.values.windows(2).enumerate();
-        spans.flat_map(|(j, span)| {
-            let stop = self.stop.map(|line| [[line.x, span[0], line.z], [line.x, span[1], line.z]]);
-            let contact = self.contact.map(|i| [self.corner(i, j), self.corner(i, j + 1)]);
-            let stop = stop.map(|ends| Piece::Segment { class: "stop", ends, stroke: STOP });
-            let contact = contact.map(|ends| Piece::Segment { class: "contact", ends, stroke: CONTACT });
-            contact.into_iter().chain(stop)
+        spans.flat_map(move |(j, span)| {
+            let motion = move |i: &usize| segment("contact", [self.corner(*i, j), self.corner(*i, j + 1)], CONTACT);
+            let stop = move |line: &Line| segment("stop", [[line.x, span[0], line.z], [line.x, span[1], line.z]], STOP);
+            self.contacts.iter().map(motion).chain(self.stops.iter().map(stop))
         })
     }
 

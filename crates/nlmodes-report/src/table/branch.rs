@@ -1,4 +1,5 @@
 use crate::ReportError;
+use crate::columns::Column;
 use crate::output::{replace_file, temporary_name};
 use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::f64::consts::TAU;
@@ -6,27 +7,62 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; 18] = [
-    "point",
-    "frequency_hz",
-    "energy_j",
-    "total_energy_j",
-    "modal_amplitude",
-    "fundamental_m",
-    "peak_m",
-    "contact_fraction",
-    "contact_intervals",
-    "peak_contact_force_n",
-    "residual",
-    "event",
-    "resonance",
-    "stable",
-    "largest_multiplier",
-    "multiplier_angle_deg",
-    "harmonics",
-    "error_estimate",
+/// Columns of `branch.csv`, in their order, with their meaning.
+pub const BRANCH_MEANINGS: [Column; 18] = [
+    Column::new("point", "", "number of the point, from 0"),
+    Column::new("frequency_hz", "Hz", "nonlinear modal frequency, ω/2π"),
+    Column::new("energy_j", "J", "averaged kinetic energy over a period, the path parameter"),
+    Column::new("total_energy_j", "J", "kinetic and strain energy"),
+    Column::new(
+        "modal_amplitude",
+        "m √kg",
+        "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix",
+    ),
+    Column::new("fundamental_m", "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor"),
+    Column::new("peak_m", "m", "largest displacement at stop 0 toward it"),
+    Column::new("contact_fraction", "", "share of the period in which stop 0 is touched, 0 to 1"),
+    Column::new("contact_intervals", "", "closed intervals a period, all stops together"),
+    Column::new(
+        "peak_contact_force_n",
+        "N",
+        "largest contact force of all stops; of short blows it need not converge with harmonics, `impulse_ns` of `contacts.csv` does",
+    ),
+    Column::new("residual", "", "norm of the scaled residual"),
+    Column::new(
+        "event",
+        "",
+        "what happened here, names separated by spaces: grazing, fold, frequency-fold, branch-point, kink, contact-change, stability-change, tongue-foot, resumed, other-mode",
+    ),
+    Column::new(
+        "resonance",
+        "",
+        "internal resonance in which the motion takes part, `n:mode k`: harmonic n drives linear mode k",
+    ),
+    Column::new("stable", "", "whether small disturbances stay small; empty where it was not found out"),
+    Column::new(
+        "largest_multiplier",
+        "",
+        "magnitude of the largest Floquet multiplier; empty where it was not found out",
+    ),
+    Column::new("multiplier_angle_deg", "°", "its angle, 0 to 180; empty where the motion is stable"),
+    Column::new("harmonics", "", "number of harmonics of this point"),
+    Column::new(
+        "error_estimate",
+        "",
+        "estimated relative error of the frequency at the same energy, where `method.accuracy` asks for one",
+    ),
 ];
+
+/// Names of the columns of `branch.csv`, in their order.
+pub const BRANCH_COLUMNS: [&str; BRANCH_MEANINGS.len()] = {
+    let mut names = [""; BRANCH_MEANINGS.len()];
+    let mut k = 0;
+    while k < names.len() {
+        names[k] = BRANCH_MEANINGS[k].name;
+        k += 1;
+    }
+    names
+};
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
 ///

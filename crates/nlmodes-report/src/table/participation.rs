@@ -2,8 +2,23 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use crate::ReportError;
+use crate::columns::Column;
 use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, Participation};
+
+/// Columns of `participation.csv`.
+pub const PARTICIPATION_COLUMNS: [Column; 6] = [
+    Column::new("point", "", "number of the point, that of `branch.csv`"),
+    Column::new("frequency_hz", "Hz", "nonlinear modal frequency"),
+    Column::new("modal_amplitude", "m √kg", "nonlinear modal amplitude"),
+    Column::new("harmonics", "", "those in the sum, first to last"),
+    Column::new(
+        "participation_…",
+        "",
+        "participation of a linear mode in phase with the fundamental of the first contact, normalised by the modal amplitude; NaN without a fundamental",
+    ),
+    Column::new("quadrature_…", "", "the same in quadrature; zero for motions that are even in time"),
+];
 
 /// Writes the participation of linear modes as CSV, a row a point: `point`, `frequency_hz`, `modal_amplitude`, `harmonics` (those in the
 /// sum, `1-5`), then `participation_1`, `participation_2`, … and, in quadrature, `quadrature_1`, …

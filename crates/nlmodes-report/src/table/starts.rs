@@ -1,10 +1,16 @@
-use super::harmonics::write_numbers;
+use super::archive::{write_array, write_numbers};
 use crate::ReportError;
+use crate::columns::Column;
 use crate::output::replace_file;
-use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
-use std::io::{self, Seek, Write};
+use std::io;
 use std::path::Path;
+
+/// Arrays of `starts.npz`.
+pub const START_ARRAYS: [Column; 2] = [
+    Column::new("omega", "P, rad/s", "nonlinear modal frequency"),
+    Column::new("displacement", "P × D, m or rad", "displacements at the instant at which all velocities are zero"),
+];
 
 /// Writes the states from which exact motions that are even in time start, as a NumPy archive.
 ///
@@ -19,15 +25,8 @@ pub fn write_starts(path: impl AsRef<Path>, omega: &[f64], displacement: &[Vec<f
     replace_file(path.as_ref(), |file| {
         let mut archive = NpzWriter::new(file);
         write_numbers(&mut archive, "omega", omega)?;
-        write_rows(&mut archive, displacement)?;
+        let shape = [displacement.len(), displacement.first().map_or(0, Vec::len)];
+        write_array(&mut archive, "displacement", &shape, displacement.iter().flatten().copied())?;
         archive.zip_writer().finish().map(drop).map_err(io::Error::from)
     })
-}
-
-fn write_rows<W: Write + Seek>(archive: &mut NpzWriter<W>, rows: &[Vec<f64>]) -> io::Result<()> {
-    let shape = [rows.len() as u64, rows.first().map_or(0, Vec::len) as u64];
-    let options = archive.array::<f64>("displacement", Default::default())?;
-    let mut array = options.default_dtype().shape(&shape).begin_nd()?;
-    array.extend(rows.iter().flatten().copied())?;
-    array.finish()
 }

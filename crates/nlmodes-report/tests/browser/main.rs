@@ -30,11 +30,11 @@ fn tip(k: usize, phase: f64) -> f64 {
     -amplitude(k) * (OMEGA_0 * time * TAU / omega).cos()
 }
 
-fn contact_motion(branch: usize, point: usize, _stop: usize) -> Option<TimeHistory> {
+fn contact_motion(branch: usize, point: usize) -> Option<Vec<TimeHistory>> {
     let phases: Vec<f64> = (0..=128).map(|j| f64::from(j) / 128.0).collect();
     let displacement: Vec<f64> = phases.iter().map(|phase| tip(point, *phase)).collect();
     let zeros = || vec![0.0; 129];
-    (branch == 0).then(|| TimeHistory {
+    let history = || TimeHistory {
         label: String::new(),
         velocity: zeros(),
         acceleration: zeros(),
@@ -43,7 +43,8 @@ fn contact_motion(branch: usize, point: usize, _stop: usize) -> Option<TimeHisto
         time: phases,
         stop: samples::STOP,
         instants: Vec::new(),
-    })
+    };
+    (branch == 0).then(|| vec![history()])
 }
 
 fn branches() -> [ModalBranch; 2] {

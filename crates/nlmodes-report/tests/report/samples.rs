@@ -49,6 +49,7 @@ fn point(amplitude: f64, coordinates: &[Coordinate], n_harmonics: usize) -> Moda
         contact_fraction: 0.0,
         contact_intervals: usize::from(amplitude > STOP),
         peak_contact_force: 0.1 + amplitude / 3.0,
+        contacts: Vec::new(),
         residual: 1.234_567_890_123_456_7e-13,
         error_estimate: None,
         events: Vec::new(),

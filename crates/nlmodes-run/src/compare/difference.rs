@@ -59,6 +59,7 @@ mod tests {
             contact_fraction: 0.0,
             contact_intervals: 0,
             peak_contact_force: 0.0,
+            contacts: Vec::new(),
             residual: 0.0,
             error_estimate: None,
             events: Vec::new(),

@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, Participation};
-use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure, ParticipationFigure, write_participation};
-use nlmodes::study::{ComputedBranch, figure_points, reference_points};
+use nlmodes::report::{Abscissa, BranchFigure, ContactFigure, MotionFigure, ParticipationFigure, write_participation};
+use nlmodes::study::{ComputedBranch, figure_points};
+
+use super::histories::{self, Reference};
 
 use super::sink::branch_directory;
+use super::stops;
 use crate::Failure;
 use nlmodes_scene::scene::Scene;
 
@@ -15,47 +18,49 @@ pub const LINEAR_MODES: usize = 6;
 /// Of these, how many are shown.
 pub const SHOWN_MODES: usize = 2;
 
-/// Instants of a period in a time history.
-pub const HISTORY_SAMPLES: usize = 1000;
-
 /// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
-/// of up to two.
+/// of `references`.
 pub fn write(
     directory: &Path,
     scene: &Scene,
     all: &[ComputedBranch],
     found: &[Vec<Participation>],
+    references: &[Reference],
 ) -> Result<(), Failure> {
     let Some(computed) = all.first() else { return Ok(()) };
     let branch = &computed.branch;
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
-    let (motions, references) = (figure_points(branch), reference_points(branch));
+    let motions = figure_points(branch);
     let mut energy = BranchFigure::new(Abscissa::Energy, &branches).title(&scene.title);
     for (k, point) in motions.iter().enumerate() {
         energy = energy.mark(0, *point, (k + 1).to_string());
     }
     energy.render()?.write(directory.join("frequency_energy.svg"))?;
     let mut amplitude = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(&scene.title);
-    for (k, point) in references.iter().enumerate() {
-        amplitude = amplitude.mark(0, *point, format!("P{}", k + 1));
+    for reference in references {
+        amplitude = amplitude.mark(0, reference.point, &reference.name);
     }
     amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
-    for (number, (branch, found)) in branches.iter().zip(found).enumerate() {
-        write_participation(branch_directory(directory, number).join("participation.csv"), branch, found)?;
-    }
+    let contacts = ContactFigure::new(branch, &stops::names(computed)).title(&scene.title);
+    contacts.render()?.write(directory.join("contacts.svg"))?;
     participation(directory, scene, &branches, &found.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
-    let clamped = held_ends(scene, computed);
+    let (clamped, stops) = (held_ends(scene, computed), stops::lines(computed));
     // A structure in open modes moves in modal coordinates, which are nowhere.
     for (k, point) in motions.iter().enumerate().filter(|_| !scene.is_in_open_modes()) {
-        let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).render()?;
+        let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).stops(&stops).render()?;
         figure.write(directory.join(format!("motion_{}.svg", k + 1)))?;
     }
-    for (k, point) in references.iter().enumerate() {
-        let history = computed.time_history(*point, 0, HISTORY_SAMPLES, &branch.label)?;
-        let frequency = branch.points[*point].omega / std::f64::consts::TAU;
-        let title = format!("P{} (point {point}, {frequency:.4} Hz)", k + 1);
-        let figure = HistoryFigure::new(&[&history]).title(title).with_acceleration().render()?;
-        figure.write(directory.join(format!("history_P{}.svg", k + 1)))?;
+    histories::write(directory, references)
+}
+
+/// Writes the participation of the lowest linear modes as tables.
+pub fn write_participations(
+    directory: &Path,
+    all: &[ComputedBranch],
+    found: &[Vec<Participation>],
+) -> Result<(), Failure> {
+    for (number, (computed, found)) in all.iter().zip(found).enumerate() {
+        write_participation(branch_directory(directory, number).join("participation.csv"), &computed.branch, found)?;
     }
     Ok(())
 }

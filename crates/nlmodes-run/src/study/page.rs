@@ -1,45 +1,46 @@
 //! `report.html`: the run on one page.
 
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::modal::{ModalBranch, Participation, TimeHistory};
-use nlmodes::report::{DataTable, HtmlReport, StopLine};
-use nlmodes::study::{ComputedBranch, StudyError, figure_points, reference_points};
+use nlmodes::modal::{ModalBranch, Participation};
+use nlmodes::report::{DataTable, HtmlReport};
+use nlmodes::study::{ComputedBranch, Histories, figure_points};
 
-use super::figures::{HISTORY_SAMPLES, SHOWN_MODES, held_ends};
+use super::figures::{SHOWN_MODES, held_ends};
 use super::histories::Reference;
+use super::stops;
 use super::summary::method_used;
 use crate::Failure;
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::Scene;
 
-/// Samples of a period of each contact that moves on the page, of which it keeps those that its curves need: blows are short.
-const MOTION_SAMPLES: usize = 2000;
+/// Instants of a period of the contacts that move on the page, beside those at which they close and open; it keeps those that its curves need.
+const MOTION_SAMPLES: usize = 400;
 
 /// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch,
-/// and its time histories those that the branches share, if there are any.
+/// and `references`, whose time histories it shows.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
     all: &[&ComputedBranch],
     participation: &[&[Participation]],
-    shared: &[Reference],
+    references: &[Reference],
 ) -> Result<(), Failure> {
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
+    let histories = RefCell::new(all.iter().map(|computed| Histories::of(computed)).collect::<Vec<_>>());
     let contact_motion =
-        |branch: usize, point: usize, stop: usize| all[branch].time_history(point, stop, MOTION_SAMPLES, "").ok();
-    let own = if shared.is_empty() { own_references(first)? } else { Vec::new() };
-    let references: &[Reference] = if shared.is_empty() { &own } else { shared };
+        |branch: usize, point: usize| histories.borrow_mut().get_mut(branch)?.at(point, MOTION_SAMPLES, "").ok();
     let participation: Vec<Vec<Participation>> = participation.iter().map(|found| shown(found)).collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let method = method_used(scene, first);
     let mut report = HtmlReport::new(&scene.title, &branches)
         .line(format!("{}; {}", first.branch.label, method.name))
         .clamped_at(&held_ends(scene, first))
-        .stops(&stops(first))
+        .stops(&stops::lines(first))
         .contact_motion(&contact_motion)
         .participation(&participation)
         .table(linear_table(linear))
@@ -63,25 +64,12 @@ pub fn write(
         report = report.mark(0, point, (k + 1).to_string());
     }
     for reference in references {
-        let frequency = first.branch.points[reference.point].omega / TAU;
-        let name = match shared {
-            [] => format!("{}: point {}, {frequency:.4} Hz", reference.name, reference.point),
-            _ => reference.title(),
-        };
-        let histories: Vec<&TimeHistory> = reference.histories.iter().collect();
-        report = report.mark(0, reference.point, &reference.name).histories(name, &histories);
+        report = report.mark(0, reference.point, &reference.name);
+        for curves in reference.curves() {
+            report = report.histories(curves.title, &curves.histories);
+        }
     }
     Ok(report.write(directory.join("report.html"))?)
-}
-
-/// The reference points of one branch, with its motion there.
-fn own_references(first: &ComputedBranch) -> Result<Vec<Reference>, StudyError> {
-    let of = |(k, point): (usize, usize)| {
-        let history = first.time_history(point, 0, HISTORY_SAMPLES, &first.branch.label)?;
-        let amplitude = first.branch.points[point].modal_amplitude;
-        Ok(Reference { name: format!("P{}", k + 1), amplitude, point, histories: vec![history] })
-    };
-    reference_points(&first.branch).into_iter().enumerate().map(of).collect()
 }
 
 /// The participation of the modes that are shown.
@@ -93,20 +81,6 @@ fn shown(found: &[Participation]) -> Vec<Participation> {
         point
     };
     found.iter().map(of).collect()
-}
-
-/// All stops, in the order of the scene.
-fn stops(computed: &ComputedBranch) -> Vec<StopLine> {
-    let line = |contact: &nlmodes::model::DofContact| {
-        Some(StopLine {
-            // The page numbers what is recorded, which of large structures is not every degree of freedom.
-            coordinate: computed.structure.recorded_index(contact.dof)?,
-            position: contact.side.sign() * contact.gap,
-            positive: contact.side.sign() > 0.0,
-        })
-    };
-    // Contacts are among the recorded ones, whatever the size.
-    computed.structure.model().contacts().iter().filter_map(line).collect()
 }
 
 /// Where the accuracy that was asked for is not reached, if it is not.
@@ -168,7 +142,7 @@ mod tests {
             let massless = models(&files[0])?.massless;
             let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
             let computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
-            let stops = stops(&computed);
+            let stops = stops::lines(&computed);
             let at: Vec<f64> = stops.iter().map(|stop| computed.branch.coordinates[stop.coordinate].position).collect();
             assert!(at.len() == 2 && (at[0] - 1.0).abs() < 1e-9 && (at[1] - 0.5).abs() < 1e-9, "{elements}: {at:?}");
             let stands: Vec<(f64, bool)> = stops.iter().map(|stop| (stop.position, stop.positive)).collect();

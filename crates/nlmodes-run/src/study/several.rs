@@ -138,20 +138,40 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Resul
     let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
     let participation: Vec<&[Participation]> =
         parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
-    let references = histories::references(&branches)?;
-    for (abscissa, name) in
-        [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
-    {
-        let mut figure = BranchFigure::new(abscissa, &all).title(&scene.title);
-        for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
-            figure = figure.mark(0, reference.point, &reference.name);
-        }
-        figure.render()?.write(directory.join(name))?;
+    if scene.files.figures || scene.files.page {
+        write_figures(files, scene, first, (&branches, &all), &participation)?;
     }
-    figures::participation(directory, scene, &all, &participation)?;
-    histories::write(directory, &references)?;
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &first.linear, &branches, &participation, &references)?;
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
     Ok(write_summary(directory.join("summary.json"), &summary)?)
+}
+
+/// The common figures and the page, as far as they are asked for.
+fn write_figures(
+    files: &[SceneFile],
+    scene: &Scene,
+    first: &PartOutcome,
+    (branches, all): (&[&ComputedBranch], &[&ModalBranch]),
+    participation: &[&[Participation]],
+) -> Result<(), Failure> {
+    let directory = &scene.output_directory;
+    let references = histories::references(branches)?;
+    if scene.files.figures {
+        for (abscissa, name) in
+            [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
+        {
+            let mut figure = BranchFigure::new(abscissa, all).title(&scene.title);
+            for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
+                figure = figure.mark(0, reference.point, &reference.name);
+            }
+            figure.render()?.write(directory.join(name))?;
+        }
+        figures::participation(directory, scene, all, participation)?;
+        histories::write(directory, &references)?;
+    }
+    if !scene.files.page {
+        return Ok(());
+    }
+    let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    page::write(directory, &scenes, &first.linear, branches, participation, &references)
 }

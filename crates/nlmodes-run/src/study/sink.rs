@@ -127,7 +127,7 @@ impl<'a> Sink<'a> {
         }
         let folders = (1..).map(|number| branch_directory(self.directory, number)).take_while(|folder| folder.is_dir());
         for folder in folders {
-            remove_all(&folder, &["branch.csv", "harmonics.npz", STARTS, "participation.csv"]);
+            remove_all(&folder, &["branch.csv", "contacts.csv", "harmonics.npz", STARTS, "participation.csv"]);
             drop(fs::remove_dir(folder));
         }
     }

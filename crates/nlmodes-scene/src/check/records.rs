@@ -39,7 +39,10 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
         },
         structure,
         settings: settings?,
-        output_directory: super::output_directory(raw.output.as_ref(), stem),
+        output_directory: super::output_directory(
+            raw.output.as_ref().and_then(|output| output.directory.as_ref()),
+            stem,
+        ),
         warnings: Vec::new(),
     })
 }

@@ -77,7 +77,10 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         records,
         backbone,
         settings: settings?,
-        output_directory: super::output_directory(raw.output.as_ref(), stem),
+        output_directory: super::output_directory(
+            raw.output.as_ref().and_then(|output| output.directory.as_ref()),
+            stem,
+        ),
         warnings: Vec::new(),
     };
     super::plausible::warn_of_test(&scene, findings);

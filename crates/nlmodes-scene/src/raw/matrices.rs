@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{RawContinuation, RawMethod, RawOutput, RawReduction};
+use super::{RawContinuation, RawMethod, RawResults, RawReduction};
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
@@ -25,7 +25,7 @@ pub struct RawMatrixScene {
     #[schemars(required)]
     pub continuation: Option<RawContinuation>,
     /// Where results go
-    pub output: Option<RawOutput>,
+    pub output: Option<RawResults>,
 }
 
 /// The files of a structure.

@@ -125,9 +125,14 @@ impl ComputedBranch {
 
     /// The settings with the harmonics of a point, which an accuracy has chosen.
     pub(super) fn settings_at(&self, point: usize) -> BranchSettings {
+        self.settings_of(self.branch.points[point].coefficients.n_harmonics())
+    }
+
+    /// The settings with so many harmonics, where an accuracy has chosen them.
+    pub(super) fn settings_of(&self, harmonics: usize) -> BranchSettings {
         let mut settings = self.settings.clone();
         if settings.accuracy.is_some() {
-            settings.harmonics = self.branch.points[point].coefficients.n_harmonics();
+            settings.harmonics = harmonics;
         }
         settings
     }

@@ -1,6 +1,6 @@
 use nlmodes_hbm::{HbmError, Projection};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, NonlinearModeShape, Participation, PhaseAnchor};
-use nlmodes_model::linear_modes;
+use nlmodes_model::{LinearModes, linear_modes};
 
 use super::{ComputedBranch, StudyError};
 
@@ -13,8 +13,15 @@ impl ComputedBranch {
     /// [`StudyError`] if the linear modes cannot be computed.
     pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, StudyError> {
         let model = self.structure.model();
-        let linear = linear_modes(model.mass(), model.stiffness(), modes).map_err(HbmError::from)?;
-        let onto = Projection::new(&self.structure, &linear);
+        self.participation_in(&linear_modes(model.mass(), model.stiffness(), modes).map_err(HbmError::from)?)
+    }
+
+    /// The same of linear modes that are known.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a point cannot be evaluated again.
+    pub fn participation_in(&self, linear: &LinearModes) -> Result<Vec<Participation>, StudyError> {
+        let onto = Projection::new(&self.structure, linear);
         let anchor = self.branch.contact_coordinate.unwrap_or(0);
         let of = |point: &ModalPoint, modal: &HarmonicCoefficients| {
             let amplitude = point.modal_amplitude;

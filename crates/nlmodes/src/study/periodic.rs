@@ -119,6 +119,19 @@ impl<'s> Periodic<'s> {
         })
     }
 
+    /// Motion and force of all contacts over a period, exact at the instants of contact.
+    pub fn time_histories(
+        &mut self,
+        x: &[f64],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.time_histories(x, samples, label)?,
+            Equations::Exact(problem) => problem.time_histories(x, samples, label)?,
+        })
+    }
+
     /// Motion and force of a contact over a period.
     pub fn time_history(
         &mut self,

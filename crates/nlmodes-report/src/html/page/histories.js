@@ -19,7 +19,8 @@ function historySpec(name, history, height) {
   const times = all.map(one => one.time.map(t => t * clock.perSi));
   const panels = SERIES.filter(([series]) => history[series]).map(([series, symbolName, choice]) => {
     const values = all.flatMap(one => one[series]);
-    const withStop = series === "displacement" ? values.concat(history.stop) : values;
+    const stops = [...new Set(all.map(one => one.stop).filter(stop => stop !== null))];
+    const withStop = series === "displacement" ? values.concat(stops) : values;
     const unit = choice(symbolName, largest(withStop));
     const word = series === "force" ? "contact force" : series;
     const panel = { label: `${word} in ${unit.symbol}`, kind: "linear", unit: unit.symbol, word, symbols: [], levels: [] };
@@ -28,7 +29,7 @@ function historySpec(name, history, height) {
       return { key: series + number, number, x: times[number], y, color: one.color || "currentColor", width: 1.8 };
     });
     if (series === "displacement") {
-      if (history.stop !== null) panel.levels.push({ y: history.stop * unit.perSi, class: "stop" });
+      for (const stop of stops) panel.levels.push({ y: stop * unit.perSi, class: "stop" });
       for (const [one, t, touching] of all.flatMap(one => one.instants.map(instant => [one, ...instant]))) {
         const at = { x: t * clock.perSi, y: interpolated(one.time, one[series], t) * unit.perSi };
         const look = touching ? { shape: "circle", fill: DATA.colors.touching, title: "touching" }

@@ -22,19 +22,25 @@ function begin() {
     showContact(branch, shown);
   }
 
-  /// Displacement and force of the first contact over the period that moves above.
+  /// Displacement and force of the contacts over the period that moves above.
   function showContact(branch, shown) {
     const box = byId("contact");
     if (!box) return;
     box.replaceChildren();
     motion.onPhase = null;
-    const contact = motion.frame && motion.frame.contacts[0];
-    if (!contact || shown === null) return;
+    if (!motion.frame || shown === null) return;
     const period = 1 / branch.frequency[shown];
-    const time = contact.t.map(phase => period * phase);
-    const history = { time, displacement: contact.u, force: contact.f, stop: branch.motion.stops[0].at, instants: [] };
-    const spec = historySpec(`Contact node at point ${shown}`, history, 130);
-    const chart = new Chart(box, spec);
+    const one = (contact, number) => contact && {
+      time: contact.t.map(phase => period * phase), displacement: contact.u, force: contact.f,
+      stop: branch.motion.stops[number].at, instants: [], label: `stop ${branch.motion.stops[number].number}`,
+    };
+    const all = motion.frame.contacts.map(one).filter(Boolean);
+    if (!all.length) return;
+    all.forEach((history, place) => { history.color = all.length > 1 ? DATA.colors.stops[place % DATA.colors.stops.length] : undefined; });
+    const history = { ...all[0], others: all.slice(1) };
+    if (history.others.length) curveNames(box, history);
+    const spec = historySpec(`Contacts at point ${shown}`, history, 130);
+    const chart = new Chart(html(box, "div", { class: "plot plain" }), spec);
     motion.onPhase = phase => chart.moveCursor(phase * period * spec.clock.perSi);
     motion.onPhase(motion.phase);
   }

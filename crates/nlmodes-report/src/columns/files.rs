@@ -1,0 +1,62 @@
+use super::{Column, FileMeaning};
+use crate::table::{
+    BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, PARTICIPATION_COLUMNS,
+    START_ARRAYS,
+};
+
+/// The files of results of a structure, in the order in which they are of use.
+pub const FILES: [FileMeaning; 13] = [
+    FileMeaning {
+        name: "branch.csv",
+        meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
+        columns: &[&BRANCH_MEANINGS],
+    },
+    FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[&CONTACT_COLUMNS] },
+    FileMeaning {
+        name: "harmonics.npz",
+        meaning: "The motions as complex Fourier coefficients, for NumPy (P points, D recorded degrees of freedom, H harmonics)",
+        columns: &[&HARMONIC_ARRAYS],
+    },
+    FileMeaning {
+        name: "histories.npz",
+        meaning: "Motion and force of the contacts over a period, for the points that figures show and those of `output.histories` (P points, C contacts, T instants)",
+        columns: &[&HISTORY_ARRAYS],
+    },
+    FileMeaning {
+        name: "results.mat",
+        meaning: "Branch, stops, motions and histories for MATLAB and Octave (version 5)",
+        columns: &[&MATLAB_VARIABLES],
+    },
+    FileMeaning {
+        name: "participation.csv",
+        meaning: "Participation of the lowest linear modes, a row a point",
+        columns: &[&PARTICIPATION_COLUMNS],
+    },
+    FileMeaning {
+        name: "starts.npz",
+        meaning: "With `method.kind = \"shooting\"`: the states from which the exact motions start at rest (P points, D degrees of freedom)",
+        columns: &[&START_ARRAYS],
+    },
+    FileMeaning {
+        name: "summary.json",
+        meaning: "The scene as read, linear frequencies, grazing point, method, events, internal resonances, stability, why the branch ended, times",
+        columns: &[],
+    },
+    FileMeaning {
+        name: "report.html",
+        meaning: "All of it on one page that needs no network; left out with `output.page = false`",
+        columns: &[],
+    },
+    FileMeaning {
+        name: "frequency_energy.svg",
+        meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, `history_P….svg`; left out with `output.figures = false`",
+        columns: &[],
+    },
+    FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },
+    FileMeaning { name: "steps.jsonl", meaning: "The steps, from which `run --resume` goes on", columns: &[] },
+    FileMeaning {
+        name: "branch_…/",
+        meaning: "Further branches of a run that follows all arms of its branch points, with the same tables",
+        columns: &[&[] as &[Column]],
+    },
+];

@@ -1,0 +1,59 @@
+//! NumPy archives: arrays one after the other, none compressed.
+
+use npyz::npz::{NpzWriter, file_name_from_array_name};
+use npyz::zip::write::FileOptions;
+use npyz::zip::{CompressionMethod, DateTime};
+use npyz::{AutoSerialize, DType, TypeStr, WriteOptions, WriterBuilder};
+use std::io::{self, BufWriter, Seek, Write};
+
+/// Bytes that go to the archive at once: it takes its time for each call, however little it is given.
+const BUFFER: usize = 1 << 16;
+
+/// Not compressed: digits of floating-point numbers hardly get shorter by it, and it took longer than to compute them.
+fn stored() -> FileOptions {
+    // The same results give the same archive, whenever they are written.
+    let options = FileOptions::default().last_modified_time(DateTime::default());
+    options.compression_method(CompressionMethod::Stored).large_file(true)
+}
+
+/// An array of any shape, row by row.
+pub(super) fn write_array<W: Write + Seek, T: AutoSerialize>(
+    archive: &mut NpzWriter<W>,
+    name: &str,
+    shape: &[usize],
+    values: impl Iterator<Item = T>,
+) -> io::Result<()> {
+    archive.zip_writer().start_file(file_name_from_array_name(name), stored())?;
+    let mut buffered = BufWriter::with_capacity(BUFFER, archive.zip_writer());
+    let shape: Vec<u64> = shape.iter().map(|n| *n as u64).collect();
+    let options = WriteOptions::<T>::new().default_dtype().shape(&shape).writer(&mut buffered);
+    let mut array = options.begin_nd()?;
+    array.extend(values)?;
+    array.finish()?;
+    buffered.flush()
+}
+
+/// A list of numbers.
+pub(super) fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
+    write_array(archive, name, &[values.len()], values.iter().copied())
+}
+
+/// A list of numbers of points.
+pub(super) fn write_integers<W: Write + Seek>(
+    archive: &mut NpzWriter<W>,
+    name: &str,
+    values: &[usize],
+) -> io::Result<()> {
+    // Counts of points fit.
+    write_array(archive, name, &[values.len()], values.iter().map(|value| *value as i64))
+}
+
+/// Texts of NumPy's fixed width, that of the longest.
+pub(super) fn write_texts<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, texts: &[&str]) -> io::Result<()> {
+    let longest = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+    let text_type: TypeStr = format!("<U{longest}").parse().map_err(io::Error::other)?;
+    let options = archive.array::<str>(name, stored())?;
+    let mut array = options.dtype(DType::Plain(text_type)).shape(&[texts.len() as u64]).begin_nd()?;
+    texts.iter().try_for_each(|text| array.push(text))?;
+    array.finish()
+}
