@@ -95,7 +95,11 @@ fn every_file_column_and_array_is_explained_and_every_explained_one_is_there() -
         }
     }
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/files_and_columns.md");
-    assert_eq!(fs::read_to_string(page)?, columns::markdown(), "nlmodes-cli columns --markdown > docs/files_and_columns.md");
+    assert_eq!(
+        fs::read_to_string(page)?,
+        columns::markdown(),
+        "nlmodes-cli columns --markdown > docs/files_and_columns.md"
+    );
     Ok(())
 }
 
@@ -158,11 +162,20 @@ fn stops_have_a_row_each_that_agrees_with_the_branch_and_with_their_histories() 
 #[test]
 fn what_is_not_asked_for_is_not_written_and_asked_points_are_all_the_same() -> Outcome {
     let (_folder, out, _) = run(&["output.figures=false", "output.page=false", "output.histories=[2]"])?;
-    let mut names: Vec<String> =
-        fs::read_dir(&out)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect::<Result<_, std::io::Error>>()?;
+    let mut names: Vec<String> = fs::read_dir(&out)?
+        .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
+        .collect::<Result<_, std::io::Error>>()?;
     names.sort();
-    let expected =
-        ["branch.csv", "contacts.csv", "harmonics.npz", "histories.npz", "participation.csv", "run.json", "steps.jsonl", "summary.json"];
+    let expected = [
+        "branch.csv",
+        "contacts.csv",
+        "harmonics.npz",
+        "histories.npz",
+        "participation.csv",
+        "run.json",
+        "steps.jsonl",
+        "summary.json",
+    ];
     assert_eq!(names, expected);
     let mut archive = NpzArchive::open(out.join("histories.npz"))?;
     assert_eq!(archive.by_name("point")?.ok_or("no points")?.into_vec::<i64>()?, [2]);

@@ -44,10 +44,10 @@ fn shares_forces_impulses_and_approach_are_those_of_the_motion() {
                         check(found, history, std::f64::consts::TAU / modal.omega);
                     }
                     let first = modal.contacts[0];
-                    assert_eq!((modal.contact_fraction, modal.peak_contact_force), (
-                        first.closed_share,
-                        modal.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),
-                    ));
+                    assert_eq!(
+                        (modal.contact_fraction, modal.peak_contact_force),
+                        (first.closed_share, modal.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),)
+                    );
                 }
                 let last = problem.modal_point(&branch.points.last().unwrap().x, 0.0).unwrap();
                 assert!(last.contacts.iter().all(|contact| contact.impulse > 0.0 && contact.touches > 0));
@@ -72,7 +72,12 @@ fn check(found: &ContactPeriod, history: &TimeHistory, period: f64) {
     assert_eq!(found.touches.max(touching) - touching, 0, "{found:?}");
     let speed = approach(history);
     assert!((found.approach_velocity - speed).abs() < 1e-6 * speed, "{found:?} against {speed:e}");
-    let closed: f64 = history.instants.chunks(2).filter(|pair| pair.len() == 2 && pair[0].touching).map(|p| p[1].time - p[0].time).sum();
+    let closed: f64 = history
+        .instants
+        .chunks(2)
+        .filter(|pair| pair.len() == 2 && pair[0].touching)
+        .map(|p| p[1].time - p[0].time)
+        .sum();
     let around = history.instants.first().is_some_and(|instant| !instant.touching);
     assert!(around || (found.closed_share - closed / period).abs() < 1e-9, "{found:?}");
     // Nothing is pushed where there is a gap, and no gap is passed.

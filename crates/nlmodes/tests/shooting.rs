@@ -8,7 +8,9 @@ use std::ops::ControlFlow;
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{ModalPoint, Stability};
 use nlmodes::model::{MasslessContactModel, Side};
-use nlmodes::study::{BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch};
+use nlmodes::study::{
+    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch,
+};
 use support::unit_rod as rod;
 
 fn tip() -> Stop {

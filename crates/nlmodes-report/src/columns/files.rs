@@ -5,7 +5,7 @@ use crate::table::{
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 13] = [
+pub const FILES: [FileMeaning; 14] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -50,6 +50,11 @@ pub const FILES: [FileMeaning; 13] = [
     FileMeaning {
         name: "frequency_energy.svg",
         meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, `history_P….svg`; left out with `output.figures = false`",
+        columns: &[],
+    },
+    FileMeaning {
+        name: "motion.pvd",
+        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, displacement in m, contact_force in N, gap in m",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },
