@@ -51,6 +51,8 @@ def main():
     check = "--check" in sys.argv[1:]
     stale = []
     for crate in sorted(path.parent for path in (ROOT / "crates").glob("*/Cargo.toml")):
+        if (crate / "pyproject.toml").exists():
+            continue  # a package of Python, which is shown elsewhere
         path, text = crate / "README.md", readme(crate)
         if not path.exists() or path.read_text() != text:
             stale.append(str(path.relative_to(ROOT)))

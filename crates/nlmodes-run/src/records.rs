@@ -7,7 +7,7 @@ pub(crate) mod summary;
 pub(crate) mod table;
 
 use nlmodes::experiment::extraction::{ExtractionError, RecordExtraction, extract as extract_record};
-use nlmodes::experiment::records::{Record, RecordError, Recording};
+use nlmodes::experiment::records::{Record, RecordError, RecordTable, Recording};
 
 use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 
@@ -66,6 +66,37 @@ pub fn extract(
     claim.take_at_once()?;
     write(&scene, &outcomes).map_err(RunError::Files)?;
     Ok(outcomes)
+}
+
+/// Extracts from records that are in memory, each with its name, instead of the files of the scene; writes nothing.
+///
+/// # Errors
+/// [`RunError`] for a record that does not fit the channels of the scene, at the place of the latter.
+pub fn extract_tables(
+    file: &SceneFile<RecordScene>,
+    tables: Vec<(String, RecordTable)>,
+) -> Result<Vec<Outcome>, RunError> {
+    let scene = with_modes(file)?;
+    let recording = &scene.recording;
+    let extracted = |(name, table): (String, RecordTable)| {
+        let record = table.into_record(&name, &recording.channels, recording.sample_rate).map_err(|error| {
+            let title = format!("the record \"{name}\" cannot be used: {}", chain(&error));
+            file.error_at("recording", &title, "", help(&error))
+        })?;
+        let result = extract_record(&record, &scene.settings);
+        Ok(Outcome { record: name, level: None, findings: Vec::new(), result })
+    };
+    tables.into_iter().map(extracted).collect()
+}
+
+/// The text of `modal_points.csv`, with the participation of so many modes.
+///
+/// # Errors
+/// None but those of a writer to memory.
+pub fn table_of(outcomes: &[Outcome], modes: usize) -> Result<Vec<u8>, Failure> {
+    let mut table = Table::new(modes, None)?;
+    outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
+    table.into_bytes()
 }
 
 /// The output directory; its records are known by their names.

@@ -66,6 +66,26 @@ impl Document {
         self.places.get(path)
     }
 
+    /// The path of the key that a problem is about, as `contact.0.gap_m`: the innermost one around its place.
+    pub fn key_of(&self, problem: &Problem) -> Option<&str> {
+        let at = problem.place.as_ref()?.range.start;
+        let around = |(path, place): (&'_ String, &'_ Place)| {
+            let length =
+                [&place.key, &place.value].into_iter().filter(|range| range.contains(&at)).map(|r| r.len()).min();
+            length.map(|length| (length, std::cmp::Reverse(path.len())))
+        };
+        let found = self.places.iter().filter_map(|entry| Some((around(entry)?, entry.0)));
+        found.min().map(|(_, path)| path.as_str())
+    }
+
+    /// The line of the file that a problem is about, from 1; nothing where it is about an override.
+    pub fn line_of(&self, problem: &Problem) -> Option<usize> {
+        let (file, range) = (self.sources.file(), &problem.place.as_ref()?.range);
+        let (source, range) = self.sources.locate(range);
+        let before = file.text.get(..range.start).filter(|_| std::ptr::eq(source, file))?;
+        Some(1 + before.bytes().filter(|byte| *byte == b'\n').count())
+    }
+
     /// The value at a path as it is written.
     pub fn written(&self, path: &str) -> String {
         self.place(path).map_or_else(String::new, |place| self.sources.excerpt(&place.value))
@@ -203,5 +223,22 @@ mod tests {
         assert_eq!(number("gap_m = 20,25").as_deref(), Some("20.25"));
         assert_eq!(number("gap_m = 1,5e").as_deref(), Some("1.5"));
         assert_eq!(number("a = [1, 2]"), None);
+    }
+
+    #[test]
+    fn problems_have_the_innermost_key_and_the_line_of_the_file() {
+        let text = "[structure]\nkind = \"rod\"\n[[contact]]\ngap_mm = 1\n[[contact]]\ngap_m = \"a\"\n";
+        let refused = crate::parse("a.toml", text, &["method.harmonics=-1".to_owned()]).unwrap_err();
+        let document = refused.document();
+        let places: Vec<_> = refused.problems().iter().map(|p| (document.key_of(p), document.line_of(p))).collect();
+        for place in [
+            (Some("contact.0.gap_mm"), Some(4)),
+            (Some("contact.1.gap_m"), Some(6)),
+            (Some("method.harmonics"), None),
+            (Some("structure"), Some(1)),
+            (None, None),
+        ] {
+            assert!(places.contains(&place), "{place:?} in {places:?}");
+        }
     }
 }

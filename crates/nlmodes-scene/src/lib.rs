@@ -10,7 +10,7 @@
 //! | item | what it is |
 //! | --- | --- |
 //! | [`parse_each_method`], [`load_each_method`] | text or file → the checked scene of a structure, one for each method |
-//! | [`load_any`], [`load_to_run`] | the same for a file of any kind: [`AnyScene`] |
+//! | [`load_any`], [`load_to_run`], [`parse_any`] | the same for a file or text of any kind: [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
 //! | [`Refused`], [`SceneError`], [`Problem`] | what is wrong, and where it stands |
 //! | [`whole_schema`] | every key with its unit, limits and default |
@@ -83,7 +83,8 @@ pub use findings::Findings;
 pub use nearest::nearest;
 pub use problem::{Mark, Problem, Severity};
 pub use read::{
-    load_any, load_each_method, load_records, load_to_run, parse, parse_each_method, parse_records, parse_test,
+    load_any, load_each_method, load_records, load_to_run, parse, parse_any, parse_each_method, parse_records,
+    parse_test,
 };
 pub use refused::Refused;
 pub use rule::number;

@@ -45,7 +45,15 @@ pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<Recor
 /// [`Refused`] with all that is wrong.
 pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let (name, text) = content(path)?;
-    let text = Text::new(&name, &text);
+    parse_any(&name, &text, overrides)
+}
+
+/// Reads and checks the text of a scene of any kind; `name` as for [`parse`].
+///
+/// # Errors
+/// [`Refused`] with all that is wrong.
+pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    let text = Text::new(name, text);
     let (_, root) = Document::new(&text, overrides, 0, &mut Vec::new());
     if root.as_ref().is_some_and(|root| planned::is_of_test(root.get_ref())) {
         return Ok(AnyScene::Test(Box::new(test(&text, overrides)?)));

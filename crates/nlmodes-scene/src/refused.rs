@@ -20,6 +20,11 @@ impl Refused {
         &self.problems
     }
 
+    /// The texts that they are about.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
     /// The same as text, with a last line that sums it up.
     pub fn text(&self, colours: bool) -> String {
         let errors = self.problems.iter().filter(|problem| problem.severity == Severity::Error).count();

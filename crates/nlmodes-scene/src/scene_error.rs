@@ -29,6 +29,11 @@ impl SceneError {
         &self.problem
     }
 
+    /// The texts that it is about.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
     /// The same as text, with the lines that it is about.
     pub fn text(&self, colours: bool) -> String {
         let text = self.document.render(std::slice::from_ref(&*self.problem), colours);

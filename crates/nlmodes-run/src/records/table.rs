@@ -47,6 +47,14 @@ impl Table {
         Ok(self.rows.write_record(first.chain(row).chain([outcome.finding_names()]))?)
     }
 
+    /// What there is, as text.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn into_bytes(self) -> Result<Vec<u8>, Failure> {
+        Ok(self.rows.into_inner().map_err(csv::IntoInnerError::into_error)?)
+    }
+
     /// Writes what there is; a file of that name is replaced at once.
     ///
     /// # Errors

@@ -1,0 +1,49 @@
+"""Nonlinear modes of structures that bang against stops.
+
+>>> import nlmodes
+>>> result = nlmodes.run("configs/rod.toml", out=False)  # doctest: +SKIP
+>>> result.plot()  # doctest: +SKIP
+
+================================  ==========================================================
+:func:`run`                       a scene: structure, records of a test, virtual test
+:func:`read`                      what a run has left in a directory
+:func:`check`, :func:`schema`     what can be said before anything is computed
+:func:`linear_frequencies`        the linear modes of a scene
+:func:`verify`                    one period of the full structure from a computed point
+:mod:`nlmodes.contact`            complementarity problems of contact
+:mod:`nlmodes.continuation`       branches of ``R(x, p) = 0`` with functions of your own
+:mod:`nlmodes.experiment`         modal points of records that are in memory
+================================  ==========================================================
+
+All quantities are in SI units; the unit stands in the name of a key or column.
+"""
+
+from . import contact, continuation, experiment
+from ._errors import Mistake, RunError, SceneError, SceneWarning
+from ._native import __version__
+from ._result import Branch, History, Motion, Result, Verification, read, verify
+from ._run import check, linear_frequencies, run, schema
+from ._table import Table
+
+__all__ = [
+    "Branch",
+    "History",
+    "Mistake",
+    "Motion",
+    "Result",
+    "RunError",
+    "SceneError",
+    "SceneWarning",
+    "Table",
+    "Verification",
+    "__version__",
+    "check",
+    "contact",
+    "continuation",
+    "experiment",
+    "linear_frequencies",
+    "read",
+    "run",
+    "schema",
+    "verify",
+]

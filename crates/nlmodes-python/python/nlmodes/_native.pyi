@@ -1,0 +1,74 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "Outcome",
+    "Series",
+    "__version__",
+    "check",
+    "extract",
+    "linear_frequencies",
+    "override_of",
+    "run",
+    "schema",
+    "toml_of",
+    "trace",
+    "verify",
+]
+
+__version__: str
+
+@final
+class Outcome:
+    @property
+    def directory(self) -> Path: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def wrong(self) -> list[str]: ...
+    @property
+    def wall_time_s(self) -> float: ...
+    def history(self, part: int, branch: int, point: int, contact: int, samples: int) -> dict[str, Any]: ...
+
+@final
+class Series:
+    def __new__(cls, a: NDArray[np.float64], solver: str) -> Series: ...
+    def solve(
+        self, b: NDArray[np.float64], start: str
+    ) -> tuple[
+        NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
+    ]: ...
+    def response(self, closed: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+
+def run(
+    source: tuple[str, str] | Path,
+    overrides: list[str],
+    out: Path | None,
+    scratch: Path | None,
+    over: str,
+    memory_limit: str | None,
+    progress: Callable[[int, float | None, str], object] | None,
+) -> Outcome: ...
+def check(source: tuple[str, str] | Path, overrides: list[str]) -> list[str]: ...
+def linear_frequencies(source: tuple[str, str] | Path, overrides: list[str]) -> dict[str, list[float] | None]: ...
+def schema() -> str: ...
+def verify(directory: Path, point: int) -> dict[str, Any]: ...
+def toml_of(scene: dict[str, Any]) -> str: ...
+def override_of(key: str, given: Any) -> str: ...
+def extract(
+    scene: str, records: list[tuple[str, list[tuple[str, NDArray[np.float64]]]]]
+) -> tuple[bytes, list[list[tuple[str, str]]], list[str]]: ...
+def trace(
+    f: Callable[[NDArray[np.float64], float], Any],
+    jacobian: Callable[[NDArray[np.float64], float], Any] | None,
+    x0: list[float],
+    p0: float,
+    direction: list[float],
+    settings: dict[str, Any],
+) -> dict[str, Any]: ...

@@ -1,0 +1,65 @@
+//! `nlmodes.check`, `nlmodes.linear_frequencies`, `nlmodes.schema`: what can be said before anything is computed.
+
+use nlmodes_run::{RunError, chain, no_contact};
+use nlmodes_scene::assemble::structural_model;
+use nlmodes_scene::{AnyScene, SceneFile};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors;
+use crate::scene::{Source, warnings};
+
+/// Whether a run would begin; what looks wrong.
+#[pyfunction]
+pub fn check(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult<Vec<String>> {
+    let scene = source.scene(py, &overrides, None)?;
+    let mut warned = warnings(&scene);
+    let checked = errors::computed(py, || match &scene {
+        AnyScene::Structure(files) => files.iter().map(check_structure).collect::<Result<Vec<_>, RunError>>(),
+        AnyScene::Records(file) => nlmodes_run::records::files_are_there(file).map(|()| Vec::new()),
+        AnyScene::Test(file) => nlmodes_run::virtual_test::check(file).map(|()| Vec::new()),
+    })?;
+    for text in checked.map_err(|error| errors::of_run(py, &error))?.into_iter().flatten() {
+        if !warned.contains(&text) {
+            warned.push(text);
+        }
+    }
+    Ok(warned)
+}
+
+fn check_structure(file: &SceneFile) -> Result<Option<String>, RunError> {
+    if file.scene.contacts.is_empty() {
+        return Err(no_contact(file).into());
+    }
+    let file = nlmodes_run::updating::updated(file.clone())?;
+    let warning = nlmodes_run::mass::warning_of(&file)?;
+    nlmodes_run::check(&file)?;
+    Ok(warning)
+}
+
+/// The lowest linear frequencies of the structure of a scene, Hz.
+#[pyfunction]
+pub fn linear_frequencies(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    let AnyScene::Structure(files) = source.scene(py, &overrides, None)? else {
+        return Err(errors::run_error(py, "this scene has no structure whose modes could be computed"));
+    };
+    let Some(file) = files.into_iter().next() else { return Ok(dict) };
+    let found = errors::computed(py, || -> Result<_, RunError> {
+        let file = nlmodes_run::updating::updated(file)?;
+        let failed = |text: String| -> RunError { file.error_at("structure", &text, "", &[]).into() };
+        let model = structural_model(&file.scene).map_err(|error| failed(chain(&error)))?;
+        nlmodes_run::linear::linear_frequencies(&file.scene, &model).map_err(|error| failed(chain(&error)))
+    })?;
+    let found = found.map_err(|error| errors::of_run(py, &error))?;
+    dict.set_item("mass_kept", found.mass_kept)?;
+    dict.set_item("mass_redistributed", found.mass_redistributed)?;
+    dict.set_item("contacts_held", found.contacts_held)?;
+    Ok(dict)
+}
+
+/// The JSON schema of a scene, as text.
+#[pyfunction]
+pub fn schema() -> String {
+    nlmodes_scene::whole_schema().to_string()
+}

@@ -1,0 +1,48 @@
+//! The compiled part of the Python package `nlmodes`: what computes. Arrays come in checked by `nlmodes._arguments`, and go out as arrays of
+//! NumPy; results of runs are read from their files by `nlmodes._read`.
+//!
+//! | item | what |
+//! | --- | --- |
+//! | `run` | a scene of any kind: structure, records, virtual test |
+//! | `check`, `linear_frequencies`, `schema` | what can be said before that |
+//! | `verify` | one period of the full structure from a computed point |
+//! | `Series` | contact problems |
+//! | `trace` | branches of `R(x, p) = 0` with functions of Python |
+//! | `extract` | modal points of records in memory |
+//!
+//! Whatever computes does so without the interpreter, and looks at it twenty times a second for signals. A panic becomes an error.
+
+mod check;
+mod contact;
+mod continuation;
+mod errors;
+mod experiment;
+mod looking;
+mod run;
+mod scene;
+mod verify;
+
+/// The compiled part of nlmodes.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::check::{check, linear_frequencies, schema};
+    #[pymodule_export]
+    use crate::contact::Series;
+    #[pymodule_export]
+    use crate::continuation::trace;
+    #[pymodule_export]
+    use crate::experiment::extract;
+    #[pymodule_export]
+    use crate::run::{Outcome, run};
+    #[pymodule_export]
+    use crate::scene::{override_of, toml_of};
+    #[pymodule_export]
+    use crate::verify::verify;
+
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        use pyo3::types::PyModuleMethods;
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
