@@ -13,7 +13,7 @@ use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, neares
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::watch::Watch;
-use crate::{Status, check, compare, extract, interrupt, lcp, modes, new, verify};
+use crate::{Status, check, compare, extract, interrupt, lcp, modes, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -95,6 +95,9 @@ Example:
 
 Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
     Lcp(lcp::Arguments),
+    /// A quantity over parameters: thousands of branches, their table, spread and sensitivity
+    #[command(subcommand)]
+    Study(study::Command),
     /// Measured records
     #[command(subcommand)]
     Experiment(Experiment),
@@ -186,6 +189,7 @@ pub fn run() -> Status {
             with_parameters(file, |file| compare::run(file, &compare))
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
+        Command::Study(command) => study::run(&command),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_scene(&scene, |file| with_parameters(file, modes::run)),
         Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => {

@@ -22,6 +22,7 @@ mod new;
 mod options;
 mod progress;
 mod status;
+mod study;
 mod terminal;
 mod told;
 mod verify;

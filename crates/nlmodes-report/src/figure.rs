@@ -8,6 +8,7 @@ mod history;
 mod measured;
 mod motion;
 mod participation;
+mod spread;
 mod stiffness;
 mod stroboscope;
 
@@ -19,6 +20,7 @@ pub use history::HistoryFigure;
 pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
 pub use participation::ParticipationFigure;
+pub use spread::SpreadFigure;
 pub use stiffness::StiffnessFigure;
 pub(crate) use stroboscope::stroboscope;
 

@@ -21,6 +21,7 @@
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
+//! | [`SpreadFigure`] | SVG | values of many cases over something that varies, with median and band |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
@@ -95,7 +96,7 @@ mod unit;
 pub use error::ReportError;
 pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, MeasuredFigure, MotionFigure,
-    ParticipationFigure, StiffnessFigure,
+    ParticipationFigure, SpreadFigure, StiffnessFigure,
 };
 pub use html::{DataTable, HtmlReport};
 pub use output::write_file;

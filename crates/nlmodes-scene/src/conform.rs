@@ -78,6 +78,7 @@ impl<'w> Walk<'w, '_, '_> {
     /// Whether the value conforms, or is a table of which the rest does.
     fn value(&mut self, value: &mut Item<'_>, rule: Rule<'w>, path: &str) -> bool {
         let problem = match (rule.kind(), value.get_mut()) {
+            (Kind::Any, _) => None,
             (Kind::Table, DeValue::Table(table)) => {
                 self.table(table, rule, path);
                 None

@@ -13,6 +13,7 @@
 //! | [`load_any`], [`load_to_run`], [`parse_any`] | the same for a file or text of any kind: [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
 //! | [`Refused`], [`SceneError`], [`Problem`] | what is wrong, and where it stands |
+//! | [`load_other`], [`parse_other`] | files of other kinds than scenes, with messages as good |
 //! | [`whole_schema`] | every key with its unit, limits and default |
 //! | [`assemble`] | scene → structural model |
 //! | [`memory`] | what a scene needs, before anything is computed |
@@ -60,6 +61,7 @@ pub mod memory;
 mod methods;
 mod mistakes;
 mod nearest;
+mod other;
 mod planned;
 mod problem;
 mod raw;
@@ -81,6 +83,7 @@ pub use document::{Document, Place};
 pub use file::FileError;
 pub use findings::Findings;
 pub use nearest::nearest;
+pub use other::{load_other, parse_other};
 pub use problem::{Mark, Problem, Severity};
 pub use read::{
     load_any, load_each_method, load_records, load_to_run, parse, parse_any, parse_each_method, parse_records,

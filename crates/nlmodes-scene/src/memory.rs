@@ -19,6 +19,8 @@ const UNKNOWN: f64 = 4.0 * GIB;
 const SHARE: f64 = 0.75;
 /// A branch of fewer points is not worth the attempt.
 const FEWEST_POINTS: f64 = 20.0;
+/// More points than most branches have.
+const USUAL_POINTS: usize = 1000;
 
 /// Bytes of the program itself.
 const PROGRAM: f64 = 20.0 * 1024.0 * 1024.0;
@@ -57,6 +59,12 @@ impl Limit {
         let container = container.iter().find_map(|path| fs::read_to_string(path).ok()?.trim().parse::<f64>().ok());
         let all = [total, container].into_iter().flatten().reduce(f64::min);
         Self(all.map_or(UNKNOWN, |bytes| SHARE * bytes))
+    }
+
+    /// What each of so many runs at the same time may take.
+    #[must_use]
+    pub fn shared_by(self, runs: usize) -> Self {
+        Self(self.0 / runs.max(1) as f64)
     }
 
     fn help(self, needed: f64) -> String {
@@ -141,6 +149,12 @@ fn of_files(matrices: &Matrices) -> f64 {
     // A factor of a solid grows with the 4/3rd power of its size.
     let unknowns = entries / ENTRIES_OF_A_ROW;
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
+}
+
+/// What the branch of a scene with so many points as most branches have takes at most, bytes.
+pub fn estimate(file: &SceneFile) -> f64 {
+    let needs = Needs::of(&file.scene);
+    needs.fixed() + needs.point * file.scene.continuation.max_points.min(USUAL_POINTS) as f64
 }
 
 /// Refuses scenes that do not fit, with what is to be said, and lowers the number of points to what fits.

@@ -121,6 +121,7 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
         Kind::Boolean => "true or false",
         Kind::Text => "a text",
         Kind::OneOf => "a value of another kind",
+        Kind::Any => "a value",
     }
 }
 

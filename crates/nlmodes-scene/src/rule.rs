@@ -22,12 +22,17 @@ pub enum Kind {
     Boolean,
     /// One of several kinds, in the words of the schema.
     OneOf,
+    /// Whatever is written: who reads it checks it.
+    Any,
 }
 
 impl<'a> Rule<'a> {
     pub fn kind(self) -> Kind {
         if self.0.get("expected").is_some() {
             return Kind::OneOf;
+        }
+        if self.0.get("anyValue").is_some() {
+            return Kind::Any;
         }
         if let Some(types) = self.0.get("type").and_then(Value::as_array) {
             let has_text = types.iter().any(|name| name == "string");
@@ -131,6 +136,7 @@ impl<'a> Rule<'a> {
             Kind::IntegerOrText => format!("a whole number{}{unit}, or {}", self.limits(), either(&self.choices())),
             Kind::Boolean => "true or false".into(),
             Kind::Text => self.expected_text(),
+            Kind::Any => "a value".into(),
             Kind::OneOf => self.0.get("expected").and_then(Value::as_str).unwrap_or_default().to_owned(),
         }
     }

@@ -81,7 +81,8 @@ fn join_tables(one: &mut Value, other: &Value) {
     }
 }
 
-fn schema_of<T: JsonSchema>() -> Value {
+/// JSON schema of any tables.
+pub fn schema_of<T: JsonSchema>() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
     without_null(&mut schema);

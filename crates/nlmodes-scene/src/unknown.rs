@@ -88,5 +88,9 @@ pub fn problem(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Problem
 /// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
 pub fn heading(path: &str) -> String {
     let name = without_numbers(path);
-    if ["contact", "channel"].contains(&name.as_str()) { format!("[[{name}]]") } else { format!("[{name}]") }
+    if ["contact", "channel", "vary", "quantity"].contains(&name.as_str()) {
+        format!("[[{name}]]")
+    } else {
+        format!("[{name}]")
+    }
 }

@@ -1,0 +1,103 @@
+//! `nlmodes-cli study`: thousands of branches, and what comes of them.
+
+mod collect;
+mod run;
+mod serve;
+mod slurm;
+mod status;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use nlmodes_study::Study;
+
+use crate::Status;
+use crate::terminal::wants_colours;
+
+/// What is done with a study.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute the cases that are not there yet, one branch a core, then table and page
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli study run configs/gap_study.toml
+  nlmodes-cli study run configs/gap_study.toml --shard 0/8     every eighth case: on eight machines 0/8 to 7/8
+
+What is there is not computed again, and what was interrupted goes on: after Ctrl-C, a killed process or a full disk the same call goes on.
+A case that fails is a row of the table with its reason.")]
+    Run(run::Arguments),
+    /// How many cases are there, failed, and are missing
+    Status(Place),
+    /// Write table (CSV, Parquet), statistics and page of what there is
+    #[command(after_help = "\
+Example:
+  nlmodes-cli study collect configs/gap_study.toml
+
+Exit status 1 where cases are missing or damaged: the table says which.")]
+    Collect(collect::Arguments),
+    /// Write a study as an array job of a Slurm cluster, each task a share of many cases
+    #[command(after_help = "\
+Example:
+  nlmodes-cli study slurm configs/gap_study.toml --shards 8 --jobs 4
+  sbatch gap_study.sbatch
+  nlmodes-cli study collect configs/gap_study.toml        at any time, of what is there
+
+The script has the line for GNU parallel and that for HyperQueue too.")]
+    Slurm(slurm::Arguments),
+    /// Compute cases that another program asks for: a line of JSON in, a line out
+    #[command(after_help = "\
+Example:
+  echo '{\"id\": 1, \"set\": {\"gap_m\": 1e-3}}' | nlmodes-cli study serve configs/gap_study.toml
+  {\"id\":1,\"status\":\"complete\",\"reason\":\"\",\"quantities\":{\"f_2\":46.1,\"largest_force_n\":61.2},\"case\":\"b0af6d14a3c51e02\"}
+
+Names are those of the study's variables, or keys that `--set` takes. Answers come in the order in which they are done. What is there is not computed again.")]
+    Serve(serve::Arguments),
+}
+
+/// The study, and where it is.
+#[derive(Debug, Args)]
+pub struct Place {
+    /// The study, a TOML file
+    #[arg(value_name = "STUDY")]
+    path: PathBuf,
+    /// Directory of the study, instead of the one that it names
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Place {
+    /// Reads and checks the study, says what is wrong with it, or goes on.
+    fn with(&self, then: impl FnOnce(&Study) -> Status) -> Status {
+        match Study::load(&self.path) {
+            Ok(mut file) => {
+                if !file.warnings.is_empty() {
+                    say!("{}\n", file.warnings_text(wants_colours()));
+                }
+                if let Some(out) = &self.out {
+                    file.scene.directory.clone_from(out);
+                }
+                then(&file.scene)
+            }
+            Err(refused) => {
+                say!("{}", refused.text(wants_colours()));
+                Status::Wrong
+            }
+        }
+    }
+}
+
+/// Does what the command line says.
+pub fn run(command: &Command) -> Status {
+    match command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::Status(place) => place.with(status::run),
+        Command::Collect(arguments) => collect::run(arguments),
+        Command::Slurm(arguments) => slurm::write(arguments),
+        Command::Serve(arguments) => serve::serve(arguments),
+    }
+}
+
+/// Where files are, for people.
+fn shown(directory: &Path, name: &str) -> String {
+    directory.join(name).display().to_string()
+}

@@ -1,0 +1,183 @@
+//! `nlmodes-cli study run`.
+
+use std::io::IsTerminal;
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use nlmodes_scene::memory;
+use nlmodes_study::{Progress, RunOutcome, Settings, Shard, Study, StudyError, StudyObserver};
+
+use super::{Place, collect};
+use crate::terminal::print;
+use crate::{Status, interrupt};
+
+/// Time between two plain lines.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
+
+/// What stands on the command line.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    place: Place,
+    /// Cases at a time [default: as many as the machine has cores]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Every n-th case only, beginning with case i from 0: the shares of several machines, 0/n to (n−1)/n; without table and page
+    #[arg(long, value_name = "I/N", default_value = "0/1")]
+    shard: Shard,
+    /// Taken for likeness with `run`: a study always goes on where it was interrupted
+    #[arg(long = "resume")]
+    _resume: bool,
+    /// Compute cases that failed once more
+    #[arg(long)]
+    retry_failed: bool,
+    /// Draw figures and page of each case too
+    #[arg(long)]
+    figures: bool,
+    /// Most memory of all cases that are computed at the same time, as 8GiB; default: three quarters of the machine's
+    #[arg(long, value_name = "SIZE")]
+    memory_limit: Option<memory::Limit>,
+    /// No progress; warnings and errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Computes the cases that are not there yet, then table and page.
+pub fn run(arguments: &Arguments) -> Status {
+    arguments.place.with(|study| {
+        interrupt::install();
+        interrupt::something_found();
+        let settings = Settings {
+            jobs: arguments.jobs,
+            shard: arguments.shard,
+            retry: arguments.retry_failed,
+            drawn: arguments.figures,
+            memory_limit: arguments.memory_limit,
+        };
+        let mut watch = Watch::new(arguments.quiet);
+        let outcome = nlmodes_study::run(study, &settings, &mut watch);
+        watch.finish();
+        match outcome {
+            Ok(outcome) => told(study, arguments, &settings, &outcome),
+            Err(error) => refused(&error),
+        }
+    })
+}
+
+fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &RunOutcome) -> Status {
+    if !arguments.quiet {
+        say!("{}", sentence(outcome));
+    }
+    let status = if outcome.is_done() { Status::Done } else { Status::EndedEarly };
+    if outcome.is_cut_off {
+        say!("the same call goes on where this one ended");
+        return status;
+    }
+    if outcome.elsewhere > 0 {
+        say!("{} cases are being computed by another process", outcome.elsewhere);
+    }
+    if !arguments.shard.is_all() {
+        let place = study.directory.display();
+        return match arguments.quiet {
+            true => status,
+            false => print(&format!(
+                "Cases in {place}/cases; `nlmodes-cli study collect` makes table and page of all shards"
+            )),
+        };
+    }
+    match collect::write(study, settings.jobs(), arguments.quiet) {
+        Status::Done => status,
+        early => early,
+    }
+}
+
+/// Why a study does not go on.
+pub fn refused(error: &StudyError) -> Status {
+    say!("error: {}", nlmodes_run::chain(error));
+    match error {
+        StudyError::NoCase { .. } => Status::Wrong,
+        _ => {
+            say!("what was computed until then stays; the same call goes on from there");
+            Status::EndedEarly
+        }
+    }
+}
+
+fn sentence(outcome: &RunOutcome) -> String {
+    let RunOutcome { cases, computed, there, failed, incomplete, refused, repeated, .. } = outcome;
+    let seconds = outcome.wall_time.as_secs_f64();
+    let mut parts = vec![format!("{computed} of {cases} cases computed in {seconds:.1} s")];
+    let further = [
+        (*there, "were there"),
+        (*incomplete, "ended early"),
+        (*failed, "failed"),
+        (*refused, "are no sound scenes"),
+        (*repeated, "have the scene of another one"),
+    ];
+    parts.extend(further.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+    parts.join(", ")
+}
+
+/// A line that moves on a terminal, plain lines elsewhere.
+struct Watch {
+    bar: Option<ProgressBar>,
+    plain: bool,
+    last: Option<Instant>,
+}
+
+impl Watch {
+    fn new(quiet: bool) -> Self {
+        let dumb = std::env::var_os("TERM").is_some_and(|name| name == "dumb");
+        let terminal = std::io::stderr().is_terminal() && !dumb;
+        let bar = (!quiet && terminal).then(|| {
+            let style = ProgressStyle::with_template("[{bar:20}] {msg}");
+            let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+            ProgressBar::new(1).with_style(style.progress_chars("=> "))
+        });
+        Self { bar, plain: !quiet && !terminal, last: None }
+    }
+
+    fn finish(&self) {
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
+    }
+}
+
+impl StudyObserver for Watch {
+    fn progress(&mut self, progress: &Progress) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(progress.cases as u64);
+            bar.set_position((progress.there + progress.computed) as u64);
+            bar.set_message(line(progress));
+        } else if self.plain && self.last.is_none_or(|last| last.elapsed() >= PLAIN_INTERVAL) {
+            self.last = Some(Instant::now());
+            say!("{}", line(progress));
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+fn line(progress: &Progress) -> String {
+    let mut text = format!("{} of {} cases", progress.there + progress.computed, progress.cases);
+    if progress.failed > 0 {
+        text += &format!(", {} failed", progress.failed);
+    }
+    if let (Some(rate), Some(rest)) = (progress.rate(), progress.rest()) {
+        text += &format!(", {rate:.1} a second, {} left", duration(rest));
+    }
+    text
+}
+
+/// A time for people.
+pub fn duration(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        0..120 => format!("{seconds} s"),
+        120..7200 => format!("{} min", seconds / 60),
+        _ => format!("{:.1} h", seconds as f64 / 3600.0),
+    }
+}

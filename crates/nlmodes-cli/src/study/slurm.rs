@@ -1,0 +1,82 @@
+//! `nlmodes-cli study slurm`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use nlmodes_run::Silent;
+use nlmodes_study::slurm::{ArrayJob, job_name, needs};
+use nlmodes_study::{Settings, Shard, Study, run};
+
+use super::Place;
+use super::run::{duration, refused};
+use crate::Status;
+use crate::terminal::print;
+
+/// Cases that are computed to know how long one takes.
+const TRIED: usize = 2;
+
+/// What stands on the command line.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    place: Place,
+    /// Tasks of the array, each a share of the cases; few and long ones please a cluster
+    #[arg(long, value_name = "N", default_value = "8")]
+    shards: NonZeroUsize,
+    /// Cores of each task
+    #[arg(long, value_name = "N", default_value = "1")]
+    jobs: NonZeroUsize,
+    /// Partition of the cluster
+    #[arg(long, value_name = "NAME")]
+    partition: Option<String>,
+    /// File of the script; default: the study's name with .sbatch, where the program is started
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
+}
+
+/// Writes the script, and says what it asks for.
+pub fn write(arguments: &Arguments) -> Status {
+    arguments.place.with(|study| {
+        let (shards, jobs) = (arguments.shards.get(), arguments.jobs.get());
+        let mut found = needs(study, shards, jobs);
+        if found.time.is_none() && found.missing > 0 {
+            say!("{TRIED} cases are computed to know how long one takes");
+            if let Err(error) = tried(study, found.missing) {
+                return refused(&error);
+            }
+            found = needs(study, shards, jobs);
+        }
+        let name = job_name(&arguments.place.path);
+        let job = ArrayJob {
+            study: arguments.place.path.display().to_string(),
+            out: arguments.place.out.as_ref().map(|out| out.display().to_string()),
+            program: std::env::current_exe().map_or("nlmodes-cli".into(), |path| path.display().to_string()),
+            name: name.clone(),
+            shards,
+            jobs,
+            partition: arguments.partition.clone(),
+            time: found.time.unwrap_or(Duration::from_secs(3600)),
+            memory: found.memory,
+        };
+        let path = arguments.script.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.sbatch")));
+        if let Err(error) = std::fs::write(&path, job.script()) {
+            say!("error: {}: {error}", path.display());
+            return Status::Wrong;
+        }
+        let (path, time) = (path.display(), duration(job.time));
+        print(&format!(
+            "{} cases to compute in {shards} tasks of {jobs} cores, {time} and {:.0} MiB each\nScript in {path}: sbatch {path}",
+            found.missing,
+            (job.memory / 1048576.0).max(256.0)
+        ))
+    })
+}
+
+/// Computes some cases, spread over the study.
+fn tried(study: &Study, missing: usize) -> Result<(), nlmodes_study::StudyError> {
+    let of = (missing / TRIED).max(1);
+    let shard = format!("{}/{of}", of / 2).parse::<Shard>().unwrap_or_default();
+    run(study, &Settings { jobs: NonZeroUsize::new(1), shard, ..Settings::default() }, &mut Silent).map(drop)
+}

@@ -1,0 +1,154 @@
+//! One case: a point of the design with one method and one number of harmonics.
+
+mod name;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use nlmodes_scene::{Refused, SceneFile, parse_each_method};
+use serde_json::Value;
+
+use crate::design::Points;
+use crate::study::Study;
+pub use name::hex;
+use name::id;
+
+/// A case as the table has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Number in the study, from 0.
+    pub number: usize,
+    /// Number of its point in the design, from 0.
+    pub point: usize,
+    /// Which of the point's methods and numbers of harmonics, from 0.
+    pub part: usize,
+    /// Value of each variable; of several keys that move together, of the first one.
+    pub values: Vec<Value>,
+    /// Method of its scene; empty where that is refused.
+    pub method: &'static str,
+    /// Number of harmonics of its scene; 0 where that is refused.
+    pub harmonics: usize,
+    /// Name of its directory: a hash of the resolved scene and the version of the program. Or why its scene is refused.
+    pub id: Result<String, Arc<str>>,
+}
+
+/// The scene of a case, ready to run but for its directory.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// With one method and one number of harmonics.
+    pub file: SceneFile,
+    /// As [`Case::id`].
+    pub id: String,
+    /// What `--set` takes to make it of the scene of the study.
+    pub set: Vec<String>,
+}
+
+/// What `--set` takes for a point of the design.
+fn overrides(study: &Study, point: &[Vec<Value>]) -> Vec<String> {
+    let pairs = study.variables.iter().zip(point).flat_map(|(variable, values)| variable.keys.iter().zip(values));
+    pairs.map(|(key, value)| setting(key, value)).collect()
+}
+
+/// What `--set` takes for a key and its value.
+pub fn setting(key: &str, value: &Value) -> String {
+    format!("{key}={}", toml(value))
+}
+
+/// A value as TOML.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Number(number) if number.is_f64() => format!("{:?}", number.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(items) => format!("[{}]", items.iter().map(toml).collect::<Vec<_>>().join(", ")),
+        Value::Object(entries) => {
+            let entries: Vec<String> = entries.iter().map(|(key, value)| format!("{key} = {}", toml(value))).collect();
+            format!("{{ {} }}", entries.join(", "))
+        }
+        // Texts of JSON are texts of TOML.
+        other => other.to_string(),
+    }
+}
+
+/// The scenes of a point: one for each method and number of harmonics.
+///
+/// # Errors
+/// [`Refused`], what is wrong with the scene that the values make.
+pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, Box<Refused>> {
+    resolve_set(study, overrides(study, point))
+}
+
+/// The scenes with these values, as `--set` takes them.
+///
+/// # Errors
+/// [`Refused`], what is wrong with the scene that the values make.
+pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, Box<Refused>> {
+    let files = parse_each_method(&study.scene_name, &study.scene_text, &set)?;
+    let mut parts = Vec::new();
+    for file in files {
+        let list = file.scene.method.harmonics_list.clone();
+        for &harmonics in &list {
+            let mut own = file.clone();
+            let mut set = set.clone();
+            set.extend((list.len() > 1).then(|| format!("method.harmonics={harmonics}")));
+            own.scene.method.harmonics = harmonics;
+            own.scene.method.harmonics_list = vec![harmonics];
+            let id = id(&own);
+            parts.push(Resolved { file: own, id, set });
+        }
+    }
+    Ok(parts)
+}
+
+/// All cases of a study in their order, their scenes read by so many threads.
+pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
+    let points = Points::new(study);
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= points.len() {
+                return found;
+            }
+            found.push((number, of_point(study, number, &points.get(number))));
+        }
+    };
+    let mut all: Vec<(usize, Vec<Case>)> = thread::scope(|scope| {
+        let workers: Vec<_> = (1..threads.min(points.len())).map(|_| scope.spawn(work)).collect();
+        let mut all = work();
+        for worker in workers {
+            all.extend(worker.join().unwrap_or_default());
+        }
+        all
+    });
+    all.sort_by_key(|(number, _)| *number);
+    let mut cases: Vec<Case> = all.into_iter().flat_map(|(_, cases)| cases).collect();
+    cases.iter_mut().enumerate().for_each(|(number, case)| case.number = number);
+    cases
+}
+
+fn of_point(study: &Study, number: usize, point: &[Vec<Value>]) -> Vec<Case> {
+    let values: Vec<Value> = point.iter().map(|keys| keys.first().cloned().unwrap_or_default()).collect();
+    let case = |part, method, harmonics, id| Case {
+        number: 0,
+        point: number,
+        part,
+        values: values.clone(),
+        method,
+        harmonics,
+        id,
+    };
+    match resolve(study, point) {
+        Ok(parts) => {
+            let one = |(part, resolved): (usize, Resolved)| {
+                let method = &resolved.file.scene.method;
+                case(part, method.kind.name(), method.harmonics, Ok(resolved.id))
+            };
+            parts.into_iter().enumerate().map(one).collect()
+        }
+        Err(refused) => {
+            let errors = refused.problems().iter().map(nlmodes_scene::Problem::sentence);
+            vec![case(0, "", 0, Err(errors.collect::<Vec<_>>().join(" | ").into()))]
+        }
+    }
+}

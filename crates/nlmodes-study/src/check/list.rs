@@ -1,0 +1,60 @@
+//! A list of cases in a CSV.
+
+use std::path::Path;
+
+use nlmodes_scene::{Findings, Problem};
+use serde_json::Value;
+
+use crate::study::{Design, DesignKind, Values, Variable};
+
+const KEY: &str = "design.file";
+
+/// A variable for each column.
+pub fn variables(path: &Path, design: &Design, tables: usize, findings: &mut Findings<'_>) -> Option<Vec<Variable>> {
+    if design.kind != DesignKind::List || tables > 0 {
+        let problem = Problem::error("a file of cases stands by itself")
+            .help("design.kind = \"list\", and no heading [[vary]]: the header of the file says what varies");
+        findings.put(KEY, problem, "expected a list without other variables");
+        return None;
+    }
+    match read(path) {
+        Ok(variables) => Some(variables),
+        Err(reason) => {
+            findings.put(KEY, Problem::error(format!("the cases in {} cannot be read", path.display())), reason);
+            None
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<Variable>, String> {
+    let mut table =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|error| error.to_string())?;
+    let header = table.headers().map_err(|error| error.to_string())?.clone();
+    let mut columns: Vec<Vec<Vec<Value>>> = vec![Vec::new(); header.len()];
+    for row in table.records() {
+        let row = row.map_err(|error| error.to_string())?;
+        for (column, cell) in columns.iter_mut().zip(&row) {
+            column.push(vec![value(cell)]);
+        }
+    }
+    if columns.first().is_none_or(Vec::is_empty) {
+        return Err("expected a header with keys, and a row a case".into());
+    }
+    if let Some(wrong) = header.iter().find(|key| key.is_empty() || key.contains('=')) {
+        return Err(format!("the header has \"{wrong}\", expected what `--set` takes, as contact.0.gap_m"));
+    }
+    let variable = |(key, values): (&str, Vec<Vec<Value>>)| Variable {
+        name: key.to_owned(),
+        keys: vec![key.to_owned()],
+        values: Values::Listed(values),
+    };
+    Ok(header.iter().zip(columns).map(variable).collect())
+}
+
+/// A number where it is one, else text.
+fn value(cell: &str) -> Value {
+    let whole = cell.parse::<i64>().map(Value::from);
+    whole.unwrap_or_else(|_| {
+        cell.parse::<f64>().ok().filter(|x| x.is_finite()).map_or_else(|| Value::from(cell), Value::from)
+    })
+}

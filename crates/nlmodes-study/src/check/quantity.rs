@@ -1,0 +1,98 @@
+//! What is wanted of each case.
+
+use nlmodes::report::BRANCH_COLUMNS;
+use nlmodes_scene::{Findings, Problem, nearest};
+use serde_json::Value;
+
+use crate::curve::{ENERGY_RATIO, has_numbers};
+use crate::raw::RawQuantity;
+use crate::study::{Place, Quantity};
+
+const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or the name of an event";
+/// Names of events that runs are known to have; others may come.
+const EVENTS: [&str; 9] = [
+    "grazing",
+    "start",
+    "fold",
+    "frequency-fold",
+    "branch-point",
+    "kink",
+    "contact-change",
+    "stability-change",
+    "other-mode",
+];
+
+/// The quantities of all tables.
+pub fn quantities(raw: &[RawQuantity], findings: &mut Findings<'_>) -> Vec<Quantity> {
+    raw.iter().enumerate().filter_map(|(k, raw)| quantity(raw, k, findings)).collect()
+}
+
+fn quantity(raw: &RawQuantity, k: usize, findings: &mut Findings<'_>) -> Option<Quantity> {
+    let path = format!("quantity.{k}");
+    let at = place(raw.at.as_ref()?, &format!("{path}.at"), findings);
+    let of = raw.of.clone()?;
+    is_column(&of, &format!("{path}.of"), findings)?;
+    Some(Quantity { name: raw.name.clone()?, of, at: at? })
+}
+
+/// Columns of numbers that a branch has.
+fn columns() -> impl Iterator<Item = &'static str> {
+    std::iter::once(ENERGY_RATIO).chain(BRANCH_COLUMNS.into_iter().filter(|name| has_numbers(name)))
+}
+
+fn is_column(name: &str, path: &str, findings: &mut Findings<'_>) -> Option<()> {
+    if columns().any(|column| column == name) {
+        return Some(());
+    }
+    let problem = Problem::error(format!("a branch has no column `{name}` with numbers"));
+    let (problem, label) = match nearest(name, columns()) {
+        Some(column) => (problem, format!("did you mean \"{column}\"?")),
+        None => (
+            problem.help(format!("columns: {}", columns().collect::<Vec<_>>().join(", "))),
+            "expected a column of branch.csv".into(),
+        ),
+    };
+    findings.put(path, problem, label);
+    None
+}
+
+fn place(raw: &Value, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
+    match raw {
+        Value::String(text) => named(text, path, findings),
+        Value::Object(entries) if entries.len() == 1 => {
+            let (name, value) = entries.iter().next()?;
+            if name == "event" && value.is_string() {
+                return named(value.as_str()?, path, findings);
+            }
+            is_column(name, &format!("{path}.{name}"), findings)?;
+            let Some(value) = value.as_f64() else {
+                let problem = Problem::error(format!("`{path}.{name}` is not a number"));
+                findings.put(&format!("{path}.{name}"), problem, "expected a number");
+                return None;
+            };
+            Some(Place::Column { name: name.clone(), value })
+        }
+        _ => {
+            findings.put(path, Problem::error(format!("`{path}` is no place on a branch")), EXPECTED);
+            None
+        }
+    }
+}
+
+fn named(text: &str, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
+    match text {
+        "first" => return Some(Place::First),
+        "last" => return Some(Place::Last),
+        "max" => return Some(Place::Max),
+        "min" => return Some(Place::Min),
+        event if EVENTS.contains(&event) => return Some(Place::Event(event.to_owned())),
+        _ => {}
+    }
+    let problem = Problem::error(format!("`{path}` cannot be \"{text}\""));
+    let problem = match nearest(text, EVENTS.into_iter().chain(["first", "last", "max", "min"])) {
+        Some(known) => problem.help(format!("did you mean \"{known}\"?")),
+        None => problem.help(format!("events: {}", EVENTS.join(", "))),
+    };
+    findings.put(path, problem, EXPECTED);
+    None
+}

@@ -1,0 +1,144 @@
+//! What there is of a study, as a table.
+
+mod band;
+mod row;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use crate::case::{Case, cases};
+use crate::statistics::Statistics;
+use crate::store::Store;
+use crate::study::{Place, Study};
+use crate::table::{Cells, Table};
+pub use band::{Band, Drawn};
+pub use row::{Row, State};
+
+/// Most branches that are kept for the page.
+const MOST_DRAWN: usize = 1500;
+
+/// How many cases are in which state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// All.
+    pub cases: usize,
+    /// Branches that ended where they were meant to.
+    pub complete: usize,
+    /// Branches that ended early.
+    pub incomplete: usize,
+    /// No branch, for a reason; the scene of the case is refused, or it cannot be computed.
+    pub failed: usize,
+    /// Not computed yet.
+    pub missing: usize,
+    /// Computed, but altered or damaged since.
+    pub damaged: usize,
+}
+
+/// What there is of a study.
+#[derive(Debug, Clone)]
+pub struct Collected {
+    /// A row a case, in the order of the design.
+    pub table: Table,
+    /// How many cases are in which state.
+    pub counts: Counts,
+    /// Spread and sensitivity of each quantity.
+    pub statistics: Vec<Statistics>,
+    /// Branches for the page: all, or as many as it can show.
+    pub drawn: Vec<Drawn>,
+    /// Percentiles of the frequency over the energy.
+    pub band: Band,
+}
+
+impl Collected {
+    /// Reads what there is. Cases that are missing have a row that says so.
+    pub fn new(study: &Study, threads: usize) -> Self {
+        let cases = cases(study, threads);
+        let store = Store::new(&study.directory);
+        let rows = rows(study, &store, &cases, threads);
+        let table = table(study, &cases, &rows);
+        let mut counts = Counts { cases: rows.len(), ..Counts::default() };
+        rows.iter().for_each(|row| counts.take(row.state));
+        let statistics = study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
+        let drawn: Vec<Drawn> = rows.into_iter().filter_map(|row| row.drawn).collect();
+        let band = Band::new(&drawn);
+        Self { table, counts, statistics, drawn, band }
+    }
+}
+
+impl Counts {
+    fn take(&mut self, state: State) {
+        *match state {
+            State::Complete => &mut self.complete,
+            State::Incomplete => &mut self.incomplete,
+            State::Failed => &mut self.failed,
+            State::Missing => &mut self.missing,
+            State::Damaged => &mut self.damaged,
+        } += 1;
+    }
+}
+
+/// How many cases are in which state, without a look at their branches.
+pub fn status(study: &Study, threads: usize) -> Counts {
+    let store = Store::new(&study.directory);
+    let cases = cases(study, threads);
+    let mut counts = Counts { cases: cases.len(), ..Counts::default() };
+    cases.iter().for_each(|case| counts.take(row::state(&store, case).0));
+    counts
+}
+
+fn rows(study: &Study, store: &Store, cases: &[Case], threads: usize) -> Vec<Row> {
+    let every = cases.len().div_ceil(MOST_DRAWN).max(1);
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            let Some(case) = cases.get(k) else { return found };
+            found.push((k, Row::read(study, store, case, k % every == 0)));
+        }
+    };
+    let mut all: Vec<(usize, Row)> = thread::scope(|scope| {
+        let workers: Vec<_> = (1..threads.min(cases.len())).map(|_| scope.spawn(work)).collect();
+        let mut all = work();
+        for worker in workers {
+            all.extend(worker.join().unwrap_or_default());
+        }
+        all
+    });
+    all.sort_by_key(|(k, _)| *k);
+    all.into_iter().map(|(_, row)| row).collect()
+}
+
+fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
+    let mut table = Table::default();
+    table.push("case", Cells::Integers(cases.iter().map(|case| Some(case.number as i64)).collect()));
+    for (k, variable) in study.variables.iter().enumerate() {
+        table.push(&variable.name, Cells::of_values(cases.iter().filter_map(|case| case.values.get(k))));
+    }
+    // One case may have no scene, and with it no method.
+    let methods = || cases.iter().filter(|case| case.harmonics > 0);
+    if methods().any(|case| case.part > 0) {
+        let known = |case: &Case| case.harmonics > 0;
+        table.push("method", Cells::Texts(cases.iter().map(|c| known(c).then(|| c.method.to_owned())).collect()));
+        table
+            .push("harmonics", Cells::Integers(cases.iter().map(|c| known(c).then_some(c.harmonics as i64)).collect()));
+    }
+    for (k, quantity) in study.quantities.iter().enumerate() {
+        let cell = |row: &Row| row.values.get(k).copied().flatten();
+        table.push(&quantity.name, Cells::Numbers(rows.iter().map(|row| cell(row).map(|v| v[0])).collect()));
+        if matches!(quantity.at, Place::Column { .. }) {
+            let error = rows.iter().map(|row| cell(row).map(|v| v[1])).collect();
+            table.push(error_column(&quantity.name), Cells::Numbers(error));
+        }
+    }
+    table.push("points", Cells::Integers(rows.iter().map(|row| row.points.map(|n| n as i64)).collect()));
+    table.push("status", Cells::Texts(rows.iter().map(|row| Some(row.state.name().to_owned())).collect()));
+    table.push("reason", Cells::Texts(rows.iter().map(|row| Some(row.reason.clone())).collect()));
+    table.push("id", Cells::Texts(cases.iter().map(|case| case.id.as_ref().ok().cloned()).collect()));
+    table
+}
+
+/// Name of the column with the estimated error of interpolation.
+pub fn error_column(quantity: &str) -> String {
+    format!("{quantity}_error")
+}

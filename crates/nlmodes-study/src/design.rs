@@ -1,0 +1,8 @@
+//! The points of a design, one for each number.
+
+mod points;
+mod random;
+mod sobol;
+
+pub use points::{Points, n_listed};
+pub use sobol::MAX_DIMENSIONS;

@@ -1,0 +1,105 @@
+//! Single cases for a program that asks for them: an optimiser, a sampler.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::case::{Case, Resolved, resolve_set, setting};
+use crate::collect::{Row, State};
+use crate::error::StudyError;
+use crate::run::{Done, Settings, Worker};
+use crate::store::Store;
+use crate::study::Study;
+
+/// Time between two looks at a case that another process is computing.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// What comes of a case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// How it ended: `complete`, `incomplete` or `failed`.
+    pub status: &'static str,
+    /// Why it failed or ended early, or which quantity it does not have; empty where there is nothing to say.
+    pub reason: String,
+    /// Each quantity of the study; `null` where the case does not have it.
+    pub quantities: Map<String, Value>,
+    /// Name of its directory; empty where the scene is refused.
+    pub id: String,
+}
+
+/// Computes cases of a study when they are asked for, whatever its design. Those that are there are not computed again.
+#[derive(Debug, Clone)]
+pub struct Evaluator {
+    study: Study,
+    settings: Settings,
+    ended: Arc<AtomicBool>,
+}
+
+impl Evaluator {
+    /// Of this study, in its directory.
+    pub fn new(study: Study, settings: Settings) -> Self {
+        Self { study, settings, ended: Arc::default() }
+    }
+
+    /// Ends what is in progress: it goes on the next time.
+    pub fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
+
+    /// The case with these values, by the names of variables or by keys that `--set` takes; nothing if an end was asked for.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it cannot be written.
+    pub fn evaluate(&self, values: &Map<String, Value>) -> Result<Option<Answer>, StudyError> {
+        let set: Vec<String> = values.iter().flat_map(|(name, value)| self.set(name, value)).collect();
+        let resolved = match resolve_set(&self.study, set) {
+            Ok(parts) => match <[Resolved; 1]>::try_from(parts) {
+                Ok([resolved]) => resolved,
+                Err(_) => return Ok(Some(self.failed("the scene has several methods or numbers of harmonics"))),
+            },
+            Err(refused) => {
+                let errors: Vec<String> = refused.problems().iter().map(nlmodes_scene::Problem::sentence).collect();
+                return Ok(Some(self.failed(&errors.join(" | "))));
+            }
+        };
+        let id = resolved.id.clone();
+        let store = Store::new(&self.study.directory);
+        let worker = Worker { store: &store, settings: &self.settings, ended: &self.ended };
+        while store.record(&id).is_none() {
+            if self.ended.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            if worker.compute(resolved.clone())? == Done::Elsewhere {
+                thread::sleep(LOOK);
+            }
+        }
+        let case = Case { number: 0, point: 0, part: 0, values: Vec::new(), method: "", harmonics: 0, id: Ok(id) };
+        Ok(Some(self.answer(&case, Row::read(&self.study, &store, &case, false))))
+    }
+
+    /// What `--set` takes for a name and its value.
+    fn set(&self, name: &str, value: &Value) -> Vec<String> {
+        let variable = self.study.variables.iter().find(|variable| variable.name == name);
+        match variable {
+            Some(variable) => variable.keys.iter().map(|key| setting(key, value)).collect(),
+            None => vec![setting(name, value)],
+        }
+    }
+
+    fn failed(&self, reason: &str) -> Answer {
+        let names = self.study.quantities.iter().map(|quantity| (quantity.name.clone(), Value::Null));
+        let (reason, id) = (reason.to_owned(), String::new());
+        Answer { status: State::Failed.name(), reason, quantities: names.collect(), id }
+    }
+
+    fn answer(&self, case: &Case, row: Row) -> Answer {
+        let values = row.values.iter().map(|value| value.map_or(Value::Null, |[value, _]| Value::from(value)));
+        let names = self.study.quantities.iter().map(|quantity| quantity.name.clone());
+        let id = case.id.clone().unwrap_or_default();
+        Answer { status: row.state.name(), reason: row.reason, quantities: names.zip(values).collect(), id }
+    }
+}

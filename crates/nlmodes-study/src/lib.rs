@@ -1,0 +1,103 @@
+//! Studies: a quantity over parameters, its spread and its sensitivity, from thousands of branches.
+//!
+//! ```text
+//! study.toml  →  Study  →  cases  →  cases/<id>/ (a run each)  →  table, statistics, page
+//! ```
+//!
+//! A case is the scene of the study with the values of one point of the design, one method and one number of harmonics. Its name is a hash of the
+//! scene that comes out and of the version of the program: what is there is not computed again, whoever computed it, and what has changed is.
+//! Nothing is printed; progress goes to a [`StudyObserver`], and results are data.
+//!
+//! | item | what it is |
+//! | --- | --- |
+//! | [`Study`] | a study file, read and checked with its scene: [`Study::load`] |
+//! | [`cases`](case::cases) | its cases, with their names |
+//! | [`run`](run::run()), [`Settings`], [`Shard`] | computes what is not there yet, one branch a thread |
+//! | [`Collected`] | the [`Table`] of what there is, its [`Statistics`], its page |
+//! | [`Evaluator`] | single cases for an optimiser or sampler |
+//! | [`slurm`] | a study as an array job |
+//! | [`status`] | how many cases are in which state |
+//! | [`StudyError`] | why a study does not go on |
+//!
+//! # Example
+//! ```
+//! use nlmodes_run::Silent;
+//! use nlmodes_study::{Collected, Settings, Study, run};
+//!
+//! let scene = r#"
+//! [structure]
+//! kind = "rod"
+//! length_m = 1.0
+//! elements = 8
+//! start = "clamped"
+//! material = { youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }
+//! section = { area_m2 = 1e-4 }
+//! [[contact]]
+//! at_m = 1.0
+//! direction = "axial"
+//! side = "positive"
+//! gap_m = 1e-3
+//! [method]
+//! harmonics = 1
+//! [continuation]
+//! max_energy_ratio = 2.0
+//! "#;
+//! let text = r#"
+//! scene = "rod.toml"
+//! [[vary]]
+//! key = "contact.0.gap_m"
+//! values = [1e-3, 2e-3]
+//! [[quantity]]
+//! name = "f_2"
+//! of = "frequency_hz"
+//! at = { energy_ratio = 2.0 }
+//! "#;
+//! let mut study = Study::parse_with_scene("study.toml", text, scene).map_err(|refused| refused.text(false))?.scene;
+//! # let place = tempfile::tempdir()?;
+//! # let directory = place.path().to_path_buf();
+//! study.directory = directory;
+//! let outcome = run(&study, &Settings::default(), &mut Silent)?;
+//! assert!(outcome.is_done() && outcome.computed == 2);
+//! let table = Collected::new(&study, 1).table;
+//! // A gap that is twice as wide scales the motion, and nothing else.
+//! let f = table.column("f_2").and_then(|cells| cells.numbers()).ok_or("no column")?;
+//! assert!(f.iter().all(|f| f.is_some()) && (f[0].unwrap() - f[1].unwrap()).abs() < 1e-6 * f[0].unwrap());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod case;
+mod check;
+mod collect;
+mod curve;
+mod design;
+mod distribution;
+mod error;
+mod evaluate;
+mod figures;
+mod page;
+mod raw;
+mod read;
+pub mod run;
+pub mod slurm;
+mod statistics;
+mod store;
+mod study;
+mod table;
+mod write;
+
+pub use collect::{Band, Collected, Counts, Drawn, State, status};
+pub use curve::{Curve, CurveError, ENERGY_RATIO, Picked, pick};
+pub use design::Points;
+pub use distribution::Distribution;
+pub use error::StudyError;
+pub use evaluate::{Answer, Evaluator};
+pub use read::StudyFile;
+pub use run::{Progress, RunOutcome, Settings, Shard, StudyObserver, run};
+pub use statistics::{
+    Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
+};
+pub use store::{Record, Status, Store};
+pub use study::{Design, DesignKind, Place, Quantity, Study, Values, Variable};
+pub use table::{Cells, Column, Table};

@@ -1,0 +1,140 @@
+//! Computing what is not there yet, one branch a thread.
+
+mod outcome;
+mod settings;
+mod worker;
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::case::{Case, cases, resolve};
+use crate::design::Points;
+use crate::error::StudyError;
+use crate::store::{Status, Store};
+use crate::study::Study;
+pub use outcome::{Progress, RunOutcome, StudyObserver};
+pub use settings::{Settings, Shard};
+pub(crate) use worker::{Done, Worker};
+
+/// Time between two looks at whether an end is asked for.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Computes the cases that are not there yet.
+///
+/// Each case is a directory `cases/<id>` as a plain run makes it, with `case.json` as its last file. A case that fails is one with its reason; the
+/// others go on. A process that is killed loses nothing: what it was at goes on from its last step.
+///
+/// # Errors
+/// [`StudyError`], where no case can be computed, or the disk takes no more.
+pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<RunOutcome, StudyError> {
+    let all = cases(study, settings.jobs());
+    if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| all.iter().all(|case| case.id.is_err())) {
+        return Err(StudyError::NoCase { cases: all.len(), reason: reason.to_string() });
+    }
+    let store = Store::new(&study.directory);
+    let mut outcome = RunOutcome::new(&all, settings.shard);
+    let waiting = waiting(&all, &store, settings, &mut outcome)?;
+    let points = Points::new(study);
+    let shared = Shared {
+        study,
+        points: &points,
+        store: &store,
+        settings,
+        waiting: &waiting,
+        next: AtomicUsize::new(0),
+        ended: Arc::default(),
+    };
+    observer.progress(&outcome.progress(Duration::ZERO));
+    let began = Instant::now();
+    let failure = Mutex::new(None);
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        for _ in 0..settings.jobs().min(waiting.len()) {
+            let (shared, sender, failure) = (&shared, sender.clone(), &failure);
+            scope.spawn(move || work(shared, &sender, failure));
+        }
+        drop(sender);
+        loop {
+            match receiver.recv_timeout(LOOK) {
+                Ok(done) => {
+                    outcome.take(&done);
+                    observer.progress(&outcome.progress(began.elapsed()));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if observer.is_cancelled() {
+                shared.ended.store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    outcome.is_cut_off = shared.ended.load(Ordering::Relaxed);
+    outcome.wall_time = began.elapsed();
+    match failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(error) => Err(error),
+        None => Ok(outcome),
+    }
+}
+
+/// What all workers see.
+struct Shared<'a> {
+    study: &'a Study,
+    points: &'a Points<'a>,
+    store: &'a Store,
+    settings: &'a Settings,
+    waiting: &'a [&'a Case],
+    next: AtomicUsize,
+    ended: Arc<AtomicBool>,
+}
+
+/// Takes one case after the other until none is left, an end is asked for, or the disk takes no more.
+fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
+    let worker = Worker { store: shared.store, settings: shared.settings, ended: &shared.ended };
+    while !shared.ended.load(Ordering::Relaxed) {
+        let Some(case) = shared.waiting.get(shared.next.fetch_add(1, Ordering::Relaxed)) else { return };
+        let parts = resolve(shared.study, &shared.points.get(case.point));
+        // It was one when its name was found.
+        let Some(resolved) = parts.ok().and_then(|parts| parts.into_iter().nth(case.part)) else { continue };
+        match worker.compute(resolved) {
+            Ok(done) => {
+                // Nobody listens where the study ends.
+                let _ = sender.send(done);
+            }
+            Err(error) => {
+                shared.ended.store(true, Ordering::Relaxed);
+                failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+            }
+        }
+    }
+}
+
+/// Cases of this shard that are not done, each scene once.
+fn waiting<'a>(
+    all: &'a [Case],
+    store: &Store,
+    settings: &Settings,
+    outcome: &mut RunOutcome,
+) -> Result<Vec<&'a Case>, StudyError> {
+    let mut known = BTreeSet::new();
+    let mut waiting = Vec::new();
+    for case in all.iter().filter(|case| settings.shard.has(case.number)) {
+        let Ok(id) = &case.id else { continue };
+        if !known.insert(id) {
+            outcome.repeated += 1;
+            continue;
+        }
+        match store.record(id) {
+            Some(record) if record.status == Status::Failed && settings.retry => {
+                store.forget(id)?;
+                waiting.push(case);
+            }
+            Some(record) => outcome.there(record.status),
+            None => waiting.push(case),
+        }
+    }
+    Ok(waiting)
+}

@@ -1,0 +1,159 @@
+//! One case, from its scene to its record.
+
+use std::any::Any;
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use nlmodes::study::Watch;
+use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, chain};
+use nlmodes_scene::{SceneFile, memory};
+
+use super::Settings;
+use crate::case::Resolved;
+use crate::error::StudyError;
+use crate::store::{Record, Status, Store, branch_sha256};
+
+/// What became of a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Done {
+    /// It was computed.
+    Ended(Status),
+    /// Another process has done it meanwhile.
+    There(Status),
+    /// Another process is at it.
+    Elsewhere,
+    /// It was asked to end, and goes on the next time.
+    CutOff,
+}
+
+/// What computes cases.
+pub struct Worker<'a> {
+    pub store: &'a Store,
+    pub settings: &'a Settings,
+    pub ended: &'a Arc<AtomicBool>,
+}
+
+impl Worker<'_> {
+    /// Computes a case, unless another process does.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it cannot be written.
+    pub fn compute(&self, case: Resolved) -> Result<Done, StudyError> {
+        let Resolved { file, id, set } = case;
+        let Some(claim) = self.store.claim(&id)? else { return Ok(Done::Elsewhere) };
+        // Looked at under the lock: nobody can finish it any more.
+        if let Some(record) = self.store.record(&id) {
+            return Ok(Done::There(record.status));
+        }
+        let began = Instant::now();
+        let ended = catch_unwind(AssertUnwindSafe(|| self.run(file, &id)));
+        let (status, reason) = match ended {
+            Ok(Ok(Some(ended))) => ended,
+            Ok(Ok(None)) => return Ok(Done::CutOff),
+            Ok(Err(error)) => failure(error).map_err(|error| self.unwritable(&id, error))?,
+            Err(panic) => (Status::Failed, format!("the program failed: {}", message(panic.as_ref()))),
+        };
+        let branch_sha256 = branch_sha256(&self.store.case(&id));
+        let (version, seconds) = (env!("CARGO_PKG_VERSION").to_owned(), began.elapsed().as_secs_f64());
+        let record = Record { version, status, reason, set, seconds, branch_sha256 };
+        self.store.finish(&id, &record, claim)?;
+        Ok(Done::Ended(status))
+    }
+
+    /// How the run of the case ended; nothing if it was asked to.
+    fn run(&self, mut file: SceneFile, id: &str) -> Result<Option<(Status, String)>, RunError> {
+        file.scene.output_directory = self.store.case(id);
+        if !self.settings.drawn {
+            (file.scene.files.figures, file.scene.files.page) = (false, false);
+        }
+        let mut files = [file];
+        memory::admit(&mut files, Some(self.settings.limit()))?;
+        let scenes = || files.to_vec();
+        let mut looker = Looker { ended: Arc::clone(self.ended) };
+        let outcome = match nlmodes_run::run(scenes(), Over::Resumed, &mut looker) {
+            // What is there cannot be gone on with: it is computed from its beginning.
+            Err(RunError::Foreign { .. }) => nlmodes_run::run(scenes(), Over::Anything, &mut looker),
+            outcome => outcome,
+        };
+        match outcome {
+            Err(RunError::Ended) => Ok(None),
+            _ if self.ended.load(Ordering::Relaxed) && outcome.as_ref().is_ok_and(was_stopped) => Ok(None),
+            outcome => Ok(Some(judged(outcome?)?)),
+        }
+    }
+
+    fn unwritable(&self, id: &str, error: RunError) -> StudyError {
+        StudyError::Case { directory: self.store.case(id), source: Box::new(error) }
+    }
+}
+
+/// Why a case has no branch, or the error where the next one would meet it too.
+fn failure(error: RunError) -> Result<(Status, String), RunError> {
+    let reason = match error {
+        RunError::Scene(said) | RunError::Failed(said) => said.problem().sentence(),
+        RunError::Scenes(all) => all.iter().map(|said| said.problem().sentence()).collect::<Vec<_>>().join(" | "),
+        RunError::Unwritable { .. } | RunError::InUse { .. } | RunError::Link { .. } => return Err(error),
+        RunError::Files(failure) if is_of_disk(failure.as_ref()) => return Err(RunError::Files(failure)),
+        other => chain(&other),
+    };
+    Ok((Status::Failed, reason))
+}
+
+/// Whether a file could not be written.
+fn is_of_disk(error: &(dyn Error + 'static)) -> bool {
+    error.is::<std::io::Error>() || error.source().is_some_and(is_of_disk)
+}
+
+fn was_stopped(outcome: &RunOutcome) -> bool {
+    let ends = || outcome.parts.iter().flat_map(|part| &part.tree.branches).map(|computed| &computed.branch.end);
+    outcome.is_cut_off || ends().any(|end| end.reason == "stopped")
+}
+
+/// Whether the branches ended where they were meant to, and why.
+fn judged(outcome: RunOutcome) -> Result<(Status, String), RunError> {
+    let mut reasons = Vec::new();
+    let mut is_complete = true;
+    for part in outcome.parts {
+        if let Some(failure) = part.failure {
+            return Err(RunError::Files(failure));
+        }
+        for computed in &part.tree.branches {
+            is_complete &= computed.branch.end.complete;
+            let end = &computed.branch.end;
+            reasons.push(if end.complete { end.reason.clone() } else { end.message.clone() });
+        }
+    }
+    reasons.dedup();
+    let status = if is_complete { Status::Complete } else { Status::Incomplete };
+    Ok((status, reasons.join("; ")))
+}
+
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no reason was given")
+}
+
+/// Lets a run go on until the study is to end.
+struct Looker {
+    ended: Arc<AtomicBool>,
+}
+
+impl Observer for Looker {
+    fn event(&mut self, _: Event<'_>) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
+    }
+
+    fn watch(&self) -> Watch {
+        let ended = Arc::clone(&self.ended);
+        Watch::new(move |_, _| match ended.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        })
+    }
+}

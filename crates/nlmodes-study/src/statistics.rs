@@ -1,0 +1,79 @@
+//! Spread and sensitivity of a quantity.
+
+mod ranks;
+mod sobol;
+mod spread;
+
+pub use ranks::{Correlation, rank_correlation};
+pub use sobol::{SobolIndex, sobol_indices};
+pub use spread::{Spread, quantile};
+
+use serde::Serialize;
+
+use crate::case::Case;
+use crate::study::Study;
+use crate::table::Table;
+
+/// Spread and sensitivity of a quantity, of the cases that have it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Its name.
+    pub quantity: String,
+    /// Number of cases that do not have it.
+    pub without: usize,
+    /// Mean, deviation, quantiles; nothing where no case has it.
+    pub spread: Option<Spread>,
+    /// Rank correlation with each variable that has numbers.
+    pub rank_correlations: Vec<Sensitivity<Correlation>>,
+    /// Sobol' indices of each variable, where the design has the points for them.
+    pub sobol_indices: Vec<Sensitivity<SobolIndex>>,
+    /// Blocks of the design that the indices leave out, because a case in them does not have the quantity.
+    pub blocks_left_out: usize,
+}
+
+/// A measure of the influence of a variable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity<T> {
+    /// The variable.
+    pub variable: String,
+    /// The measure.
+    #[serde(flatten)]
+    pub measure: T,
+}
+
+impl Statistics {
+    /// Of a column of the table.
+    pub fn new(study: &Study, table: &Table, cases: &[Case], quantity: &str) -> Self {
+        let all = table.column(quantity).and_then(crate::table::Cells::numbers).unwrap_or_default();
+        let first: Vec<bool> = cases.iter().map(|case| case.part == 0).collect();
+        // Further points of the design for Sobol' indices are no independent ones.
+        let block = study.variables.len() + 2;
+        let independent = |k: usize| !study.design.sobol_indices || cases[k].point % block < 2;
+        let own: Vec<Option<f64>> = (0..all.len()).map(|k| all[k].filter(|_| independent(k))).collect();
+        let there: Vec<f64> = own.iter().flatten().copied().collect();
+        let mut statistics = Self {
+            quantity: quantity.to_owned(),
+            without: all.iter().filter(|cell| cell.is_none()).count(),
+            spread: Spread::new(&there),
+            rank_correlations: Vec::new(),
+            sobol_indices: Vec::new(),
+            blocks_left_out: 0,
+        };
+        for variable in &study.variables {
+            let Some(x) = table.column(&variable.name).and_then(crate::table::Cells::numbers) else { continue };
+            let pairs: Vec<[f64; 2]> = x.iter().zip(&own).filter_map(|(x, y)| Some([(*x)?, (*y)?])).collect();
+            if let Some(measure) = rank_correlation(&pairs) {
+                statistics.rank_correlations.push(Sensitivity { variable: variable.name.clone(), measure });
+            }
+        }
+        let one_part = first.iter().all(|first| *first);
+        if study.design.sobol_indices && one_part {
+            let (found, left_out) = sobol_indices(&all, study.variables.len(), study.design.seed);
+            let named = study.variables.iter().zip(found);
+            statistics.sobol_indices =
+                named.map(|(v, measure)| Sensitivity { variable: v.name.clone(), measure }).collect();
+            statistics.blocks_left_out = left_out;
+        }
+        statistics
+    }
+}

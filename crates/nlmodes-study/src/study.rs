@@ -1,0 +1,129 @@
+//! A study that was checked.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::distribution::Distribution;
+
+/// Which cases are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum DesignKind {
+    /// All combinations of values
+    Grid,
+    /// Values side by side, or the rows of a CSV
+    List,
+    /// Points of a Sobol' sequence, scrambled by the seed
+    Sobol,
+    /// Each of as many equally likely strata as there are points is met once, in each variable
+    LatinHypercube,
+    /// Independent random points
+    Random,
+}
+
+impl DesignKind {
+    /// Its name in a study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::List => "list",
+            Self::Sobol => "sobol",
+            Self::LatinHypercube => "latin-hypercube",
+            Self::Random => "random",
+        }
+    }
+
+    /// Whether points are drawn from distributions.
+    pub fn is_sampled(self) -> bool {
+        matches!(self, Self::Sobol | Self::LatinHypercube | Self::Random)
+    }
+}
+
+/// Which cases are computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// Of which kind.
+    pub kind: DesignKind,
+    /// Number of points that are drawn; for Sobol' indices, of base points. 0 for grid and list.
+    pub samples: usize,
+    /// From which random numbers follow.
+    pub seed: u64,
+    /// Whether each base point has the further ones from which Sobol' indices follow.
+    pub sobol_indices: bool,
+}
+
+/// The values that something takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// These, each with a value for each key.
+    Listed(Vec<Vec<Value>>),
+    /// Drawn from a distribution, the same for all keys.
+    Drawn(Distribution),
+}
+
+/// Something that varies: one key of the scene, or several that move together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Name of its column.
+    pub name: String,
+    /// What `--set` takes.
+    pub keys: Vec<String>,
+    /// Which values it takes.
+    pub values: Values,
+}
+
+/// Where on a branch a quantity is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    /// Where this column first has this value.
+    Column {
+        /// The column.
+        name: String,
+        /// The value.
+        value: f64,
+    },
+    /// At the first point.
+    First,
+    /// At the last point.
+    Last,
+    /// At the point with the largest value.
+    Max,
+    /// At the point with the smallest value.
+    Min,
+    /// At the first point with this event.
+    Event(String),
+}
+
+/// What is wanted of each case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// Name of its column.
+    pub name: String,
+    /// Column of the branch.
+    pub of: String,
+    /// Where on the branch.
+    pub at: Place,
+}
+
+/// A study that was checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Title of tables and page.
+    pub title: String,
+    /// Name of the scene's file, as messages show it.
+    pub scene_name: String,
+    /// Its text.
+    pub scene_text: String,
+    /// Which cases are computed.
+    pub design: Design,
+    /// What varies.
+    pub variables: Vec<Variable>,
+    /// What is wanted of each case.
+    pub quantities: Vec<Quantity>,
+    /// Directory of the study.
+    pub directory: PathBuf,
+}

@@ -1,0 +1,75 @@
+//! Files of a study: table, statistics, page.
+
+use std::fs;
+
+use serde::Serialize;
+
+use crate::collect::Collected;
+use crate::error::StudyError;
+use crate::figures::figures;
+use crate::page;
+use crate::statistics::Statistics;
+use crate::store::replace;
+use crate::study::Study;
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    program: &'static str,
+    version: &'static str,
+    title: &'a str,
+    scene: &'a str,
+    design: &'static str,
+    cases: usize,
+    complete: usize,
+    incomplete: usize,
+    failed: usize,
+    missing: usize,
+    damaged: usize,
+    statistics: &'a [Statistics],
+}
+
+impl Collected {
+    /// Writes `study.csv`, `study.parquet`, `study.json` (statistics), a figure of each quantity over each variable, and `report.html` into the directory of the study. Each is replaced at once,
+    /// never half.
+    ///
+    /// # Errors
+    /// [`StudyError`] if one cannot be written.
+    pub fn write(&self, study: &Study) -> Result<(), StudyError> {
+        let directory = &study.directory;
+        fs::create_dir_all(directory).map_err(StudyError::io(directory))?;
+        let path = directory.join("study.parquet");
+        let parquet = self.table.to_parquet().map_err(|source| StudyError::Parquet { path, source })?;
+        let summary = serde_json::to_vec_pretty(&self.summary(study)).unwrap_or_default();
+        let page = page::page(study, self);
+        let files: [(&str, &[u8]); 4] = [
+            ("study.csv", &self.table.to_csv()),
+            ("study.parquet", &parquet),
+            ("study.json", &summary),
+            ("report.html", page.as_bytes()),
+        ];
+        let figures = figures(study, self);
+        let drawn = figures.iter().map(|figure| (figure.file.as_str(), figure.svg.as_bytes()));
+        files.into_iter().chain(drawn).try_for_each(|(name, bytes)| {
+            let path = directory.join(name);
+            replace(&path, bytes).map_err(StudyError::io(&path))
+        })
+    }
+
+    fn summary<'a>(&'a self, study: &'a Study) -> Summary<'a> {
+        let counts = self.counts;
+        Summary {
+            program: "nlmodes-cli",
+            version: env!("CARGO_PKG_VERSION"),
+            title: &study.title,
+            scene: &study.scene_name,
+            design: study.design.kind.name(),
+            cases: counts.cases,
+            complete: counts.complete,
+            incomplete: counts.incomplete,
+            failed: counts.failed,
+            missing: counts.missing,
+            damaged: counts.damaged,
+            statistics: &self.statistics,
+        }
+    }
+}
