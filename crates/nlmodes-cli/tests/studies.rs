@@ -132,7 +132,9 @@ fn two_processes_share_a_study_and_a_third_collects_what_is_there() {
     // Both take the rest at the same time: each case is computed by one of them.
     let mut both: Vec<_> =
         (0..2).map(|_| place.command(&["run", "study.toml", "--out", "shared", "--quiet"]).spawn().unwrap()).collect();
-    both.iter_mut().for_each(|child| drop(child.wait().unwrap()));
+    for child in &mut both {
+        child.wait().unwrap();
+    }
     let last = place.run(&["collect", "study.toml", "--out", "shared"]);
     assert_eq!(last.status.code(), Some(0), "{}", text(&last.stderr));
     let said = text(&last.stdout);
