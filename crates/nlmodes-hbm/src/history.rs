@@ -1,9 +1,10 @@
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_modal::{ContactInstant, TimeHistory};
+use nlmodes_model::DofContact;
 
 use crate::closed_set::ClosedSet;
-use crate::contact_operator::PatternInterval;
+use crate::contact_operator::{ContactOperator, PatternInterval};
 use crate::energy::inner;
 use crate::trigonometric::Trigonometric;
 use crate::{HbmError, MixedShooting, Symmetry};
@@ -19,6 +20,109 @@ pub struct ContactDefects {
     /// Largest `|min(g, Aλ)|` over the length scale.
     pub complementarity: f64,
 }
+
+/// Displacement, velocity and acceleration of the degree of freedom of a stop, from its gap with two derivatives by phase.
+fn along(of: &DofContact, omega: f64, gap: [f64; 3]) -> [f64; 3] {
+    let side = of.side.sign();
+    [side * (of.gap - gap[0]), -side * omega * gap[1], -side * omega * omega * gap[2]]
+}
+
+/// Contacts over a period: stops at degrees of freedom, and a motion of angular frequency `omega` (rad/s).
+impl ContactOperator {
+    /// Motion and force of contact `contact` at `samples` equidistant instants and the end of the period.
+    pub(crate) fn time_history(
+        &self,
+        contacts: &[DofContact],
+        contact: usize,
+        omega: f64,
+        samples: usize,
+        label: &str,
+    ) -> TimeHistory {
+        let of = contacts[contact];
+        let instants = self.instants(contact, omega);
+        let mut history = TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) };
+        let y: Vec<Trigonometric> = self.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        for j in 0..=samples {
+            let tau = TAU * j as f64 / samples as f64;
+            let set = self.sets.get(self.set_at(tau));
+            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
+            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+            let (gap, force) = state_in(set, contact, of.law.compliance(), &at);
+            history.push(tau / omega, along(&of, omega, gap), force);
+        }
+        history
+    }
+
+    /// Motion and force of all contacts, exact at the instants of contact.
+    pub(crate) fn time_histories(
+        &self,
+        contacts: &[DofContact],
+        omega: f64,
+        samples: usize,
+        label: &str,
+    ) -> Vec<TimeHistory> {
+        let empty = |(i, of): (usize, &DofContact)| TimeHistory {
+            instants: self.instants(i, omega),
+            ..TimeHistory::empty(label, of.side.sign() * of.gap)
+        };
+        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let y: Vec<Trigonometric> = self.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        let stretches: Vec<(f64, f64, usize)> = self.whole_period();
+        let mut last = f64::NEG_INFINITY;
+        for (tau, stretch) in
+            TimeHistory::exact_instants(&stretches.iter().map(|s| [s.0, s.1]).collect::<Vec<_>>(), samples)
+        {
+            let set = self.sets.get(stretches[stretch].2);
+            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
+            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+            last = (tau / omega).max(f64::next_up(last));
+            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
+                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                history.push(last, along(of, omega, gap), force);
+            }
+        }
+        histories
+    }
+
+    /// The intervals of one contact pattern over the whole period: phases of their ends, closed set.
+    fn whole_period(&self) -> Vec<(f64, f64, usize)> {
+        let of = |i: &PatternInterval| (i.from, i.to, i.set);
+        let forward = self.intervals.iter().map(of);
+        let is_even = self.series.symmetry == Symmetry::Even;
+        let mirrored = self.intervals.iter().rev().filter(|_| is_even).map(|i| (TAU - i.to, TAU - i.from, i.set));
+        let mut all: Vec<(f64, f64, usize)> = Vec::new();
+        for interval in forward.chain(mirrored) {
+            match all.last_mut() {
+                Some(last) if last.2 == interval.2 => last.1 = interval.1,
+                _ => all.push(interval),
+            }
+        }
+        all
+    }
+
+    pub(crate) fn set_at(&self, tau: f64) -> usize {
+        let tau = if self.series.symmetry == Symmetry::Even && tau > PI { TAU - tau } else { tau };
+        let at = self.intervals.partition_point(|i| i.to < tau).min(self.intervals.len() - 1);
+        self.intervals[at].set
+    }
+
+    /// Instants within a period at which the contact closes or opens.
+    fn instants(&self, contact: usize, omega: f64) -> Vec<ContactInstant> {
+        let mut found = Vec::new();
+        for pair in self.intervals.windows(2) {
+            let [before, after] = [0, 1].map(|k| self.closed(&pair[k])[contact]);
+            if before != after {
+                found.push(ContactInstant { time: pair[0].to / omega, touching: after });
+                if self.series.symmetry == Symmetry::Even {
+                    found.push(ContactInstant { time: (TAU - pair[0].to) / omega, touching: before });
+                }
+            }
+        }
+        found.sort_by(|a, b| a.time.total_cmp(&b.time));
+        found
+    }
+}
+
 impl MixedShooting<'_> {
     /// Motion and force of contact `contact` over one period of the point with the unknowns `x`, at `samples` equidistant
     /// instants and the end of the period.
@@ -36,29 +140,8 @@ impl MixedShooting<'_> {
         label: &str,
     ) -> Result<TimeHistory, HbmError> {
         self.solve_contact(x)?;
-        let omega = self.omega(x);
-        let of = self.structure().model().contacts()[contact];
-        let mut history = TimeHistory {
-            label: label.to_owned(),
-            time: Vec::with_capacity(samples + 1),
-            displacement: Vec::with_capacity(samples + 1),
-            velocity: Vec::with_capacity(samples + 1),
-            acceleration: Vec::with_capacity(samples + 1),
-            force: Vec::with_capacity(samples + 1),
-            stop: of.side.sign() * of.gap,
-            instants: self.instants(contact, omega),
-        };
-        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
-        for j in 0..=samples {
-            let tau = TAU * j as f64 / samples as f64;
-            let (gap, force) = self.contact_state(&y, contact, tau);
-            history.time.push(tau / omega);
-            history.displacement.push(of.side.sign() * (of.gap - gap[0]));
-            history.velocity.push(-of.side.sign() * omega * gap[1]);
-            history.acceleration.push(-of.side.sign() * omega * omega * gap[2]);
-            history.force.push(force);
-        }
-        Ok(history)
+        let contacts = self.structure().model().contacts();
+        Ok(self.sweep.time_history(contacts, contact, self.omega(x), samples, label))
     }
 
     /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of contact: where any
@@ -69,77 +152,8 @@ impl MixedShooting<'_> {
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn time_histories(&mut self, x: &[f64], samples: usize, label: &str) -> Result<Vec<TimeHistory>, HbmError> {
         self.solve_contact(x)?;
-        let omega = self.omega(x);
         let contacts = self.structure().model().contacts();
-        let empty = |(i, of): (usize, &nlmodes_model::DofContact)| TimeHistory {
-            instants: self.instants(i, omega),
-            ..TimeHistory::empty(label, of.side.sign() * of.gap)
-        };
-        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
-        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
-        let stretches: Vec<(f64, f64, usize)> = self.whole_period();
-        let mut last = f64::NEG_INFINITY;
-        for (tau, stretch) in
-            TimeHistory::exact_instants(&stretches.iter().map(|s| [s.0, s.1]).collect::<Vec<_>>(), samples)
-        {
-            let set = self.sweep.sets.get(stretches[stretch].2);
-            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
-            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
-            last = (tau / omega).max(f64::next_up(last));
-            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
-                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
-                let side = of.side.sign();
-                let motion = [side * (of.gap - gap[0]), -side * omega * gap[1], -side * omega * omega * gap[2]];
-                history.push(last, motion, force);
-            }
-        }
-        Ok(histories)
-    }
-
-    /// The intervals of one contact pattern over the whole period: phases of their ends, closed set.
-    fn whole_period(&self) -> Vec<(f64, f64, usize)> {
-        let of = |i: &PatternInterval| (i.from, i.to, i.set);
-        let forward = self.sweep.intervals.iter().map(of);
-        let is_even = self.series().symmetry == Symmetry::Even;
-        let mirrored = self.sweep.intervals.iter().rev().filter(|_| is_even).map(|i| (TAU - i.to, TAU - i.from, i.set));
-        let mut all: Vec<(f64, f64, usize)> = Vec::new();
-        for interval in forward.chain(mirrored) {
-            match all.last_mut() {
-                Some(last) if last.2 == interval.2 => last.1 = interval.1,
-                _ => all.push(interval),
-            }
-        }
-        all
-    }
-
-    /// Gap with two derivatives by τ, and force, of a contact at the phase `tau`.
-    fn contact_state(&self, y: &[Trigonometric], contact: usize, tau: f64) -> ([f64; 3], f64) {
-        let set = self.sweep.sets.get(self.set_at(tau));
-        let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
-        let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
-        state_in(set, contact, self.structure().model().contacts()[contact].law.compliance(), &at)
-    }
-
-    fn set_at(&self, tau: f64) -> usize {
-        let tau = if self.series().symmetry == Symmetry::Even && tau > PI { TAU - tau } else { tau };
-        let at = self.sweep.intervals.partition_point(|i| i.to < tau).min(self.sweep.intervals.len() - 1);
-        self.sweep.intervals[at].set
-    }
-
-    /// Instants within a period at which the contact closes or opens.
-    fn instants(&self, contact: usize, omega: f64) -> Vec<ContactInstant> {
-        let mut found = Vec::new();
-        for pair in self.sweep.intervals.windows(2) {
-            let [before, after] = [0, 1].map(|k| self.sweep.closed(&pair[k])[contact]);
-            if before != after {
-                found.push(ContactInstant { time: pair[0].to / omega, touching: after });
-                if self.series().symmetry == Symmetry::Even {
-                    found.push(ContactInstant { time: (TAU - pair[0].to) / omega, touching: before });
-                }
-            }
-        }
-        found.sort_by(|a, b| a.time.total_cmp(&b.time));
-        found
+        Ok(self.sweep.time_histories(contacts, self.omega(x), samples, label))
     }
 
     /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.
@@ -155,7 +169,7 @@ impl MixedShooting<'_> {
         for j in 0..samples {
             let tau = TAU * (j as f64 + 0.5) / samples as f64;
             let at: Vec<f64> = y.iter().map(|y| y.evaluate(tau)[0]).collect();
-            let set = self.sweep.sets.get(self.set_at(tau));
+            let set = self.sweep.sets.get(self.sweep.set_at(tau));
             let force: Vec<f64> = (0..at.len()).map(|i| set.force(i, &at)).collect();
             for i in 0..at.len() {
                 let row: Vec<f64> = (0..at.len()).map(|k| a[(i, k)]).collect();

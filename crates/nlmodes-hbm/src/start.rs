@@ -1,5 +1,5 @@
 use nlmodes_contact::{LcpMatrix, solver_by_name};
-use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, select, sparse_from_triplets, triplets};
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, select, sparse_from_triplets, symmetric_eigen, triplets};
 use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes};
 
 use crate::closed_set::ClosedSet;
@@ -138,7 +138,7 @@ struct LinearStart {
 impl LinearStart {
     fn of(structure: &CondensedStructure, mode: usize) -> Result<Self, HbmError> {
         let rest = Rest::of(structure)?;
-        let modes = modes_at_rest(structure, &rest, mode)?;
+        let modes = separated(structure, &rest, mode)?;
         if mode == 0 || mode > modes.omega.len() {
             return Err(HbmError::NoSuchMode { mode, available: modes.omega.len() });
         }
@@ -241,6 +241,45 @@ impl Rest {
         let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
         Ok(Self { closed, b, compliance: softest, noise })
     }
+}
+
+/// Relative difference below which two frequencies count as one.
+const REPEATED: f64 = 1e-9;
+
+/// The modes at rest up to `mode`. Of those with its frequency (equal bodies), which are any combinations of each other, the ones that move the contacts most
+/// come first: others are no limits of nonlinear modes.
+fn separated(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result<LinearModes, HbmError> {
+    let mut wanted = mode + 1;
+    let mut modes = modes_at_rest(structure, rest, wanted)?;
+    let Some(omega) = mode.checked_sub(1).and_then(|k| modes.omega.get(k)).copied() else { return Ok(modes) };
+    let is_same = |other: &f64| (other - omega).abs() <= REPEATED * omega;
+    while modes.omega.len() == wanted && modes.omega.last().is_some_and(is_same) {
+        wanted *= 2;
+        modes = modes_at_rest(structure, rest, wanted)?;
+    }
+    let same: Vec<usize> = (0..modes.omega.len()).filter(|&k| is_same(&modes.omega[k])).collect();
+    if same.len() < 2 || !vibrates(structure, omega) {
+        return Ok(modes);
+    }
+    let w = structure.model.w();
+    let moved = |k: usize| {
+        let shape: Vec<f64> = modes.shapes.col(k).iter().copied().collect();
+        let b = free_position(structure, &shape);
+        (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect::<Vec<f64>>()
+    };
+    let rows: Vec<Vec<f64>> = same.iter().map(|&k| moved(k)).collect();
+    let strength = Mat::from_fn(same.len(), same.len(), |i, j| inner(&rows[i], &rows[j]));
+    let failed = |source| HbmError::Linalg { what: "modes with the same frequency", source };
+    let (_, turn) = symmetric_eigen(&strength).map_err(failed)?;
+    let shapes = modes.shapes.clone();
+    for (place, &k) in same.iter().enumerate() {
+        let column = same.len() - 1 - place;
+        for i in 0..shapes.nrows() {
+            modes.shapes[(i, k)] =
+                same.iter().enumerate().map(|(j, &other)| turn[(j, column)] * shapes[(i, other)]).sum();
+        }
+    }
+    Ok(modes)
 }
 
 /// Whether a mode has a frequency beside that of the lowest held mode.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use nlmodes_linalg::{Mat, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets};
+use nlmodes_linalg::{Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
 use crate::residual::{Residual, blocks, dense_columns};
@@ -55,8 +55,9 @@ impl OpenModes {
         check(&stiffness, &directions, &gaps, &stop_compliance)?;
         let pencil =
             Pencil::new(&stiffness, &mass).map_err(ReductionError::during("factorisation of the open structure"))?;
-        let retained = modes.select(&pencil, stiffness.nrows())?;
+        let mut retained = modes.select(&pencil, stiffness.nrows())?;
         let shift = pencil.shift();
+        separate_repeated(&mut retained, &directions, shift)?;
         match retained.eigenvalues.last() {
             None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
             Some(&last) if last <= 1e-6 * shift && retained.eigenvalues.len() < stiffness.nrows() => {
@@ -207,6 +208,38 @@ impl OpenModes {
     pub fn stop_compliance(&self) -> &[f64] {
         &self.stop_compliance
     }
+}
+
+/// Relative difference below which two eigenvalues count as one.
+const REPEATED: f64 = 1e-9;
+
+/// Among modes with the same frequency (equal bodies, square plates), takes those that move the contacts apart from those that do not, the strongest first:
+/// any of their combinations is a mode, but only these are limits of nonlinear modes.
+fn separate_repeated(modes: &mut Modes, directions: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
+    let values = &modes.eigenvalues;
+    let is_same = |a: f64, b: f64| b - a <= REPEATED * b.abs() || b.abs().max(a.abs()) <= 1e-6 * shift;
+    let mut first = 0;
+    while first < values.len() {
+        let same = values[first..].iter().take_while(|value| is_same(values[first], **value)).count().max(1);
+        if same > 1 {
+            let shapes = modes.vectors.subcols(first, same).to_owned();
+            let rows = multiply_transposed(directions, &shapes);
+            let strength = rows.transpose() * &rows;
+            let symmetric = Mat::from_fn(same, same, |i, j| 0.5 * (strength[(i, j)] + strength[(j, i)]));
+            let (_, turn) = symmetric_eigen(&symmetric).map_err(ReductionError::during("modes with one frequency"))?;
+            let strongest_first = Mat::from_fn(same, same, |i, j| turn[(i, same - 1 - j)]);
+            let turned = shapes * strongest_first;
+            for j in 0..same {
+                let column = turned.col(j);
+                let largest = column.iter().fold(0.0_f64, |l, v| if v.abs() > l.abs() { *v } else { l });
+                let sign = if largest < 0.0 { -1.0 } else { 1.0 };
+                let to = modes.vectors.col_mut(first + j);
+                to.iter_mut().zip(column.iter()).for_each(|(to, from)| *to = sign * from);
+            }
+        }
+        first += same;
+    }
+    Ok(())
 }
 
 fn wanted(modes: ModeCount) -> usize {

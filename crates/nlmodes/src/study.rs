@@ -11,6 +11,7 @@ mod events;
 mod histories;
 mod homotopy;
 mod left;
+mod open_mode;
 mod participation;
 mod periodic;
 mod points;

@@ -1,10 +1,12 @@
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_model::DofContact;
 use num_complex::Complex64;
 
 use super::conditions::OperatingPoint;
 use super::rows::complex_harmonic;
 use super::structure::ResponseRow;
 use super::system::PeriodicSystem;
-use crate::HbmError;
+use crate::{HbmError, Symmetry};
 
 /// What a contact does over a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,6 +107,107 @@ impl PeriodicSystem {
             eta,
             forces,
         })
+    }
+
+    /// The point of a conservative branch with the unknowns `x` in the coordinates `(η, u)` of a structure in open modes, `u` the displacement of
+    /// each direction toward its stop; `contacts` are its contacts at these coordinates.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_point(&mut self, x: &[f64], contacts: &[DofContact], residual: f64) -> Result<ModalPoint, HbmError> {
+        let motion = self.motion(x, 0.0)?;
+        let (m, omega) = (self.structure.n_modes(), motion.at.omega);
+        let periods = self.operator.contact_periods(omega);
+        let coefficients = self.reduced_coefficients(&motion, contacts);
+        let nu = |n: usize| n as f64 * omega;
+        let kinetic =
+            |(n, eta): (usize, &Vec<Complex64>)| 0.25 * nu(n).powi(2) * eta.iter().map(|e| e.norm_sqr()).sum::<f64>();
+        let first = contacts.first().map_or(m, |contact| contact.dof);
+        let fundamental = coefficients.of(first)[1];
+        let even = self.series().symmetry == Symmetry::Even;
+        let signed = if even {
+            fundamental.re
+        } else {
+            fundamental.norm().copysign(if fundamental.re == 0.0 { 1.0 } else { fundamental.re })
+        };
+        Ok(ModalPoint {
+            omega,
+            fundamental: signed,
+            kinetic_energy: motion.kinetic_energy,
+            harmonic_energy: motion.eta.iter().enumerate().map(kinetic).collect(),
+            resonance: None,
+            stability: None,
+            total_energy: motion.total_energy,
+            modal_amplitude: motion.modal_amplitude(),
+            peak: motion.contacts.first().map_or(0.0, |contact| contact.peak),
+            contact_fraction: periods.first().map_or(0.0, |contact| contact.closed_share),
+            contact_intervals: periods.iter().map(|contact| contact.touches).sum(),
+            peak_contact_force: periods.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
+            contacts: periods,
+            residual,
+            error_estimate: None,
+            events: Vec::new(),
+            coefficients,
+        })
+    }
+
+    /// Modal coordinates, and `u = −(Y η + A f)` of the first contact of each direction.
+    fn reduced_coefficients(&self, motion: &PeriodicMotion, contacts: &[DofContact]) -> HarmonicCoefficients {
+        let m = self.structure.n_modes();
+        let n_directions = contacts.iter().map(|contact| contact.dof + 1 - m).max().unwrap_or(0);
+        let mut all = HarmonicCoefficients::zeros(m + n_directions, motion.eta.len().saturating_sub(1));
+        let (a, own) = (self.structure.compliance().a(), self.structure.stop_compliance());
+        for (n, (eta, forces)) in motion.eta.iter().zip(&motion.forces).enumerate() {
+            (0..m).for_each(|r| all.of_mut(r)[n] = eta[r]);
+            for (i, contact) in contacts.iter().enumerate() {
+                let free: Complex64 = eta.iter().enumerate().map(|(r, e)| e * self.structure.rows()[(i, r)]).sum();
+                let pressed: Complex64 = forces.iter().enumerate().map(|(j, f)| f * a[(i, j)]).sum();
+                // The gap opens by what the body moves away, not by what an elastic stop yields.
+                let opened = free + pressed - forces[i] * own[i];
+                all.of_mut(contact.dof)[n] = -opened * contact.side.sign();
+            }
+        }
+        all
+    }
+
+    /// Motion and force of all contacts over a period of the point with the unknowns `x`, exact at the instants of contact; `contacts` as in
+    /// [`modal_point`](Self::modal_point).
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn time_histories(
+        &mut self,
+        x: &[f64],
+        contacts: &[DofContact],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, HbmError> {
+        let at = self.solve(x, 0.0)?;
+        Ok(self.operator.time_histories(contacts, at.omega, samples, label))
+    }
+
+    /// The same of one contact, at equidistant instants.
+    ///
+    /// # Errors
+    /// As [`time_histories`](Self::time_histories).
+    ///
+    /// # Panics
+    /// If there is no such contact.
+    pub fn time_history(
+        &mut self,
+        x: &[f64],
+        contacts: &[DofContact],
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, HbmError> {
+        let at = self.solve(x, 0.0)?;
+        Ok(self.operator.time_history(contacts, contact, at.omega, samples, label))
+    }
+
+    /// Iterations of the contact solver so far.
+    pub fn contact_iterations(&self) -> usize {
+        self.operator.iterations()
     }
 
     fn contact_motion(&self, i: usize, mean: f64, free: Complex64, forces: &[Complex64]) -> ContactMotion {

@@ -163,9 +163,15 @@ impl ComputedBranch {
     /// If there is no such point.
     pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, StudyError> {
         match self.settings.method {
+            BranchMethod::HarmonicBalance if self.is_in_open_modes()? => Err(StudyError::NotHarmonic),
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
             BranchMethod::Shooting => Err(StudyError::NotHarmonic),
         }
+    }
+
+    /// Whether its unknowns are open modes.
+    fn is_in_open_modes(&self) -> Result<bool, StudyError> {
+        Ok(periodic(&self.structure, &self.settings, &self.grazing)?.is_modal())
     }
 
     /// Whether its motions are exact, by shooting.

@@ -6,6 +6,7 @@ use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
 
+use super::open_mode::OpenMode;
 use super::{BranchSettings, Ended, Watch};
 
 /// Why a periodic problem cannot be evaluated.
@@ -32,6 +33,7 @@ pub(super) struct Periodic<'s> {
 enum Equations<'s> {
     Harmonics(Box<MixedShooting<'s>>),
     Exact(Box<ModeShooting>),
+    Modal(Box<OpenMode>),
 }
 
 impl<'s> Periodic<'s> {
@@ -43,10 +45,20 @@ impl<'s> Periodic<'s> {
         Self { equations: Equations::Exact(Box::new(problem)), watch: settings.watch.clone() }
     }
 
+    /// In the open modes of a structure, whatever the number of its contacts.
+    pub fn modal(problem: OpenMode, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Modal(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    /// Whether the unknowns are open modes.
+    pub fn is_modal(&self) -> bool {
+        matches!(self.equations, Equations::Modal(_))
+    }
+
     /// The exact problem, if it is one.
     pub fn shooting(&mut self) -> Option<&mut ModeShooting> {
         match &mut self.equations {
-            Equations::Harmonics(_) => None,
+            Equations::Harmonics(_) | Equations::Modal(_) => None,
             Equations::Exact(problem) => Some(problem),
         }
     }
@@ -59,6 +71,7 @@ impl<'s> Periodic<'s> {
                 (grazing.unknowns(series, dim), grazing.direction(series, dim))
             }
             Equations::Exact(problem) => problem.start(),
+            Equations::Modal(problem) => problem.start(),
         }
     }
 
@@ -66,7 +79,7 @@ impl<'s> Periodic<'s> {
     pub fn harmonics(&self) -> Option<&MixedShooting<'s>> {
         match &self.equations {
             Equations::Harmonics(problem) => Some(problem),
-            Equations::Exact(_) => None,
+            Equations::Exact(_) | Equations::Modal(_) => None,
         }
     }
 
@@ -75,6 +88,7 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.frequency_index(),
             Equations::Exact(problem) => problem.frequency_index(),
+            Equations::Modal(problem) => problem.frequency_index(),
         }
     }
 
@@ -83,6 +97,7 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.omega(x),
             Equations::Exact(problem) => problem.omega(x),
+            Equations::Modal(problem) => problem.omega(x),
         }
     }
 
@@ -91,6 +106,7 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.contact_iterations(),
             Equations::Exact(_) => 0,
+            Equations::Modal(problem) => problem.system.contact_iterations(),
         }
     }
 
@@ -99,6 +115,7 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.modal_point(x, residual)?,
             Equations::Exact(problem) => problem.modal_point(x, residual)?,
+            Equations::Modal(problem) => problem.system.modal_point(x, &problem.contacts, residual)?,
         })
     }
 
@@ -114,8 +131,8 @@ impl<'s> Periodic<'s> {
         }
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
-            // Exact motions are those of all degrees of freedom.
-            Equations::Exact(_) => HarmonicCoefficients::zeros(0, 0),
+            // Exact motions, and those in open modes, are those of all degrees of freedom.
+            Equations::Exact(_) | Equations::Modal(_) => HarmonicCoefficients::zeros(0, 0),
         })
     }
 
@@ -129,6 +146,7 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.time_histories(x, samples, label)?,
             Equations::Exact(problem) => problem.time_histories(x, samples, label)?,
+            Equations::Modal(problem) => problem.system.time_histories(x, &problem.contacts, samples, label)?,
         })
     }
 
@@ -143,6 +161,7 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
             Equations::Exact(problem) => problem.time_history(x, contact, samples, label)?,
+            Equations::Modal(problem) => problem.system.time_history(x, &problem.contacts, contact, samples, label)?,
         })
     }
 }
@@ -154,6 +173,7 @@ impl ParametricSystem for Periodic<'_> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.dim(),
             Equations::Exact(problem) => problem.dim(),
+            Equations::Modal(problem) => problem.system.dim(),
         }
     }
 
@@ -162,6 +182,7 @@ impl ParametricSystem for Periodic<'_> {
         match &mut self.equations {
             Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
             Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
+            Equations::Modal(problem) => Ok(problem.system.linearize(x, p, out)?),
         }
     }
 
@@ -173,6 +194,7 @@ impl ParametricSystem for Periodic<'_> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.pattern(),
             Equations::Exact(problem) => problem.pattern(),
+            Equations::Modal(problem) => problem.system.pattern(),
         }
     }
 
@@ -180,6 +202,7 @@ impl ParametricSystem for Periodic<'_> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.accepted(x, p),
             Equations::Exact(problem) => problem.accepted(x, p),
+            Equations::Modal(problem) => problem.system.accepted(x, p),
         }
     }
 }

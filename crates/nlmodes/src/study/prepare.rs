@@ -10,6 +10,7 @@ use nlmodes_hbm::{
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
 
+use super::open_mode::OpenMode;
 use super::periodic::Periodic;
 use super::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing, StudyError};
 
@@ -89,7 +90,10 @@ pub(super) fn periodic<'s>(
     start: &Grazing,
 ) -> Result<Periodic<'s>, StudyError> {
     Ok(match settings.method {
-        BranchMethod::HarmonicBalance => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
+        BranchMethod::HarmonicBalance => match OpenMode::of(structure, settings, start)? {
+            Some(problem) => Periodic::modal(problem, settings),
+            None => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
+        },
         BranchMethod::Shooting => Periodic::exact(exact(structure.model(), settings, start)?, settings),
     })
 }

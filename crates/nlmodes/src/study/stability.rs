@@ -45,7 +45,8 @@ impl Probe {
             (BranchMethod::HarmonicBalance, StabilityRule::Always) => MAX_SHOOTING_MODES,
         };
         let size = model.linear_dofs().len();
-        if settings.stability == StabilityRule::Auto && size > 4 * CHEAP {
+        let is_large = size > 4 * CHEAP || model.contact_dofs().len() > CHEAP;
+        if settings.stability == StabilityRule::Auto && is_large {
             return Self::Silent;
         }
         let reduced = ReducedStructure::new(model.clone(), size.min(most)).ok();
