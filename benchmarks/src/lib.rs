@@ -12,6 +12,7 @@ use rustix::time::{ClockId, clock_gettime};
 
 pub mod free_modes;
 pub mod kernels;
+pub mod verification;
 
 /// Whatever goes wrong.
 pub type Failure = Box<dyn std::error::Error>;

@@ -236,3 +236,67 @@ fn check_middle<S: ParametricSystem>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+    use crate::Linearization;
+
+    /// `x = 0`: the axis of the parameter.
+    struct Axis;
+
+    impl ParametricSystem for Axis {
+        type Error = Infallible;
+
+        fn dim(&self) -> usize {
+            1
+        }
+
+        fn linearize(&mut self, x: &[f64], _: f64, out: &mut Linearization) -> Result<(), Infallible> {
+            out.residual[0] = x[0];
+            (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (1.0, 0.0);
+            Ok(())
+        }
+    }
+
+    fn at(x: f64, p: f64, turn: f64) -> Correction {
+        let (tangent, pattern) = (vec![turn.sin(), turn.cos()], 0);
+        Correction { z: vec![x, p], tangent, orientation: 1.0, residual: 0.0, iterations: 1, pattern, regularity: 1.0 }
+    }
+
+    #[test]
+    fn a_step_that_ends_far_from_its_prediction_or_turns_too_much_is_refused() {
+        let (settings, foot, h) = (StepSettings::default(), Foot::from(&at(0.0, 0.0, 0.0)), 0.05);
+        let judged = |x: f64, p: f64, turn: f64| near_and_straight(&settings, &foot, &at(x, p, turn), h);
+        assert!((judged(0.29 * h, h, 0.2).unwrap() - 0.2).abs() < 1e-12);
+        // Sideways, and along the tangent.
+        for (x, p) in [(0.31 * h, h), (-0.31 * h, h), (0.0, 0.69 * h), (0.0, 1.31 * h)] {
+            let Err(Refusal::FarFromPrediction { steps }) = judged(x, p, 0.0) else { panic!("{x} {p}") };
+            assert!((steps - 0.31).abs() < 1e-12);
+        }
+        for turn in [0.34, -0.34] {
+            assert!((judged(0.0, h, turn).unwrap() - 0.34).abs() < 1e-12);
+        }
+        for turn in [0.36, -0.36, 3.0] {
+            let Err(Refusal::Turn { radians }) = judged(0.0, h, turn) else { panic!("{turn}") };
+            assert!((radians - turn.abs()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_step_whose_middle_lies_elsewhere_is_refused_with_its_distance() {
+        let (settings, foot, h) = (StepSettings::default(), Foot::from(&at(0.0, 0.0, 0.0)), 0.05);
+        let confirmed = |x: f64, turn: f64| {
+            let mut corrector = Corrector::new(1, settings.tolerance, settings.max_iterations);
+            confirm(&mut Axis, &mut corrector, &settings, &foot, &at(x, h, turn), h, turn)
+        };
+        assert!(confirmed(0.0, 0.0).is_ok() && confirmed(0.0, 0.11).is_ok());
+        // Half of what the end is off: 0.1 h on a straight line.
+        let Err(Refusal::MiddleOff { steps }) = confirmed(0.2 * h, 0.0) else { panic!("0.2 h to the side") };
+        assert!((steps - 0.1).abs() < 1e-3, "{steps}");
+        // An arc of this turn may be that far off its tangent, and the axis is straight: nothing to be seen without a look.
+        assert!(confirmed(0.04 * h, 0.05).is_ok());
+    }
+}

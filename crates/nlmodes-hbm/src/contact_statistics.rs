@@ -136,3 +136,51 @@ pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
     }
     value
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use nlmodes_contact::{LcpMatrix, solver_by_name};
+    use nlmodes_linalg::Mat;
+
+    use super::*;
+    use crate::{RealSeries, Switching};
+
+    /// The gap `y_0 + y_1 cos τ + y_2 cos 2τ` before a body of unit compliance: `λ = max(−y, 0)`.
+    fn solved(y: [f64; 3], symmetry: Symmetry) -> ContactOperator {
+        let series = RealSeries { symmetry, n_harmonics: 2 };
+        let matrix = LcpMatrix::new(&Mat::from_fn(1, 1, |_, _| 1.0)).unwrap();
+        let solver = solver_by_name("active-set").unwrap();
+        let mut operator = ContactOperator::new(&matrix, series, Switching::Exact, solver.as_ref()).unwrap();
+        let mut coefficients = y.to_vec();
+        coefficients.resize(series.width(), 0.0);
+        operator.solve(&coefficients).unwrap();
+        operator
+    }
+
+    #[test]
+    fn share_touches_peak_and_mean_are_those_of_the_closed_form() {
+        let third = (3.0_f64.sqrt() - PI / 3.0) / TAU;
+        for symmetry in [Symmetry::Even, Symmetry::None] {
+            // y, share, touches, largest force, mean force.
+            let cases = [
+                ([0.5, 1.0, 0.0], 1.0 / 3.0, 1, 0.5, third),
+                ([0.5, -1.0, 0.0], 1.0 / 3.0, 1, 0.5, third),
+                ([0.5, 0.0, 1.0], 1.0 / 3.0, 2, 0.5, third),
+                ([0.5, 0.0, -1.0], 1.0 / 3.0, 2, 0.5, third),
+                ([-2.0, 1.0, 0.0], 1.0, 1, 3.0, 2.0),
+                ([2.0, 1.0, 0.0], 0.0, 0, 0.0, 0.0),
+            ];
+            for (y, share, touches, peak, mean) in cases {
+                let operator = solved(y, symmetry);
+                assert!((operator.closed_share(0) - share).abs() < 1e-12, "{y:?}: {}", operator.closed_share(0));
+                assert_eq!(operator.touches(0), touches, "{y:?} {symmetry:?}");
+                assert!((operator.peak_force(0) - peak).abs() < 1e-12, "{y:?}: {}", operator.peak_force(0));
+                assert!((operator.mean_forces()[0] - mean).abs() < 1e-12, "{y:?}: {:?}", operator.mean_forces());
+                let lowest = (y[0] - y[1].abs() - if y[1] == 0.0 { y[2].abs() } else { 0.0 }).max(0.0);
+                assert!((operator.smallest_gap(0) - lowest).abs() < 1e-12, "{y:?}: {}", operator.smallest_gap(0));
+            }
+        }
+    }
+}

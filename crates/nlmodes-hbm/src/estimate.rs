@@ -194,3 +194,43 @@ impl<'s> TruncationEstimator<'s> {
         coefficients.chunks(width).map(mean).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nlmodes_linalg::sparse_from_triplets;
+    use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+
+    use super::*;
+    use crate::grazing;
+
+    /// Five masses in a row and a massless node before a stop, with so many of the five held modes.
+    fn chain(n_modes: usize) -> CondensedStructure {
+        let mut k = vec![(0, 0, 3e4)];
+        for i in 1..6 {
+            k.extend([(i, i, 2e4), (i - 1, i - 1, 2e4), (i, i - 1, -2e4), (i - 1, i, -2e4)]);
+        }
+        let m: Vec<_> = (0..5).map(|i| (i, i, 0.1 + 0.02 * i as f64)).collect();
+        let dofs = (0..6).map(|node| Dof { node, position: node as f64, kind: DofKind::Axial }).collect();
+        let matrix = |entries: &[_]| sparse_from_triplets(6, 6, entries).unwrap();
+        let stop = Contact::rigid(5, Side::Positive, 1e-3);
+        let model = StructuralModel::new(matrix(&m), matrix(&k), dofs, vec![stop]).unwrap();
+        CondensedStructure::new(MasslessContactModel::new(&model, &Drop).unwrap(), n_modes).unwrap()
+    }
+
+    #[test]
+    fn the_guess_for_the_held_modes_is_rayleighs_of_the_modes_left_out() {
+        let (all, few) = (chain(5), chain(2));
+        let start = grazing(&few, 1).unwrap();
+        for harmonics in [1, 2, 3] {
+            // S = Σ g²/λ³ over the modes left out; beyond the leading term, the factor of the last one kept.
+            let left_out: f64 = all.modes()[2..].iter().map(|m| m.g[0].powi(2) / m.lambda.powi(3)).sum();
+            let rest = 1.0 - (harmonics as f64 * start.omega).powi(2) / few.modes()[1].lambda;
+            let form = start.fundamental[0].powi(2) * left_out;
+            let expected = harmonics as f64 * start.omega.powi(4) * form / (8.0 * start.energy) / rest;
+            let found = few.held_modes_error(&start, start.omega, harmonics);
+            assert!(rest > 0.0 && (found / expected - 1.0).abs() < 1e-6, "{harmonics}: {found:e} {expected:e}");
+        }
+        assert_eq!(few.held_modes_error(&start, start.omega, 100), f64::INFINITY, "the modes end below the harmonics");
+        assert!(all.held_modes_error(&start, start.omega, 1) < 1e-12, "none is left out");
+    }
+}

@@ -346,3 +346,24 @@ fn free_position(structure: &CondensedStructure, shape: &[f64]) -> Vec<f64> {
     DenseLu::factor(model.k_nn()).expect("K_NN was factored when the structure was condensed").solve_in_place(&mut b);
     b
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_touch_at_rest_where_one_of_them_had_to_stand_back() {
+        let at = |opening: &[f64]| Grazing {
+            mode: 1,
+            omega: 1.0,
+            energy: 1.0,
+            contact: 0,
+            mean: vec![0.0; 2],
+            fundamental: vec![1.0, 0.5],
+            length: 1.0,
+            opening: opening.to_vec(),
+        };
+        assert!(!at(&[0.0, 0.0]).touches_at_rest());
+        assert!(at(&[0.0, 1e-9]).touches_at_rest() && at(&[0.2, 0.1]).touches_at_rest());
+    }
+}

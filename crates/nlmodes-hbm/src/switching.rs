@@ -261,4 +261,50 @@ mod tests {
         }
         assert_eq!(falls_below_zero(&f, NOISE, 0.051, 0.098), None);
     }
+
+    /// Whether the stretch of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts that stay open.
+    fn quiet(height: f64, middle: f64, width: f64, others: usize) -> bool {
+        let c = 1 + others;
+        let identity = nlmodes_linalg::Mat::from_fn(c, c, |i, j| if i == j { 1.0 } else { 0.0 });
+        let sets = SetTable::new(&nlmodes_contact::LcpMatrix::new(&identity).unwrap()).unwrap();
+        let series = |i: usize| vec![Complex64::from(if i == 0 { height } else { 5.0 }), Complex64::ONE];
+        let y: Vec<Vec<Complex64>> = (0..c).map(series).collect();
+        let at = |f: &dyn Fn(f64, f64) -> f64| -> Vec<Vec<f64>> {
+            let ends = [middle - 0.5 * width, middle + 0.5 * width];
+            y.iter().map(|y| ends.map(|t| f(y[0].re, t)).to_vec()).collect()
+        };
+        let (values, slopes) = (at(&|h, t| h + t.cos()), at(&|_, t| -t.sin()));
+        let open = SetTable::OPEN;
+        Tracer::new(&y).is_quiet(&sets, open, open, (&values, &slopes, 0), (&values, &slopes, 1), width)
+    }
+
+    #[test]
+    fn a_stretch_is_quiet_only_where_no_guard_can_dip_below_zero_between_its_ends() {
+        for others in [0, 1] {
+            // About the minimum both ends are positive: only the curvature tells, ⅛ · 0.2² = 0.005 above −1.
+            assert!(!quiet(0.999, std::f64::consts::PI, 0.2, others), "dips by 1e-3");
+            assert!(quiet(1.02, std::f64::consts::PI, 0.2, others), "stays 0.02 above");
+            // On the slope the value may be small, the slope cannot change its sign.
+            assert!(quiet(1e-4 - 1.2_f64.cos(), 1.1, 0.2, others), "falls to 1e-4");
+            assert!(!quiet(-1e-4 - 1.2_f64.cos(), 1.1, 0.2, others), "falls below zero");
+            assert!(!quiet(-1.0, 1.1, 0.2, others), "is below zero all the way");
+        }
+    }
+
+    #[test]
+    fn whatever_is_called_quiet_stays_above_zero() {
+        let mut called = 0;
+        for (i, j) in (0..40).flat_map(|i| (0..40).map(move |j| (i, j))) {
+            let (height, middle) = (-1.1 + 0.06 * f64::from(i), 0.16 * f64::from(j));
+            for width in [0.05, 0.3, 1.0] {
+                let at = |k: i32| height + (middle + width * (f64::from(k) / 200.0 - 0.5)).cos();
+                let lowest = (0..=200).map(at).fold(f64::INFINITY, f64::min);
+                let is = quiet(height, middle, width, 0);
+                assert!(!is || lowest > 0.0, "{height} {middle} {width}: {lowest}");
+                assert_eq!(is, quiet(height, middle, width, 1), "{height} {middle} {width}");
+                called += usize::from(is);
+            }
+        }
+        assert!(called > 1000, "{called}");
+    }
 }

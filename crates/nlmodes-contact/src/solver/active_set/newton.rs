@@ -140,3 +140,21 @@ impl Newton {
         verdict
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LcpMatrix, Mat};
+
+    #[test]
+    fn contacts_are_guessed_closed_where_there_is_a_force_and_less_gap_than_that() {
+        let matrix = LcpMatrix::new(&Mat::from_fn(6, 6, |i, j| if i == j { 1.0 } else { 0.0 })).unwrap();
+        let mut sample = Sample::new(&matrix);
+        sample.lambda.copy_from_slice(&[1.0, 0.0, 0.5, 2.0, -1.0, 0.0]);
+        sample.gap.copy_from_slice(&[0.0, 1.0, 0.7, -1.0, -2.0, -0.3]);
+        let mut newton = Newton::new(6);
+        newton.guess_from_forces(&sample);
+        let closed: Vec<bool> = (0..6).map(|i| newton.set.contains(i)).collect();
+        assert_eq!(closed, [true, false, false, true, false, false]);
+    }
+}
