@@ -32,7 +32,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bouncing-bar",
-        problem: "Doyen, Ern, Piperno 2011: a bar with `L = 10`, `E = 900`, `ρ = 1` falls from 5 above the floor, gravity 10; 200 elements.\nInstants of the first two contacts, height of its centre after the first bounce and after the period 16/3.",
+        problem: "Doyen, Ern, Piperno 2011: a bar with `L = 10`, `E = 900`, `ρ = 1` falls from 5 above the floor, gravity 10; 100 elements.\nInstants of the first two contacts, height of its centre after the first bounce and after the period 16/3.",
         kind: Kind::Exact,
         reference: "waves of speed 30: falls 1, touches for 2/3, flies 2 (three periods of its vibration), touches for 2/3, which undoes the vibration, and rises 1; the force `300 (1 + t)` of the contact lets its centre sink by 20/27",
         remark: "gravity enters as soft springs to far above, `K + 10⁻⁶M` about the equilibrium 10⁷ below the floor: it changes by 1e-6 of itself over the fall",
@@ -192,7 +192,7 @@ fn sdnv100() -> Result<Vec<Check>, Failure> {
 }
 
 fn bouncing_bar() -> Result<Vec<Check>, Failure> {
-    let (length, height, gravity, n): (f64, f64, f64, usize) = (10.0, 5.0, 10.0, 200);
+    let (length, height, gravity, n): (f64, f64, f64, usize) = (10.0, 5.0, 10.0, 100);
     let softness = 1e-6;
     // Displacements count downward from the equilibrium g/κ below the start, where the soft springs carry the weight.
     let sag = gravity / softness;
@@ -213,7 +213,7 @@ fn bouncing_bar() -> Result<Vec<Check>, Failure> {
         // Weights of the nodes: half an element at the ends.
         height - ((inner + 0.5 * (q[0] + q[n])) / n as f64 + sag)
     };
-    let why = "the front of the wave, (h/L)^⅔ = 0.03, of the contact's duration, ⅛ of the period";
+    let why = "the front of the wave, (h/L)^⅔ = 0.046, of the contact's duration, ⅛ of the period";
     Ok(vec![
         Check::of_size("first touch", [a, 1.0, period], 1e-5, "the soft springs, 1e-6"),
         Check::of_size("first leaving", [b, 5.0 / 3.0, period], 1e-2, why),
@@ -222,10 +222,10 @@ fn bouncing_bar() -> Result<Vec<Check>, Failure> {
         Check::of_size(
             "height at 8/3",
             [centre(8.0 / 3.0), height - 20.0 / 27.0, height],
-            3e-2,
+            4.6e-2,
             "what the front leaves in vibrations, (h/L)^⅔",
         ),
-        Check::of_size("height at 16/3", [centre(period), height, height], 6e-2, "the same twice"),
+        Check::of_size("height at 16/3", [centre(period), height, height], 9.2e-2, "the same twice"),
     ])
 }
 
