@@ -8,9 +8,9 @@ import nlmodes
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 
-def main(figure="beam_with_test.svg"):
+def main(figure="beam_with_test.svg", **overrides):
     computed = nlmodes.run(CONFIGS / "beam_hbm.toml", out=False)
-    test = nlmodes.run(CONFIGS / "virtual_test.toml", out=False)
+    test = nlmodes.run(CONFIGS / "virtual_test.toml", out=False, **overrides)
     axes = computed.plot(x="modal_amplitude")
     test.plot(ax=axes, label="test")
     axes.legend()

@@ -28,7 +28,7 @@ pub fn check(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult
 }
 
 fn check_structure(file: &SceneFile) -> Result<Option<String>, RunError> {
-    if file.scene.contacts.is_empty() {
+    if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
     }
     let file = nlmodes_run::updating::updated(file.clone())?;
@@ -56,6 +56,12 @@ pub fn linear_frequencies(py: Python<'_>, source: Source, overrides: Vec<String>
     dict.set_item("mass_redistributed", found.mass_redistributed)?;
     dict.set_item("contacts_held", found.contacts_held)?;
     Ok(dict)
+}
+
+/// What every file of results, its columns and arrays mean, as text.
+#[pyfunction]
+pub fn columns() -> String {
+    nlmodes::report::columns::text()
 }
 
 /// The JSON schema of a scene, as text.

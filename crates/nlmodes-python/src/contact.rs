@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use nlmodes::contact::conformance::Expected;
 use nlmodes::contact::{LcpError, LcpMatrix, Mat, SeriesSolution, Start, solver_by_name};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
@@ -110,6 +111,19 @@ impl Series {
         let response = found.map_err(|error| PyValueError::new_err(format!("closed: {error}")))?;
         Ok((array(py, &response.lambda)?, array(py, &response.gaps)?))
     }
+}
+
+/// A problem that every solver must pass: its name, `A`, `b`, and whether it has a solution.
+type Case<'py> = (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, bool);
+
+/// The suite that every contact solver passes, problems of at most so many contacts.
+#[pyfunction]
+pub fn conformance_cases(py: Python<'_>, at_most: usize) -> PyResult<Vec<Case<'_>>> {
+    let cases = nlmodes::contact::conformance::cases(at_most).into_iter().map(|case| {
+        let solvable = !matches!(case.expected, Expected::Infeasible);
+        Ok((case.name, array(py, &case.a)?, case.b.into_pyarray(py), solvable))
+    });
+    cases.collect()
 }
 
 /// A matrix as an array of NumPy.

@@ -4,7 +4,7 @@
 //! | item | what |
 //! | --- | --- |
 //! | `run` | a scene of any kind: structure, records, virtual test |
-//! | `check`, `linear_frequencies`, `schema` | what can be said before that |
+//! | `check`, `linear_frequencies`, `schema`, `columns` | what can be said before that |
 //! | `verify` | one period of the full structure from a computed point |
 //! | `Series` | contact problems |
 //! | `trace` | branches of `R(x, p) = 0` with functions of Python |
@@ -26,9 +26,9 @@ mod verify;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use crate::check::{check, linear_frequencies, schema};
+    use crate::check::{check, columns, linear_frequencies, schema};
     #[pymodule_export]
-    use crate::contact::Series;
+    use crate::contact::{Series, conformance_cases};
     #[pymodule_export]
     use crate::continuation::trace;
     #[pymodule_export]

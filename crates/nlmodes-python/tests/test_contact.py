@@ -72,3 +72,17 @@ def test_a_series_begins_where_the_last_one_ended():
     assert again.iterations.max() <= 1 and np.allclose(again.lambda_, first.lambda_, rtol=1e-9)
     with pytest.raises(ValueError, match="start is 'warm'"):
         series.solve(b, start="warm")
+
+
+def test_the_suite_is_solved_or_told_to_have_no_solution():
+    solved = contradictory = 0
+    for case in contact.conformance_cases(20):
+        if case.solvable:
+            found = contact.solve(case.A, case.b)
+            assert found.violation < 1e-10 and np.allclose(found.gaps, case.A @ found.lambda_ + case.b, atol=1e-8 * np.abs(case.b).max(initial=0)), case.name
+            solved += 1
+        else:
+            with pytest.raises(nlmodes.RunError, match="contradict"):
+                contact.solve(case.A, case.b)
+            contradictory += 1
+    assert solved > 20 and contradictory > 0

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import nlmodes
 import pytest
-from nlmodes import _errors, _result, _run, _table
+from nlmodes import _branch, _errors, _result, _run, _table
 
-MODULES = [nlmodes, _errors, _result, _run, _table, nlmodes.contact, nlmodes.continuation, nlmodes.experiment]
+MODULES = [nlmodes, _branch, _errors, _result, _run, _table, nlmodes.contact, nlmodes.continuation, nlmodes.experiment, nlmodes.structure]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)

@@ -45,3 +45,47 @@ def test_blocks_of_the_guide_run_as_they_stand(number, tmp_path, monkeypatch):
     names = {}
     exec(compile(BLOCKS[number], f"docs/python.md, block {number}", "exec"), names)
     assert all(np.isfinite(value).all() for value in names.values() if isinstance(value, np.ndarray) and value.dtype == float)
+
+
+def test_the_plate_lies_between_a_beam_and_a_wide_plate(tmp_path):
+    module = example("plate_from_scikit_fem")
+    result = module.main(tmp_path / "plate.svg")
+    # f = 1.875² / (2π L²) √(E h² / 12 ρ): of a beam, and with E/(1 − ν²) where the sides cannot contract.
+    beam = 1.8751040687**2 / (2 * np.pi * 0.3**2) * np.sqrt(210e9 * 4e-3**2 / (12 * 7800.0))
+    assert 0.995 * beam < result.frequency_hz[0] < 1.01 * beam / np.sqrt(1 - 0.3**2)
+    assert result.complete and result.frequency_hz[-1] > 1.05 * result.frequency_hz[0]
+    history = result.branches[0].history(len(result.branches[0]) - 1)
+    assert history.displacement_m.max() <= 0.5e-3 * (1 + 1e-6) and history.force_n.max() > 0
+
+
+def test_points_of_the_test_lie_on_the_branch_of_the_beam(tmp_path):
+    few = {
+        "schedule": {"levels_v": [1.4, 2.0], "order": "up"},
+        "records": {"levels": [1]},
+        "backbone": {"methods": ["hbm"], "harmonics": 5},
+    }
+    computed, test = example("beam_with_test").main(tmp_path / "beam.svg", virtual_test=few)
+    assert len(test.points) == 2 and computed.complete
+    at = np.interp(test.modal_amplitude, computed.modal_amplitude, computed.frequency_hz)
+    assert np.allclose(test.frequency_hz, at, rtol=5e-3)
+
+
+def test_the_script_for_matlab_runs(monkeypatch):
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "matlab.md").read_text(), re.S)
+    names = {"scene": str(ROOT / "configs" / "rod.toml"), "harmonics": 2.0}
+    exec(compile(script, "docs/matlab.md", "exec"), names)
+    assert np.isfinite(names["branch"]["frequency_hz"]).all() and len(names["branch"]["energy_j"]) > 10
+
+
+def test_phase_resonance_goes_through_the_peaks_of_the_responses(tmp_path):
+    result = example("response_and_damped_mode").main(tmp_path / "response.svg", method__harmonics=3)
+    kinds = {str(branch.kind[0]): branch for branch in result}
+    responses = [branch for branch in result if branch.kind[0] == "frequency"]
+    resonance, damped = kinds["phase-resonance"], kinds["damped-mode"]
+    assert len(responses) == 3 and np.allclose(resonance.drive_lag_deg, 90.0, atol=1e-4)
+    for branch in responses:
+        assert np.allclose(branch.input_power_w, branch.dissipated_power_w, rtol=1e-6)
+    # The largest force is that of the largest response, at whose peak the lag is 90 degrees.
+    peak = responses[2].frequency_hz[np.argmax(responses[2].frequency_hz * (responses[2].drive_fundamental_m > 0.5 * responses[2].drive_fundamental_m.max()))]
+    assert resonance.frequency_hz[-1] == pytest.approx(peak, rel=2e-2)
+    assert damped.damping_ratio[0] == pytest.approx(0.0019, rel=0.05)

@@ -8,7 +8,9 @@
 :func:`run`                       a scene: structure, records of a test, virtual test
 :func:`read`                      what a run has left in a directory
 :func:`check`, :func:`schema`     what can be said before anything is computed
+:func:`columns`                   what the columns of results mean
 :func:`linear_frequencies`        the linear modes of a scene
+:class:`Structure`                stiffness and mass matrices with contacts
 :func:`verify`                    one period of the full structure from a computed point
 :mod:`nlmodes.contact`            complementarity problems of contact
 :mod:`nlmodes.continuation`       branches of ``R(x, p) = 0`` with functions of your own
@@ -19,11 +21,13 @@ All quantities are in SI units; the unit stands in the name of a key or column.
 """
 
 from . import contact, continuation, experiment
+from ._branch import Branch, History, Motion, Verification
 from ._errors import Mistake, RunError, SceneError, SceneWarning
 from ._native import __version__
-from ._result import Branch, History, Motion, Result, Verification, read, verify
-from ._run import check, linear_frequencies, run, schema
+from ._result import Result, read, verify
+from ._run import check, columns, linear_frequencies, run, schema
 from ._table import Table
+from .structure import Structure
 
 __all__ = [
     "Branch",
@@ -34,10 +38,12 @@ __all__ = [
     "RunError",
     "SceneError",
     "SceneWarning",
+    "Structure",
     "Table",
     "Verification",
     "__version__",
     "check",
+    "columns",
     "contact",
     "continuation",
     "experiment",

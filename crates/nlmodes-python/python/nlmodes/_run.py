@@ -12,7 +12,8 @@ from typing import Any, TypeAlias
 
 from . import _native
 from ._errors import SceneWarning
-from ._result import Result, Scratch
+from ._files import Scratch
+from ._result import Result
 
 Scene: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 """A scene: path of a TOML file, text of one (with a line break in it), or a dictionary of its tables."""
@@ -187,3 +188,6 @@ def schema() -> dict[str, Any]:
     return found
 
 
+def columns() -> str:
+    """What every file of results, its columns and arrays mean, with units and signs."""
+    return _native.columns()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_TEXTS = {"event", "resonance", "record", "findings", "contact_name", "label", "reason", "message"}
+_TEXTS = {"event", "resonance", "record", "findings", "label", "reason", "message", "name", "kind"}
 _FLAGS = {"true": 1.0, "false": 0.0, "": np.nan}
 
 
@@ -37,8 +37,9 @@ class Table:
     NaN; true and false are 1.0 and 0.0, so that those which are not known can be NaN.
     """
 
-    def __init__(self, content: bytes) -> None:
+    def __init__(self, content: bytes, rows: slice | None = None) -> None:
         self._content = content
+        self._rows = rows or slice(None)
         self._cells: dict[str, list[str]] | None = None
         self._arrays: dict[str, NDArray[Any]] = {}
 
@@ -46,7 +47,8 @@ class Table:
         if self._cells is None:
             rows = list(csv.reader(io.StringIO(self._content.decode())))
             names = rows[0] if rows else []
-            self._cells = {name: [row[i] for row in rows[1:]] for i, name in enumerate(names)}
+            own = rows[1:][self._rows]
+            self._cells = {name: [row[i] for row in own] for i, name in enumerate(names)}
         return self._cells
 
     @property

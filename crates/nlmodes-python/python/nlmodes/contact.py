@@ -84,6 +84,21 @@ class Series:
         return Response(*self._native.response(np.ascontiguousarray(flags)))
 
 
+class Case(NamedTuple):
+    """A problem of the conformance suite."""
+
+    name: str
+    A: NDArray[np.float64]
+    b: NDArray[np.float64]
+    solvable: bool
+    """Whether it has a solution; the gaps contradict each other otherwise."""
+
+
+def conformance_cases(at_most: int = 30) -> list[Case]:
+    """The suite that every solver of this package passes, problems of at most so many contacts: to try one of your own."""
+    return [Case(*case) for case in _native.conformance_cases(_arguments.count("at_most", at_most, least=1, most=1000))]
+
+
 def _sized(b: Any) -> Any:
     try:
         return np.asarray(b)
