@@ -2,6 +2,7 @@
 
 mod matrices;
 pub mod records;
+mod responses;
 pub mod test;
 
 use nlmodes_scene::assemble::OpenStructure;
@@ -24,7 +25,10 @@ pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> Str
     lines.extend(scene.updating.as_ref().map(|updating| row("updating", &fitted(updating))));
     lines.extend(open.map(|open| matrices::reduction(scene, open)));
     lines.push(row("method", &method(scene)));
-    lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
+    if scene.responses.is_empty() {
+        lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
+    }
+    lines.extend(responses::lines(scene).iter().map(|(name, text)| row(name, text)));
     lines.push(row("results", &scene.output_directory.display().to_string()));
     lines.push(String::new());
     let verdict = if warned { "can be computed, but see the warning" } else { "is sound" };

@@ -292,6 +292,17 @@ fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOp
     if let Some(out) = &out {
         files.iter_mut().for_each(|file| file.scene.output_directory.clone_from(out));
     }
+    if files.iter().any(|file| !file.scene.responses.is_empty()) {
+        return match files.as_slice() {
+            [file] => run_responses(file, options),
+            several => refuse(&several[1].error_at(
+                "method",
+                "responses are computed with one method",
+                "expected one table [method]",
+                &[],
+            )),
+        };
+    }
     let mut watch = Watch::new(options);
     match nlmodes_run::run(files, options.over(), &mut watch) {
         Ok(outcome) => {
@@ -302,6 +313,24 @@ fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOp
         }
         Err(error) => refuse_run(&error),
     }
+}
+
+/// Runs the responses of a scene.
+fn run_responses(file: &SceneFile, options: RunOptions) -> Status {
+    let outcome = match nlmodes_run::responses::run(file, options.over(), &mut Watch::new(options)) {
+        Ok(outcome) => outcome,
+        Err(error) => return refuse_run(&error),
+    };
+    if let Some(error) = &outcome.failure {
+        say!("error: {}", chain(error.as_ref()));
+    }
+    if outcome.is_cut_off {
+        say!("the curves that were not begun are missing; what was computed is written");
+    }
+    if !options.quiet {
+        print(&format!("Results in {}", file.scene.output_directory.display()));
+    }
+    if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
 }
 
 /// Runs a virtual test.

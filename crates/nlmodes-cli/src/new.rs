@@ -28,6 +28,8 @@ enum Kind {
     Beam,
     /// A beam on a virtual rig, driven under a phase-locked loop
     VirtualTest,
+    /// A beam driven by a shaker: responses, phase resonance, damped mode
+    Response,
 }
 
 impl Kind {
@@ -36,6 +38,7 @@ impl Kind {
             Self::Rod => "rod",
             Self::Beam => "beam",
             Self::VirtualTest => "virtual-test",
+            Self::Response => "response",
         }
     }
 
@@ -44,6 +47,7 @@ impl Kind {
             Self::Rod => include_str!("new/rod.toml"),
             Self::Beam => include_str!("new/beam.toml"),
             Self::VirtualTest => include_str!("new/virtual_test.toml"),
+            Self::Response => include_str!("new/response.toml"),
         }
     }
 }

@@ -83,6 +83,16 @@ impl Observer for Watch {
                 interrupt::something_found();
                 self.progress.iter_mut().for_each(|progress| progress.point(branch, point, is_new));
             }
+            Event::Curve { number, of, name } if !quiet => say!("curve {number} of {of}: {name}"),
+            Event::CurveDone { name, outcome, is_complete } => {
+                interrupt::something_found();
+                match outcome {
+                    Ok((points, why)) if !is_complete => say!("warning: {name}: {points} points, then {why}"),
+                    Ok((points, why)) if !quiet => say!("  {points} points; {why}"),
+                    Ok(_) => {}
+                    Err(why) => say!("error: {name}: {why}"),
+                }
+            }
             Event::Withdrawn { kept } => self.progress.iter_mut().for_each(|progress| progress.withdrawn(kept)),
             Event::Turned { points } => self.progress.iter_mut().for_each(|progress| progress.turned(points)),
             Event::Computed => self.progress.iter().for_each(Progress::finish),

@@ -23,7 +23,7 @@ impl ContactOperator {
     }
 
     /// Largest rate by phase (m/rad) at which the gap of a contact closes as it is touched; zero without a touch.
-    fn approach(&self, contact: usize) -> f64 {
+    pub(crate) fn approach(&self, contact: usize) -> f64 {
         let c = self.n_contacts();
         let slope = |interval: &PatternInterval, tau: f64| {
             let guard = &self.sets.get(interval.set).guard[contact * c..(contact + 1) * c];

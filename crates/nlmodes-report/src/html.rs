@@ -54,6 +54,7 @@ pub struct HtmlReport<'a> {
     contact_motion: Option<&'a ContactMotion<'a>>,
     histories: Vec<(String, Vec<&'a TimeHistory>)>,
     participation: &'a [&'a [Participation]],
+    leading: Vec<(String, Figure)>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
     documents: Vec<(String, Value)>,
@@ -72,6 +73,7 @@ impl<'a> HtmlReport<'a> {
             contact_motion: None,
             histories: Vec::new(),
             participation: &[],
+            leading: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),
             documents: Vec::new(),
@@ -134,6 +136,12 @@ impl<'a> HtmlReport<'a> {
     fn participating_modes(&self) -> usize {
         let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.factors.len());
         if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
+    }
+
+    /// With a figure that stands still, before all others: what the page is about.
+    pub fn leading_figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
+        self.leading.push((title.into(), figure));
+        self
     }
 
     /// With a figure more, which stands still.

@@ -1,7 +1,11 @@
-mod damped_mode;
+mod appropriation;
+mod detached;
 mod forced;
+mod mode;
 mod phase_resonance;
 
-pub use damped_mode::damped_mode;
-pub use forced::{force_response, frequency_response};
+pub use appropriation::{Appropriation, appropriation};
+pub use detached::{detached_response, lies_on};
+pub use forced::{branching_responses, force_response, frequency_response};
+pub use mode::{conservative_mode, damped_mode};
 pub use phase_resonance::phase_resonance;

@@ -1,5 +1,8 @@
+use std::f64::consts::TAU;
+use std::fmt;
+
 use nlmodes_continuation::StopReason;
-use nlmodes_hbm::{Instability, PeriodicMotion};
+use nlmodes_hbm::{Instability, PeriodicMotion, PeriodicSystem};
 use num_complex::Complex64;
 
 /// What a curve passes at a point.
@@ -14,9 +17,9 @@ pub enum ResponseEvent {
     Kink,
     /// Another sequence of contacts.
     PatternChange,
-    /// Between here and the point before, a multiplier passes −1.
+    /// A multiplier passes −1 here, or between here and the point before.
     PeriodDoubling,
-    /// Between here and the point before, a pair of multipliers passes the unit circle.
+    /// A pair of multipliers passes the unit circle here, or between here and the point before.
     NeimarkSacker,
 }
 
@@ -65,12 +68,29 @@ pub struct ResponsePoint {
     pub residual: f64,
     /// What happens here.
     pub events: Vec<ResponseEvent>,
+    /// Scaled coefficients of the motion and their unit, from which another curve can start.
+    pub(crate) coefficients: (Vec<f64>, f64),
 }
 
 impl ResponsePoint {
     /// By how much the drive point lags the load, rad, from −π to π.
     pub fn lag(&self) -> f64 {
         -self.drive.arg()
+    }
+
+    /// Its coefficients as the first unknowns of another problem on the same structure with as many harmonics.
+    pub(crate) fn coefficients_for(&self, system: &PeriodicSystem) -> Vec<f64> {
+        let (series, (own, unit)) = (system.series(), &self.coefficients);
+        let coordinates = (system.n_coefficients() / series.width()).max(1);
+        let width = own.len() / coordinates;
+        let factor = unit / system.unit();
+        // Motions that are even in time have no sines, which stand last.
+        let padded = |one: &[f64]| {
+            let mut one: Vec<f64> = one.iter().map(|x| x * factor).collect();
+            one.resize(series.width(), 0.0);
+            one
+        };
+        own.chunks(width.max(1)).flat_map(padded).collect()
     }
 }
 
@@ -84,8 +104,12 @@ pub enum CurveEnd {
     Limit,
     /// It came back to where it began.
     Closed,
+    /// It came to where another curve of the same problem goes on.
+    Joined,
     /// It has as many points as were asked for.
     MaxPoints,
+    /// It was asked to end.
+    Stopped,
     /// No step could be shown to stay on the curve, for this reason.
     Lost(String),
 }
@@ -93,7 +117,20 @@ pub enum CurveEnd {
 impl CurveEnd {
     /// Whether it ended at a limit that was asked for.
     pub fn is_complete(&self) -> bool {
-        matches!(self, Self::Window(_) | Self::Limit | Self::Closed)
+        matches!(self, Self::Window(_) | Self::Limit | Self::Closed | Self::Joined)
+    }
+
+    /// Its name in tables.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Window(_) => "frequency-window",
+            Self::Limit => "limit",
+            Self::Closed => "closed",
+            Self::Joined => "joined",
+            Self::MaxPoints => "max-points",
+            Self::Stopped => "stopped",
+            Self::Lost(_) => "no-convergence",
+        }
     }
 
     /// From the reason of the continuation; `omega` and `limit` are the coordinates of frequency and of level or energy.
@@ -106,7 +143,22 @@ impl CurveEnd {
             StopReason::StepTooSmall { step, refusal } => {
                 Self::Lost(format!("no step longer than {step:.0e} stays on the curve: {refusal}"))
             }
-            _ => Self::Lost("the computation was stopped".to_owned()),
+            StopReason::Joined => Self::Joined,
+            _ => Self::Stopped,
+        }
+    }
+}
+
+impl fmt::Display for CurveEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Window(omega) => write!(f, "the frequency window ends at {:.6} Hz", omega / TAU),
+            Self::Limit => write!(f, "the largest level or energy is reached"),
+            Self::Closed => write!(f, "the curve is closed"),
+            Self::Joined => write!(f, "it meets another curve"),
+            Self::MaxPoints => write!(f, "it has as many points as were asked for"),
+            Self::Stopped => write!(f, "it was asked to end"),
+            Self::Lost(why) => write!(f, "{why}"),
         }
     }
 }
@@ -119,4 +171,6 @@ pub struct ResponseCurve {
     pub points: Vec<ResponsePoint>,
     /// Why there are no more.
     pub end: CurveEnd,
+    /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
+    pub at_levels: Vec<ResponsePoint>,
 }

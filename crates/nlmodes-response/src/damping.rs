@@ -1,5 +1,7 @@
 use nlmodes_hbm::ModalDamping;
 
+use crate::Weights;
+
 /// Damping of a structure with its contacts open.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Damping {
@@ -14,11 +16,11 @@ pub enum Damping {
     },
 }
 
-/// A dashpot between a degree of freedom and the ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A dashpot between a place of the structure and the ground.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Dashpot {
-    /// Degree of freedom.
-    pub dof: usize,
+    /// The displacement whose rate it damps, as degrees of freedom with weights.
+    pub at: Weights,
     /// Its constant, N s/m.
     pub damping: f64,
 }

@@ -53,6 +53,9 @@ pub enum ResponseError {
         /// Why it went no further.
         why: String,
     },
+    /// It was asked to end before there was a point.
+    #[error("it was asked to end before there was a point")]
+    Stopped,
     /// The periodic problem.
     #[error("the periodic problem")]
     Problem(#[from] HbmError),

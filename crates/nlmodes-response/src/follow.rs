@@ -2,10 +2,11 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem};
-use nlmodes_hbm::{Instability, PeriodicSystem, PhaseLag};
+use nlmodes_hbm::{PeriodicSystem, PhaseLag, Source};
 use nlmodes_linalg::{DenseLu, Mat};
 use num_complex::Complex64;
 
+use crate::losses::name_lost_stability;
 use crate::{ResponseCurve, ResponseError, ResponseEvent, ResponsePoint, ResponseSettings, Stability};
 
 /// A curve to follow: a system, where it starts, and what its points are called.
@@ -28,23 +29,74 @@ impl Curve<'_> {
             ..Continuation::default()
         };
         self.system.hold_phase(&self.x);
-        let all = |_: &BranchPoint| ControlFlow::Continue(());
-        Ok(method.run(&mut self.system, &self.x, self.p, &self.direction, all)?)
+        let cancel = &self.settings.cancel;
+        let watch = |_: &BranchPoint| match cancel.is_requested() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        Ok(method.run(&mut self.system, &self.x, self.p, &self.direction, watch)?)
+    }
+
+    /// Follows the curve and those that branch off, at most `most` in all; the first one is the curve itself.
+    pub fn follow_all(&mut self, omega: (usize, f64), most: usize) -> Result<Vec<ResponseCurve>, ResponseError> {
+        let method = Continuation {
+            bounds: self.bounds.clone(),
+            max_points: self.settings.max_points,
+            ..Continuation::default()
+        };
+        self.system.hold_phase(&self.x);
+        let cancel = &self.settings.cancel;
+        let watch = |_: usize, _: &BranchPoint| match cancel.is_requested() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let tree = method.run_tree(&mut self.system, &self.x, self.p, &self.direction, most, watch)?;
+        tree.branches.iter().map(|found| self.curve(&found.branch, omega)).collect()
     }
 
     /// Follows the curve; `omega` is the coordinate of the frequency and its unit (of the load, rad/s).
     pub fn follow(&mut self, omega: (usize, f64)) -> Result<ResponseCurve, ResponseError> {
         let branch = self.run()?;
-        let mut points: Vec<ResponsePoint> = Vec::with_capacity(branch.points.len());
-        for point in &branch.points {
-            let next = self.point(point)?;
-            points.push(next);
-        }
-        name_lost_stability(&mut points);
-        Ok(ResponseCurve { points, end: crate::CurveEnd::of(&branch.stop, omega.0, omega.1) })
+        self.curve(&branch, omega)
     }
 
-    fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+    fn curve(&mut self, branch: &Branch, omega: (usize, f64)) -> Result<ResponseCurve, ResponseError> {
+        let points = branch.points.iter().map(|point| self.point(point)).collect::<Result<Vec<_>, _>>()?;
+        let mut points = self.locate_losses(branch, points)?;
+        name_lost_stability(&mut points);
+        let end = crate::CurveEnd::of(&branch.stop, omega.0, omega.1);
+        let at_levels = self.at_levels(branch)?;
+        Ok(ResponseCurve { points, end, at_levels })
+    }
+
+    /// The points of a curve over `ln(level)` at the levels that were asked for.
+    fn at_levels(&mut self, branch: &Branch) -> Result<Vec<ResponsePoint>, ResponseError> {
+        let Source::LogParameter { reference } = self.system.conditions().level else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for (i, pair) in branch.points.windows(2).enumerate() {
+            let [a, b] = pair else { continue };
+            let wanted = self.settings.levels.iter().map(|level| (level / reference).ln());
+            // The end of a step belongs to it, its beginning to the step before.
+            let within = |p: &f64| (a.p - p) * (b.p - p) < 0.0 || b.p == *p || (i == 0 && a.p == *p);
+            let mut between: Vec<f64> = wanted.filter(within).collect();
+            between.sort_by(|p, q| (p - a.p).abs().total_cmp(&(q - a.p).abs()));
+            for p in between {
+                let share = if a.p == b.p { 0.0 } else { (p - a.p) / (b.p - a.p) };
+                let mut guess = a.clone();
+                guess.x = a.x.iter().zip(&b.x).map(|(a, b)| a + share * (b - a)).collect();
+                guess.p = p;
+                guess.tangent = (0..=a.x.len()).map(|j| f64::from(u8::from(j == a.x.len()))).collect();
+                guess.events.clear();
+                let point = self.point(&guess)?;
+                // Where the step between is too long for Newton's method, the nearer end stands for it, with its own level.
+                let nearer = if share < 0.5 { a } else { b };
+                found.push(if point.residual < CONVERGED { point } else { self.point(nearer)? });
+            }
+        }
+        Ok(found)
+    }
+
+    pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
         let (x, p, residual) = polished(&mut self.system, at);
         let motion = self.system.motion(&x, p)?;
         let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| {
@@ -71,6 +123,7 @@ impl Curve<'_> {
             stability,
             residual,
             events: named.collect(),
+            coefficients: (x[..self.system.n_coefficients()].to_vec(), self.system.unit()),
             motion,
         })
     }
@@ -94,13 +147,19 @@ impl Curve<'_> {
 /// Share of the parameter in the tangent above which it is held while a point is polished.
 const HELD: f64 = 0.05;
 
+/// Residual of a point that was found at a level.
+pub(crate) const CONVERGED: f64 = 1e-8;
+
+/// Most steps of Newton's method.
+const POLISHING: usize = 8;
+
 /// A point taken from the tolerance of the continuation to rounding, by steps of Newton's method at the same parameter, or next to a fold across
 /// the tangent; unknowns, parameter and residual. Where powers nearly cancel, that tolerance would be seen in their balance.
 fn polished(system: &mut PeriodicSystem, point: &BranchPoint) -> (Vec<f64>, f64, f64) {
     let n = system.dim();
     let mut best = (point.x.clone(), point.p, f64::INFINITY);
     let (mut z, mut at) = (point.z(), Linearization::new(n));
-    for _ in 0..4 {
+    for _ in 0..POLISHING {
         if system.linearize(&z[..n], z[n], &mut at).is_err() || at.residual_norm() >= best.2 {
             break;
         }
@@ -116,19 +175,32 @@ fn polished(system: &mut PeriodicSystem, point: &BranchPoint) -> (Vec<f64>, f64,
     best
 }
 
-/// Names the losses of stability between neighbouring points that no fold explains.
-fn name_lost_stability(points: &mut [ResponsePoint]) {
-    let mut last: Option<Stability> = None;
-    for point in points {
-        let Some(now) = point.stability.filter(|s| s.stable.is_some()) else { continue };
-        if let Some(before) = last.filter(|before| before.stable != now.stable) {
-            let unstable = if now.stable == Some(false) { now } else { before };
-            match unstable.instability {
-                Instability::PeriodDoubling => point.events.push(ResponseEvent::PeriodDoubling),
-                Instability::NeimarkSacker => point.events.push(ResponseEvent::NeimarkSacker),
-                Instability::Fold => {}
+/// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where it does not get there.
+pub(crate) fn newton(system: &mut PeriodicSystem, x: &[f64], p: f64) -> Option<Vec<f64>> {
+    let n = system.dim();
+    let (mut x, mut at) = (x.to_vec(), Linearization::new(n));
+    system.linearize(&x, p, &mut at).ok()?;
+    let mut size = at.residual_norm();
+    for _ in 0..60 {
+        let square = at.jacobian.subcols(0, n).to_owned();
+        let mut step = at.residual.clone();
+        DenseLu::factor(&square).ok()?.solve_in_place(&mut step);
+        let mut share = 1.0;
+        let next = loop {
+            let next: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x - share * s).collect();
+            let is_less = system.linearize(&next, p, &mut at).is_ok() && at.residual_norm() < size;
+            if is_less {
+                break Some(next);
             }
+            share *= 0.5;
+            if share < 1e-4 {
+                break None;
+            }
+        };
+        match next {
+            Some(next) => (x, size) = (next, at.residual_norm()),
+            None => return (size < CONVERGED).then_some(x),
         }
-        last = Some(now);
     }
+    (size < CONVERGED).then_some(x)
 }

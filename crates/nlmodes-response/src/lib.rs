@@ -10,6 +10,9 @@
 //! | response at a frequency over the level | F | | [`force_response`] |
 //! | phase resonance: the drive point lags the force by 90° | ln F | Ω | [`phase_resonance`] |
 //! | damped nonlinear mode (extended periodic motion concept) | ln E_av | ω, ξ | [`damped_mode`] |
+//! | conservative nonlinear mode | ln E_av | ω | [`conservative_mode`] |
+//! | force appropriation: what drives the damped structure into a mode | | | [`appropriation`] |
+//! | detached curve through a phase resonance | Ω | | [`detached_response`] |
 //!
 //! [`ResponseModel`] puts damping and loads on a structure reduced by `nlmodes-reduction`. Each analysis gives a [`ResponseCurve`]: its motions with
 //! powers, contacts, stability, what was passed, and why it ended. Curves go through folds and corners, and end at the window: no frequency
@@ -42,18 +45,28 @@
 
 mod analyses;
 mod base_motion;
+mod cancel;
 mod curve;
 mod damping;
 mod error;
 mod follow;
+mod history;
 mod linear;
+mod losses;
 mod model;
+mod recovery;
 mod settings;
 
-pub use analyses::{damped_mode, force_response, frequency_response, phase_resonance};
+pub use analyses::{
+    Appropriation, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
+    force_response, frequency_response, lies_on, phase_resonance,
+};
 pub use base_motion::{BaseMotion, BaseUnit};
+pub use cancel::Cancel;
 pub use curve::{CurveEnd, ResponseCurve, ResponseEvent, ResponsePoint, Stability};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
-pub use model::ResponseModel;
+pub use history::ContactHistory;
+pub use model::{ResponseModel, Weights};
+pub use recovery::ForcePower;
 pub use settings::ResponseSettings;

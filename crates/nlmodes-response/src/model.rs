@@ -4,6 +4,18 @@ use num_complex::Complex64;
 
 use crate::{BaseMotion, BaseUnit, Damping, Dashpot, ResponseError, ResponseSettings};
 
+/// A displacement as a sum of degrees of freedom with weights: a node in a direction, or a place between nodes.
+pub type Weights = Vec<(usize, f64)>;
+
+/// A force of a load.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ForceAt {
+    pub weights: Weights,
+    pub amplitude: f64,
+    pub harmonic: usize,
+    pub phase: f64,
+}
+
 /// A structure in open modes with damping, a load of level one, and a drive point.
 #[derive(Debug, Clone)]
 pub struct ResponseModel {
@@ -12,7 +24,8 @@ pub struct ResponseModel {
     terms: Vec<LoadTerm>,
     /// What each term moves statically, beyond the modes, n.
     residuals: Vec<Vec<Complex64>>,
-    drive: Option<usize>,
+    forces: Vec<ForceAt>,
+    drive: Option<Weights>,
 }
 
 impl ResponseModel {
@@ -29,7 +42,7 @@ impl ResponseModel {
             open.stop_compliance(),
             damping.modal(open.omega_squared()),
         )?;
-        Ok(Self { open, structure, terms: Vec::new(), residuals: Vec::new(), drive: None })
+        Ok(Self { open, structure, terms: Vec::new(), residuals: Vec::new(), forces: Vec::new(), drive: None })
     }
 
     /// Adds dashpots to the ground; the modes are then coupled.
@@ -39,13 +52,13 @@ impl ResponseModel {
     pub fn add_dashpots(&mut self, dashpots: &[Dashpot]) -> Result<(), ResponseError> {
         let mut rows = Vec::new();
         for dashpot in dashpots {
-            self.check_dof(dashpot.dof)?;
+            self.check_weights(&dashpot.at)?;
             let value = dashpot.damping;
             if !(value.is_finite() && value >= 0.0) {
                 let (what, expected) = ("the constant of a dashpot (N s/m)", "a number that is not negative");
                 return Err(ResponseError::Setting { what, value, expected });
             }
-            rows.push((self.shape_at(dashpot.dof), value));
+            rows.push((self.shape_at(&dashpot.at), value));
         }
         let damping = self.structure.damping().clone().with_dashpots(&rows);
         self.structure = self.structure.with_damping(damping)?;
@@ -57,10 +70,26 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::NoSuchDof`], [`ResponseError::Setting`], or what the reduction reports.
     pub fn push_force(&mut self, dof: usize, amplitude: f64, harmonic: usize, phase: f64) -> Result<(), ResponseError> {
-        self.check_dof(dof)?;
+        self.push_force_at(&vec![(dof, 1.0)], amplitude, harmonic, phase)
+    }
+
+    /// As [`push_force`](Self::push_force), on several degrees of freedom with weights: in a direction, or between nodes.
+    ///
+    /// # Errors
+    /// As [`push_force`](Self::push_force).
+    pub fn push_force_at(
+        &mut self,
+        weights: &Weights,
+        amplitude: f64,
+        harmonic: usize,
+        phase: f64,
+    ) -> Result<(), ResponseError> {
+        self.check_weights(weights)?;
         let mut force = vec![0.0; self.open.n_dofs()];
-        force[dof] = amplitude;
-        self.push_distributed(&force, harmonic, phase)
+        weights.iter().for_each(|&(dof, w)| force[dof] += w * amplitude);
+        self.push_distributed(&force, harmonic, phase)?;
+        self.forces.push(ForceAt { weights: weights.clone(), amplitude, harmonic, phase });
+        Ok(())
     }
 
     /// Adds a force with this distribution (n, N a unit of the level), `cos(harmonic Ωt + phase)` in time.
@@ -122,9 +151,22 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::NoSuchDof`].
     pub fn set_drive(&mut self, dof: usize) -> Result<(), ResponseError> {
-        self.check_dof(dof)?;
-        self.drive = Some(dof);
+        self.set_drive_at(vec![(dof, 1.0)])
+    }
+
+    /// As [`set_drive`](Self::set_drive), a sum of degrees of freedom with weights.
+    ///
+    /// # Errors
+    /// [`ResponseError::NoSuchDof`].
+    pub fn set_drive_at(&mut self, weights: Weights) -> Result<(), ResponseError> {
+        self.check_weights(&weights)?;
+        self.drive = Some(weights);
         Ok(())
+    }
+
+    /// The same damped structure without its load.
+    pub fn without_load(&self) -> Self {
+        Self { terms: Vec::new(), residuals: Vec::new(), forces: Vec::new(), ..self.clone() }
     }
 
     /// The structure in open modes with its damping.
@@ -142,13 +184,25 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::NoSuchDof`], or what the reduction reports.
     pub fn row(&self, dof: usize) -> Result<ResponseRow, ResponseError> {
-        self.check_dof(dof)?;
-        let rows = self.open.rows_of_dofs(&[dof])?;
-        Ok(ResponseRow {
-            modes: (0..self.open.n_modes()).map(|k| rows.modes[(0, k)]).collect(),
-            contacts: (0..self.open.n_contacts()).map(|i| rows.forces[(0, i)]).collect(),
-            loads: self.residuals.iter().map(|r| r[dof]).collect(),
-        })
+        let mut rows = self.rows_of_dofs(&[dof])?;
+        rows.pop().ok_or(ResponseError::NoSuchDof { found: dof, available: 0 })
+    }
+
+    pub(crate) fn drive_weights(&self) -> Option<&Weights> {
+        self.drive.as_ref()
+    }
+
+    pub(crate) fn terms(&self) -> &[LoadTerm] {
+        &self.terms
+    }
+
+    pub(crate) fn forces(&self) -> &[ForceAt] {
+        &self.forces
+    }
+
+    /// What each term of the load moves statically, beyond the modes.
+    pub(crate) fn residuals(&self) -> impl Iterator<Item = &[Complex64]> {
+        self.residuals.iter().map(Vec::as_slice)
     }
 
     /// The load of level one, its harmonics counted in the base frequency of the motion.
@@ -174,19 +228,23 @@ impl ResponseModel {
 
     /// The drive point in its harmonic.
     pub(crate) fn drive(&self, settings: &ResponseSettings) -> Result<Option<PhaseLag>, ResponseError> {
-        let Some(dof) = self.drive else { return Ok(None) };
-        let mut row = self.row(dof)?;
+        let Some(weights) = &self.drive else { return Ok(None) };
+        let Some(mut row) = self.rows(std::slice::from_ref(weights))?.pop() else { return Ok(None) };
         let s = settings.subharmonic as f64;
         row.loads.iter_mut().zip(&self.terms).for_each(|(load, term)| *load *= s.powi(term.omega_power));
         Ok(Some(PhaseLag { row, harmonic: settings.subharmonic, lag: settings.lag }))
     }
 
-    fn shape_at(&self, dof: usize) -> Vec<f64> {
-        (0..self.open.n_modes()).map(|k| self.open.shapes()[(dof, k)]).collect()
+    fn shape_at(&self, weights: &Weights) -> Vec<f64> {
+        let at = |k: usize| weights.iter().map(|&(dof, w)| w * self.open.shapes()[(dof, k)]).sum();
+        (0..self.open.n_modes()).map(at).collect()
     }
 
-    fn check_dof(&self, dof: usize) -> Result<(), ResponseError> {
+    pub(crate) fn check_weights(&self, weights: &Weights) -> Result<(), ResponseError> {
         let available = self.open.n_dofs();
-        if dof < available { Ok(()) } else { Err(ResponseError::NoSuchDof { found: dof, available }) }
+        match weights.iter().find(|(dof, _)| *dof >= available) {
+            Some(&(found, _)) => Err(ResponseError::NoSuchDof { found, available }),
+            None => Ok(()),
+        }
     }
 }

@@ -1,6 +1,6 @@
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
-use crate::ResponseError;
+use crate::{Cancel, ResponseError};
 
 /// What distinguishes one curve from another on the same structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,10 @@ pub struct ResponseSettings {
     pub stability: bool,
     /// Most points of a curve. Default 2000.
     pub max_points: usize,
+    /// Levels at which phase resonances are to be reported. Default none.
+    pub levels: Vec<f64>,
+    /// Who may end a curve. Default nobody.
+    pub cancel: Cancel,
 }
 
 impl ResponseSettings {
@@ -44,6 +48,8 @@ impl ResponseSettings {
             from_upper_end: false,
             stability: true,
             max_points: 2000,
+            levels: Vec::new(),
+            cancel: Cancel::default(),
         }
     }
 

@@ -153,7 +153,7 @@ fn dashpots_couple_modes_and_power_still_balances() {
     let massless = MasslessContactModel::new(&rod(6, 1.0, 1.0, 1.0, 1.0, Support::Clamped), &Drop).unwrap();
     let open = OpenModes::of_massless(&massless, ModeCount::Lowest(10)).unwrap();
     let mut model = ResponseModel::new(open, &Damping::Ratios(vec![0.01])).unwrap();
-    model.add_dashpots(&[Dashpot { dof: 2, damping: 0.05 }]).unwrap();
+    model.add_dashpots(&[Dashpot { at: vec![(2, 1.0)], damping: 0.05 }]).unwrap();
     model.push_force(2, 1.0, 1, 0.3).unwrap();
     model.set_drive(2).unwrap();
     let curve = frequency_response(&model, 0.3, &window(0.2, 0.3, 5)).unwrap();

@@ -12,13 +12,26 @@ pub const STEPS: &str = "steps.jsonl";
 /// Where the exact motions of a branch by shooting start.
 pub const STARTS: &str = "starts.npz";
 
+/// Figures of damped and forced motions.
+const RESPONSE_FIGURES: [&str; 7] = [
+    "responses.svg",
+    "force_response.svg",
+    "drive.svg",
+    "phase.svg",
+    "contact_force.svg",
+    "damping_ratio.svg",
+    "force_needed.svg",
+];
+
 /// Most records with a time history.
 pub const HISTORIES: usize = 20;
 
 /// Removes what a run writes at its end, which would not belong to the points of another one.
 pub fn remove_ends(directory: &Path) {
     remove_figures(directory);
-    remove_all(directory, &["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS]);
+    let ends = ["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS];
+    remove_all(directory, &ends);
+    remove_all(directory, &["appropriation.csv"]);
 }
 
 /// Removes the figures and the page of an earlier run.
@@ -33,6 +46,7 @@ pub fn remove_figures(directory: &Path) {
         "report.html",
     ];
     remove_all(directory, &common);
+    remove_all(directory, &RESPONSE_FIGURES);
     remove_where(directory, |name| name.starts_with("history_P") && name.ends_with(".svg"));
 }
 

@@ -6,6 +6,7 @@
 //! | item | what it does |
 //! | --- | --- |
 //! | [`run`](study::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
+//! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
 //! | [`compare::rows`] | the same branch with several contact solvers |
@@ -65,6 +66,7 @@ mod outcome;
 pub mod readers;
 pub mod records;
 mod refusal;
+pub mod responses;
 mod settings;
 pub mod study;
 pub mod updating;

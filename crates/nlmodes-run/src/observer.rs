@@ -76,6 +76,24 @@ pub enum Event<'a> {
     TestBeginsAnew,
     /// The rig of a virtual test, in a line.
     Rig(&'a str),
+    /// A curve of damped or forced motions begins.
+    Curve {
+        /// Number of the curve, from 1.
+        number: usize,
+        /// How many are to be computed.
+        of: usize,
+        /// Its name.
+        name: &'a str,
+    },
+    /// A curve of damped or forced motions is there, or why not.
+    CurveDone {
+        /// Its name.
+        name: &'a str,
+        /// Points, and in words why there are no more; or why there are none.
+        outcome: Result<(usize, &'a str), &'a str>,
+        /// Whether it ended where it was meant to.
+        is_complete: bool,
+    },
     /// A level of a virtual test is recorded.
     Level {
         /// Its scene.

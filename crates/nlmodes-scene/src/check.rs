@@ -10,6 +10,7 @@ mod nodes;
 mod plausible;
 mod records;
 mod reduction;
+mod response;
 mod shooting;
 mod structure;
 mod updating;
@@ -21,6 +22,7 @@ pub use virtual_test::scene as test_scene;
 use std::path::{Path, PathBuf};
 
 use crate::Findings;
+use crate::check::response::Places;
 use crate::raw::{RawContact, RawMatrixScene, RawResults, RawScene};
 use crate::scene::{Contact, OutputFiles, ReductionKind, Scene, SceneStructure, StabilityChoice};
 
@@ -30,7 +32,8 @@ pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<
     let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
     let contacts = contact::check(raw, mesh.as_ref(), findings);
     let structure = structure.map(SceneStructure::Straight);
-    let scene = rest(raw, stem, structure, contacts, ReductionKind::HeldModes, findings)?;
+    let places = Places::along(raw.structure.as_ref(), mesh.as_ref());
+    let scene = rest(raw, stem, structure, contacts, (ReductionKind::HeldModes, &places), findings)?;
     plausible::warn(&scene, findings);
     Some(scene)
 }
@@ -42,12 +45,16 @@ pub fn matrix_scene(raw: RawMatrixScene, stem: &str, base: &Path, findings: &mut
         title: raw.title,
         contact: raw.contact.map(|tables| tables.iter().map(|_| RawContact::default()).collect()),
         reduction: raw.reduction,
+        damping: raw.damping,
+        force: raw.force,
+        base_motion: raw.base_motion,
+        response: raw.response,
         method: raw.method,
         continuation: raw.continuation,
         output: raw.output,
         ..RawScene::default()
     };
-    rest(&plain, stem, matrices, Vec::new(), ReductionKind::OpenModes, findings)
+    rest(&plain, stem, matrices, Vec::new(), (ReductionKind::OpenModes, &Places::Nodes), findings)
 }
 
 /// What all structures share.
@@ -56,7 +63,7 @@ fn rest(
     stem: &str,
     mut structure: Option<SceneStructure>,
     mut contacts: Vec<Contact>,
-    default: ReductionKind,
+    (default, places): (ReductionKind, &Places<'_>),
     findings: &mut Findings<'_>,
 ) -> Option<Scene> {
     let method = raw.method.as_ref().and_then(|method| method::check(method, raw, &contacts, findings));
@@ -67,8 +74,10 @@ fn rest(
         }
     }
     let reduction = reduction::check(raw.reduction.as_ref(), raw, default, findings);
-    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, findings));
+    let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
+    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, findings));
     let updating = raw.updating.as_ref().map(|raw| updating::check(raw, findings));
+    let of_responses = response::check(raw, places, method.as_ref(), findings);
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
@@ -78,6 +87,10 @@ fn rest(
             Some(updating) => Some(updating?),
             None => None,
         },
+        damping: of_responses.damping,
+        forces: of_responses.forces,
+        base_motion: of_responses.base_motion,
+        responses: of_responses.responses,
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref().and_then(|output| output.directory.as_ref()), stem),

@@ -83,25 +83,32 @@ impl<'w> Walk<'w, '_, '_> {
                 self.table(table, rule, path);
                 None
             }
-            (Kind::Array | Kind::Integers, DeValue::Array(items)) => return self.array(items, rule, path),
-            (Kind::Number | Kind::Integer | Kind::Integers | Kind::IntegerOrText, DeValue::Integer(n)) => {
+            (Kind::Array | Kind::Integers | Kind::Numbers | Kind::TextOrNumbers, DeValue::Array(items)) => {
+                return self.array(items, rule, path);
+            }
+            (
+                Kind::Number | Kind::Integer | Kind::Integers | Kind::IntegerOrText | Kind::Numbers,
+                DeValue::Integer(n),
+            ) => {
                 let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
                 let x = exact.map_or(f64::MAX, |n| n as f64);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
             }
             (Kind::Boolean, DeValue::Boolean(_)) => None,
-            (Kind::Number, DeValue::Float(x)) => {
+            (Kind::Number | Kind::Numbers, DeValue::Float(x)) => {
                 let x = x.as_str().parse().unwrap_or(f64::NAN);
                 (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
             }
-            (Kind::Text | Kind::IntegerOrText, DeValue::String(text)) => mistakes::in_text(path, text, rule),
+            (Kind::Text | Kind::IntegerOrText | Kind::TextOrNumbers, DeValue::String(text)) => {
+                mistakes::in_text(path, text, rule)
+            }
             (Kind::OneOf, other) => (!rule.fits(other)).then(|| mistakes::unfit(path)),
             (_, other) => Some(mistakes::wrong_kind(path, other, rule)),
         };
         let conforms = problem.is_none();
         if let Some(problem) = problem {
             self.report(path, problem, rule);
-        } else if rule.kind() == Kind::Integers {
+        } else if matches!(rule.kind(), Kind::Integers | Kind::Numbers) {
             wrap(value);
         }
         conforms

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::text::Text;
 use crate::units::converted;
-use crate::{Problem, Sources, methods, render, set};
+use crate::{Problem, Sources, methods, render, responses, set};
 
 /// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
 const MAX_SYNTAX_ERRORS: usize = 3;
@@ -51,6 +51,7 @@ impl Document {
         for argument in of_all {
             problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
+        responses::listed(root.get_mut());
         let mut places = BTreeMap::new();
         index(root.get_ref(), "", &mut places);
         (Self { sources, places }, text.errors.is_empty().then_some(root))

@@ -68,6 +68,7 @@ mod raw;
 mod read;
 mod refused;
 mod render;
+mod responses;
 mod rule;
 pub mod scene;
 mod scene_error;

@@ -69,7 +69,7 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Problem {
     let problem =
         Problem::error(format!("`{path}` must be {}, not {}", kind_wanted(rule), kind_found(found, rule.kind())));
     match (rule.kind(), found) {
-        (Kind::Number | Kind::Integer | Kind::Integers, DeValue::String(text)) => {
+        (Kind::Number | Kind::Integer | Kind::Integers | Kind::Numbers, DeValue::String(text)) => {
             numeric_help(problem, path, text, rule)
         }
         (Kind::Integer | Kind::Integers, DeValue::Float(x)) => match x.as_str().parse::<f64>() {
@@ -119,6 +119,8 @@ fn kind_wanted(rule: Rule<'_>) -> &'static str {
         Kind::Integers => "a whole number or a list of them",
         Kind::IntegerOrText => "a whole number or a text",
         Kind::Boolean => "true or false",
+        Kind::Numbers => "a number or a list of them",
+        Kind::TextOrNumbers => "a text or a list of numbers",
         Kind::Text => "a text",
         Kind::OneOf => "a value of another kind",
         Kind::Any => "a value",

@@ -10,6 +10,7 @@ mod matrices;
 mod method;
 mod records;
 mod reduction;
+mod response;
 mod results;
 mod structure;
 mod updating;
@@ -20,6 +21,7 @@ pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, Raw
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
+pub use response::{RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawResponse};
 pub use results::RawResults;
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
@@ -48,6 +50,14 @@ pub struct RawScene {
     pub reduction: Option<RawReduction>,
     /// Parameters that are fitted to given linear frequencies first
     pub updating: Option<RawUpdating>,
+    /// Damping of the structure with its contacts open; responses need it
+    pub damping: Option<RawDamping>,
+    /// Periodic forces, each under its own heading `[[force]]`
+    pub force: Option<Vec<RawForce>>,
+    /// A base that shakes, in place of forces
+    pub base_motion: Option<RawBaseMotion>,
+    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings `[[response]]`
+    pub response: Option<Vec<RawResponse>>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     #[schemars(required)]
     pub method: Option<RawMethod>,

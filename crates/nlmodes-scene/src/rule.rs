@@ -18,6 +18,10 @@ pub enum Kind {
     Integers,
     /// A whole number or a word.
     IntegerOrText,
+    /// A number or a list of them.
+    Numbers,
+    /// A word or a list of numbers.
+    TextOrNumbers,
     Text,
     Boolean,
     /// One of several kinds, in the words of the schema.
@@ -35,8 +39,13 @@ impl<'a> Rule<'a> {
             return Kind::Any;
         }
         if let Some(types) = self.0.get("type").and_then(Value::as_array) {
-            let has_text = types.iter().any(|name| name == "string");
-            return if has_text { Kind::IntegerOrText } else { Kind::Integers };
+            let has = |wanted: &str| types.iter().any(|name| name == wanted);
+            return match (has("string"), has("array"), has("number")) {
+                (true, true, _) => Kind::TextOrNumbers,
+                (true, false, _) => Kind::IntegerOrText,
+                (false, _, true) => Kind::Numbers,
+                (false, _, false) => Kind::Integers,
+            };
         }
         match self.0.get("type").and_then(Value::as_str) {
             Some("object") => Kind::Table,
@@ -135,6 +144,8 @@ impl<'a> Rule<'a> {
             Kind::Integers => format!("a whole number{}{unit}, or a list of them", self.limits()),
             Kind::IntegerOrText => format!("a whole number{}{unit}, or {}", self.limits(), either(&self.choices())),
             Kind::Boolean => "true or false".into(),
+            Kind::Numbers => format!("a number{}{unit}, or a list of them", self.limits()),
+            Kind::TextOrNumbers => format!("{}, or {}", either(&self.choices()), self.expected_array()),
             Kind::Text => self.expected_text(),
             Kind::Any => "a value".into(),
             Kind::OneOf => self.0.get("expected").and_then(Value::as_str).unwrap_or_default().to_owned(),

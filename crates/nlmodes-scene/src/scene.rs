@@ -4,18 +4,21 @@ mod choices;
 mod output;
 mod records;
 mod reduction;
+mod response;
 mod supports;
 mod virtual_test;
 
 pub use choices::{
     AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
     InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MatricesKind, MeasuredQuantity, MethodKind,
-    RecordFormat, ReductionKind, Side, StabilityChoice, StructureKind, Support, Switching, Symmetry, UpdatedParameter,
+    RecordFormat, ReductionKind, ResponseKind, Side, StabilityChoice, StopOfBase, StructureKind, Support, Switching,
+    Symmetry, UpdatedParameter,
 };
 
 pub use output::OutputFiles;
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
+pub use response::{BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use supports::{free_dofs, holds};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
@@ -38,6 +41,18 @@ pub struct Scene {
     /// Parameters that are fitted to given linear frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub updating: Option<Updating>,
+    /// Damping with open contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
+    /// Periodic forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<Force>,
+    /// A base that shakes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_motion: Option<BaseMotion>,
+    /// Damped and forced motions; none where the conservative nonlinear mode is computed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub responses: Vec<Response>,
     /// How the periodic motion is computed.
     pub method: Method,
     /// How far the branch is followed.

@@ -19,6 +19,8 @@ pub struct ContactMotion {
     pub peak_force: f64,
     /// Mean force, N.
     pub mean_force: f64,
+    /// Fastest approach with which it closes, m/s; zero where it never does.
+    pub approach: f64,
     /// Largest displacement toward the stop, m: the gap and what an elastic stop yields where it touches.
     pub peak: f64,
     /// Complex amplitude of the fundamental of the displacement away from the stop, m.
@@ -78,7 +80,7 @@ impl PeriodicSystem {
         let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
         let free = complex_harmonic(series, &self.y, 1);
         let mean = self.operator.mean_forces();
-        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], &forces[1])).collect();
+        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], &forces[1], at.omega)).collect();
         let nu = |n: usize| n as f64 * at.omega;
         let kinetic = |n: usize| 0.25 * nu(n).powi(2) * eta[n].iter().map(|e| e.norm_sqr()).sum::<f64>();
         let damped = |n: usize| 0.5 * nu(n).powi(2) * self.structure.damping().form(&eta[n]);
@@ -210,7 +212,7 @@ impl PeriodicSystem {
         self.operator.iterations()
     }
 
-    fn contact_motion(&self, i: usize, mean: f64, free: Complex64, forces: &[Complex64]) -> ContactMotion {
+    fn contact_motion(&self, i: usize, mean: f64, free: Complex64, forces: &[Complex64], omega: f64) -> ContactMotion {
         let (operator, structure) = (&self.operator, &self.structure);
         let (a, own) = (structure.compliance().a(), structure.stop_compliance()[i]);
         let pressed: Complex64 = forces.iter().enumerate().map(|(j, f)| f * a[(i, j)]).sum();
@@ -221,6 +223,7 @@ impl PeriodicSystem {
             touches: operator.touches(i),
             peak_force,
             mean_force: mean,
+            approach: operator.approach(i) * omega,
             peak: if peak_force > 0.0 { gap + own * peak_force } else { gap - closest },
             fundamental: free + pressed - forces[i] * own,
             free_fundamental: free,

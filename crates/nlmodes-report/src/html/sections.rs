@@ -28,11 +28,12 @@ impl HtmlReport<'_> {
         let section = |id, title, html| Section { id, title, html };
         let all = vec![
             section("overview", "", self.overview()),
-            section("branches", "The nonlinear mode", self.branch_figures()),
+            section("responses", "Responses", given(&self.leading)),
+            section("branches", self.name_of_branches(), self.branch_figures()),
             section("participations", "Participation of linear modes", self.participation_figure()?),
             section("moving", "Motion", self.motion_figure()),
             section("histories", "Time histories", self.history_figures()?),
-            section("figures", "Figures", self.further_figures()),
+            section("figures", "Figures", given(&self.figures)),
             section("tables", "Tables", self.all_tables()),
             section("scene", "Scene and method", self.all_documents()),
         ];
@@ -114,14 +115,9 @@ impl HtmlReport<'_> {
         Ok(if boxes.is_empty() { boxes } else { format!("<div class=\"pair\">{boxes}</div>\n") })
     }
 
-    /// Figures that were given, as they are.
-    fn further_figures(&self) -> String {
-        let one = |(title, figure): &(String, Figure)| {
-            let (title, svg) = (escape(title), figure.as_svg());
-            format!("<figure class=\"box\"><h3>{title}</h3><div class=\"fixed\">{svg}</div></figure>\n")
-        };
-        let all: String = self.figures.iter().map(one).collect();
-        if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }
+    /// What the curves of frequency over energy are called.
+    fn name_of_branches(&self) -> &'static str {
+        if self.leading.is_empty() { "The nonlinear mode" } else { "Frequency over energy and amplitude" }
     }
 
     fn all_tables(&self) -> String {
@@ -222,4 +218,14 @@ fn boxed(title: &str, figure: &Figure, attribute: &str) -> String {
     format!(
         "<figure class=\"box\"><h3>{title}</h3><div class=\"still\">{svg}</div><div class=\"plot\" {attribute}></div></figure>\n"
     )
+}
+
+/// Figures that were given, as they are.
+fn given(figures: &[(String, Figure)]) -> String {
+    let one = |(title, figure): &(String, Figure)| {
+        let (title, svg) = (escape(title), figure.as_svg());
+        format!("<figure class=\"box\"><h3>{title}</h3><div class=\"fixed\">{svg}</div></figure>\n")
+    };
+    let all: String = figures.iter().map(one).collect();
+    if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }
 }

@@ -2,11 +2,11 @@ use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
-use crate::follow::Curve;
+use crate::follow::{Curve, newton};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else happens.
-const WINDOW: f64 = 6.0;
+pub(crate) const WINDOW: f64 = 6.0;
 
 /// The response at `level` over the window of frequencies, from its lower end or its upper one: where the curve from one end is lost on the way,
 /// that from the other has points that it has not.
@@ -18,25 +18,71 @@ pub fn frequency_response(
     level: f64,
     settings: &ResponseSettings,
 ) -> Result<ResponseCurve, ResponseError> {
+    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    let (mut curve, omega) = over_frequency(model, level, settings, solver.as_ref())?;
+    curve.follow(omega)
+}
+
+/// As [`frequency_response`], and behind it the curves that branch off from it, and from these: with `settings.subharmonic = 2`, motions of twice the
+/// period of the load, which leave it where a multiplier passes −1. Of two curves that are one motion, a period of the load apart, one is there.
+///
+/// # Errors
+/// As [`frequency_response`].
+pub fn branching_responses(
+    model: &ResponseModel,
+    level: f64,
+    settings: &ResponseSettings,
+) -> Result<Vec<ResponseCurve>, ResponseError> {
+    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    let (mut curve, omega) = over_frequency(model, level, settings, solver.as_ref())?;
+    let mut different: Vec<ResponseCurve> = Vec::new();
+    for curve in curve.follow_all(omega, MOST_BRANCHES)? {
+        if !different.iter().skip(1).any(|known| is_shifted(known, &curve)) {
+            different.push(curve);
+        }
+    }
+    Ok(different)
+}
+
+/// Most curves that branch off.
+const MOST_BRANCHES: usize = 12;
+
+/// Whether two curves have the same frequencies and amplitudes.
+fn is_shifted(a: &ResponseCurve, b: &ResponseCurve) -> bool {
+    let (middle, n) = (a.points.len() / 2, a.points.len().abs_diff(b.points.len()));
+    let Some(point) = a.points.get(middle).filter(|_| n <= 2 + middle / 10) else { return false };
+    let close = |x: f64, y: f64, unit: f64| (x - y).abs() <= 1e-3 * unit;
+    b.points.iter().any(|other| {
+        close(point.omega, other.omega, 0.1 * point.omega)
+            && close(point.drive.norm(), other.drive.norm(), point.drive.norm())
+            && close(point.motion.kinetic_energy, other.motion.kinetic_energy, point.motion.kinetic_energy)
+    })
+}
+
+/// The curve over the frequency at a level, with the coordinate of the frequency and its unit (of the load, rad/s).
+fn over_frequency<'a>(
+    model: &ResponseModel,
+    level: f64,
+    settings: &'a ResponseSettings,
+    solver: &'a dyn LcpSolver,
+) -> Result<(Curve<'a>, (usize, f64)), ResponseError> {
     settings.check()?;
     positive("the level", level)?;
-    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let window = settings.base_window();
     let from = window[usize::from(settings.from_upper_end)];
-    let x = at_level(model, from, level, settings, solver.as_ref())?;
+    let x = at_level(model, from, level, settings, solver)?;
     let unit = (window[1] - window[0]) / WINDOW;
     let (structure, load) = (model.structure(), model.load(settings)?);
     let scales = scales(structure, from);
-    let system =
-        PeriodicSystem::frequency_response(structure, load, level, unit, settings.periodic(), scales, solver.as_ref())?;
+    let system = PeriodicSystem::frequency_response(structure, load, level, unit, settings.periodic(), scales, solver)?;
     let n = system.dim();
     let bounds = vec![Bound { coordinate: n, min: window[0] / unit, max: window[1] / unit }];
     let mut direction = vec![0.0; n + 1];
     direction[n] = if settings.from_upper_end { -1.0 } else { 1.0 };
     let drive = model.drive(settings)?;
     let p = from / unit;
-    let mut curve = Curve { system, x, p, direction, bounds, drive, settings, solver: solver.as_ref() };
-    curve.follow((n, unit * settings.subharmonic as f64))
+    let curve = Curve { system, x, p, direction, bounds, drive, settings, solver };
+    Ok((curve, (n, unit * settings.subharmonic as f64)))
 }
 
 /// The response at the frequency `omega` of the load (rad/s) from rest to the largest level `to`.
@@ -65,18 +111,29 @@ fn over_level<'a>(
     solver: &'a dyn LcpSolver,
 ) -> Result<Curve<'a>, ResponseError> {
     let (structure, load) = (model.structure(), model.load(settings)?);
-    if let Some(contact) = structure.gaps().iter().position(|g| *g < 0.0) {
-        return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] }.into());
+    if let Some(contact) = structure.gaps().iter().position(|g| *g == 0.0) {
+        return Err(HbmError::TouchesAtRest { contact, gap: 0.0 }.into());
     }
     let unit = to / WINDOW;
     let scales = scales(structure, base);
-    let system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
+    let mut system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
     let n = system.dim();
     let mut direction = vec![0.0; n + 1];
     direction[n] = 1.0;
     let bounds = vec![Bound { coordinate: n, min: 0.0, max: WINDOW }];
     let drive = model.drive(settings)?;
-    Ok(Curve { system, x: vec![0.0; n], p: 0.0, direction, bounds, drive, settings, solver })
+    let mut x = vec![0.0; n];
+    if structure.gaps().iter().any(|g| *g < 0.0) {
+        // Stops that press hold the structure bent.
+        let pressed = ResponseError::NoStart {
+            omega: base * settings.subharmonic as f64,
+            level: to,
+            reached: 0.0,
+            why: "the state at rest, pressed by its stops, was not found".to_owned(),
+        };
+        x = newton(&mut system, &x, 0.0).ok_or(pressed)?;
+    }
+    Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver })
 }
 
 /// Unknowns of the response at a base frequency and a level, followed from rest over the level.
@@ -93,11 +150,12 @@ pub(crate) fn at_level(
     let last = branch.points.last().map_or((0.0, Vec::new()), |q| (q.p, q.x.clone()));
     match &branch.stop {
         StopReason::Bound { coordinate, value } if *coordinate == parameter && *value > 0.0 => Ok(last.1),
+        StopReason::Stopped => Err(ResponseError::Stopped),
         stop => Err(ResponseError::NoStart {
             omega: base * settings.subharmonic as f64,
             level,
             reached: last.0 * level / WINDOW,
-            why: format!("{:?}", crate::CurveEnd::of(stop, usize::MAX, 1.0)),
+            why: crate::CurveEnd::of(stop, usize::MAX, 1.0).to_string(),
         }),
     }
 }

@@ -3,12 +3,14 @@ use crate::rule::number;
 use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance, Start};
 use crate::{Findings, Problem};
 
-pub fn check(raw: &RawContinuation, findings: &mut Findings<'_>) -> Option<Continuation> {
+/// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own.
+pub fn check(raw: &RawContinuation, has_responses: bool, findings: &mut Findings<'_>) -> Option<Continuation> {
     if let Some(window) = raw.frequency_hz {
         check_window(window, findings);
         check_start(raw.start_frequency_hz, window, findings);
     }
-    if !findings.has("continuation.max_energy_ratio") && !findings.has("continuation.frequency_hz") {
+    let has_end = findings.has("continuation.max_energy_ratio") || findings.has("continuation.frequency_hz");
+    if !has_end && !has_responses {
         let problem = Problem::error("`continuation` does not say where the branch ends")
             .help("max_energy_ratio = 20.0 ends it at 20 times the energy at grazing, frequency_hz = [50.0, 66.5] at a frequency");
         findings.put("continuation", problem, "expected `max_energy_ratio`, `frequency_hz` or both in this table");

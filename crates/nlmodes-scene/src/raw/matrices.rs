@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{RawContinuation, RawMethod, RawReduction, RawResults};
+use super::{RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawReduction, RawResponse, RawResults};
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
@@ -18,6 +18,14 @@ pub struct RawMatrixScene {
     pub contact: Option<Vec<RawNodeContact>>,
     /// How the structure is reduced
     pub reduction: Option<RawReduction>,
+    /// Damping of the structure with its contacts open; responses need it
+    pub damping: Option<RawDamping>,
+    /// Periodic forces, each under its own heading `[[force]]`
+    pub force: Option<Vec<RawForce>>,
+    /// A base that shakes, in place of forces
+    pub base_motion: Option<RawBaseMotion>,
+    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings `[[response]]`
+    pub response: Option<Vec<RawResponse>>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     #[schemars(required)]
     pub method: Option<RawMethod>,

@@ -54,6 +54,28 @@ choices! {
         /// The phase of the oscillator that drives the excitation
         ExcitationPhase = "excitation-phase",
     }
+    /// Which damped or forced motions are followed.
+    ResponseKind {
+        /// The response at each level over the frequency
+        Frequency = "frequency",
+        /// The response at one frequency over the level
+        Force = "force",
+        /// Motions whose drive point lags the load by a given angle
+        PhaseResonance = "phase-resonance",
+        /// The damped nonlinear mode: the motion that goes on by itself while negative damping makes up for what is lost
+        DampedMode = "damped-mode",
+        /// The conservative nonlinear mode, for comparison with the others
+        Mode = "mode",
+        /// The force in several harmonics that brings the damped structure into its conservative nonlinear mode
+        Appropriation = "appropriation",
+    }
+    /// Where stops stand while the base shakes.
+    StopOfBase {
+        /// They move with the base
+        Moves = "moves",
+        /// They stand fixed in space
+        Fixed = "fixed",
+    }
     /// What the structure is.
     StructureKind {
         /// Axial motion only

@@ -98,6 +98,11 @@ impl Watch {
         self.0.as_ref().is_some_and(|watching| watching.ended.load(Ordering::Relaxed))
     }
 
+    /// Asks whether to end, for whoever computes by other means than a study.
+    pub fn asks_to_end(&self) -> bool {
+        self.evaluates().is_err()
+    }
+
     /// Something else is done from here on.
     pub(crate) fn begins(&self, doing: Doing) -> Result<(), Ended> {
         let Some(watching) = &self.0 else { return Ok(()) };

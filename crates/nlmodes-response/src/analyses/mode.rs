@@ -1,6 +1,6 @@
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, ParametricSystem};
-use nlmodes_hbm::{HbmError, PeriodicSystem, modal_grazing};
+use nlmodes_hbm::{HbmError, ModalGrazing, PeriodicSystem, Symmetry, modal_grazing};
 
 use crate::follow::Curve;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
@@ -18,6 +18,27 @@ pub fn damped_mode(
     energy_ratio: f64,
     settings: &ResponseSettings,
 ) -> Result<ResponseCurve, ResponseError> {
+    free_motion(model, energy_ratio, settings, true)
+}
+
+/// The conservative nonlinear mode of the structure without its damping, in the same way.
+///
+/// # Errors
+/// As [`damped_mode`].
+pub fn conservative_mode(
+    model: &ResponseModel,
+    energy_ratio: f64,
+    settings: &ResponseSettings,
+) -> Result<ResponseCurve, ResponseError> {
+    free_motion(model, energy_ratio, settings, false)
+}
+
+fn free_motion(
+    model: &ResponseModel,
+    energy_ratio: f64,
+    settings: &ResponseSettings,
+    is_damped: bool,
+) -> Result<ResponseCurve, ResponseError> {
     settings.check()?;
     if !(energy_ratio.is_finite() && energy_ratio > 1.0) {
         let (what, expected) = ("the largest energy over that at grazing", "a number above 1");
@@ -26,8 +47,13 @@ pub fn damped_mode(
     let own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let structure = model.structure();
-    let start = modal_grazing(structure, settings.mode)?;
-    let system = PeriodicSystem::damped_mode(structure, own.periodic(), start.scales(), solver.as_ref())?;
+    let start: ModalGrazing = modal_grazing(structure, settings.mode)?;
+    let (periodic, scales) = (own.periodic(), start.scales());
+    let system = if is_damped {
+        PeriodicSystem::damped_mode(structure, periodic, scales, solver.as_ref())?
+    } else {
+        PeriodicSystem::conservative_mode(structure, Symmetry::Even, periodic, scales, solver.as_ref())?
+    };
     let (omega, energy) = (system.n_coefficients(), system.dim());
     let unit = start.omega;
     let bounds = vec![
@@ -35,7 +61,7 @@ pub fn damped_mode(
         Bound { coordinate: omega, min: own.window[0] / unit, max: own.window[1] / unit },
     ];
     let (x, direction) = (start.unknowns(&system), start.direction(&system));
-    let drive = None;
+    let drive = model.drive(&own)?;
     let mut curve = Curve { system, x, p: 0.0, direction, bounds, drive, settings: &own, solver: solver.as_ref() };
     curve.follow((omega, unit))
 }

@@ -1,0 +1,83 @@
+//! What a scene with responses would compute.
+
+use nlmodes_scene::number;
+use nlmodes_scene::scene::{Damping, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
+
+/// Names and texts of the lines about damping, loads and responses; none for a scene without responses.
+pub fn lines(scene: &Scene) -> Vec<(String, String)> {
+    if scene.responses.is_empty() {
+        return Vec::new();
+    }
+    let mut lines: Vec<(String, String)> = Vec::new();
+    lines.extend(scene.damping.as_ref().map(|found| ("damping".to_owned(), damping(found))));
+    for (i, force) in scene.forces.iter().enumerate() {
+        let mut text = format!("{}, {} N", place(&force.place), number(force.amplitude));
+        if force.harmonic > 1 {
+            text += &format!(", in harmonic {}", force.harmonic);
+        }
+        if force.phase_deg != 0.0 {
+            text += &format!(", {}° ahead", number(force.phase_deg));
+        }
+        lines.push((format!("force {i}"), text));
+    }
+    if let Some(base) = scene.base_motion {
+        let stop = if base.stop == StopOfBase::Moves { "the stops move with it" } else { "the stops stand fixed" };
+        lines.push(("base".to_owned(), format!("shakes in {} direction; {stop}", base.direction.name())));
+    }
+    let unit = match scene.base_motion {
+        Some(base) if base.is_acceleration => "m/s²",
+        Some(_) => "m",
+        None => "N",
+    };
+    for (i, found) in scene.responses.iter().enumerate() {
+        lines.push((format!("response {i}"), response(found, unit)));
+    }
+    lines
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
+}
+
+fn damping(damping: &Damping) -> String {
+    let modes = match &damping.modes {
+        ModeDamping::Ratios(ratios) => format!("ratios {} with open contacts, the last one goes on", list(ratios)),
+        ModeDamping::Rayleigh { mass, stiffness } => {
+            format!("{} 1/s of the mass and {} s of the stiffness", number(*mass), number(*stiffness))
+        }
+    };
+    let one = |dashpot: &nlmodes_scene::scene::Dashpot| {
+        format!("; dashpot of {} N s/m at {}", number(dashpot.damping), place(&dashpot.place))
+    };
+    modes + &damping.dashpots.iter().map(one).collect::<String>()
+}
+
+fn place(place: &Place) -> String {
+    match place {
+        Place::Along { at, direction } => format!("{} m, {}", number(*at), direction.name()),
+        Place::Node { node, direction } => format!("node {node} along [{}]", list(direction)),
+    }
+}
+
+fn response(response: &Response, unit: &str) -> String {
+    let levels = list(&response.levels);
+    let window = match response.frequency_hz[..] {
+        [low, high] => format!(" from {} to {} Hz", number(low), number(high)),
+        [hz] => format!(" at {} Hz", number(hz)),
+        _ => String::new(),
+    };
+    let text = match response.kind {
+        ResponseKind::Frequency => format!("over the frequency{window}, at {levels} {unit}"),
+        ResponseKind::Force => format!("over the level{window}, up to {levels} {unit}"),
+        ResponseKind::PhaseResonance => {
+            format!("at a lag of {}°{window}, up to {levels} {unit}", number(response.lag_deg))
+        }
+        ResponseKind::DampedMode => format!("damped nonlinear mode{window}"),
+        ResponseKind::Mode => format!("conservative nonlinear mode{window}"),
+        ResponseKind::Appropriation => {
+            format!("force in {} harmonics that appropriates the mode{window}", response.controlled_harmonics)
+        }
+    };
+    let periods = response.subharmonic;
+    if periods > 1 { format!("{text}; motions of {periods} periods of the load") } else { text }
+}

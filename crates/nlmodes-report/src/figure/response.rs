@@ -1,0 +1,210 @@
+use super::Figure;
+use crate::ReportError;
+use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::palette;
+use crate::svg::Stroke;
+use crate::unit::Unit;
+
+/// What a curve of a [`ResponseFigure`] is, which says how it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineKind {
+    /// A response to a load, in a colour of its own.
+    Response,
+    /// A nonlinear mode, conservative: a wide grey line below the others.
+    Mode,
+    /// A damped nonlinear mode: a black line.
+    DampedMode,
+    /// Phase resonance: a thin red line.
+    Resonance,
+}
+
+/// A curve of damped or forced motions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseLine {
+    /// Its name in the legend; curves of one name have one entry and one colour.
+    pub name: String,
+    /// What it is.
+    pub kind: LineKind,
+    /// Abscissa, ordinate, and whether the motion is stable; where that is not known it counts as stable.
+    pub points: Vec<(f64, f64, Option<bool>)>,
+}
+
+/// What an axis shows, in SI units; prefixes are chosen here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// What it is, as `frequency`.
+    pub name: String,
+    /// Its unit, as `Hz`; empty for none.
+    pub unit: String,
+    /// Whether the axis is logarithmic.
+    pub is_logarithmic: bool,
+}
+
+impl Quantity {
+    /// On a linear axis.
+    pub fn linear(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into(), is_logarithmic: false }
+    }
+
+    /// On a logarithmic axis.
+    pub fn logarithmic(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { is_logarithmic: true, ..Self::linear(name, unit) }
+    }
+
+    /// Unit of the axis for values up to this one.
+    fn scaled(&self, largest: f64) -> Unit {
+        match self.unit.as_str() {
+            "m" | "s" | "m/s" if !self.is_logarithmic => Unit::fine(&self.unit, largest),
+            "N" if !self.is_logarithmic => Unit::coarse(&self.unit, largest),
+            other => Unit { symbol: other.to_owned(), per_si: 1.0 },
+        }
+    }
+
+    fn axis(&self, values: impl Iterator<Item = f64> + Clone, margin: f64) -> Option<(Axis, f64)> {
+        let largest = values.clone().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+        let unit = self.scaled(largest);
+        let values = values.map(|v| v * unit.per_si);
+        let scale =
+            if self.is_logarithmic { Scale::logarithmic(values, margin) } else { Scale::linear(values, margin) };
+        let label =
+            if unit.symbol.is_empty() { self.name.clone() } else { format!("{} in {}", self.name, unit.symbol) };
+        Some((Axis { label, scale: scale? }, unit.per_si))
+    }
+}
+
+/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not dashed.
+#[derive(Debug, Clone)]
+pub struct ResponseFigure<'a> {
+    lines: &'a [ResponseLine],
+    title: String,
+    axes: [Quantity; 2],
+    marks: Vec<(f64, f64, String)>,
+}
+
+const RESONANCE: &str = "#d62728";
+const MODE: &str = "#b0b0b0";
+
+impl<'a> ResponseFigure<'a> {
+    /// A figure with this abscissa and this ordinate.
+    pub fn new(lines: &'a [ResponseLine], abscissa: Quantity, ordinate: Quantity) -> Self {
+        Self { lines, title: String::new(), axes: [abscissa, ordinate], marks: Vec::new() }
+    }
+
+    /// With a title; without one otherwise.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// With a dot at these coordinates, and a name beside it where it is not empty.
+    pub fn mark(mut self, x: f64, y: f64, name: impl Into<String>) -> Self {
+        self.marks.push((x, y, name.into()));
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`ReportError::NothingToDraw`] if there is no finite point.
+    pub fn render(&self) -> Result<Figure, ReportError> {
+        let all = || self.lines.iter().flat_map(|line| &line.points);
+        let nothing = || ReportError::NothingToDraw { figure: "responses", reason: "no point is finite" };
+        let (x, per_x) = self.axes[0].axis(all().map(|p| p.0), 0.03).ok_or_else(nothing)?;
+        let (y, per_y) = self.axes[1].axis(all().map(|p| p.1), 0.06).ok_or_else(nothing)?;
+        let mut order: Vec<&ResponseLine> = self.lines.iter().collect();
+        // Wide lines lie below narrow ones.
+        order.sort_by_key(|line| match line.kind {
+            LineKind::Mode => 0,
+            LineKind::DampedMode => 1,
+            LineKind::Response => 2,
+            LineKind::Resonance => 3,
+        });
+        let curves = order.into_iter().flat_map(|line| pieces(line, self.stroke(line), [per_x, per_y])).collect();
+        let symbol = |(x, y, name): &(f64, f64, String)| Symbol {
+            class: "mark".into(),
+            at: (x * per_x, y * per_y),
+            shape: Shape::Dot,
+            fill: palette::INK,
+            name: (!name.is_empty()).then(|| name.clone()),
+        };
+        let symbols = self.marks.iter().map(symbol).collect();
+        let panel = Panel { y, curves, symbols, verticals: Vec::new() };
+        let chart =
+            Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 420.0, legend: self.legend() };
+        Ok(Figure::new(chart.draw()))
+    }
+
+    fn names(&self) -> Vec<&ResponseLine> {
+        let mut named: Vec<&ResponseLine> = Vec::new();
+        for line in self.lines {
+            if !named.iter().any(|known| known.name == line.name) {
+                named.push(line);
+            }
+        }
+        named
+    }
+
+    fn legend(&self) -> Vec<LegendEntry> {
+        let entry = |line: &&ResponseLine| LegendEntry { key: Key::Line(self.stroke(line)), name: line.name.clone() };
+        let is_unstable = |line: &ResponseLine| line.points.iter().any(|p| p.2 == Some(false));
+        let dashed =
+            LegendEntry { key: Key::Line(unstable(Stroke::solid(palette::INK, 1.8))), name: "unstable".into() };
+        let more = self.lines.iter().any(is_unstable).then_some(dashed);
+        self.names().iter().map(entry).chain(more).collect()
+    }
+
+    fn stroke(&self, line: &ResponseLine) -> Stroke {
+        let responses = self.names().into_iter().filter(|l| l.kind == LineKind::Response);
+        let index = responses.take_while(|l| l.name != line.name).count();
+        match line.kind {
+            LineKind::Response => Stroke::solid(palette::curve(index), 1.8),
+            LineKind::Mode => Stroke::solid(MODE, 5.0),
+            LineKind::DampedMode => Stroke::solid(palette::INK, 2.4),
+            LineKind::Resonance => Stroke::solid(RESONANCE, 1.2),
+        }
+    }
+}
+
+fn unstable(stroke: Stroke) -> Stroke {
+    Stroke::short_dashed(stroke.color, stroke.width)
+}
+
+/// Stretches of one stability; each goes on to the first point of the next.
+fn pieces(line: &ResponseLine, stroke: Stroke, per_si: [f64; 2]) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    let is_stable = |p: &(f64, f64, Option<bool>)| p.2 != Some(false);
+    let at = |p: &(f64, f64, Option<bool>)| (p.0 * per_si[0], p.1 * per_si[1]);
+    for piece in line.points.chunk_by(|a, b| is_stable(a) == is_stable(b)) {
+        let Some(first) = piece.first() else { continue };
+        if let Some(last) = curves.last_mut() {
+            last.points.push(at(first));
+        }
+        let stroke = if is_stable(first) { stroke } else { unstable(stroke) };
+        curves.push(Curve { class: "response", points: piece.iter().map(at).collect(), stroke });
+    }
+    curves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_unstable_is_dashed_and_joined_to_the_rest() {
+        let point = |x: f64, stable| (x, 1e-3 * x * x, Some(stable));
+        let points = vec![point(0.0, true), point(1.0, true), point(2.0, false), point(3.0, true)];
+        let line = ResponseLine { name: "4 N".into(), kind: LineKind::Response, points };
+        let stretches = pieces(&line, Stroke::solid("red", 1.0), [1.0, 1e3]);
+        let lengths: Vec<(usize, bool)> = stretches.iter().map(|c| (c.points.len(), c.stroke.dash.is_some())).collect();
+        assert_eq!(lengths, [(3, false), (2, true), (1, false)]);
+        assert_eq!(stretches[1].points[0], (2.0, 4.0));
+        let axes = || (Quantity::linear("frequency", "Hz"), Quantity::linear("amplitude", "m"));
+        let (x, y) = axes();
+        let svg = ResponseFigure::new(&[line], x, y).title("t").mark(1.0, 1e-3, "P").render().unwrap();
+        for text in ["4 N", "unstable", "amplitude in mm", ">P<"] {
+            assert!(svg.as_svg().contains(text), "{text}");
+        }
+        let (x, y) = axes();
+        assert!(ResponseFigure::new(&[], x, y).render().is_err());
+    }
+}

@@ -1,0 +1,135 @@
+//! Damped and forced motions of a scene: response curves, phase resonance, damped and conservative modes.
+
+mod convert;
+mod curves;
+mod figures;
+mod model;
+mod page;
+mod structure;
+mod summary;
+mod tables;
+
+use std::time::{Duration, Instant};
+
+use nlmodes::report::ReportError;
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::scene::Scene;
+
+use crate::claim::{Claim, identity};
+use crate::updating::updated;
+use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
+pub use curves::ComputedResponse;
+use curves::{Job, detached, follow, jobs};
+use model::Model;
+
+/// What came out of the responses of a scene.
+#[derive(Debug)]
+pub struct ResponsesOutcome {
+    /// The scene, with parameters that were updated.
+    pub scene: Scene,
+    /// The curves in the order of the scene; detached ones behind them.
+    pub curves: Vec<ComputedResponse>,
+    /// From the beginning to the last file.
+    pub wall_time: Duration,
+    /// Whether it was asked to end before all curves were there.
+    pub is_cut_off: bool,
+    /// Why some files are not there: everything else is.
+    pub failure: Option<Failure>,
+}
+
+impl ResponsesOutcome {
+    /// Whether all curves ended where they were meant to, and all files are there.
+    pub fn is_complete(&self) -> bool {
+        !self.is_cut_off && self.failure.is_none() && self.curves.iter().all(ComputedResponse::is_complete)
+    }
+}
+
+/// Computes the responses of a scene and writes its tables, figures and page.
+///
+/// `branch.csv` is written anew after each curve; the other files at the end, also of a run that is asked to end.
+///
+/// # Errors
+/// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
+pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
+    if file.scene.n_contact_tables() == 0 {
+        return Err(no_contact(file).into());
+    }
+    links::refuse(&file.scene.output_directory)?;
+    let scenes = serde_json::Value::Array(vec![identity(serde_json::to_value(&file.scene).unwrap_or_default())]);
+    let directory = file.scene.output_directory.clone();
+    let claim = Claim::new(&directory, &file.document, scenes, over, observer)?;
+    let began = Instant::now();
+    let file = updated(file.clone())?;
+    let model = Model::new(&file)?;
+    model.warning.iter().for_each(|text| observer.event(Event::Warning(text)));
+    if claim.resumes() {
+        // Curves take seconds: they are computed anew.
+        observer.event(Event::NothingToResume { directory: &directory });
+    }
+    let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
+    let mut curves: Vec<ComputedResponse> = Vec::new();
+    let mut compute = |job: Job<'_>, number: usize, of: usize, curves: &mut Vec<ComputedResponse>| {
+        let name = job.name(&file.scene, &model);
+        observer.event(Event::Curve { number, of, name: &name });
+        for computed in follow(&model, &file.scene, job, &name, observer.watch()) {
+            observer.event(Event::CurveDone {
+                name: &computed.name,
+                outcome: computed.said(),
+                is_complete: computed.is_complete(),
+            });
+            curves.push(computed);
+        }
+        claim.take_at_once()?;
+        tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
+        Ok::<bool, RunError>(observer.is_cancelled())
+    };
+    let wanted = jobs(&file.scene);
+    let of = wanted.len();
+    let mut is_cut_off = false;
+    for (number, job) in wanted.into_iter().enumerate() {
+        if compute(job, number + 1, of, &mut curves)? {
+            is_cut_off = true;
+            break;
+        }
+    }
+    let mut found = if is_cut_off { Vec::new() } else { detached(&file.scene, &curves) };
+    let mut number = of;
+    while let Some(job) = found.pop().filter(|_| number < of + MOST_DETACHED) {
+        number += 1;
+        if compute(job, number, number + found.len(), &mut curves)? {
+            is_cut_off = true;
+            break;
+        }
+        found = detached(&file.scene, &curves);
+    }
+    if curves.iter().all(|computed| computed.curve.is_err()) && is_cut_off {
+        return Err(RunError::Ended);
+    }
+    let failure = files(&file.scene, &model, &curves, began).err();
+    Ok(ResponsesOutcome { scene: file.scene, curves, wall_time: began.elapsed(), is_cut_off, failure })
+}
+
+/// Most detached curves that are followed.
+const MOST_DETACHED: usize = 20;
+
+/// Writes what is made of whole curves.
+fn files(scene: &Scene, model: &Model, curves: &[ComputedResponse], began: Instant) -> Result<(), Failure> {
+    let directory = &scene.output_directory;
+    tables::write_motions(directory, scene, model, curves)?;
+    tables::write_forces(directory, curves)?;
+    summary::write(directory, scene, model, curves, began)?;
+    let figures = figures::all(scene, model, curves)?;
+    if scene.files.figures {
+        figures.iter().try_for_each(|(name, _, figure)| figure.write(directory.join(name)))?;
+    }
+    if scene.files.page { page::write(directory, scene, model, curves, figures) } else { Ok(()) }
+}
+
+/// Whether a run of the responses would begin.
+///
+/// # Errors
+/// [`RunError`] that says why it would not.
+pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+    Model::new(file).map(|model| model.reduction)
+}

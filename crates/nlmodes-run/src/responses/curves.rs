@@ -1,0 +1,257 @@
+//! The curves of a scene, one after the other.
+
+use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
+
+use nlmodes::hbm::Coordinates;
+use nlmodes::response::{
+    Appropriation, Cancel, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, appropriation,
+    branching_responses, conservative_mode, damped_mode, detached_response, force_response, frequency_response,
+    lies_on, phase_resonance,
+};
+use nlmodes::study::Watch;
+use nlmodes_scene::number;
+use nlmodes_scene::scene::{Response, ResponseKind, Scene, StabilityChoice, Switching};
+
+use super::model::Model;
+use crate::chain;
+
+/// A curve that was computed.
+#[derive(Debug)]
+pub struct ComputedResponse {
+    /// Number of the response in the scene, from 0.
+    pub response: usize,
+    /// What was followed.
+    pub kind: ResponseKind,
+    /// The level, in the unit of the load; the largest one of a curve over the level, none of modes.
+    pub level: Option<f64>,
+    /// Its name in legends.
+    pub name: String,
+    /// Whether it is a response that no curve from the ends of the window reaches.
+    pub is_detached: bool,
+    /// The curve, or why there is none.
+    pub curve: Result<ResponseCurve, String>,
+    /// Of appropriation: the forces at each point of the mode, and what they do.
+    pub appropriations: Vec<Appropriation>,
+    /// Why it ended, in words.
+    pub message: String,
+    /// What it took.
+    pub wall_time: Duration,
+}
+
+impl ComputedResponse {
+    /// Whether it is there and ended where it was meant to.
+    pub fn is_complete(&self) -> bool {
+        self.curve.as_ref().is_ok_and(|curve| curve.end.is_complete())
+    }
+
+    /// Its points; none where there is no curve.
+    pub fn points(&self) -> &[ResponsePoint] {
+        self.curve.as_ref().map_or(&[], |curve| &curve.points)
+    }
+
+    /// Whether its points answer a load.
+    pub fn is_forced(&self) -> bool {
+        is_forced(self.kind)
+    }
+
+    /// What is told of it.
+    pub fn said(&self) -> Result<(usize, &str), &str> {
+        match &self.curve {
+            Ok(curve) => Ok((curve.points.len(), &self.message)),
+            Err(why) => Err(why),
+        }
+    }
+}
+
+/// Whether the motions of such a response answer a load.
+pub fn is_forced(kind: ResponseKind) -> bool {
+    matches!(kind, ResponseKind::Frequency | ResponseKind::Force | ResponseKind::PhaseResonance)
+}
+
+/// A curve to compute.
+#[derive(Debug, Clone)]
+pub struct Job<'a> {
+    response: usize,
+    wanted: &'a Response,
+    level: Option<f64>,
+    /// A point of a detached curve.
+    from: Option<ResponsePoint>,
+}
+
+/// The curves of a scene: one for each level of responses over the frequency.
+pub fn jobs(scene: &Scene) -> Vec<Job<'_>> {
+    let mut all = Vec::new();
+    for (response, wanted) in scene.responses.iter().enumerate() {
+        let largest = wanted.levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let levels: Vec<Option<f64>> = match wanted.kind {
+            ResponseKind::Frequency => wanted.levels.iter().copied().map(Some).collect(),
+            kind if is_forced(kind) => vec![Some(largest)],
+            _ => vec![None],
+        };
+        all.extend(levels.into_iter().map(|level| Job { response, wanted, level, from: None }));
+    }
+    all
+}
+
+/// Phase resonances at the level of a response over the frequency that lie on none of its curves: each begins a detached one.
+pub fn detached<'a>(scene: &'a Scene, curves: &[ComputedResponse]) -> Vec<Job<'a>> {
+    let mut found = Vec::new();
+    for (response, wanted) in scene.responses.iter().enumerate().filter(|(_, r)| r.kind == ResponseKind::Frequency) {
+        for &level in &wanted.levels {
+            let own: Vec<&ResponseCurve> = curves
+                .iter()
+                .filter(|c| c.response == response && c.level == Some(level))
+                .filter_map(|c| c.curve.as_ref().ok())
+                .collect();
+            // Where the curve from the end of the window was lost, what lies beyond is no island.
+            if own.is_empty() || own.iter().any(|curve| !curve.end.is_complete()) {
+                continue;
+            }
+            let resonances = curves.iter().filter(|c| c.kind == ResponseKind::PhaseResonance).filter(|c| {
+                let other = &scene.responses[c.response];
+                other.subharmonic == wanted.subharmonic && other.drive == wanted.drive
+            });
+            let resonances = resonances.filter_map(|c| c.curve.as_ref().ok()).flat_map(|curve| &curve.at_levels);
+            let window = [wanted.frequency_hz[0], wanted.frequency_hz[1]].map(|hz| TAU * hz);
+            let island = resonances
+                .filter(|point| (point.level / level - 1.0).abs() < 1e-9)
+                .filter(|point| (window[0]..=window[1]).contains(&point.omega))
+                .find(|point| !own.iter().any(|curve| lies_on(point, curve)));
+            found.extend(island.map(|point| Job { response, wanted, level: Some(level), from: Some(point.clone()) }));
+        }
+    }
+    found
+}
+
+impl Job<'_> {
+    /// Its name in legends.
+    pub fn name(&self, scene: &Scene, model: &Model) -> String {
+        let unit = model.unit;
+        let of_kind = scene.responses.iter().filter(|r| r.kind == self.wanted.kind).count();
+        let name = match (self.wanted.kind, self.level) {
+            (ResponseKind::Frequency, Some(level)) => format!("{} {unit}", number(level)),
+            (ResponseKind::Force, _) => {
+                format!("{} Hz", number(self.wanted.frequency_hz.first().copied().unwrap_or(0.0)))
+            }
+            (ResponseKind::PhaseResonance, _) if self.wanted.lag_deg == 90.0 => "phase resonance".to_owned(),
+            (ResponseKind::PhaseResonance, _) => format!("lag {}°", number(self.wanted.lag_deg)),
+            (ResponseKind::DampedMode, _) => "damped mode".to_owned(),
+            (ResponseKind::Appropriation, _) => {
+                format!("appropriation, {} harmonics", self.wanted.controlled_harmonics)
+            }
+            _ => "nonlinear mode".to_owned(),
+        };
+        let name = if self.from.is_some() { format!("{name}, detached") } else { name };
+        let name = if self.wanted.subharmonic > 1 { format!("{name}, 1/{}", self.wanted.subharmonic) } else { name };
+        let is_named = matches!(self.wanted.kind, ResponseKind::Frequency | ResponseKind::Force);
+        if of_kind > 1 && !is_named { format!("{name} ({})", self.response + 1) } else { name }
+    }
+}
+
+/// Computes a curve, and those that branch off where motions have several periods of the load.
+pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Watch) -> Vec<ComputedResponse> {
+    let began = Instant::now();
+    let settings =
+        ResponseSettings { cancel: Cancel::new(move || watch.asks_to_end()), ..settings(model, scene, &job) };
+    let curve = model.with_drive(job.response).and_then(|system| {
+        let curves = curve(&system, scene, &job, &settings)?;
+        let forces = if job.wanted.kind == ResponseKind::Appropriation {
+            appropriations(model, &system, &curves, job.wanted.controlled_harmonics, &settings)?
+        } else {
+            Vec::new()
+        };
+        Ok((curves, forces))
+    });
+    let (curves, mut forces) = match curve {
+        Ok((curves, forces)) => (curves.into_iter().map(Ok).collect(), forces),
+        Err(error) => (vec![Err(chain(&error))], Vec::new()),
+    };
+    let computed = |(k, curve): (usize, Result<ResponseCurve, String>)| ComputedResponse {
+        response: job.response,
+        kind: job.wanted.kind,
+        level: job.level,
+        name: if k == 0 { name.to_owned() } else { format!("{name}, branch {k}") },
+        is_detached: job.from.is_some(),
+        message: curve.as_ref().map_or_else(Clone::clone, |curve| curve.end.to_string()),
+        curve,
+        appropriations: std::mem::take(&mut forces),
+        wall_time: began.elapsed(),
+    };
+    curves.into_iter().enumerate().map(computed).collect()
+}
+
+/// The forces that hold each point of a mode.
+fn appropriations(
+    model: &Model,
+    system: &ResponseModel,
+    curves: &[ResponseCurve],
+    controlled: usize,
+    settings: &ResponseSettings,
+) -> Result<Vec<Appropriation>, ResponseError> {
+    let one = |point: &ResponsePoint| appropriation(system, point, &model.force_places, controlled, settings);
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    points.take_while(|_| !settings.cancel.is_requested()).map(one).collect()
+}
+
+fn curve(
+    system: &ResponseModel,
+    scene: &Scene,
+    job: &Job<'_>,
+    settings: &ResponseSettings,
+) -> Result<Vec<ResponseCurve>, ResponseError> {
+    let level = job.level.unwrap_or(0.0);
+    let given = scene.continuation.frequency_hz.is_some() || !job.wanted.frequency_hz.is_empty();
+    let energy = scene.continuation.max_energy_ratio.unwrap_or(if given { BEYOND } else { ENERGY });
+    let curve = match job.wanted.kind {
+        ResponseKind::DampedMode => damped_mode(system, energy, settings),
+        ResponseKind::Mode | ResponseKind::Appropriation => conservative_mode(system, energy, settings),
+        ResponseKind::PhaseResonance => phase_resonance(system, level, settings),
+        ResponseKind::Force => {
+            force_response(system, TAU * job.wanted.frequency_hz.first().copied().unwrap_or(0.0), level, settings)
+        }
+        ResponseKind::Frequency => match &job.from {
+            Some(point) => detached_response(system, point, settings),
+            None if settings.subharmonic > 1 => return branching_responses(system, level, settings),
+            None => frequency_response(system, level, settings),
+        },
+    };
+    Ok(vec![curve?])
+}
+
+/// Largest energy of a mode over that at grazing where the scene says no end at all, and where it has a window.
+const ENERGY: f64 = 100.0;
+const BEYOND: f64 = 1e6;
+
+/// Window about the mode where the scene has none.
+const WINDOW: [f64; 2] = [0.5, 2.5];
+
+fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
+    let (method, response) = (&scene.method, job.wanted);
+    let mode = model.mode_frequency(method.mode).unwrap_or(1.0);
+    let window = match (response.frequency_hz.as_slice(), scene.continuation.frequency_hz) {
+        (&[low, high], _) => [TAU * low, TAU * high],
+        (_, Some(window)) if !is_forced(response.kind) => window.map(|hz| TAU * hz),
+        _ => WINDOW.map(|share| share * mode),
+    };
+    let over_frequency = scene.responses.iter().filter(|r| r.kind == ResponseKind::Frequency);
+    let mut levels: Vec<f64> = over_frequency.flat_map(|r| &r.levels).chain(&response.levels).copied().collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    ResponseSettings {
+        harmonics: method.harmonics,
+        switching: match method.switching {
+            Switching::Exact => nlmodes::hbm::Switching::Exact,
+            Switching::Sampled => nlmodes::hbm::Switching::Sampled { samples: method.samples },
+        },
+        coordinates: Coordinates::Automatic,
+        contact_solver: method.contact_solver.name().to_owned(),
+        mode: method.mode,
+        lag: response.lag_deg.to_radians(),
+        subharmonic: response.subharmonic,
+        stability: scene.stability != StabilityChoice::Never,
+        max_points: scene.continuation.max_points,
+        levels,
+        ..ResponseSettings::new(window)
+    }
+}

@@ -1,0 +1,185 @@
+use nlmodes::hbm::{HbmError, modal_grazing};
+use nlmodes::modal::Coordinate;
+use nlmodes::response::{Damping, Dashpot, ResponseError, ResponseModel, Weights};
+use nlmodes_reduction::OpenModes;
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::scene::{ModeDamping, Place, Response, ResponseKind, Scene};
+
+use super::structure::{Reduced, base_motion, reduced};
+use crate::{RunError, chain};
+
+/// The structure of a scene with its damping and the load of level one.
+pub struct Model {
+    response: ResponseModel,
+    /// The drive point of each response.
+    drives: Vec<Weights>,
+    /// The places of the forces, each once.
+    pub force_places: Vec<Weights>,
+    /// The degrees of freedom whose motion is written.
+    pub recorded: Vec<usize>,
+    /// What they are.
+    pub coordinates: Vec<Coordinate>,
+    /// Displacement of each contact toward its stop.
+    pub contacts: Vec<Weights>,
+    /// Of each contact, its sign along the coordinate of its node: one for a stop on the positive side.
+    pub sides: Vec<f64>,
+    /// Of each contact that is one degree of freedom, its place among those recorded.
+    pub contact_coordinates: Vec<Option<usize>>,
+    /// Clearance of each contact at rest, m.
+    pub gaps: Vec<f64>,
+    /// Ends at which the structure does not move in the direction of its first contact.
+    pub held_ends: Vec<f64>,
+    /// The reduction, where the scene or its structure asks for open modes.
+    pub reduction: Option<OpenStructure>,
+    /// Unit of the levels.
+    pub unit: &'static str,
+    /// What is to be known about the mass that is left out.
+    pub warning: Option<String>,
+}
+
+impl Model {
+    /// Of a checked scene.
+    ///
+    /// # Errors
+    /// [`RunError`] at the key that it is about.
+    pub fn new(file: &SceneFile) -> Result<Self, RunError> {
+        let scene = &file.scene;
+        let parts = reduced(file)?;
+        let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
+            file.error_at(key, &chain(error), "here", &[]).into()
+        };
+        let mut response =
+            ResponseModel::new(parts.open.clone(), &damping(scene)).map_err(|error| failed("contact", &error))?;
+        check_mode(file, &response)?;
+        let at = |path: &str, place: &Place| -> Result<Weights, RunError> {
+            let weights = parts.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
+            if weights.is_empty() {
+                let title = "the structure does not move there in this direction";
+                return Err(file.error_at(path, title, "expected a place that moves", &[]).into());
+            }
+            Ok(weights)
+        };
+        for (i, dashpot) in scene.damping.iter().flat_map(|d| &d.dashpots).enumerate() {
+            let path = format!("damping.dashpot.{i}.at_m");
+            let one = [Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping }];
+            response.add_dashpots(&one).map_err(|error| failed(&path, &error))?;
+        }
+        let unit = scene.forces.first().map_or(1.0, |force| force.amplitude.abs());
+        let mut force_places: Vec<Weights> = Vec::new();
+        for (i, force) in scene.forces.iter().enumerate() {
+            let path = format!("force.{i}.at_m");
+            let weights = at(&path, &force.place)?;
+            let (amplitude, phase) = (force.amplitude / unit, force.phase_deg.to_radians());
+            response
+                .push_force_at(&weights, amplitude, force.harmonic, phase)
+                .map_err(|error| failed(&path, &error))?;
+            if !force_places.contains(&weights) {
+                force_places.push(weights);
+            }
+        }
+        if scene.base_motion.is_some() {
+            let motion = base_motion(scene, &parts)
+                .map_err(|title| -> RunError { file.error_at("base_motion", &title, "here", &[]).into() })?;
+            response.push_base_motion(&motion).map_err(|error| failed("base_motion", &error))?;
+        }
+        let unit = match scene.base_motion {
+            Some(base) if base.is_acceleration => "m/s²",
+            Some(_) => "m",
+            None => "N",
+        };
+        let contacts = parts.toward_stops();
+        let default = force_places.first().or(contacts.first()).cloned().unwrap_or_default();
+        let mut drives = Vec::new();
+        for (i, response) in scene.responses.iter().enumerate() {
+            drives.push(match &response.drive {
+                Some(place) => at(&format!("response.{i}.drive_m"), place)?,
+                None => default.clone(),
+            });
+        }
+        let Reduced { recorded, coordinates, .. } = &parts;
+        let contact_coordinates: Vec<Option<usize>> =
+            contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
+        let kind = contact_coordinates.first().copied().flatten().map(|i| coordinates[i].kind.clone());
+        Ok(Self {
+            held_ends: kind.map_or_else(Vec::new, |kind| parts.held_ends(&kind)),
+            gaps: parts.open.gaps().to_vec(),
+            response,
+            drives,
+            force_places,
+            recorded: recorded.clone(),
+            coordinates: coordinates.clone(),
+            sides: contacts.iter().map(side).collect(),
+            contact_coordinates,
+            contacts,
+            unit,
+            warning: parts.warning,
+            reduction: parts.reduction,
+        })
+    }
+
+    /// The model with the drive point of a response: that of the scene, or the first force, or the first contact toward its stop.
+    ///
+    /// # Errors
+    /// [`ResponseError`], not for a response of the scene.
+    pub fn with_drive(&self, response: usize) -> Result<ResponseModel, ResponseError> {
+        let mut model = self.response.clone();
+        model.set_drive_at(self.drives.get(response).cloned().unwrap_or_default())?;
+        Ok(model)
+    }
+
+    /// The structure with its load, and no drive point.
+    pub fn response(&self) -> &ResponseModel {
+        &self.response
+    }
+
+    /// Angular frequency of an open mode (from 1), rad/s.
+    pub fn mode_frequency(&self, mode: usize) -> Option<f64> {
+        self.response.structure().omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
+    }
+
+    /// The reduction.
+    pub fn open_modes(&self) -> &OpenModes {
+        self.response.open_modes()
+    }
+}
+
+fn damping(scene: &Scene) -> Damping {
+    match scene.damping.as_ref().map(|d| &d.modes) {
+        Some(ModeDamping::Rayleigh { mass, stiffness }) => Damping::Rayleigh { mass: *mass, stiffness: *stiffness },
+        Some(ModeDamping::Ratios(ratios)) => Damping::Ratios(ratios.clone()),
+        None => Damping::Ratios(vec![0.0]),
+    }
+}
+
+/// The mode from which nonlinear modes and phase resonance begin must meet a stop.
+fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError> {
+    let is_over = |r: &Response| matches!(r.kind, ResponseKind::Frequency | ResponseKind::Force);
+    let gaps = response.structure().gaps();
+    let error = match gaps.iter().position(|g| *g == 0.0) {
+        Some(contact) => HbmError::TouchesAtRest { contact, gap: 0.0 },
+        // Curves over frequency and level need no linear mode that meets a stop.
+        None if file.scene.responses.iter().all(is_over) => return Ok(()),
+        None => match modal_grazing(response.structure(), file.scene.method.mode) {
+            Ok(_) => return Ok(()),
+            Err(error) => error,
+        },
+    };
+    let key = match &error {
+        HbmError::TouchesAtRest { contact, .. } | HbmError::PressedAtRest { contact, .. } => {
+            format!("contact.{contact}.gap_m")
+        }
+        _ => "method.mode".to_owned(),
+    };
+    let expected = "expected a stop that the linear mode meets at some amplitude";
+    Err(file.error_at(&key, &chain(&error), expected, &[]).into())
+}
+
+fn side(weights: &Weights) -> f64 {
+    weights.first().map_or(1.0, |(_, w)| w.signum())
+}
+
+fn coordinate(weights: &Weights, recorded: &[usize]) -> Option<usize> {
+    let [(dof, _)] = weights[..] else { return None };
+    recorded.iter().position(|own| *own == dof)
+}

@@ -1,0 +1,217 @@
+//! From a scene to a structure in open modes, and to places on it.
+
+use nlmodes::fem::{FemError, Mesh};
+use nlmodes::hbm::MAX_RECORDED;
+use nlmodes::linalg::{multiply, triplets};
+use nlmodes::modal::Coordinate;
+use nlmodes::model::{Dof, DofKind, MasslessContactModel, StructuralModel};
+use nlmodes::response::{BaseMotion, BaseUnit, Weights};
+use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, element_model, redistribution};
+use nlmodes_scene::scene::{Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
+
+use crate::{RunError, chain, mass, refusal};
+
+/// A structure in open modes, and what is known of its places.
+pub struct Reduced {
+    /// Its open modes.
+    pub open: OpenModes,
+    /// Degrees of freedom whose motion is written.
+    pub recorded: Vec<usize>,
+    /// What they are.
+    pub coordinates: Vec<Coordinate>,
+    /// What is to be known about the mass that is left out.
+    pub warning: Option<String>,
+    /// The reduction where the scene, or its structure, asks for open modes.
+    pub reduction: Option<OpenStructure>,
+    source: Source,
+}
+
+/// What the structure was made from.
+enum Source {
+    /// Elements along an axis; the structure without the mass of its contact nodes, where that is left out or moved.
+    Straight { elements: Elements, kind: StructureKind, model: StructuralModel, massless: Option<MasslessContactModel> },
+    /// Degrees of freedom of files.
+    Files(Vec<Dof>),
+}
+
+/// Modes: up to this many times the highest harmonic of the mode, but within these numbers; what they leave over answers statically.
+const REACH: f64 = 3.0;
+const FEWEST: usize = 12;
+const MOST: usize = 40;
+
+/// Reduces the structure of a scene.
+///
+/// # Errors
+/// [`RunError`] at the key that it is about.
+pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
+    let scene = &file.scene;
+    let Assembly { model, open: reduction } =
+        Assembly::of(scene).map_err(|error| refusal::at(file, &error.path(), &error))?;
+    let Some(straight) = scene.structure.straight() else {
+        let Some(reduction) = reduction else {
+            let error =
+                file.error_at("reduction.kind", "responses are computed in open modes", "expected \"open-modes\"", &[]);
+            return Err(error.into());
+        };
+        let (recorded, coordinates) = recorded(&reduction.dofs, &reduction.modes);
+        let (open, source) = (reduction.modes.clone(), Source::Files(reduction.dofs.clone()));
+        return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
+    };
+    let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
+    let kind = straight.kind();
+    if let Some(reduction) = reduction {
+        // The full structure, of which the modes are.
+        let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
+        let (recorded, coordinates) = recorded(model.dofs(), &reduction.modes);
+        let (open, source) = (reduction.modes.clone(), Source::Straight { elements, kind, model, massless: None });
+        return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
+    }
+    let massless = redistribution(scene)
+        .map(|rule| MasslessContactModel::new(&model, rule))
+        .transpose()
+        .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
+    let open = modes(scene, &model, massless.as_ref()).map_err(|error| refusal::at(file, "structure", &error))?;
+    let (recorded, coordinates) = recorded(model.dofs(), &open);
+    let warning = mass::warning_of(file)?;
+    let source = Source::Straight { elements, kind, model, massless };
+    Ok(Reduced { open, recorded, coordinates, warning, reduction: None, source })
+}
+
+fn modes(
+    scene: &Scene,
+    structure: &StructuralModel,
+    massless: Option<&MasslessContactModel>,
+) -> Result<OpenModes, ReductionError> {
+    // Without the mass of the contact nodes there are fewer modes; a rigid stop needs flexibility that they leave over.
+    let available = structure.dofs().len();
+    let open = match massless {
+        Some(massless) => OpenModes::of_massless(massless, ModeCount::Lowest(MOST))?,
+        None => OpenModes::of_model(structure, ModeCount::Lowest(MOST.min(available.saturating_sub(1)).max(1)))?,
+    };
+    let mode = open.omega_squared().get(scene.method.mode - 1).copied().unwrap_or(0.0).max(0.0).sqrt();
+    let reach = (REACH * scene.method.harmonics as f64 * mode).powi(2);
+    let within = open.omega_squared().iter().take_while(|w| **w <= reach).count();
+    let wanted = within.max(FEWEST).max(scene.method.mode + 1);
+    if wanted < open.n_modes() { open.truncated(wanted) } else { Ok(open) }
+}
+
+/// All degrees of freedom, or evenly chosen ones and those of the contacts; and what they are.
+fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
+    let n = dofs.len();
+    let mut chosen: Vec<usize> = if n <= MAX_RECORDED {
+        (0..n).collect()
+    } else {
+        let even = (0..MAX_RECORDED / 2).map(|j| 2 * j * n / MAX_RECORDED);
+        even.chain(triplets(open.directions()).map(|(dof, _, _)| dof)).collect()
+    };
+    chosen.sort_unstable();
+    chosen.dedup();
+    let coordinate =
+        |dof: &usize| Coordinate { position: dofs[*dof].position, kind: dofs[*dof].kind.name().to_owned() };
+    let coordinates = chosen.iter().map(coordinate).collect();
+    (chosen, coordinates)
+}
+
+impl Reduced {
+    /// The displacement at a place, as degrees of freedom with weights; none where the structure is held.
+    ///
+    /// # Errors
+    /// What is wrong with the place, in words.
+    pub fn weights(&self, place: &Place) -> Result<Weights, String> {
+        match (&self.source, place) {
+            (Source::Straight { elements, kind, model, .. }, Place::Along { at, direction }) => {
+                let is_own = (*kind == StructureKind::Rod) == (*direction == Direction::Axial);
+                let weights =
+                    if is_own { elements.displacement_at(model, *at) } else { axial_of_a_beam(elements, model, *at) };
+                weights.map_err(|error| chain(&error))
+            }
+            (Source::Files(dofs), Place::Node { node, direction }) => of_node(dofs, *node, *direction),
+            (Source::Straight { .. }, Place::Node { node, .. }) => {
+                Err(format!("node {node} is one of a structure from files"))
+            }
+            (Source::Files(_), Place::Along { .. }) => Err("a structure from files has nodes, no axis".to_owned()),
+        }
+    }
+
+    /// Displacement of each contact toward what it meets: `−w` of its gap `g = g₀ + wᵀ q`.
+    pub fn toward_stops(&self) -> Vec<Weights> {
+        let mut all = vec![Weights::new(); self.open.n_contacts()];
+        triplets(self.open.directions()).for_each(|(dof, contact, w)| all[contact].push((dof, -w)));
+        all
+    }
+
+    /// Positions along the axis that have no coordinate of this kind because they are held.
+    pub fn held_ends(&self, kind: &str) -> Vec<f64> {
+        let Source::Straight { elements, .. } = &self.source else { return Vec::new() };
+        let length = mesh(elements).length();
+        let moves =
+            |at: f64| self.coordinates.iter().any(|c| c.kind == kind && (c.position - at).abs() < 1e-9 * length);
+        [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
+    }
+}
+
+/// The motion of a node in a direction.
+fn of_node(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weights, String> {
+    if !dofs.iter().any(|dof| dof.node as u64 == node) {
+        return Err(format!("the structure has no node {node}"));
+    }
+    let find = |kind: DofKind| dofs.iter().position(|dof| dof.node as u64 == node && dof.kind == kind);
+    let along = [DofKind::X, DofKind::Y, DofKind::Z].into_iter().zip(direction).filter(|(_, w)| *w != 0.0);
+    Ok(along.filter_map(|(kind, w)| Some((find(kind)?, w))).collect())
+}
+
+fn mesh(elements: &Elements) -> &Mesh {
+    match elements {
+        Elements::Rod(rod) => &rod.mesh,
+        Elements::Beam(beam) => &beam.mesh,
+    }
+}
+
+/// Along the axis of a beam: linear between the nodes.
+fn axial_of_a_beam(elements: &Elements, model: &StructuralModel, at: f64) -> Result<Weights, FemError> {
+    let (mesh, dofs) = (mesh(elements), model.dofs());
+    let nodes = mesh.nodes();
+    if !(0.0..=mesh.length() * (1.0 + 1e-9)).contains(&at) {
+        return Err(FemError::OutsideMesh { asked: at, length: mesh.length() });
+    }
+    let after = nodes.partition_point(|x| *x <= at).clamp(1, mesh.elements());
+    let share = ((at - nodes[after - 1]) / (nodes[after] - nodes[after - 1])).clamp(0.0, 1.0);
+    let find = |node: usize| dofs.iter().position(|dof| dof.node == node && dof.kind == DofKind::Axial);
+    let both = [(after - 1, 1.0 - share), (after, share)];
+    Ok(both.into_iter().filter(|(_, w)| *w != 0.0).filter_map(|(node, w)| Some((find(node)?, w))).collect())
+}
+
+/// The motion of the base of a scene, with the mass that couples supported nodes to free ones.
+///
+/// # Errors
+/// Why there is none, in words.
+pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String> {
+    let base = scene.base_motion.ok_or("there is no base motion")?;
+    let (Source::Straight { kind, model, massless, .. }, Some(straight)) = (&parts.source, scene.structure.straight())
+    else {
+        return Err("a base cannot shake a structure from files".to_owned());
+    };
+    let loose = Structure { start: Support::Free, end: Support::Free, modes: None, ..straight.clone() };
+    let free = Elements::new(&loose).and_then(|elements| elements.assemble(&[])).map_err(|error| chain(&error))?;
+    let moving = match (kind, base.direction) {
+        (StructureKind::Beam, Direction::Transverse) => DofKind::Deflection,
+        _ => DofKind::Axial,
+    };
+    let unit = if base.is_acceleration { BaseUnit::Acceleration } else { BaseUnit::Displacement };
+    let fixed = base.stop == StopOfBase::Fixed;
+    let mut motion = BaseMotion::of_supports(model, &free, moving, &[], unit, fixed)
+        .ok_or("the nodes of the structure are not those of its elements")?;
+    let Some(massless) = massless else { return Ok(motion) };
+    // The mass as it is computed with, and none of the contact nodes at all.
+    let times = |mass| {
+        let mut product = vec![0.0; motion.rigid.len()];
+        multiply(mass, &motion.rigid, &mut product);
+        product
+    };
+    let (with, without) = (times(model.mass()), times(massless.mass()));
+    motion.inertia.iter_mut().zip(without.iter().zip(&with)).for_each(|(m, (new, old))| *m += new - old);
+    massless.contacts().iter().for_each(|contact| motion.inertia[contact.dof] = 0.0);
+    Ok(motion)
+}

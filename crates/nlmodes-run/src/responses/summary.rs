@@ -1,0 +1,93 @@
+//! `summary.json` of responses.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::time::Instant;
+
+use nlmodes::report::write_summary;
+use nlmodes::response::ResponsePoint;
+use nlmodes_scene::scene::Scene;
+use serde_json::{Value, json};
+
+use super::curves::ComputedResponse;
+use super::model::Model;
+use crate::Failure;
+
+/// Writes it.
+pub fn write(
+    directory: &Path,
+    scene: &Scene,
+    model: &Model,
+    curves: &[ComputedResponse],
+    began: Instant,
+) -> Result<(), Failure> {
+    let hertz: Vec<f64> = model.open_modes().omega_squared().iter().map(|w| w.max(0.0).sqrt() / TAU).collect();
+    let structure = model.response().structure();
+    let ratio = |k: usize| structure.damping().entry(k, k) / (2.0 * structure.omega_squared()[k].max(0.0).sqrt());
+    let mut first = 0;
+    let mut all = Vec::new();
+    for computed in curves {
+        all.push(curve(computed, first));
+        first += computed.points().len();
+    }
+    let content = json!({
+        "program": "nlmodes-cli",
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": scene,
+        "open_frequencies_hz": hertz,
+        "open_damping_ratios": (0..hertz.len()).map(ratio).collect::<Vec<f64>>(),
+        "level_unit": model.unit,
+        "points": first,
+        "curves": all,
+        "complete": curves.iter().all(ComputedResponse::is_complete),
+        "largest_residual": curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual).fold(0.0, f64::max),
+        "largest_power_imbalance": imbalance(curves),
+        "wall_time_s": began.elapsed().as_secs_f64(),
+    });
+    Ok(write_summary(directory.join("summary.json"), &content)?)
+}
+
+/// Largest difference of input and dissipated power, over the latter, of forced motions.
+pub fn imbalance(curves: &[ComputedResponse]) -> f64 {
+    let forced = curves.iter().filter(|c| c.is_forced()).flat_map(ComputedResponse::points);
+    let powers = forced.map(|p| (p.motion.input_power, p.motion.dissipated_power));
+    powers.filter(|(_, out)| *out > 0.0).map(|(input, out)| (input / out - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// A curve whose first point is the row `first` of `branch.csv`.
+fn curve(computed: &ComputedResponse, first: usize) -> Value {
+    let at = |point: &ResponsePoint| {
+        json!({
+            "frequency_hz": point.omega / TAU,
+            "level": point.level,
+            "drive_fundamental_m": point.drive.norm(),
+        })
+    };
+    let with = |(i, point): (usize, &ResponsePoint)| {
+        let mut event = at(point);
+        event["point"] = json!(first + i);
+        event["events"] = json!(point.events.iter().map(|e| e.name()).collect::<Vec<_>>());
+        event
+    };
+    let events = computed.points().iter().enumerate().filter(|(_, p)| !p.events.is_empty()).map(with);
+    let at_levels = computed.curve.iter().flat_map(|curve| &curve.at_levels).map(at);
+    let unknown = computed.points().iter().filter(|p| p.stability.is_some_and(|s| s.stable.is_none())).count();
+    json!({
+        "response": computed.response + 1,
+        "kind": computed.kind.name(),
+        "name": computed.name,
+        "level": computed.level,
+        "detached": computed.is_detached,
+        "first_point": first,
+        "points": computed.points().len(),
+        "events": events.collect::<Vec<Value>>(),
+        "phase_resonances": at_levels.collect::<Vec<Value>>(),
+        "points_of_uncertain_stability": unknown,
+        "end": {
+            "reason": computed.curve.as_ref().map_or("no-start", |curve| curve.end.name()),
+            "message": computed.message,
+            "complete": computed.is_complete(),
+        },
+        "wall_time_s": computed.wall_time.as_secs_f64(),
+    })
+}

@@ -1,0 +1,220 @@
+//! Damping, loads and responses: what must hold between their values.
+
+mod loads;
+mod place;
+
+use crate::raw::{RawResponse, RawScene};
+use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
+use crate::{Findings, Problem};
+pub use place::Places;
+
+/// What a scene says about damped and forced motions.
+#[derive(Debug, Default)]
+pub struct Responses {
+    pub damping: Option<Damping>,
+    pub forces: Vec<Force>,
+    pub base_motion: Option<BaseMotion>,
+    pub responses: Vec<Response>,
+}
+
+/// The parts that are sound; those that are not are in the findings.
+pub fn check(raw: &RawScene, places: &Places<'_>, method: Option<&Method>, findings: &mut Findings<'_>) -> Responses {
+    let written = raw.response.as_deref().unwrap_or_default();
+    let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, findings));
+    let forces = loads::forces(raw, places, findings);
+    let base_motion = loads::base_motion(raw, places, findings);
+    if let (Some(method), false) = (method, written.is_empty()) {
+        of_method(method, findings);
+    }
+    if written.is_empty() {
+        without_effect(raw, findings);
+    }
+    let responses = written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
+    Responses { damping, forces, base_motion, responses }
+}
+
+/// Loads and damping of a scene that has no use for them.
+fn without_effect(raw: &RawScene, findings: &mut Findings<'_>) {
+    let keys = [
+        ("damping", raw.damping.is_some()),
+        ("force", raw.force.is_some()),
+        ("base_motion", raw.base_motion.is_some()),
+    ];
+    for (key, _) in keys.into_iter().filter(|(_, there)| *there) {
+        let problem = Problem::warning(format!("`{key}` has no effect without a response"));
+        let help = "[response] with kind = \"frequency\", \"force\", \"phase-resonance\" or \"damped-mode\" uses it";
+        findings.put(key, problem.help(help), "the scene computes the conservative nonlinear mode");
+    }
+}
+
+fn of_method(method: &Method, findings: &mut Findings<'_>) {
+    if method.kind == MethodKind::Shooting {
+        let problem = Problem::error("responses are computed with method \"ms-hbm\" or \"hbm\"");
+        findings.put("method.kind", problem, "expected \"ms-hbm\" or \"hbm\"");
+    }
+    if method.harmonics_list.len() > 1 {
+        let problem = Problem::error("responses are computed with one number of harmonics");
+        findings.put("method.harmonics", problem, "expected one whole number");
+    }
+    if method.accuracy.is_some() {
+        let problem =
+            Problem::error("responses have the harmonics that the scene says; an accuracy does not choose them");
+        findings.put("method.accuracy", problem, "expected `harmonics` in its place");
+    }
+}
+
+fn response(
+    i: usize,
+    raw: &RawResponse,
+    scene: &RawScene,
+    places: &Places<'_>,
+    findings: &mut Findings<'_>,
+) -> Option<Response> {
+    let kind = raw.kind?;
+    let is_mode = matches!(kind, ResponseKind::DampedMode | ResponseKind::Mode | ResponseKind::Appropriation);
+    let is_sound = [
+        has_damping(i, kind, scene, findings),
+        has_frequency(i, raw, kind, findings),
+        has_load(i, kind, scene, is_mode, findings),
+        uses_its_keys(i, raw, kind, findings),
+    ];
+    let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, findings) };
+    let base = format!("response.{i}.drive");
+    let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
+        let keys = [format!("{base}_m"), format!("{base}_node"), format!("{base}_direction")];
+        let keys = keys.each_ref().map(String::as_str);
+        Some(places.place(keys, raw.drive_m, raw.drive_node, raw.drive_direction.as_ref(), findings)?)
+    } else {
+        None
+    };
+    if is_sound.contains(&false) {
+        return None;
+    }
+    Some(Response {
+        kind,
+        frequency_hz: raw.frequency_hz.clone().unwrap_or_default(),
+        levels: levels?,
+        drive,
+        lag_deg: raw.lag_deg.unwrap_or(90.0),
+        subharmonic: raw.subharmonic.unwrap_or(1) as usize,
+        controlled_harmonics: raw.controlled_harmonics.unwrap_or(1) as usize,
+    })
+}
+
+fn has_damping(i: usize, kind: ResponseKind, scene: &RawScene, findings: &mut Findings<'_>) -> bool {
+    if scene.damping.is_some() || kind == ResponseKind::Mode || findings.has("damping") {
+        return true;
+    }
+    let problem = Problem::error(format!("a response of kind \"{}\" needs a table [damping]", kind.name()));
+    let help = "[damping] with ratio = 0.01 damps all modes with 1 %";
+    findings.put(&format!("response.{i}.kind"), problem.help(help), "nothing else bounds the motion at a resonance");
+    false
+}
+
+/// The frequency or the window that the kind needs.
+fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut Findings<'_>) -> bool {
+    let path = |key: &str| format!("response.{i}.{key}");
+    let given = raw.frequency_hz.as_deref().unwrap_or_default();
+    let wanted = if kind == ResponseKind::Force { 1 } else { 2 };
+    let is_needed = matches!(kind, ResponseKind::Force | ResponseKind::Frequency);
+    let expected = match wanted {
+        1 => "expected one frequency, as frequency_hz = 41.0",
+        _ => "expected the lowest and the highest frequency, as frequency_hz = [39.0, 43.0]",
+    };
+    if given.is_empty() && is_needed && !findings.has(&path("frequency_hz")) {
+        let problem = Problem::error(format!("`{}` is missing", path("frequency_hz")));
+        findings.put(&path("kind"), problem, expected);
+        return false;
+    }
+    if !given.is_empty() && given.len() != wanted {
+        let problem = Problem::error(match wanted {
+            1 => format!("a response of kind \"{}\" has one frequency", kind.name()),
+            _ => format!("a response of kind \"{}\" has a window of frequencies", kind.name()),
+        });
+        findings.put(&path("frequency_hz"), problem, expected);
+        return false;
+    }
+    if given.windows(2).any(|w| w[0] >= w[1]) {
+        let problem = Problem::error(format!("`{}` is an empty window", path("frequency_hz")));
+        findings.put(&path("frequency_hz"), problem, expected);
+        return false;
+    }
+    true
+}
+
+fn has_load(i: usize, kind: ResponseKind, scene: &RawScene, is_mode: bool, findings: &mut Findings<'_>) -> bool {
+    let has_force = scene.force.as_ref().is_some_and(|f| !f.is_empty());
+    let path = format!("response.{i}.kind");
+    if kind == ResponseKind::Appropriation && !has_force {
+        let problem = Problem::error("force appropriation needs [[force]]");
+        findings.put(&path, problem, "expected a force at each drive point; its amplitude is what is computed");
+        return false;
+    }
+    if is_mode || has_force || scene.base_motion.is_some() {
+        return true;
+    }
+    let problem = Problem::error(format!("a response of kind \"{}\" needs a load", kind.name()));
+    findings.put(&path, problem, "expected [[force]] or [base_motion] in the scene");
+    false
+}
+
+/// Keys that belong to another kind of response have no effect.
+fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut Findings<'_>) -> bool {
+    let is_mode = matches!(kind, ResponseKind::DampedMode | ResponseKind::Mode | ResponseKind::Appropriation);
+    let keys = [
+        ("lag_deg", raw.lag_deg.is_some() && kind != ResponseKind::PhaseResonance, "phase-resonance"),
+        (
+            "controlled_harmonics",
+            raw.controlled_harmonics.is_some() && kind != ResponseKind::Appropriation,
+            "appropriation",
+        ),
+        ("levels_n", raw.levels_n.is_some() && is_mode, "frequency"),
+        ("levels_m_s2", raw.levels_m_s2.is_some() && is_mode, "frequency"),
+        ("levels_m", raw.levels_m.is_some() && is_mode, "frequency"),
+        ("subharmonic", raw.subharmonic.is_some() && is_mode, "frequency"),
+    ];
+    for (key, _, other) in keys.into_iter().filter(|(_, unused, _)| *unused) {
+        let path = format!("response.{i}.{key}");
+        let problem = Problem::warning(format!("`{path}` has no effect"));
+        findings.put(&path, problem, format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name()));
+    }
+    true
+}
+
+/// The levels in the unit of the load.
+fn levels(i: usize, raw: &RawResponse, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
+    let path = |key: &str| format!("response.{i}.{key}");
+    let base = scene.base_motion.as_ref();
+    let given = [("levels_n", &raw.levels_n), ("levels_m_s2", &raw.levels_m_s2), ("levels_m", &raw.levels_m)];
+    let given: Vec<_> = given.into_iter().filter_map(|(key, levels)| Some((key, levels.as_ref()?))).collect();
+    if let [_, (second, _), ..] = given[..] {
+        let problem = Problem::error("a response has levels of one unit");
+        findings.put(&path(second), problem, "expected one of `levels_n`, `levels_m_s2` and `levels_m`");
+        return None;
+    }
+    let Some(&(key, levels)) = given.first() else {
+        let own = match base {
+            Some(base) => base.acceleration_m_s2.or(base.amplitude_m),
+            None => scene.force.iter().flatten().next().map(|force| force.amplitude_n.unwrap_or(1.0).abs()),
+        };
+        if own.is_none() && base.is_some() {
+            let problem = Problem::error("the base motion has no amplitude");
+            findings.put("base_motion", problem, "expected `acceleration_m_s2` or `amplitude_m` in this table");
+        }
+        return Some(vec![own?]);
+    };
+    let fits = match (key, base) {
+        ("levels_n", None) => true,
+        ("levels_m_s2", Some(base)) => base.amplitude_m.is_none(),
+        ("levels_m", Some(base)) => base.acceleration_m_s2.is_none(),
+        _ => false,
+    };
+    if !fits {
+        let problem = Problem::error(format!("`{}` are levels of a load that the scene does not have", path(key)));
+        let label =
+            "levels_n go with [[force]], levels_m_s2 and levels_m with acceleration and amplitude of [base_motion]";
+        findings.put(&path(key), problem, label);
+        return None;
+    }
+    Some(levels.clone())
+}

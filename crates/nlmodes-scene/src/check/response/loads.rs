@@ -1,0 +1,90 @@
+//! Damping, forces, and a base that shakes.
+
+use super::place::Places;
+use crate::raw::{RawDamping, RawDashpot, RawDirection, RawForce, RawScene};
+use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
+use crate::{Findings, Problem};
+
+pub fn damping(raw: &RawDamping, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Damping> {
+    let given = [raw.ratio.is_some(), raw.ratios.is_some(), raw.rayleigh.is_some()];
+    let count = given.iter().filter(|g| **g).count();
+    if count > 1 {
+        let problem = Problem::error("`damping` says more than once how the modes are damped");
+        findings.put("damping", problem, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
+        return None;
+    }
+    let dashpots = raw.dashpot.as_deref().unwrap_or_default();
+    let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| findings.has(&format!("damping.{key}")));
+    if count == 0 && dashpots.is_empty() && !is_misspelt {
+        let problem = Problem::error("`damping` does not say how the structure is damped");
+        findings.put("damping", problem, "expected `ratio`, `ratios`, `rayleigh` or [[damping.dashpot]]");
+        return None;
+    }
+    let modes = match (&raw.ratios, &raw.rayleigh) {
+        (Some(ratios), _) => ModeDamping::Ratios(ratios.clone()),
+        (None, Some(r)) => {
+            ModeDamping::Rayleigh { mass: r.mass_1_s.unwrap_or(0.0), stiffness: r.stiffness_s.unwrap_or(0.0) }
+        }
+        (None, None) => ModeDamping::Ratios(vec![raw.ratio.unwrap_or(0.0)]),
+    };
+    let sound: Vec<Dashpot> =
+        dashpots.iter().enumerate().filter_map(|(i, raw)| dashpot(i, raw, places, findings)).collect();
+    (sound.len() == dashpots.len()).then_some(Damping { modes, dashpots: sound })
+}
+
+fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Dashpot> {
+    let keys = ["at_m", "node", "direction"].map(|key| format!("damping.dashpot.{i}.{key}"));
+    let place = places.place(keys.each_ref().map(String::as_str), raw.at_m, raw.node, raw.direction.as_ref(), findings);
+    Some(Dashpot { place: place?, damping: raw.damping_n_s_m? })
+}
+
+pub fn forces(raw: &RawScene, places: &Places<'_>, findings: &mut Findings<'_>) -> Vec<Force> {
+    let written = raw.force.as_deref().unwrap_or_default();
+    written.iter().enumerate().filter_map(|(i, raw)| force(i, raw, places, findings)).collect()
+}
+
+fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Force> {
+    let keys = ["at_m", "node", "direction"].map(|key| format!("force.{i}.{key}"));
+    let keys = keys.each_ref().map(String::as_str);
+    let place = places.place(keys, raw.at_m, raw.node, raw.direction.as_ref(), findings);
+    let amplitude = raw.amplitude_n.unwrap_or(1.0);
+    if amplitude == 0.0 {
+        let path = format!("force.{i}.amplitude_n");
+        let problem = Problem::error(format!("`{path}` is zero: this force does nothing"));
+        findings.put(&path, problem, "expected another number");
+        return None;
+    }
+    let (harmonic, phase_deg) = (raw.harmonic.unwrap_or(1) as usize, raw.phase_deg.unwrap_or(0.0));
+    Some(Force { place: place?, amplitude, harmonic, phase_deg })
+}
+
+pub fn base_motion(raw: &RawScene, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
+    let base = raw.base_motion.as_ref()?;
+    if matches!(places, Places::Nodes) {
+        let problem = Problem::error("a base cannot shake a structure from files");
+        let help =
+            "the mass between supported nodes and free ones, which counts, is not in the files; [[force]] can be used";
+        findings.put("base_motion", problem.help(help), "expected [[force]]");
+        return None;
+    }
+    let written = base.direction.map(RawDirection::Word);
+    let direction = places.direction("base_motion.direction", written.as_ref(), findings)?;
+    if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
+        let problem = Problem::error("the scene has forces and a base that shakes");
+        findings.put("base_motion", problem, "expected either this table or [[force]]");
+        return None;
+    }
+    let in_metres = || raw.response.iter().flatten().any(|response| response.levels_m.is_some());
+    let (amplitude, is_acceleration) = match (base.acceleration_m_s2, base.amplitude_m) {
+        (Some(_), Some(_)) => {
+            let problem = Problem::error("`base_motion` has two amplitudes");
+            findings.put("base_motion", problem, "expected `acceleration_m_s2` or `amplitude_m` in this table");
+            return None;
+        }
+        (Some(a), None) => (a, true),
+        (None, Some(a)) => (a, false),
+        // The levels of the responses say it.
+        (None, None) => (0.0, !in_metres()),
+    };
+    Some(BaseMotion { direction, amplitude, is_acceleration, stop: base.stop.unwrap_or(StopOfBase::Moves) })
+}

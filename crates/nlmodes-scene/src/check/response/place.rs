@@ -1,0 +1,142 @@
+//! Where loads act and motions are looked at.
+
+use nlmodes_fem::Mesh;
+
+use crate::check::contact::perhaps_millimetres;
+use crate::check::nodes::node_at;
+use crate::raw::{RawDirection, RawStructure};
+use crate::rule::number;
+use crate::scene::{Direction, Place, StructureKind, Support, holds};
+use crate::{Findings, Problem};
+
+/// What the structure of a scene has as places.
+pub enum Places<'a> {
+    /// Positions along a rod or beam, as far as it is sound.
+    Along(Option<(&'a RawStructure, &'a Mesh)>),
+    /// Nodes of files.
+    Nodes,
+}
+
+impl<'a> Places<'a> {
+    /// Of a rod or beam with its mesh.
+    pub fn along(structure: Option<&'a RawStructure>, mesh: Option<&'a Mesh>) -> Self {
+        Self::Along(structure.zip(mesh))
+    }
+
+    fn kind(&self) -> Option<StructureKind> {
+        match self {
+            Self::Along(found) => found.as_ref()?.0.kind,
+            Self::Nodes => None,
+        }
+    }
+
+    /// The direction of a motion along or across the axis; `None` where it is wrong, which is in the findings.
+    pub fn direction(
+        &self,
+        path: &str,
+        written: Option<&RawDirection>,
+        findings: &mut Findings<'_>,
+    ) -> Option<Direction> {
+        let own = if self.kind()? == StructureKind::Rod { Direction::Axial } else { Direction::Transverse };
+        match written {
+            None => Some(own),
+            Some(RawDirection::Word(Direction::Transverse)) if self.kind() == Some(StructureKind::Rod) => {
+                let problem = Problem::error(format!("`{path}` cannot be \"transverse\" on a rod"));
+                findings.put(path, problem.help("a rod moves along its axis only"), "expected \"axial\"");
+                None
+            }
+            Some(RawDirection::Word(direction)) => Some(*direction),
+            Some(RawDirection::Vector(_)) => {
+                let problem = Problem::error(format!("`{path}` is a vector, which rods and beams do not need"));
+                findings.put(path, problem, "expected \"axial\" or \"transverse\"");
+                None
+            }
+        }
+    }
+
+    /// The place that the keys of position, node and direction say.
+    pub fn place(
+        &self,
+        [at_key, node_key, direction_key]: [&str; 3],
+        at: Option<f64>,
+        node: Option<u64>,
+        direction: Option<&RawDirection>,
+        findings: &mut Findings<'_>,
+    ) -> Option<Place> {
+        if matches!(self, Self::Nodes) {
+            return of_node([at_key, node_key, direction_key], at, node, direction, findings);
+        }
+        self.kind()?;
+        if node.is_some() {
+            let problem = Problem::error(format!("`{node_key}` names a node of a structure from files"));
+            let short = at_key.rsplit('.').next().unwrap_or(at_key);
+            findings.put(node_key, problem, format!("expected `{short}`, a position along the axis"));
+            return None;
+        }
+        let direction = self.direction(direction_key, direction, findings);
+        let Some(at) = at else {
+            if !findings.has(at_key) {
+                let problem = Problem::error(format!("`{at_key}` is missing"));
+                findings.put(at_key, problem, "expected a position along the axis, in m");
+            }
+            return None;
+        };
+        let direction = direction?;
+        self.moves(at_key, at, direction, findings).then_some(Place::Along { at, direction })
+    }
+
+    /// Whether the structure is there and moves.
+    fn moves(&self, path: &str, at: f64, direction: Direction, findings: &mut Findings<'_>) -> bool {
+        let (Self::Along(Some((structure, mesh))), Some(kind)) = (self, self.kind()) else { return false };
+        let length = mesh.length();
+        let node = node_at(mesh, at);
+        if node.is_none() && at > length {
+            let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+            let problem = perhaps_millimetres(Problem::error(title), at, length);
+            findings.put(path, problem, format!("expected a position from 0 to {} m", number(length)));
+            return false;
+        }
+        let (end, support) = match node {
+            Some(0) => ("start", structure.start),
+            Some(node) if node == mesh.elements() => ("end", Some(structure.end.unwrap_or(Support::Free))),
+            _ => return true,
+        };
+        let held = support.is_some_and(|support| holds(kind, support, direction));
+        if let Some(support) = support.filter(|_| held) {
+            let problem = Problem::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
+            findings.put(path, problem, format!("expected a place that moves in {} direction", direction.name()));
+        }
+        !held
+    }
+}
+
+/// A node of a structure from files with its direction.
+fn of_node(
+    [at_key, node_key, direction_key]: [&str; 3],
+    at: Option<f64>,
+    node: Option<u64>,
+    direction: Option<&RawDirection>,
+    findings: &mut Findings<'_>,
+) -> Option<Place> {
+    if at.is_some() {
+        let problem = Problem::error(format!("`{at_key}` is a position along a rod or beam"));
+        findings.put(at_key, problem, "expected the number of a node of the files");
+        return None;
+    }
+    if node.is_none() && !findings.has(node_key) {
+        let problem = Problem::error(format!("`{node_key}` is missing"));
+        findings.put(node_key, problem, "expected the number of a node of the files");
+    }
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    match direction {
+        Some(RawDirection::Vector(v)) if v.len() == 3 && length(v) > 0.0 => {
+            let unit = length(v);
+            Some(Place::Node { node: node?, direction: [v[0] / unit, v[1] / unit, v[2] / unit] })
+        }
+        _ => {
+            let problem = Problem::error(format!("`{direction_key}` must be a vector"));
+            findings.put(direction_key, problem, "expected 3 numbers in square brackets, not all 0");
+            None
+        }
+    }
+}

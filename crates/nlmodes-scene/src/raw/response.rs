@@ -1,0 +1,160 @@
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+
+use crate::scene::{Direction, ResponseKind, StopOfBase};
+
+/// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or alone.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDamping {
+    /// Damping ratio of all modes
+    #[schemars(range(min = 0.0), extend("exclusiveMaximum" = 1.0))]
+    pub ratio: Option<f64>,
+    /// Damping ratios by mode; the last one goes on
+    #[schemars(length(min = 1, max = 1000), inner(range(min = 0.0, max = 0.99)))]
+    pub ratios: Option<Vec<f64>>,
+    /// Damping as a sum of parts of mass and stiffness
+    pub rayleigh: Option<RawRayleigh>,
+    /// Dashpots to the ground, each under its own heading `[[damping.dashpot]]`
+    pub dashpot: Option<Vec<RawDashpot>>,
+}
+
+/// `C = mass M + stiffness K`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawRayleigh {
+    /// Factor of the mass
+    #[schemars(range(min = 0.0), extend("unit" = "1/s", "default" = 0.0))]
+    pub mass_1_s: Option<f64>,
+    /// Factor of the stiffness
+    #[schemars(range(min = 0.0), extend("unit" = "s", "default" = 0.0))]
+    pub stiffness_s: Option<f64>,
+}
+
+/// A direction of a rod or beam in a word, or of a structure from files as a vector.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum RawDirection {
+    /// Along or across the axis.
+    Word(Direction),
+    /// Components along x, y and z, of any length.
+    Vector(Vec<f64>),
+}
+
+/// `"axial"`, `"transverse"` or three numbers.
+fn word_or_vector(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["string", "array"],
+        "enum": ["axial", "transverse"],
+        "items": { "type": "number" },
+        "minItems": 3,
+        "maxItems": 3,
+    })
+}
+
+/// A dashpot between a place of the structure and the ground.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawDashpot {
+    /// Position along the axis of a rod or beam, at a node or between two
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: Option<f64>,
+    /// Node of a structure from files, in place of `at_m`
+    pub node: Option<u64>,
+    /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three numbers
+    #[schemars(schema_with = "word_or_vector")]
+    pub direction: Option<RawDirection>,
+    /// Its constant
+    #[schemars(required, range(min = 0.0), extend("unit" = "N s/m"))]
+    pub damping_n_s_m: Option<f64>,
+}
+
+/// A periodic force.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawForce {
+    /// Position along the axis of a rod or beam, at a node or between two
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: Option<f64>,
+    /// Node of a structure from files, in place of `at_m`
+    pub node: Option<u64>,
+    /// Direction; default along a rod, across a beam. Of a structure from files three numbers
+    #[schemars(schema_with = "word_or_vector")]
+    pub direction: Option<RawDirection>,
+    /// Amplitude of its cosine. `levels_n` of a response stand for that of the first force; others keep their ratio to it
+    #[schemars(extend("unit" = "N", "default" = 1.0))]
+    pub amplitude_n: Option<f64>,
+    /// Harmonic of the frequency of the response
+    #[schemars(range(min = 1, max = 1000), extend("default" = 1))]
+    pub harmonic: Option<u32>,
+    /// Phase by which it is ahead of a cosine
+    #[schemars(range(min = -3600.0, max = 3600.0), extend("unit" = "deg", "default" = 0.0))]
+    pub phase_deg: Option<f64>,
+}
+
+/// A base that shakes, in place of forces.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawBaseMotion {
+    /// Direction; default along a rod, across a beam
+    pub direction: Option<Direction>,
+    /// Amplitude of the acceleration
+    #[schemars(extend("unit" = "m/s^2", "exclusiveMinimum" = 0.0))]
+    pub acceleration_m_s2: Option<f64>,
+    /// Amplitude of the displacement, in place of that of the acceleration
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub amplitude_m: Option<f64>,
+    /// Whether the stops move with the base or stand fixed in space
+    #[schemars(extend("default" = "moves"))]
+    pub stop: Option<StopOfBase>,
+}
+
+/// A number, or a list of them; a single one is read as a list.
+fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["number", "array"],
+        "exclusiveMinimum": 0.0,
+        "items": { "type": "number", "exclusiveMinimum": 0.0 },
+        "minItems": 1,
+        "maxItems": 2,
+        "unit": "Hz",
+    })
+}
+
+/// A curve of damped or forced motions; several stand under headings `[[response]]`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawResponse {
+    /// What is followed
+    #[schemars(required)]
+    pub kind: Option<ResponseKind>,
+    /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
+    #[schemars(schema_with = "one_or_two_frequencies")]
+    pub frequency_hz: Option<Vec<f64>>,
+    /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve; default `amplitude_n`
+    #[schemars(length(min = 1, max = 100), extend("unit" = "N"), inner(range(min = 1e-30)))]
+    pub levels_n: Option<Vec<f64>>,
+    /// Amplitudes of the acceleration of the base, in the same way; default `acceleration_m_s2`
+    #[schemars(length(min = 1, max = 100), extend("unit" = "m/s^2"), inner(range(min = 1e-30)))]
+    pub levels_m_s2: Option<Vec<f64>>,
+    /// Amplitudes of the displacement of the base, in the same way; default `amplitude_m`
+    #[schemars(length(min = 1, max = 100), extend("unit" = "m"), inner(range(min = 1e-30)))]
+    pub levels_m: Option<Vec<f64>>,
+    /// Position of the drive point; default that of the first force, or of the first stop where the base shakes
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub drive_m: Option<f64>,
+    /// Node of the drive point of a structure from files, in place of `drive_m`
+    pub drive_node: Option<u64>,
+    /// Direction in which the motion of the drive point is taken; default that of the first force
+    #[schemars(schema_with = "word_or_vector")]
+    pub drive_direction: Option<RawDirection>,
+    /// Angle by which the drive point lags the load at phase resonance
+    #[schemars(extend("unit" = "deg", "default" = 90.0, "exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0))]
+    pub lag_deg: Option<f64>,
+    /// Periods of the load in one of the motion
+    #[schemars(range(min = 1, max = 20), extend("default" = 1))]
+    pub subharmonic: Option<u32>,
+    /// Harmonics of the force that appropriation controls
+    #[schemars(range(min = 1, max = 1000), extend("default" = 1))]
+    pub controlled_harmonics: Option<u32>,
+}

@@ -1,0 +1,109 @@
+//! Damped and forced motions of a scene.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Direction, ResponseKind, StopOfBase};
+
+/// Where a load acts, or a motion is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "place")]
+pub enum Place {
+    /// Somewhere along a rod or beam, at a node or between two.
+    Along {
+        /// Position, m.
+        at: f64,
+        /// Direction.
+        direction: Direction,
+    },
+    /// A node of a structure from files.
+    Node {
+        /// Its number there.
+        node: u64,
+        /// Direction, a unit vector.
+        direction: [f64; 3],
+    },
+}
+
+/// Damping of the structure with its contacts open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Damping {
+    /// Of the modes.
+    pub modes: ModeDamping,
+    /// Dashpots to the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub dashpots: Vec<Dashpot>,
+}
+
+/// Damping of the modes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeDamping {
+    /// Damping ratios by mode; the last one goes on.
+    Ratios(Vec<f64>),
+    /// `C = mass M + stiffness K`.
+    Rayleigh {
+        /// Factor of the mass, 1/s.
+        mass: f64,
+        /// Factor of the stiffness, s.
+        stiffness: f64,
+    },
+}
+
+/// A dashpot to the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Dashpot {
+    /// Where it is, and the direction of the motion that it damps.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Its constant, N s/m.
+    pub damping: f64,
+}
+
+/// A periodic force.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Force {
+    /// Where and in which direction it acts.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Amplitude, N.
+    pub amplitude: f64,
+    /// Harmonic of the frequency of the response.
+    pub harmonic: usize,
+    /// Phase, degrees.
+    pub phase_deg: f64,
+}
+
+/// A base that shakes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BaseMotion {
+    /// Direction.
+    pub direction: Direction,
+    /// Amplitude, m/s² or m; zero where only the levels of the responses say it.
+    pub amplitude: f64,
+    /// Whether levels are those of the acceleration, and not of the displacement.
+    pub is_acceleration: bool,
+    /// Whether the stops move with it.
+    pub stop: StopOfBase,
+}
+
+/// A curve of damped or forced motions, or one for each level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Response {
+    /// What is followed.
+    pub kind: ResponseKind,
+    /// One frequency or a window, Hz; empty where the scene does not say.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frequency_hz: Vec<f64>,
+    /// Levels in the unit of the load; empty for modes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<f64>,
+    /// The drive point, where the scene says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<Place>,
+    /// Lag at phase resonance, degrees.
+    pub lag_deg: f64,
+    /// Periods of the load in one of the motion.
+    pub subharmonic: usize,
+    /// Harmonics of the force of appropriation.
+    pub controlled_harmonics: usize,
+}
