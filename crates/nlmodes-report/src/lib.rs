@@ -103,6 +103,6 @@ pub use html::{DataTable, HtmlReport};
 pub use output::write_file;
 pub use stop::StopLine;
 pub use table::{
-    BRANCH_COLUMNS, BranchWriter, PointHistories, write_branch, write_contacts, write_harmonics, write_histories,
-    write_matlab, write_participation, write_starts, write_summary,
+    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, BranchWriter, PointHistories, RESPONSE_COLUMNS, write_branch,
+    write_contacts, write_harmonics, write_histories, write_matlab, write_participation, write_starts, write_summary,
 };

@@ -8,6 +8,7 @@ mod histories;
 mod mat5;
 mod matlab;
 mod participation;
+mod response;
 mod starts;
 mod summary;
 
@@ -17,5 +18,6 @@ pub use harmonics::{HARMONIC_ARRAYS, write_harmonics};
 pub use histories::{HISTORY_ARRAYS, PointHistories, write_histories};
 pub use matlab::{MATLAB_VARIABLES, write_matlab};
 pub use participation::{PARTICIPATION_COLUMNS, write_participation};
+pub use response::{APPROPRIATION_COLUMNS, RESPONSE_COLUMNS};
 pub use starts::{START_ARRAYS, write_starts};
 pub use summary::write_summary;

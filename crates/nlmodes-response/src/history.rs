@@ -1,84 +1,82 @@
-//! What a contact does over one period, instant by instant.
+//! What the contacts do over one period, instant by instant.
 
 use std::f64::consts::TAU;
 
-use nlmodes_contact::{LcpMatrix, solver_by_name};
+use nlmodes_contact::{LcpMatrix, LcpWorkspace, solver_by_name};
 use nlmodes_hbm::{HbmError, PeriodicMotion};
+use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
 use crate::{ResponseError, ResponseModel};
 
-/// Motions and forces of the contacts over a period, its end included: exact for the harmonics of the motion, since the contact problem is solved
-/// at each instant.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactHistory {
-    /// Time, s.
-    pub time: Vec<f64>,
-    /// Displacement of each contact toward its stop, from rest, m: contacts × instants.
-    pub displacement: Vec<Vec<f64>>,
-    /// Its rate, m/s.
-    pub velocity: Vec<Vec<f64>>,
-    /// Contact forces, N, not negative.
-    pub force: Vec<Vec<f64>>,
+/// The contacts of a motion over a period: which are closed when.
+#[derive(Debug)]
+pub struct ContactPattern<'a> {
+    model: &'a ResponseModel,
+    omega: f64,
+    /// Gaps without contact forces, harmonic by harmonic of each contact.
+    y: Vec<Vec<Complex64>>,
+    /// Ends in phase (rad) of the stretches with one closed set, one after the other from 0 to 2π, and `dλ/dy` there.
+    stretches: Vec<([f64; 2], Mat<f64>)>,
 }
 
+/// Displacement toward its stop from rest (m) with two derivatives by time, and force (N).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactState {
+    /// Displacement, velocity, acceleration.
+    pub motion: [f64; 3],
+    /// Contact force, not negative but for rounding.
+    pub force: f64,
+}
+
+/// Samples of a period between which closed sets are compared, for each harmonic and at least.
+const SAMPLES: usize = 24;
+const FEWEST: usize = 512;
+
+/// Halvings that find an instant to rounding.
+const HALVINGS: usize = 50;
+
 impl ResponseModel {
-    /// The contacts over one period of the motion at `samples + 1` instants; `subharmonic` periods of the load are one of the motion.
+    /// When which contacts are closed over a period of the motion; `subharmonic` periods of the load are one of the motion.
     ///
     /// # Errors
     /// [`ResponseError::Problem`] where a contact problem has no solution.
-    pub fn contact_history(
+    pub fn contact_pattern(
         &self,
         motion: &PeriodicMotion,
         subharmonic: usize,
-        samples: usize,
-    ) -> Result<ContactHistory, ResponseError> {
-        let structure = self.structure();
-        let (c, samples, omega) = (structure.n_contacts(), samples.max(1), motion.at.omega);
-        let y = self.gap_harmonics(motion, subharmonic);
-        let failed = |error| ResponseError::Problem(HbmError::Compliance(error));
-        let matrix = structure.compliance();
+    ) -> Result<ContactPattern<'_>, ResponseError> {
+        let matrix = self.structure().compliance();
         let mut workspace = solver_by_name("active-set").and_then(|s| s.workspace(matrix)).map_err(failed)?;
-        let (mut closed, mut lambda, mut gaps) = (vec![false; c], vec![0.0; c], vec![0.0; c]);
-        let empty = || vec![Vec::with_capacity(samples + 1); c];
-        let mut history = ContactHistory { time: Vec::new(), displacement: empty(), velocity: empty(), force: empty() };
-        for j in 0..=samples {
+        let y = self.gap_harmonics(motion, subharmonic);
+        let mut pattern = ContactPattern { model: self, omega: motion.at.omega, y, stretches: Vec::new() };
+        let samples = (SAMPLES * motion.eta.len()).max(FEWEST);
+        let mut begin = 0.0;
+        let mut before = pattern.closed(0.0, workspace.as_mut())?;
+        for j in 1..=samples {
             let tau = TAU * j as f64 / samples as f64;
-            let value = |i: usize| y[i].iter().enumerate().map(|(n, z)| (z * Complex64::cis(n as f64 * tau)).re).sum();
-            let rate = |i: usize| -> f64 {
-                let one = |(n, z): (usize, &Complex64)| {
-                    let nu = n as f64 * omega;
-                    (Complex64::new(0.0, nu) * z * Complex64::cis(n as f64 * tau)).re
-                };
-                y[i].iter().enumerate().map(one).sum()
-            };
-            let b: Vec<f64> = (0..c).map(value).collect();
-            let rates: Vec<f64> = (0..c).map(rate).collect();
-            workspace.solve(&b, &mut closed, &mut lambda).map_err(failed)?;
-            workspace.gaps(&mut gaps).map_err(failed)?;
-            let force_rates = force_rates(matrix, &closed, &rates).map_err(failed)?;
-            history.time.push(tau / omega);
-            for i in 0..c {
-                let own = structure.stop_compliance()[i];
-                let gap_rate: f64 = (0..c).map(|k| matrix.a()[(i, k)] * force_rates[k]).sum::<f64>() + rates[i];
-                history.displacement[i].push(structure.gaps()[i] - (gaps[i] - own * lambda[i]));
-                history.velocity[i].push(own * force_rates[i] - gap_rate);
-                history.force[i].push(lambda[i]);
+            let after = pattern.closed(tau, workspace.as_mut())?;
+            if after == before {
+                continue;
             }
+            let (mut low, mut high) = (TAU * (j - 1) as f64 / samples as f64, tau);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                if pattern.closed(middle, workspace.as_mut())? == before { low = middle } else { high = middle }
+            }
+            pattern.stretches.push(([begin, high], sensitivity(matrix, &before)?));
+            (begin, before) = (high, after);
         }
-        Ok(history)
+        pattern.stretches.push(([begin, TAU], sensitivity(matrix, &before)?));
+        Ok(pattern)
     }
 
-    /// Gaps without contact forces of this instant, harmonic by harmonic of each contact.
     fn gap_harmonics(&self, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Vec<Complex64>> {
         let structure = self.structure();
         let omega = motion.at.omega * subharmonic as f64;
         let gap = |i: usize| {
-            let mut y: Vec<Complex64> = motion
-                .eta
-                .iter()
-                .map(|eta| eta.iter().enumerate().map(|(k, eta)| eta * structure.rows()[(i, k)]).sum())
-                .collect();
+            let of = |eta: &Vec<Complex64>| eta.iter().enumerate().map(|(k, eta)| eta * structure.rows()[(i, k)]).sum();
+            let mut y: Vec<Complex64> = motion.eta.iter().map(of).collect();
             y[0] += structure.gaps()[i];
             for term in self.terms() {
                 if let Some(y) = y.get_mut(term.harmonic * subharmonic) {
@@ -91,12 +89,57 @@ impl ResponseModel {
     }
 }
 
-/// `dλ/dt = S ẏ` with these contacts closed.
-fn force_rates(matrix: &LcpMatrix, closed: &[bool], rates: &[f64]) -> Result<Vec<f64>, nlmodes_contact::LcpError> {
-    let c = rates.len();
-    if !closed.contains(&true) {
-        return Ok(vec![0.0; c]);
+impl ContactPattern<'_> {
+    /// Ends in phase (rad) of the stretches in which the closed contacts stay the same, one after the other from 0 to 2π.
+    pub fn stretches(&self) -> Vec<[f64; 2]> {
+        self.stretches.iter().map(|(ends, _)| *ends).collect()
     }
-    let s = matrix.sensitivity(closed)?;
-    Ok((0..c).map(|i| (0..c).map(|k| s[(i, k)] * rates[k]).sum()).collect())
+
+    /// The contacts at a phase (rad) in a stretch, whose formulas hold at its ends too.
+    ///
+    /// # Panics
+    /// If there is no such stretch.
+    pub fn state(&self, tau: f64, stretch: usize) -> Vec<ContactState> {
+        let (structure, s) = (self.model.structure(), &self.stretches[stretch].1);
+        let (a, c) = (structure.compliance().a(), structure.n_contacts());
+        let y = [0, 1, 2].map(|order| self.values(tau, order));
+        let force = y.each_ref().map(|y| (0..c).map(|i| (0..c).map(|j| s[(i, j)] * y[j]).sum()).collect::<Vec<f64>>());
+        let of = |i: usize| {
+            let own = structure.stop_compliance()[i];
+            let motion = [0, 1, 2].map(|order| {
+                let gap: f64 = y[order][i] + (0..c).map(|j| a[(i, j)] * force[order][j]).sum::<f64>();
+                own * force[order][i] - gap
+            });
+            ContactState { motion: [structure.gaps()[i] + motion[0], motion[1], motion[2]], force: force[0][i] }
+        };
+        (0..c).map(of).collect()
+    }
+
+    /// Gaps without contact forces at a phase, or their derivatives by time.
+    fn values(&self, tau: f64, order: i32) -> Vec<f64> {
+        let one = |(n, z): (usize, &Complex64)| {
+            let nu = Complex64::new(0.0, n as f64 * self.omega);
+            (nu.powi(order) * z * Complex64::cis(n as f64 * tau)).re
+        };
+        self.y.iter().map(|y| y.iter().enumerate().map(one).sum()).collect()
+    }
+
+    fn closed(&self, tau: f64, workspace: &mut dyn LcpWorkspace) -> Result<Vec<bool>, ResponseError> {
+        let b = self.values(tau, 0);
+        let (mut closed, mut lambda) = (vec![false; b.len()], vec![0.0; b.len()]);
+        workspace.solve(&b, &mut closed, &mut lambda).map_err(failed)?;
+        Ok(closed)
+    }
+}
+
+/// `dλ/dy` with these contacts closed.
+fn sensitivity(matrix: &LcpMatrix, closed: &[bool]) -> Result<Mat<f64>, ResponseError> {
+    if closed.contains(&true) {
+        return matrix.sensitivity(closed).map_err(failed);
+    }
+    Ok(Mat::zeros(closed.len(), closed.len()))
+}
+
+fn failed(error: nlmodes_contact::LcpError) -> ResponseError {
+    ResponseError::Problem(HbmError::Compliance(error))
 }

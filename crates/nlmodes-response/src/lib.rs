@@ -66,7 +66,7 @@ pub use cancel::Cancel;
 pub use curve::{CurveEnd, ResponseCurve, ResponseEvent, ResponsePoint, Stability};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
-pub use history::ContactHistory;
+pub use history::{ContactPattern, ContactState};
 pub use model::{ResponseModel, Weights};
 pub use recovery::ForcePower;
 pub use settings::ResponseSettings;

@@ -3,6 +3,7 @@
 mod convert;
 mod curves;
 mod figures;
+mod histories;
 mod model;
 mod page;
 mod structure;
@@ -118,6 +119,7 @@ fn files(scene: &Scene, model: &Model, curves: &[ComputedResponse], began: Insta
     let directory = &scene.output_directory;
     tables::write_motions(directory, scene, model, curves)?;
     tables::write_forces(directory, curves)?;
+    histories::write(directory, scene, model, curves)?;
     summary::write(directory, scene, model, curves, began)?;
     let figures = figures::all(scene, model, curves)?;
     if scene.files.figures {

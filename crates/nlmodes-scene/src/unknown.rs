@@ -20,11 +20,18 @@ pub fn guess(key: &str, path: &str, root: Rule<'_>) -> Guess {
     let mut tables = Vec::new();
     collect(root, String::new(), &mut tables);
     let here = without_numbers(path);
+    // A letter s too few or too many is a slip in this table, whatever other tables have.
+    let is_plural = |one: &str, many: &str| many.strip_suffix('s') == Some(one);
+    let own = tables.iter().find(|(table, _)| *table == here);
+    let slip = own.and_then(|(_, rule)| rule.keys().find(|own| is_plural(own, key) || is_plural(key, own)));
+    if let Some(own) = slip {
+        return Guess::Key(own.to_owned());
+    }
     let elsewhere = tables.iter().find(|(table, rule)| *table != here && rule.of(key).is_some());
     if let Some((table, _)) = elsewhere {
         return Guess::Elsewhere(key.to_owned(), table.clone());
     }
-    let own = tables.iter().find(|(table, _)| *table == here).and_then(|(_, rule)| nearest(key, rule.keys()));
+    let own = own.and_then(|(_, rule)| nearest(key, rule.keys()));
     if let Some(own) = own {
         return Guess::Key(own.to_owned());
     }
@@ -88,7 +95,7 @@ pub fn problem(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Problem
 /// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
 pub fn heading(path: &str) -> String {
     let name = without_numbers(path);
-    if ["contact", "channel", "vary", "quantity"].contains(&name.as_str()) {
+    if ["contact", "channel", "vary", "quantity", "force", "damping.dashpot"].contains(&name.as_str()) {
         format!("[[{name}]]")
     } else {
         format!("[{name}]")

@@ -1,15 +1,25 @@
 use super::{Column, FileMeaning};
 use crate::table::{
-    BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, PARTICIPATION_COLUMNS,
-    START_ARRAYS,
+    APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
+    PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 14] = [
+pub const FILES: [FileMeaning; 16] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
         columns: &[&BRANCH_MEANINGS],
+    },
+    FileMeaning {
+        name: "branch.csv of responses",
+        meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
+        columns: &[&RESPONSE_COLUMNS],
+    },
+    FileMeaning {
+        name: "appropriation.csv",
+        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a row a point, drive point and harmonic",
+        columns: &[&APPROPRIATION_COLUMNS],
     },
     FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[&CONTACT_COLUMNS] },
     FileMeaning {

@@ -25,7 +25,7 @@ pub struct ResponseLine {
     pub name: String,
     /// What it is.
     pub kind: LineKind,
-    /// Abscissa, ordinate, and whether the motion is stable; where that is not known it counts as stable.
+    /// Abscissa, ordinate, and whether the motion is stable; of a curve for which that is known anywhere, what is not known is drawn thin.
     pub points: Vec<(f64, f64, Option<bool>)>,
 }
 
@@ -72,7 +72,7 @@ impl Quantity {
     }
 }
 
-/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not dashed.
+/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not dashed, what is uncertain thin.
 #[derive(Debug, Clone)]
 pub struct ResponseFigure<'a> {
     lines: &'a [ResponseLine],
@@ -146,10 +146,11 @@ impl<'a> ResponseFigure<'a> {
 
     fn legend(&self) -> Vec<LegendEntry> {
         let entry = |line: &&ResponseLine| LegendEntry { key: Key::Line(self.stroke(line)), name: line.name.clone() };
-        let is_unstable = |line: &ResponseLine| line.points.iter().any(|p| p.2 == Some(false));
-        let dashed =
-            LegendEntry { key: Key::Line(unstable(Stroke::solid(palette::INK, 1.8))), name: "unstable".into() };
-        let more = self.lines.iter().any(is_unstable).then_some(dashed);
+        let ink = Stroke::solid(palette::INK, 1.8);
+        let states = [(State::Unstable, "unstable"), (State::Uncertain, "stability uncertain")];
+        let occurs = |state: State| self.lines.iter().any(|line| line.points.iter().any(|p| line.state(p) == state));
+        let more = states.into_iter().filter(|(state, _)| occurs(*state));
+        let more = more.map(|(state, name)| LegendEntry { key: Key::Line(state.stroke(ink)), name: name.into() });
         self.names().iter().map(entry).chain(more).collect()
     }
 
@@ -165,21 +166,46 @@ impl<'a> ResponseFigure<'a> {
     }
 }
 
-fn unstable(stroke: Stroke) -> Stroke {
-    Stroke::short_dashed(stroke.color, stroke.width)
+/// What is known of the stability of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// It is stable, or nobody asked.
+    Stable,
+    Unstable,
+    Uncertain,
+}
+
+impl State {
+    fn stroke(self, stroke: Stroke) -> Stroke {
+        match self {
+            Self::Stable => stroke,
+            Self::Unstable => Stroke::short_dashed(stroke.color, stroke.width),
+            Self::Uncertain => Stroke::solid(stroke.color, 0.45 * stroke.width),
+        }
+    }
+}
+
+impl ResponseLine {
+    fn state(&self, point: &(f64, f64, Option<bool>)) -> State {
+        match point.2 {
+            Some(true) => State::Stable,
+            Some(false) => State::Unstable,
+            None if self.points.iter().any(|p| p.2.is_some()) => State::Uncertain,
+            None => State::Stable,
+        }
+    }
 }
 
 /// Stretches of one stability; each goes on to the first point of the next.
 fn pieces(line: &ResponseLine, stroke: Stroke, per_si: [f64; 2]) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
-    let is_stable = |p: &(f64, f64, Option<bool>)| p.2 != Some(false);
     let at = |p: &(f64, f64, Option<bool>)| (p.0 * per_si[0], p.1 * per_si[1]);
-    for piece in line.points.chunk_by(|a, b| is_stable(a) == is_stable(b)) {
+    for piece in line.points.chunk_by(|a, b| line.state(a) == line.state(b)) {
         let Some(first) = piece.first() else { continue };
         if let Some(last) = curves.last_mut() {
             last.points.push(at(first));
         }
-        let stroke = if is_stable(first) { stroke } else { unstable(stroke) };
+        let stroke = line.state(first).stroke(stroke);
         curves.push(Curve { class: "response", points: piece.iter().map(at).collect(), stroke });
     }
     curves
@@ -198,6 +224,10 @@ mod tests {
         let lengths: Vec<(usize, bool)> = stretches.iter().map(|c| (c.points.len(), c.stroke.dash.is_some())).collect();
         assert_eq!(lengths, [(3, false), (2, true), (1, false)]);
         assert_eq!(stretches[1].points[0], (2.0, 4.0));
+        let uncertain = ResponseLine { points: vec![point(0.0, true), (1.0, 1.0, None)], ..line.clone() };
+        let thin: Vec<f64> =
+            pieces(&uncertain, Stroke::solid("red", 2.0), [1.0; 2]).iter().map(|c| c.stroke.width).collect();
+        assert_eq!(thin, [2.0, 0.9]);
         let axes = || (Quantity::linear("frequency", "Hz"), Quantity::linear("amplitude", "m"));
         let (x, y) = axes();
         let svg = ResponseFigure::new(&[line], x, y).title("t").mark(1.0, 1e-3, "P").render().unwrap();

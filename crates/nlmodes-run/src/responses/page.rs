@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::modal::{ContactInstant, ModalBranch, TimeHistory};
+use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::report::{DataTable, HtmlReport, StopLine};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
@@ -11,6 +11,7 @@ use nlmodes_scene::scene::Scene;
 use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::figures::Named;
+use super::histories;
 use super::model::Model;
 use crate::Failure;
 
@@ -29,7 +30,11 @@ pub fn write(
     let shown: Vec<&ComputedResponse> = curves.iter().filter(|c| !c.points().is_empty()).collect();
     let branches: Vec<ModalBranch> = shown.iter().map(|computed| converter.branch(scene, computed)).collect();
     let references: Vec<&ModalBranch> = branches.iter().collect();
-    let motion = |branch: usize, point: usize, stop: usize| history(scene, model, shown[branch], point, stop);
+    let motion = |branch: usize, point: usize| -> Option<Vec<TimeHistory>> {
+        let computed = shown[branch];
+        let subharmonic = scene.responses[computed.response].subharmonic;
+        histories::of_point(model, computed.points().get(point)?, subharmonic, SAMPLES, &computed.name).ok()
+    };
     let line = |(i, gap): (usize, &f64)| {
         Some(StopLine {
             coordinate: model.contact_coordinates.get(i).copied().flatten()?,
@@ -56,33 +61,6 @@ pub fn write(
         report = if k == 0 { report.leading_figure(title, figure) } else { report.figure(title, figure) };
     }
     Ok(report.write(directory.join("report.html"))?)
-}
-
-/// One contact over a period, along the coordinate of its node.
-fn history(
-    scene: &Scene,
-    model: &Model,
-    computed: &ComputedResponse,
-    point: usize,
-    stop: usize,
-) -> Option<TimeHistory> {
-    let subharmonic = scene.responses[computed.response].subharmonic;
-    let motion = &computed.points().get(point)?.motion;
-    let mut all = model.response().contact_history(motion, subharmonic, SAMPLES).ok()?;
-    let side = *model.sides.get(stop)?;
-    let force = all.force.get(stop)?.clone();
-    let along = |values: &[f64]| values.iter().map(|v| side * v).collect::<Vec<f64>>();
-    let instants = (1..force.len()).filter(|&j| (force[j] > 0.0) != (force[j - 1] > 0.0));
-    Some(TimeHistory {
-        label: computed.name.clone(),
-        displacement: along(all.displacement.get(stop)?),
-        velocity: along(all.velocity.get(stop)?),
-        acceleration: vec![f64::NAN; force.len()],
-        stop: side * model.gaps.get(stop)?,
-        instants: instants.map(|j| ContactInstant { time: all.time[j], touching: force[j] > 0.0 }).collect(),
-        time: std::mem::take(&mut all.time),
-        force,
-    })
 }
 
 /// Phase resonances at the levels of the scene.

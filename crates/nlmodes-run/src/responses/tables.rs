@@ -6,7 +6,9 @@ use std::path::Path;
 
 use nlmodes::hbm::ContactMotion;
 use nlmodes::modal::ModalBranch;
-use nlmodes::report::{ReportError, write_contacts, write_file, write_harmonics};
+use nlmodes::report::{
+    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, RESPONSE_COLUMNS, ReportError, write_contacts, write_file, write_harmonics,
+};
 use nlmodes::response::{Appropriation, ResponseModel, ResponsePoint};
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
@@ -14,46 +16,6 @@ use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
-
-/// Columns of `branch.csv` of responses, beside those of every branch.
-const COLUMNS: [&str; 36] = [
-    "point",
-    "frequency_hz",
-    "energy_j",
-    "total_energy_j",
-    "modal_amplitude",
-    "fundamental_m",
-    "peak_m",
-    "contact_fraction",
-    "contact_intervals",
-    "peak_contact_force_n",
-    "residual",
-    "event",
-    "resonance",
-    "stable",
-    "largest_multiplier",
-    "multiplier_angle_deg",
-    "harmonics",
-    "error_estimate",
-    "response",
-    "kind",
-    "curve",
-    "name",
-    "detached",
-    "level",
-    "force_n",
-    "acceleration_m_s2",
-    "base_amplitude_m",
-    "drive_fundamental_m",
-    "drive_lag_deg",
-    "input_power_w",
-    "dissipated_power_w",
-    "damping_ratio",
-    "pbmif",
-    "multiplier_error",
-    "impulse_ns",
-    "mode_distance",
-];
 
 /// Writes `branch.csv` of the curves that are there.
 pub fn write_points(
@@ -73,7 +35,7 @@ pub fn write_points(
 
 fn table(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Result<Vec<u8>, Failure> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(COLUMNS)?;
+    table.write_record(BRANCH_COLUMNS.into_iter().chain(RESPONSE_COLUMNS.map(|column| column.name)))?;
     let converter = Converter::new(model)?;
     let mut number = 0;
     for (k, computed) in curves.iter().enumerate() {
@@ -196,16 +158,13 @@ fn expected(
     Ok(Expected { force, indicator: speed(1) / all, distance: f64::NAN })
 }
 
-/// Columns of `appropriation.csv`.
-const FORCE_COLUMNS: [&str; 6] = ["point", "frequency_hz", "drive", "harmonic", "force_n", "phase_deg"];
-
 /// Writes `appropriation.csv`, the forces of each drive point in each harmonic, where they were computed.
 pub fn write_forces(directory: &Path, curves: &[ComputedResponse]) -> Result<(), Failure> {
     if curves.iter().all(|computed| computed.appropriations.is_empty()) {
         return Ok(());
     }
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(FORCE_COLUMNS)?;
+    table.write_record(APPROPRIATION_COLUMNS.map(|column| column.name))?;
     let mut first = 0;
     for computed in curves {
         for (i, (found, point)) in computed.appropriations.iter().zip(computed.points()).enumerate() {

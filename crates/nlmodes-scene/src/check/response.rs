@@ -197,7 +197,9 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawScene, findings: &mut Findings
             Some(base) => base.acceleration_m_s2.or(base.amplitude_m),
             None => scene.force.iter().flatten().next().map(|force| force.amplitude_n.unwrap_or(1.0).abs()),
         };
-        if own.is_none() && base.is_some() {
+        let is_misspelt =
+            ["acceleration_m_s2", "amplitude_m"].iter().any(|key| findings.has(&format!("base_motion.{key}")));
+        if own.is_none() && base.is_some() && !is_misspelt {
             let problem = Problem::error("the base motion has no amplitude");
             findings.put("base_motion", problem, "expected `acceleration_m_s2` or `amplitude_m` in this table");
         }

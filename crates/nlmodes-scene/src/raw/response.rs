@@ -62,6 +62,7 @@ pub struct RawDashpot {
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
     /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three numbers
+    #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
     /// Its constant
@@ -79,6 +80,7 @@ pub struct RawForce {
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
     /// Direction; default along a rod, across a beam. Of a structure from files three numbers
+    #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
     /// Amplitude of its cosine. `levels_n` of a response stand for that of the first force; others keep their ratio to it
@@ -129,6 +131,7 @@ pub struct RawResponse {
     #[schemars(required)]
     pub kind: Option<ResponseKind>,
     /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
+    #[serde(default)]
     #[schemars(schema_with = "one_or_two_frequencies")]
     pub frequency_hz: Option<Vec<f64>>,
     /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve; default `amplitude_n`
@@ -146,6 +149,7 @@ pub struct RawResponse {
     /// Node of the drive point of a structure from files, in place of `drive_m`
     pub drive_node: Option<u64>,
     /// Direction in which the motion of the drive point is taken; default that of the first force
+    #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub drive_direction: Option<RawDirection>,
     /// Angle by which the drive point lags the load at phase resonance
