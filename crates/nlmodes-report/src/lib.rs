@@ -96,8 +96,7 @@ mod unit;
 pub use error::ReportError;
 pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
-    MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure,
-    StiffnessFigure,
+    MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
 };
 pub use html::{DataTable, HtmlReport};
 pub use output::write_file;
