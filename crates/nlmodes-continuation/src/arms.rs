@@ -78,35 +78,36 @@ impl Arms {
         Choice { z: center.to_vec(), back: self.back, arms: self.onward, own, unsearched: self.unsearched }
     }
 
-    /// Number of arms, but for the way back, that are found again ever closer to the center.
-    pub fn n_leading_inward<S: ParametricSystem>(
+    /// These arms as they are found ever closer to the center, down to the distance `least`, without those that are not; and how many
+    /// these are.
+    pub fn followed_inward<S: ParametricSystem>(
         &self,
         system: &mut S,
         corrector: &mut Corrector,
         center: &[f64],
         radius: f64,
         least: f64,
-    ) -> usize {
+    ) -> (Self, usize) {
         let mut own = Corrector::new(center.len() - 1, corrector.tolerance, ITERATIONS);
         (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
         own.rounding.clone_from(&corrector.rounding);
-        let closer = || std::iter::successors(Some(0.1 * radius), |r| Some(0.1 * r)).take_while(|r| *r >= 0.99 * least);
-        let mut leads = |arm: &Correction| {
-            let mut direction = outward(center, &arm.z);
-            closer().all(|radius| {
-                let guess = along(center, radius, &direction);
-                let surface = Surface::Sphere { center: center.to_vec(), radius };
-                let found =
-                    own.correct(system, &guess, &surface).ok().filter(|c| distance(&c.z, &guess) < 0.3 * radius);
-                found.is_some_and(|c| {
-                    direction = outward(center, &c.z);
-                    true
-                })
-            })
+        let mut closer = |arm: &Correction, radius: f64| {
+            let guess = along(center, radius, &outward(center, &arm.z));
+            let surface = Surface::Sphere { center: center.to_vec(), radius };
+            own.correct(system, &guess, &surface).ok().filter(|c| distance(&c.z, &guess) < 0.3 * radius)
         };
-        let count = self.onward.iter().filter(|arm| leads(arm)).count();
+        let radii = || std::iter::successors(Some(0.1 * radius), |r| Some(0.1 * r)).take_while(|r| *r >= 0.99 * least);
+        let mut inward = |arm: &Correction| radii().try_fold(arm.clone(), |arm, radius| closer(&arm, radius));
+        let onward: Vec<Correction> = self.onward.iter().filter_map(&mut inward).collect();
+        let lost = self.onward.len() - onward.len();
+        // The way back leads to the center: the branch came along it.
+        let back = self.onward.first().and_then(|any| {
+            let back = Correction { z: along(center, radius, &self.back), ..any.clone() };
+            Some(outward(center, &inward(&back)?.z))
+        });
+        let back = back.unwrap_or_else(|| self.back.clone());
         corrector.evaluations += own.evaluations;
-        count
+        (Self { back, onward, unsearched: self.unsearched }, lost)
     }
 
     /// Index of the arm that continues the branch.

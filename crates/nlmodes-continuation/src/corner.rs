@@ -46,9 +46,18 @@ pub(crate) fn pass<S: ParametricSystem>(
         {
             return Some(Passage::Corner(next.clone()));
         }
-        if !arms.onward.is_empty() {
-            crossing = Some(arms);
+        if arms.onward.is_empty() {
+            continue;
         }
+        if nesting == 0 && arms.onward.len() > 1 && arms.onward.len() % 2 == 1 {
+            // Arms that all are found again ever closer meet here; with the way back they are even in number.
+            let (inward, lost) = arms.followed_inward(system, corrector, &foot.z, radius, 10.0 * settings.min);
+            if lost == 0 {
+                crossing = Some(inward);
+                break;
+            }
+        }
+        crossing = Some(arms);
     }
     let Some(arms) = crossing else {
         let next = across_boundary(system, corrector, settings, foot, 0.0)?;
@@ -97,7 +106,11 @@ pub(crate) fn crossing_of_several<S: ParametricSystem>(
         let back = along(center, -radius, tangent);
         let Some(arms) = Arms::around(system, corrector, center, radius, 0, &back) else { continue };
         let more = arms.onward.len() > most.as_ref().map_or(2, |most| most.onward.len());
-        if more && arms.n_leading_inward(system, corrector, center, radius, least) > 2 {
+        let mut leading_inward = || {
+            let (inward, _) = arms.followed_inward(system, corrector, center, radius, least);
+            inward.onward.len()
+        };
+        if more && leading_inward() > 2 {
             most = Some(arms);
         }
         // With the way back they are even in number, unless one is missing.
@@ -153,7 +166,7 @@ fn across_boundary<S: ParametricSystem>(
     let mut tangent = there.tangent.clone();
     let sign = DenseLu::factor(corrector.bordered_by(&tangent)).ok()?.determinant_sign();
     tangent.iter_mut().for_each(|t| *t *= sign * foot.orientation);
-    let beyond = Foot { tangent, ..foot.clone() };
+    let beyond = Foot { tangent, behind: None, ..foot.clone() };
     [30.0, 10.0, 3.0].into_iter().find_map(|share| {
         let h = share * settings.min;
         let end = reach(system, corrector, &beyond, h).ok()?;

@@ -14,6 +14,11 @@ pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// rounding: the contact that a small step would open lets a larger residual pass for a solution.
 const FIRM: (f64, f64) = (8.0, 64.0);
 
+/// Share of the shortest Newton step so far below which one counts as shorter: towards a point where curves cross, each is half the one before.
+/// So many that are not shorter have come to rest.
+const SHORTER: f64 = 0.7;
+const IDLE: usize = 3;
+
 /// Ratio of the pivots above which no direction is nearly free.
 const REGULAR: f64 = 1e-3;
 
@@ -115,6 +120,39 @@ impl Correction {
     }
 }
 
+/// How the lengths of Newton's steps fall.
+#[derive(Debug)]
+struct Progress {
+    last: f64,
+    least: f64,
+    /// Steps in a row that were not clearly shorter than the shortest before.
+    idle: usize,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self { last: f64::INFINITY, least: f64::INFINITY, idle: 0 }
+    }
+}
+
+impl Progress {
+    fn step(&mut self, update: f64) {
+        self.idle = if update < SHORTER * self.least { 0 } else { self.idle + 1 };
+        self.least = self.least.min(update);
+        self.last = update;
+    }
+
+    /// Whether this step is hardly shorter than the last.
+    fn stagnates(&self, update: f64) -> bool {
+        update > 0.5 * self.last
+    }
+
+    /// Whether steps do not become shorter any more.
+    fn rests(&self, update: f64) -> bool {
+        self.idle + usize::from(update >= SHORTER * self.least) >= IDLE
+    }
+}
+
 /// Newton's method on a hyperplane or a sphere, with its work space.
 #[derive(Debug)]
 pub struct Corrector {
@@ -129,6 +167,8 @@ pub struct Corrector {
     pub(crate) blur: f64,
     /// Rounding of each entry of the residual, as large as it was found so far.
     pub(crate) rounding: Vec<f64>,
+    /// That by the last digits of the unknowns, where it was looked at last.
+    digits: Vec<f64>,
     /// Steps tried, each half the one before, until the residual does not rise.
     pub(crate) trials: usize,
     linearization: Linearization,
@@ -148,6 +188,7 @@ impl Corrector {
             resolution: RESOLUTION,
             blur: RESOLUTION,
             rounding: vec![ROUNDING; n],
+            digits: vec![0.0; n],
             trials: 4,
             linearization: Linearization::new(n),
             bordered: Mat::zeros(n + 1, n + 1),
@@ -171,8 +212,8 @@ impl Corrector {
 
     /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.
     ///
-    /// A point counts as found when the residual is within the tolerance and the next step would not move it any more: near a
-    /// crossing a small residual alone says little about where the solution is.
+    /// A point counts as found when the residual is within the tolerance and the next step would move it by less than the resolution, or by no less than the ones
+    /// before since all that is left of the residual is rounding. Near a crossing a small residual alone says little about where the solution is.
     pub(crate) fn correct<S: ParametricSystem>(
         &mut self,
         system: &mut S,
@@ -182,7 +223,7 @@ impl Corrector {
         let mut z = guess.to_vec();
         let mut norm =
             self.evaluate(system, &z).map_err(|_| self.failure(f64::INFINITY, 0, NewtonFailure::NoResidual))?;
-        let mut last_update = f64::INFINITY;
+        let mut progress = Progress::default();
         for iteration in 0..=self.max_iterations {
             if !norm.is_finite() {
                 return Err(self.failure(norm, iteration, NewtonFailure::NotFinite));
@@ -193,11 +234,9 @@ impl Corrector {
             self.newton_update(-defect);
             let (update, far) = (dot(&self.update, &self.update).sqrt(), norm.max(defect.abs()));
             let last = iteration == self.max_iterations;
-            if defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.0) {
-                let stagnates = update > 0.5 * last_update;
-                if self.is_found(update, stagnates, last) {
-                    return Ok(self.finish(system, z, norm, iteration));
-                }
+            let small = defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.0);
+            if small && self.is_found(&z, update, &progress, last) {
+                return Ok(self.finish(system, z, norm, iteration));
             }
             let next = if last { None } else { self.advance(system, &z, far) };
             let Some((trial, trial_norm)) = next else {
@@ -207,7 +246,7 @@ impl Corrector {
                 let reason = if last { NewtonFailure::TooManyIterations } else { NewtonFailure::NoDescent };
                 return Err(self.failure(norm, iteration, reason));
             };
-            last_update = update;
+            progress.step(update);
             (z, norm) = (trial, trial_norm);
         }
         Err(self.failure(norm, self.max_iterations, NewtonFailure::TooManyIterations))
@@ -227,7 +266,10 @@ impl Corrector {
         }
         let Some(measured) = self.measured_rounding(system, z) else { return false };
         self.rounding.iter_mut().zip(measured).for_each(|(known, measured)| *known = known.max(measured));
-        defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.1) && self.is_found(update, true, true)
+        let rests = Progress { last: 0.0, least: 0.0, idle: IDLE };
+        defect.abs() <= self.tolerance
+            && self.is_within(self.tolerance, FIRM.1)
+            && self.is_found(z, update, &rests, true)
     }
 
     /// How far each entry of the residual is from smooth over distances at which nothing but rounding changes it: the median of a few. The
@@ -323,13 +365,33 @@ impl Corrector {
     }
 
     /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known.
-    fn is_found(&self, update: f64, stagnates: bool, last: bool) -> bool {
-        let firm = |factor: f64| self.is_within(0.0, factor);
+    fn is_found(&mut self, z: &[f64], update: f64, progress: &Progress, last: bool) -> bool {
         if update <= self.resolution {
-            return stagnates || firm(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
+            return progress.stagnates(update) || self.is_rounding(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
         }
-        let rests = update <= MOST_BLURRED && (stagnates || last);
-        firm(FIRM.1) && (update <= self.blur || (rests && update <= self.blurred_by().max(COARSEST)))
+        let rests = progress.stagnates(update) || last;
+        if update > self.blur && !(rests && update <= MOST_BLURRED) {
+            return false;
+        }
+        self.look_at_digits(z);
+        if !self.is_rounding(FIRM.1) {
+            return false;
+        }
+        update <= self.blur || progress.rests(update) || update <= self.blurred_by().max(COARSEST)
+    }
+
+    /// Whether no entry of the residual is larger than this multiple of its rounding, by that of the digits of the unknowns too.
+    fn is_rounding(&self, factor: f64) -> bool {
+        let rounding = self.rounding.iter().zip(&self.digits).map(|(rounding, digits)| rounding.max(*digits));
+        self.linearization.residual.iter().zip(rounding).all(|(r, rounding)| r.abs() <= factor * rounding)
+    }
+
+    /// What the last digits of the unknowns change in each entry of the residual: no point has a smaller one but by chance.
+    fn look_at_digits(&mut self, z: &[f64]) {
+        let jacobian = &self.linearization.jacobian;
+        for (i, digits) in self.digits.iter_mut().enumerate() {
+            *digits = f64::EPSILON * z.iter().enumerate().map(|(j, z)| (jacobian[(i, j)] * z).abs()).sum::<f64>();
+        }
     }
 
     /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last: `ε ‖B⁻¹‖`, which is
@@ -339,7 +401,8 @@ impl Corrector {
         let mut signs = Signs::default();
         let squares: f64 = (0..PROBES)
             .map(|_| {
-                let mut moved: Vec<f64> = self.rounding.iter().map(|r| r * signs.draw()).chain([0.0]).collect();
+                let rounding = self.rounding.iter().zip(&self.digits).map(|(rounding, digits)| rounding.max(*digits));
+                let mut moved: Vec<f64> = rounding.map(|r| r * signs.draw()).chain([0.0]).collect();
                 self.lu.solve_in_place(&mut moved);
                 dot(&moved, &moved)
             })
@@ -351,6 +414,7 @@ impl Corrector {
     pub(crate) fn look_at_rounding<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64], tangent: &[f64]) {
         self.blur = self.resolution;
         if self.evaluate(system, z).is_ok() {
+            self.look_at_digits(z);
             self.normal.copy_from_slice(tangent);
             let blur = self.factor_bordered().map_or(MOST_BLURRED, |()| self.blurred_by());
             self.blur = blur.clamp(self.resolution, MOST_BLURRED);

@@ -1,4 +1,8 @@
-use crate::corrector::{Correction, Corrector};
+//! Where within a step something happens: roots of test functions along the branch.
+
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance};
+use crate::predictor::Hermite;
+use crate::roots::bracketed_root;
 use crate::step::{Foot, reach};
 use crate::{EventKind, ParametricSystem};
 
@@ -13,6 +17,19 @@ const MOST_CHANGES: usize = 8;
 
 /// Shares of the bracket of a root that are tried where the branch is not found at the first.
 const ELSEWHERE: [f64; 3] = [0.5, 0.25, 0.75];
+
+/// Distance, over that of the points between which the branch is interpolated, by which it may be off that.
+const OFF_CURVE: f64 = 0.3;
+
+/// Width of the bracket of a root, over the step or over the second where that is shorter, and most corrections.
+const LOCATED: (f64, f64) = (1e-10, 1e-3);
+const MOST_CORRECTIONS: usize = 60;
+
+/// Share of a step within which the Jacobian becomes singular evenly.
+const EVENLY: f64 = 1e-4;
+
+/// Value of a test function, over that at the ends of the bracket, that is zero but for rounding.
+const ZERO: f64 = 1e-13;
 
 /// An event within a step, at the distance `s` along the foot's tangent.
 #[derive(Debug, Clone)]
@@ -70,13 +87,20 @@ pub(crate) struct Search<'a, S> {
     pub h: f64,
 }
 
+/// A point of the branch within a step, at the distance `s` along the foot's tangent.
+#[derive(Debug, Clone)]
+struct Mark {
+    s: f64,
+    at: Correction,
+}
+
 impl<S: ParametricSystem> Search<'_, S> {
     /// Folds of the coordinates `turned` and the others that are known, ascending; what coincides is one.
     pub fn all(&mut self, turned: &[(usize, EventKind)], others: impl Iterator<Item = Located>) -> Vec<Located> {
         let mut found = Vec::new();
         for &(i, kind) in turned {
             let sense = -self.end.tangent[i].signum();
-            let Root { s, point, .. } = self.root(0.0, |c| sense * c.tangent[i]);
+            let Root { s, point, .. } = self.root(|c| sense * c.tangent[i]);
             found.push(Located { s, kinds: vec![kind], point });
         }
         found.extend(others);
@@ -92,69 +116,184 @@ impl<S: ParametricSystem> Search<'_, S> {
     }
 
     /// Where `det [J; tᵀ]` changes its sign; `None` if it is not known where within the step.
+    ///
+    /// The nearer points are to a crossing, the less they are known. So where the Jacobian becomes singular evenly, the last stretch is interpolated.
     pub fn crossing(&mut self) -> Option<Located> {
-        let sense = self.foot.orientation;
-        let Root { s, point, .. } = self.certain_root(|c| sense * c.orientation)?;
-        Some(Located { s, kinds: vec![EventKind::BranchPoint], point })
+        let kinds = vec![EventKind::BranchPoint];
+        let [mut low, mut high] = self.whole();
+        let largest = low.at.regularity.max(high.at.regularity);
+        while high.s - low.s > self.located() {
+            let width = high.s - low.s;
+            let [before, behind] = [&low, &high].map(|mark| mark.at.regularity);
+            if width <= EVENLY * self.h && before.max(behind) <= 100.0 * EVENLY * largest {
+                let s = low.s + width * before / (before + behind);
+                return self.interpolated(&low, &high, s).map(|point| Located { s, kinds, point });
+            }
+            let middle = self.reach(&low, &high, low.s + 0.5 * width)?;
+            if middle.at.orientation * self.foot.orientation > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(Located { s: high.s, kinds, point: high.at })
+    }
+
+    /// The point at the distance `s` of the curve through two points.
+    fn interpolated(&mut self, low: &Mark, high: &Mark, s: f64) -> Option<Correction> {
+        let curve = self.curve(low, high)?;
+        let (z, tangent) = (curve.at(s), curve.tangent(s));
+        let residual = self.corrector.evaluate(self.system, &z).ok()?;
+        Some(Correction { z, tangent, residual, regularity: 0.0, ..high.at.clone() })
     }
 
     /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one stands for the rest.
     pub fn pattern_changes(&mut self) -> Vec<Located> {
-        let (mut from, mut s) = (self.foot.pattern, 0.0);
+        let [mut low, end] = self.whole();
         let mut found = Vec::new();
-        while from != self.end.pattern {
+        while low.at.pattern != self.end.pattern {
+            let from = low.at.pattern;
             if found.len() == MOST_CHANGES {
                 let kinds = vec![EventKind::PatternChange { from, to: self.end.pattern }];
                 found.push(Located { s: self.h, kinds, point: self.end.clone() });
                 break;
             }
-            let Root { s: at, point, .. } = self.root(s, |c| if c.pattern == from { 1.0 } else { -1.0 });
-            let to = point.pattern;
-            found.push(Located { s: at, kinds: vec![EventKind::PatternChange { from, to }], point });
-            (from, s) = (to, at);
+            let (located, beyond) = self.first_change(low, end.clone());
+            found.push(located);
+            low = beyond;
         }
         found
     }
 
-    /// Where `test`, which is negative at the end, turns so beyond `start`: secant steps, kept in the bracket by bisection. Where a point of
+    /// A change of the pattern between two points, and a point beyond it from which the next one is looked for.
+    ///
+    /// Two points are brought together until the system knows the boundary between their pieces, whose function then tells the place.
+    fn first_change(&mut self, mut low: Mark, mut high: Mark) -> (Located, Mark) {
+        let from = low.at.pattern;
+        let change = |s: f64, point: Correction, to: u64| {
+            let kinds = vec![EventKind::PatternChange { from, to }];
+            Located { s, kinds, point: Correction { pattern: to, ..point } }
+        };
+        for _ in 0..MOST_CORRECTIONS {
+            let root = self.on_boundary(&low, &high);
+            if high.s - low.s <= self.located() {
+                break;
+            }
+            let s = root.as_ref().map_or(high.s, |root| root.s);
+            let middle = ELSEWHERE.into_iter().find_map(|share| self.reach(&low, &high, low.s + share * (s - low.s)));
+            match (middle, root) {
+                // Nothing else happens before.
+                (Some(middle), Some(root)) if middle.at.pattern == from => {
+                    return (change(root.s, root.point, high.at.pattern), high);
+                }
+                (Some(middle), _) if middle.at.pattern == from => low = middle,
+                (Some(middle), _) => high = middle,
+                (None, _) => break,
+            }
+        }
+        (change(high.s, high.at.clone(), high.at.pattern), high)
+    }
+
+    /// The point between two at which the branch passes the boundary of their pieces, where the system knows that.
+    fn on_boundary(&mut self, low: &Mark, high: &Mark) -> Option<Root> {
+        let boundary = self.system.boundary(&low.at.z, &high.at.z)?;
+        let value = |c: &Correction| boundary.value(&c.z);
+        if value(&low.at) <= 0.0 || value(&high.at) >= 0.0 {
+            return None;
+        }
+        let root = self.find(&ELSEWHERE, [low.clone(), high.clone()], &value);
+        root.settled.then_some(root)
+    }
+
+    /// Where `test`, a smooth function of point and tangent that is negative at the end, turns so. Where a point of
     /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side stands for the root.
-    pub fn root(&mut self, start: f64, test: impl Fn(&Correction) -> f64) -> Root {
-        self.root_trying(&ELSEWHERE, start, test)
+    pub fn root(&mut self, test: impl Fn(&Correction) -> f64) -> Root {
+        self.find(&ELSEWHERE, self.whole(), &test)
     }
 
     /// The same where a point that is not found casts doubt on the step: `None` then.
     pub fn certain_root(&mut self, test: impl Fn(&Correction) -> f64) -> Option<Root> {
-        Some(self.root_trying(&[], 0.0, test)).filter(|root| root.settled)
+        Some(self.find(&[], self.whole(), &test)).filter(|root| root.settled)
     }
 
-    fn root_trying(&mut self, elsewhere: &[f64], start: f64, test: impl Fn(&Correction) -> f64) -> Root {
-        let mut settled = true;
-        let mut best = self.end.clone();
-        let (mut low, mut f_low): (f64, Option<f64>) = (start, None);
-        let (mut high, mut f_high) = (self.h, test(self.end));
-        for k in 0..60 {
-            if high - low <= 1e-10 * self.h.max(1e-3) || f_high == 0.0 {
+    /// Both ends of the step.
+    fn whole(&self) -> [Mark; 2] {
+        let Foot { z, tangent, orientation, pattern, regularity, .. } = self.foot.clone();
+        let foot = Correction { z, tangent, orientation, residual: 0.0, iterations: 0, pattern, regularity };
+        [Mark { s: 0.0, at: foot }, Mark { s: self.h, at: self.end.clone() }]
+    }
+
+    /// Width to which the bracket of a root is brought.
+    fn located(&self) -> f64 {
+        LOCATED.0 * self.h.max(LOCATED.1)
+    }
+
+    /// The root of a smooth function in a bracket. It is followed along the curve through both ends, at no expense, and the branch is corrected at
+    /// its root there, until that stays where it is; a bracket that hardly becomes narrower is halved.
+    fn find(&mut self, elsewhere: &[f64], [mut low, mut high]: [Mark; 2], test: &dyn Fn(&Correction) -> f64) -> Root {
+        let width = self.located();
+        let (mut f_low, mut f_high) = (test(&low.at).max(f64::MIN_POSITIVE), test(&high.at));
+        let zero = ZERO * f_low.max(f_high.abs());
+        let mut known = (high.clone(), f_high);
+        let mut halve = false;
+        for _ in 0..MOST_CORRECTIONS {
+            let before = high.s - low.s;
+            if before <= width || known.1.abs() <= zero {
                 break;
             }
-            let s = match f_low {
-                Some(f_low) if k % 3 != 2 => (low + (high - low) * f_low / (f_low - f_high)).clamp(low, high),
-                _ => 0.5 * (low + high),
-            };
-            let others = elsewhere.iter().map(|share| low + share * (high - low));
-            let mut tried = std::iter::once(s).chain(others);
-            let reached = tried.find_map(|s| Some((s, reach(self.system, self.corrector, self.foot, s).ok()?)));
-            let Some((s, c)) = reached else {
-                settled = false;
+            let middle = 0.5 * (low.s + high.s);
+            let s = if halve { middle } else { self.root_between((&low, f_low), (&high, f_high), test) };
+            if (s - known.0.s).abs() <= width {
                 break;
+            }
+            let others = elsewhere.iter().map(|share| low.s + share * before);
+            let Some(mark) = std::iter::once(s).chain(others).find_map(|s| self.reach(&low, &high, s)) else {
+                return Root { s: high.s, point: high.at, settled: false };
             };
-            let f = test(&c);
-            if f > 1e-12 {
-                (low, f_low) = (s, Some(f));
+            let f = test(&mark.at);
+            known = (mark.clone(), f);
+            if f > 0.0 {
+                (low, f_low) = (mark, f);
             } else {
-                (high, f_high, best) = (s, if f.abs() <= 1e-12 { 0.0 } else { f }, c);
+                (high, f_high) = (mark, f);
             }
+            halve = !halve && high.s - low.s > 0.5 * before;
         }
-        Root { s: high, point: best, settled }
+        let Mark { s, at: point } = known.0;
+        Root { s, point, settled: true }
+    }
+
+    /// Where the curve through two points has the root of a function.
+    fn root_between(&self, low: (&Mark, f64), high: (&Mark, f64), test: &dyn Fn(&Correction) -> f64) -> f64 {
+        let Some(curve) = self.curve(low.0, high.0) else { return 0.5 * (low.0.s + high.0.s) };
+        let mut on_curve = high.0.at.clone();
+        let value = |s: f64| {
+            (on_curve.z, on_curve.tangent) = (curve.at(s), curve.tangent(s));
+            test(&on_curve)
+        };
+        let width = 0.1 * self.located();
+        bracketed_root(value, (low.0.s, low.1), (high.0.s, high.1), width).clamp(low.0.s + width, high.0.s)
+    }
+
+    fn curve<'m>(&self, low: &'m Mark, high: &'m Mark) -> Option<Hermite<'m>> {
+        let of = |mark: &'m Mark| (mark.s, mark.at.z.as_slice(), mark.at.tangent.as_slice());
+        Hermite::new(&self.foot.tangent, of(low), of(high))
+    }
+
+    /// The branch at the distance `s`: from the curve through both points, or else from the foot.
+    fn reach(&mut self, low: &Mark, high: &Mark, s: f64) -> Option<Mark> {
+        let guess = self.curve(low, high).map(|curve| curve.at(s));
+        let found = guess.and_then(|guess| {
+            let plane = Hyperplane::through(&guess, &self.foot.tangent);
+            let found = self.corrector.correct(self.system, &guess, &Surface::Plane(plane)).ok()?;
+            (distance(&found.z, &guess) <= OFF_CURVE * distance(&low.at.z, &high.at.z)).then_some(found)
+        });
+        found.map(|at| Mark { s, at }).or_else(|| self.reach_from_foot(s))
+    }
+
+    fn reach_from_foot(&mut self, s: f64) -> Option<Mark> {
+        let at = reach(self.system, self.corrector, self.foot, s).ok()?;
+        Some(Mark { s, at })
     }
 }
 

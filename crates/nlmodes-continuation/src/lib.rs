@@ -53,6 +53,8 @@
 //! doi:10.1145/779359.779362.
 
 mod arms;
+mod bend;
+mod boundary;
 mod branch;
 pub mod conformance;
 mod continuation;
@@ -62,16 +64,20 @@ mod crossing;
 mod error;
 mod events;
 mod pencil;
+mod predictor;
 mod record;
 mod refusal;
+mod roots;
 mod run;
 mod scales;
 mod singular;
 mod sphere;
 mod step;
+mod step_control;
 mod system;
 mod tree;
 
+pub use boundary::Boundary;
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
 pub use continuation::{Bound, Continuation};
 pub use corrector::{Correction, Corrector, Hyperplane};

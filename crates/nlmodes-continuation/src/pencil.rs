@@ -16,6 +16,10 @@ const UNCLEAR: f64 = 0.1;
 /// Largest imaginary part of an eigenvalue that counts as real, over its real part.
 const REAL: f64 = 0.05;
 
+/// Growth of a vector by which a Jacobian is known to be nearly singular beside another one, and steps in which it would show.
+const GROWN: f64 = 1e3;
+const INVERSE_STEPS: usize = 3;
+
 /// `B = [J; cᵀ]` at a point: the Jacobian, with the row that was below it when the point was found, and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Bordered {
@@ -107,6 +111,20 @@ impl Bordered {
         let all = self.eigenvalues_of(other).into_iter().filter(|(re, im)| im.abs() <= REAL * re.abs());
         let (μ, _) = all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
         Some(μ / (μ - 1.0)).filter(|share| share.is_finite())
+    }
+
+    /// Whether this Jacobian is nearly singular beside another one: a few steps of the power method for the inverse, which a direction that is
+    /// nearly free makes grow at once.
+    pub fn is_singular_beside(&self, other: &Self) -> bool {
+        let mut signs = Signs::default();
+        let mut v: Vec<f64> = self.row.iter().map(|_| signs.draw_between()).collect();
+        let mut length = dot(&v, &v).sqrt();
+        (0..INVERSE_STEPS).any(|_| {
+            v.iter_mut().for_each(|v| *v /= length);
+            v = self.in_terms(other, &v);
+            length = dot(&v, &v).sqrt();
+            !length.is_finite() || length > GROWN
+        })
     }
 
     fn eigenvalues_of(&self, other: &Self) -> Vec<(f64, f64)> {

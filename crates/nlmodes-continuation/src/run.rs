@@ -5,28 +5,24 @@ mod several;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
+use crate::bend;
 use crate::corner::{self, Passage};
-use crate::corrector::{Correction, Corrector, distance, dot};
+use crate::corrector::{Correction, Corrector, along, distance, dot};
 use crate::crossing::{Choice, Registry};
 use crate::events::{FoldWatch, Located, Search};
 use crate::pencil::Bordered;
+use crate::predictor::Behind;
 use crate::record::RunLog;
 use crate::scales::Scaled;
 use crate::singular::{NEARLY_FREE, SingularDirections};
 use crate::step::{Foot, Watched, watched_step};
-use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Refusal, StepSettings, StopReason};
-
-/// Growth of the step after one that was easy, and below this length, where a corner has just been passed.
-const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
-
-/// Shortest step, over the distance by which rounding blurs its foot: what is shorter says nothing about the curve.
-const ABOVE_ROUNDING: f64 = 50.0;
+use crate::step_control::StepControl;
+use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Refusal, StopReason};
 
 /// The state of a run: what following a branch would otherwise carry in a dozen variables.
 pub(crate) struct Run<'a, 's, E> {
     settings: &'a Continuation,
-    /// Those of the steps, with a shortest one that is no shorter than rounding permits at the foot.
-    limits: StepSettings,
+    control: StepControl,
     system: &'a mut Scaled<'s, E>,
     observe: &'a mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
     corrector: Corrector,
@@ -52,6 +48,8 @@ type Crossing = (Located, Choice);
 /// A step that is shown to stay on the branch.
 struct Taken {
     end: Correction,
+    /// Distance of the end from the tangent of the foot.
+    moved: f64,
     crossing: Option<Crossing>,
     /// Where the branch ends within the step, and why.
     last: Option<(StopReason, Correction)>,
@@ -81,11 +79,11 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             refused_steps: 0,
         };
         let foot = Foot { border: corrector.border().map(Rc::new), ..Foot::from(start) };
-        let (limits, known, passed) = (settings.step.clone(), None, None);
+        let (control, known, passed) = (StepControl::new(&settings.step), None, None);
         let (before, row) = (None, corrector.border_row());
         Self {
             settings,
-            limits,
+            control,
             system,
             observe,
             corrector,
@@ -134,8 +132,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
 
     /// Takes the steps that the log knows, or else keeps the start; and the length of the next step.
     fn begin(&mut self, start: &Correction) -> ControlFlow<StopReason, f64> {
-        let limits = &self.settings.step;
-        let mut h = limits.initial.clamp(limits.min, limits.max);
+        let mut h = self.control.initial();
         let mut repeated = 0;
         for record in self.log.begin(&self.system.scales.correction_for_log(start.clone())) {
             let record = self.system.scales.record_in_scales(record);
@@ -157,38 +154,37 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     }
 
     fn follow(&mut self, mut h: f64) -> StopReason {
-        let mut refused_in_a_row = 0;
         loop {
             let from = self.branch.points.len();
-            if refused_in_a_row == 1 || (refused_in_a_row == 0 && self.corrector.is_blurred()) {
+            let refused = self.control.refused_in_a_row();
+            if refused == 1 || (refused == 0 && self.corrector.is_blurred()) {
                 self.look_at_rounding();
-                h = h.max(self.limits.min);
+                h = h.max(self.control.limits.min);
             }
-            let StepSettings { min, max_iterations, .. } = self.limits;
-            let max = self.longest_step();
-            // Where steps are this short, one is worth more than the iterations saved by giving it up.
-            self.corrector.max_iterations = max_iterations * if h < 100.0 * min { 3 } else { 1 };
+            self.corrector.max_iterations =
+                self.control.limits.max_iterations * if self.control.is_precious(h) { 3 } else { 1 };
             let outcome = match self.try_step(h) {
                 Ok(taken) => {
-                    let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
-                    let next = if taken.end.iterations <= 3 { (h * growth).min(max) } else { h };
+                    let next = self.control.after_taken(h, taken.moved, &self.foot.z);
                     self.accept(taken, h, next)
-                }
-                Err(refusal) if h > min => {
-                    refused_in_a_row += 1;
-                    self.branch.refused_steps += 1;
-                    h = match refusal {
-                        Refusal::SeveralCrossings { next, .. } => next.min(0.7 * h).max(min),
-                        _ => (h * if refused_in_a_row > 1 { 0.25 } else { 0.5 }).max(min),
-                    };
-                    continue;
                 }
                 Err(refusal) => {
                     self.branch.refused_steps += 1;
-                    self.pass_corner().unwrap_or(ControlFlow::Break(StopReason::StepTooSmall { step: h, refusal }))
+                    let around_bend = if refused == 0 { self.around_bend() } else { None };
+                    match (around_bend, self.control.after_refused(h, &refusal)) {
+                        (Some(next), _) => self.go_through(Passage::Corner(next)),
+                        (None, Some(shorter)) => {
+                            h = shorter;
+                            continue;
+                        }
+                        (None, None) => {
+                            let too_small = StopReason::StepTooSmall { step: h, refusal };
+                            self.pass_corner().unwrap_or(ControlFlow::Break(too_small))
+                        }
+                    }
                 }
             };
-            refused_in_a_row = 0;
+            self.control.begin();
             match self.record(from, outcome) {
                 ControlFlow::Break(stop) => return stop,
                 ControlFlow::Continue(next) => h = next,
@@ -196,33 +192,35 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         }
     }
 
-    /// The longest step from the foot: far from zero, in proportion to the largest unknown.
-    fn longest_step(&self) -> f64 {
-        let largest = self.foot.z.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
-        self.limits.max * (largest / self.limits.far).max(1.0)
+    /// The first point behind a tight bend at which the branch begins. Elsewhere bends are passed as corners, which are located and named.
+    fn around_bend(&mut self) -> Option<Correction> {
+        if self.branch.points.len() != 1 {
+            return None;
+        }
+        bend::around_bend(self.system, &mut self.corrector, &self.control.limits, &self.foot)
     }
 
     /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are nearly free,
     /// with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a solution unknown up to ε/σ.
     fn look_at_rounding(&mut self) {
         self.corrector.look_at_rounding(self.system, &self.foot.z, &self.foot.tangent);
-        let blurred = if self.corrector.is_blurred() { ABOVE_ROUNDING * self.corrector.blur } else { 0.0 };
-        self.limits.min = self.settings.step.min.max(blurred).min(self.limits.max);
+        self.control.set_blur(if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 });
     }
 
     /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it, if it does.
     fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
-        let watched = watched_step(self.system, &mut self.corrector, &self.limits, &self.foot, h)?;
+        let watched = watched_step(self.system, &mut self.corrector, &self.control.limits, &self.foot, h)?;
         let Watched { end, border, singular } = watched;
         let (crossing, changes) = match self.several_passed(&end, h, &singular)? {
             Some(crossing) => (Some(crossing), None),
-            None => self.crossing_passed(&end, h)?,
+            None => self.crossing_passed(&end, border.as_deref(), h)?,
         };
         let last = match self.bound_crossed(&end, h)? {
             None => self.closing_point(&end, h)?.map(|last| (StopReason::Closed, last)),
             bound => bound,
         };
-        Ok(Taken { end, crossing, last, changes, border })
+        let moved = distance(&end.z, &along(&self.foot.z, h, &self.foot.tangent));
+        Ok(Taken { end, moved, crossing, last, changes, border })
     }
 
     /// The crossing within a step, if there is one, and the changes of the pattern, where they have been looked for.
@@ -232,6 +230,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     fn crossing_passed(
         &mut self,
         end: &Correction,
+        border: Option<&Bordered>,
         h: f64,
     ) -> Result<(Option<Crossing>, Option<Vec<Located>>), Refusal> {
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
@@ -241,16 +240,21 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             return Ok((Some((crossing, choice)), None));
         }
         let changes = (end.pattern != self.foot.pattern).then(|| search.pattern_changes());
-        let touched = changes.as_ref().and_then(|changes| self.touched_corner(changes, end, h));
+        let touched = changes.as_ref().and_then(|changes| self.touched_corner(changes, end, border, h));
         Ok((touched, changes))
     }
 
     /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
-    /// `det [J; tᵀ]` as it was.
-    fn touched_corner(&mut self, changes: &[Located], end: &Correction, h: f64) -> Option<Crossing> {
+    /// `det [J; tᵀ]` as it was, but the Jacobian becomes singular there.
+    fn touched_corner(
+        &mut self,
+        changes: &[Located],
+        end: &Correction,
+        border: Option<&Bordered>,
+        h: f64,
+    ) -> Option<Crossing> {
         changes.iter().find_map(|change| {
-            self.corrector.evaluate(self.system, &change.point.z).ok()?;
-            if SingularDirections::of(self.corrector.linearization())?.ratio > NEARLY_FREE {
+            if !self.becomes_singular(&change.point.z, border) {
                 return None;
             }
             let change = Located { kinds: vec![EventKind::BranchPoint], ..change.clone() };
@@ -259,22 +263,35 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         })
     }
 
+    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends, or where these are not known by itself.
+    fn becomes_singular(&mut self, z: &[f64], end: Option<&Bordered>) -> bool {
+        let foot = self.foot.border.clone();
+        let ends = [foot.as_deref(), end].into_iter().flatten();
+        if let (Some(_), Some(_)) = (&foot, end) {
+            let at = self.corrector.border_at(self.system, z, &self.foot.tangent);
+            // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by itself.
+            return at.is_none_or(|at| ends.into_iter().all(|end| at.is_singular_beside(end)));
+        }
+        self.corrector.evaluate(self.system, z).is_ok()
+            && SingularDirections::of(self.corrector.linearization()).is_some_and(|free| free.ratio <= NEARLY_FREE)
+    }
+
     /// The arms at a point of a step; `None` if only two meet.
     fn arms_at(&mut self, at: &Located, end: &Correction, h: f64) -> Option<Choice> {
         // The Jacobian has no tangent to offer where arms meet.
         let tangent = between(&self.foot.tangent, &end.tangent, at.s / h);
-        corner::crossing(self.system, &mut self.corrector, &self.limits, &at.point.z, &tangent)
+        corner::crossing(self.system, &mut self.corrector, &self.control.limits, &at.point.z, &tangent)
     }
 
     /// Goes on along the arm that continues the branch through a corner or a crossing; `None` if no arm leaves.
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
         let bounds = &self.settings.bounds;
         let within = |z: &[f64]| bounds.iter().all(|b| b.passed_by(z[b.coordinate]).is_none());
-        corner::approach(self.system, &mut self.corrector, &self.limits, &mut self.foot, within);
+        corner::approach(self.system, &mut self.corrector, &self.control.limits, &mut self.foot, within);
         let (points, foot) = (&self.branch.points, &self.foot);
         let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
         let way_back = |radius| corner::way_back(latest(), foot, radius);
-        let passage = corner::pass(self.system, &mut self.corrector, &self.limits, 0, foot, way_back)?;
+        let passage = corner::pass(self.system, &mut self.corrector, &self.control.limits, 0, foot, way_back)?;
         Some(self.go_through(passage))
     }
 
@@ -302,7 +319,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             return ControlFlow::Break(stop?);
         }
         self.go_to(next, Vec::new())?;
-        self.before = None;
+        (self.before, self.foot.behind) = (None, None);
         ControlFlow::Continue(length)
     }
 
@@ -327,9 +344,11 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     fn corner_point(&mut self, next: &Correction, crossing: bool) -> BranchPoint {
         let foot = &self.foot;
         let mut events = Vec::new();
+        // Nothing is known of a branch before it begins.
+        let at_start = self.branch.points.len() == 1;
         if crossing {
             events.push(EventKind::BranchPoint);
-        } else if dot(&foot.tangent, &next.tangent).clamp(-1.0, 1.0).acos() > self.settings.step.max_turn {
+        } else if !at_start && dot(&foot.tangent, &next.tangent).clamp(-1.0, 1.0).acos() > self.settings.step.max_turn {
             events.push(EventKind::Kink);
         }
         if foot.pattern != next.pattern {
@@ -343,7 +362,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
     /// the length of the next step.
     fn accept(&mut self, taken: Taken, h: f64, next: f64) -> ControlFlow<StopReason, f64> {
-        let Taken { end, crossing, last, changes, border } = &taken;
+        let Taken { end, crossing, last, changes, border, .. } = &taken;
         let changes = if last.is_none() { changes.clone() } else { None };
         let ahead = |c: &Correction| dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
         let length = last.as_ref().map_or(h, |(_, last)| ahead(last));
@@ -404,9 +423,11 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
 
     /// Keeps a point from which the branch goes on.
     fn go_to(&mut self, c: &Correction, events: Vec<EventKind>) -> ControlFlow<StopReason> {
-        let foot = Foot::from(c);
+        let mut foot = Foot::from(c);
         let distance = distance(&foot.z, &self.foot.z);
         self.before = (distance > 0.0).then_some((self.foot.regularity, distance));
+        let smooth = self.before.is_some() && foot.pattern == self.foot.pattern;
+        foot.behind = smooth.then(|| Behind { z: self.foot.z.clone(), tangent: self.foot.tangent.clone() });
         self.foot = foot;
         let n = c.z.len() - 1;
         self.system.accepted(&c.z[..n], c.z[n]);

@@ -5,7 +5,7 @@ use nlmodes_linalg::{DenseLu, Mat};
 use crate::corrector::dot;
 use crate::crossing::Choice;
 use crate::record::StepRecord;
-use crate::{BranchPoint, Correction, Crossing, Linearization, ParametricSystem, Refusal, StopReason};
+use crate::{Boundary, BranchPoint, Correction, Crossing, Linearization, ParametricSystem, Refusal, StopReason};
 
 /// Least size of an unknown that follows from the tangent; below it stands rounding.
 const LEAST: f64 = 1e-10;
@@ -223,6 +223,16 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
 
     fn pattern(&self) -> u64 {
         self.system.pattern()
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        if self.unit {
+            return self.system.boundary(from, to);
+        }
+        let sizes = self.scales.unknowns.clone();
+        let in_units = move |z: &[f64]| z.iter().zip(&sizes).map(|(z, size)| z * size).collect::<Vec<f64>>();
+        let boundary = self.system.boundary(&in_units(from), &in_units(to))?;
+        Some(Boundary::new(move |z| boundary.value(&in_units(z))))
     }
 
     fn accepted(&mut self, x: &[f64], p: f64) {

@@ -3,6 +3,7 @@
 use crate::corner::{Passage, pass, way_back};
 use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface, distance, dot};
 use crate::events::Search;
+use crate::predictor::Behind;
 use crate::step::{Foot, step};
 use crate::{Linearization, ParametricSystem, StepSettings};
 
@@ -187,7 +188,8 @@ impl<S: ParametricSystem> Walk<'_, S> {
             }
             let next = if taken < h { taken } else { h * if end.iterations <= 3 { 2.0 } else { 1.0 } };
             h = next.clamp(self.settings.min, self.settings.max);
-            foot = Foot::from(&end);
+            let behind = Behind { z: foot.z, tangent: foot.tangent };
+            foot = Foot { behind: Some(behind), ..Foot::from(&end) };
             passed.push(foot.clone());
         }
         false

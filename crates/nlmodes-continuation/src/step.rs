@@ -2,6 +2,7 @@ use std::rc::Rc;
 
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
 use crate::pencil::Bordered;
+use crate::predictor::{Behind, predicted};
 use crate::{ContinuationError, CorrectionFailure, ParametricSystem, Refusal};
 
 /// Length of a step and what makes it credible.
@@ -98,6 +99,8 @@ pub(crate) struct Foot {
     pub orientation: f64,
     pub pattern: u64,
     pub regularity: f64,
+    /// The point before, where no corner lies in between.
+    pub behind: Option<Behind>,
     /// The Jacobian, where it is known and wanted.
     pub border: Option<Rc<Bordered>>,
 }
@@ -105,7 +108,15 @@ pub(crate) struct Foot {
 impl From<&Correction> for Foot {
     fn from(c: &Correction) -> Self {
         let Correction { orientation, pattern, regularity, .. } = *c;
-        Self { z: c.z.clone(), tangent: c.tangent.clone(), orientation, pattern, regularity, border: None }
+        Self {
+            z: c.z.clone(),
+            tangent: c.tangent.clone(),
+            orientation,
+            pattern,
+            regularity,
+            behind: None,
+            border: None,
+        }
     }
 }
 
@@ -116,7 +127,7 @@ pub(crate) fn reach<S: ParametricSystem>(
     foot: &Foot,
     h: f64,
 ) -> Result<Correction, CorrectionFailure> {
-    let predicted = along(&foot.z, h, &foot.tangent);
+    let predicted = predicted(foot, h);
     corrector.correct(system, &predicted, &Surface::Plane(Hyperplane::through(&predicted, &foot.tangent)))
 }
 

@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::Scaling;
+use crate::{Boundary, Scaling};
 
 /// Residual and Jacobian of a [`ParametricSystem`] at a point.
 #[derive(Debug, Clone)]
@@ -53,6 +53,15 @@ pub trait ParametricSystem {
     /// The smooth piece of a piecewise smooth system on which the point evaluated last lies; equal numbers, equal pieces.
     fn pattern(&self) -> u64 {
         0
+    }
+
+    /// The boundary between the pieces of two points `z = (x, p)` that differ in one thing only: a function that is positive at `from` and
+    /// negative at `to`, and smooth between them. By it a change of the pattern is located in a few evaluations; without, by halving a step.
+    ///
+    /// None where the pieces are the same, differ in more than one thing, or the system does not know.
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        let _ = (from, to);
+        None
     }
 
     /// Told of every point from which the branch goes on, not of events within a step; for systems with a moving phase condition or warm starts.

@@ -53,8 +53,10 @@ impl<'s> MixedShooting<'s> {
             }
         }
         let s = opening.s;
-        self.q.iter_mut().zip(&mut opening.dq).for_each(|(q, dq)| {
+        let moved = self.q.iter_mut().zip(&mut self.kept).zip(&mut opening.dq);
+        moved.for_each(|((q, kept), dq)| {
             *q += s * s * *dq;
+            *kept -= s * s * *dq;
             *dq *= 2.0 * s;
         });
     }

@@ -5,6 +5,7 @@ use nlmodes_modal::HarmonicBasis;
 use num_complex::Complex64;
 
 use crate::HbmError;
+use crate::boundary::around_the_period;
 use crate::closed_set::SetTable;
 use crate::energy::inner;
 use crate::series::{RealSeries, Symmetry};
@@ -112,6 +113,10 @@ impl ContactOperator {
         self.series
     }
 
+    pub(crate) fn is_sampled(&self) -> bool {
+        matches!(self.switching, Switching::Sampled { .. })
+    }
+
     /// Number of contacts c.
     pub fn n_contacts(&self) -> usize {
         self.y.len()
@@ -177,10 +182,19 @@ impl ContactOperator {
         }
     }
 
-    /// Number of the smooth piece: a hash of the sequence of closed contacts.
+    /// Number of the smooth piece: a hash of the sequence of closed contacts. A whole period may begin at any of them.
     pub fn pattern(&self) -> u64 {
-        // FNV-1a.
-        let bits = self.intervals.iter().flat_map(|i| self.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
+        if self.series.symmetry == Symmetry::Even {
+            return self.hash(self.intervals.iter());
+        }
+        let all = around_the_period(&self.intervals);
+        let turned = (0..all.len()).map(|k| self.hash(all[k..].iter().chain(&all[..k])));
+        turned.min().unwrap_or_default()
+    }
+
+    /// FNV-1a.
+    fn hash<'i>(&self, intervals: impl Iterator<Item = &'i PatternInterval>) -> u64 {
+        let bits = intervals.flat_map(|i| self.closed(i).iter().map(|c| u64::from(*c)).chain([2]));
         bits.fold(0xcbf2_9ce4_8422_2325, |hash, bit| (hash ^ bit).wrapping_mul(0x0100_0000_01b3))
     }
 

@@ -66,6 +66,7 @@
 //! shooting-harmonic balance method for unilaterally constrained mechanical systems*, Archive of Mechanical Engineering 63
 //! (2016) 297-314.
 
+mod boundary;
 mod closed_set;
 mod closing;
 mod condensed;

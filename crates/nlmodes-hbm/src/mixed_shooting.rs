@@ -1,14 +1,15 @@
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
+use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
 use crate::closed_set::NodeResponse;
 use crate::closing::Opening;
 use crate::contact_operator::{ContactOperator, Switching};
-use crate::energy::KineticEnergy;
+use crate::energy::{KineticEnergy, inner};
 use crate::series::{RealSeries, Symmetry};
 use crate::transfer::Plane;
+use crate::trigonometric::Trigonometric;
 use crate::{CondensedStructure, HbmError};
 
 /// Most harmonics that are accepted.
@@ -77,8 +78,10 @@ pub struct MixedShooting<'s> {
     nodes: Vec<NodeResponse>,
     pub(crate) b: Vec<f64>,
     pub(crate) q: Vec<f64>,
-    /// `dq_N/db`, row-major.
-    dq_db: Vec<f64>,
+    /// `b − q_N`: what the contacts keep the nodes from. Small beside both where these are stiff, so that it is not taken as their difference.
+    pub(crate) kept: Vec<f64>,
+    /// Its derivative, `1 − dq_N/db`, row-major.
+    dkept_db: Vec<f64>,
     product: Vec<f64>,
     /// The Jacobian, row-major, with respect to the coefficients of `b`: made row by row, then put into its columns.
     rows: Vec<f64>,
@@ -116,7 +119,8 @@ impl<'s> MixedShooting<'s> {
             nodes: Vec::new(),
             b: vec![0.0; size],
             q: vec![0.0; size],
-            dq_db: vec![0.0; size * size],
+            kept: vec![0.0; size],
+            dkept_db: vec![0.0; size * size],
             product: vec![0.0; series.width() * series.width()],
             rows: vec![0.0; (size + 1) * size],
             plane: Plane::new(n),
@@ -192,32 +196,44 @@ impl<'s> MixedShooting<'s> {
         }
         let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
         let size = n * width;
-        self.dq_db.fill(0.0);
-        (0..size).for_each(|i| self.dq_db[i * size + i] = 1.0);
+        self.dkept_db.fill(0.0);
         let mut constant = vec![0.0; width];
-        self.q.fill(0.0);
+        self.kept.fill(0.0);
         for (set, averages) in &self.sweep.spectra {
             let set = &self.nodes[*set];
             self.sweep.series.multiplication(averages, &mut self.product);
             self.sweep.series.coefficients_of(averages, &mut constant);
             for d in 0..n {
                 for (m, constant) in constant.iter().enumerate() {
-                    let row = &mut self.dq_db[(d * width + m) * size..(d * width + m + 1) * size];
+                    let row = &mut self.dkept_db[(d * width + m) * size..(d * width + m + 1) * size];
                     for e in 0..n {
                         let factor = set.d[d * n + e];
                         let block = &mut row[e * width..(e + 1) * width];
-                        subtract(block, factor, &self.product[m * width..(m + 1) * width]);
+                        subtract(block, -factor, &self.product[m * width..(m + 1) * width]);
                     }
-                    self.q[d * width + m] += set.r[d] * constant;
+                    self.kept[d * width + m] -= set.r[d] * constant;
                 }
             }
         }
         for i in 0..size {
-            let row = &self.dq_db[i * size..(i + 1) * size];
-            self.q[i] += crate::energy::inner(row, &self.b);
+            let row = &self.dkept_db[i * size..(i + 1) * size];
+            self.kept[i] += inner(row, &self.b);
+            self.q[i] = self.b[i] - self.kept[i];
         }
         self.open_contacts();
         Ok(())
+    }
+
+    /// The contact pattern alone at `z = (x, p)`.
+    fn intervals_at(&mut self, z: &[f64]) -> Option<()> {
+        self.b.iter_mut().zip(z).for_each(|(b, x)| *b = x * self.scales.length);
+        self.form_gaps();
+        self.sweep.run().ok()
+    }
+
+    /// Gaps of the contacts where the motion is zero, m, c.
+    fn gaps_at_rest(&self) -> Vec<f64> {
+        self.structure.gaps.iter().zip(&self.standing_back).map(|(gap, back)| gap + back).collect()
     }
 
     /// Gaps without contact forces, `y = Wᵀ b + g₀`, of each contact.
@@ -254,11 +270,12 @@ impl<'s> MixedShooting<'s> {
             let entries = &mut self.rows[row * size..(row + 1) * size];
             entries.fill(0.0);
             for e in 0..n {
-                let (b, q) = (self.b[e * width + m], self.q[e * width + m]);
-                value += plane.a[d * n + e] * b - plane.b[d * n + e] * q;
+                let (b, q, kept) = (self.b[e * width + m], self.q[e * width + m], self.kept[e * width + m]);
+                // A b − B q = (A − B) b + B (b − q)
+                value += plane.d[d * n + e] * b + plane.b[d * n + e] * kept;
                 slope += plane.da[d * n + e] * b - plane.db[d * n + e] * q;
-                subtract(entries, plane.b[d * n + e], &self.dq_db[(e * width + m) * size..][..size]);
-                entries[e * width + m] += plane.a[d * n + e];
+                subtract(entries, -plane.b[d * n + e], &self.dkept_db[(e * width + m) * size..][..size]);
+                entries[e * width + m] += plane.d[d * n + e];
                 if let Some((other, factor)) = rotated {
                     let rotate = plane.b[d * n + e] * factor;
                     turn += rotate * self.b[e * width + other];
@@ -297,7 +314,8 @@ impl<'s> MixedShooting<'s> {
         let entries = &mut self.rows[size * size..];
         entries.copy_from_slice(&totals.d_b);
         for (i, weight) in gradient_q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-            subtract(entries, -weight, &self.dq_db[i * size..(i + 1) * size]);
+            entries[i] += weight;
+            subtract(entries, *weight, &self.dkept_db[i * size..(i + 1) * size]);
         }
         let unit = self.scales.length / energy;
         entries.iter_mut().for_each(|r| *r *= unit);
@@ -339,6 +357,32 @@ impl<'s> MixedShooting<'s> {
         let row = self.b.len() + 1;
         out.residual[row] = crate::energy::inner(&self.anchor, x);
         self.anchor.iter().enumerate().for_each(|(j, a)| out.jacobian[(row, j)] = *a);
+    }
+}
+
+/// What makes gaps of the unknowns, by itself.
+struct Gaps {
+    series: RealSeries,
+    /// n_N × c.
+    w: Mat<f64>,
+    at_rest: Vec<f64>,
+}
+
+impl Gaps {
+    /// The weighted sum of all gaps without contact forces over time, for the unknowns `z`.
+    fn sum(&self, weights: &[f64], z: &[f64], length: f64) -> Trigonometric {
+        let width = self.series.width();
+        let mut real = vec![0.0; width];
+        for d in 0..self.w.nrows() {
+            let factor: f64 = (0..weights.len()).map(|i| self.w[(d, i)] * weights[i]).sum::<f64>() * length;
+            if factor != 0.0 {
+                real.iter_mut().zip(&z[d * width..]).for_each(|(sum, x)| *sum += factor * x);
+            }
+        }
+        real[0] += inner(weights, &self.at_rest);
+        let mut sum = Trigonometric { z: vec![Complex64::default(); self.series.n_harmonics + 1] };
+        self.series.to_complex(&real, &mut sum.z);
+        sum
     }
 }
 
@@ -416,6 +460,16 @@ impl ParametricSystem for MixedShooting<'_> {
 
     fn pattern(&self) -> u64 {
         self.sweep.pattern()
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        self.intervals_at(from)?;
+        let intervals = self.sweep.intervals.clone();
+        self.intervals_at(to)?;
+        let boundary = self.sweep.boundary_from(&intervals)?;
+        let gaps = Gaps { series: self.series(), w: self.structure.model.w().clone(), at_rest: self.gaps_at_rest() };
+        let length = self.scales.length;
+        Some(Boundary::new(move |z| boundary.value(|weights| gaps.sum(weights, z, length)) / length))
     }
 
     fn accepted(&mut self, x: &[f64], _p: f64) {

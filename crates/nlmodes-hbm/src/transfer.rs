@@ -26,6 +26,9 @@ pub(crate) struct Plane {
     pub b: Vec<f64>,
     pub da: Vec<f64>,
     pub db: Vec<f64>,
+    /// `A − B`, by which harmonics without contact are held. Beside a contact node that is much stiffer than the structure it is small: for one
+    /// contact degree of freedom it is summed up of small numbers, not taken as a difference of large ones.
+    pub d: Vec<f64>,
     /// `F` and its derivative.
     pub f: Vec<f64>,
     pub df: Vec<f64>,
@@ -45,6 +48,7 @@ impl Plane {
             b: zero.clone(),
             da: zero.clone(),
             db: zero.clone(),
+            d: zero.clone(),
             f: zero.clone(),
             df: zero,
             sums: Sums::new(n),
@@ -62,8 +66,13 @@ impl Plane {
         for m in [&mut self.da, &mut self.db, &mut self.df] {
             m.fill(0.0);
         }
+        self.take_difference();
         self.sums.clear();
         self.poles = 0..0;
+    }
+
+    fn take_difference(&mut self) {
+        self.d.iter_mut().zip(self.a.iter().zip(&self.b)).for_each(|(d, (a, b))| *d = a - b);
     }
 
     /// The harmonic with squared angular frequency `nu2`.
@@ -93,18 +102,20 @@ impl Plane {
                 }
             }
         }
+        self.take_difference();
     }
 
     /// What is large for row `d` of `A − B`, by which harmonics without contact are held: itself, or what a change of `ν²` by its own size
     /// makes of it where it vanishes, in resonance. Beside a contact node that is much stiffer than the structure both are small.
     pub fn size_of_row(&self, d: usize, nu2: f64) -> f64 {
-        if let ([a], [b], [da], [db]) = (&*self.a, &*self.b, &*self.da, &*self.db) {
-            return ((a - b).abs() + nu2 * (da - db).abs()).clamp(SMALLEST_ROW, 1.0);
+        if let ([d], [da], [db]) = (&*self.d, &*self.da, &*self.db) {
+            return (d.abs() + nu2 * (da - db).abs()).clamp(SMALLEST_ROW, 1.0);
         }
         let n = self.a.len().isqrt();
         let row = d * n..(d + 1) * n;
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>();
-        let size = sum(&self.a[row.clone()], &self.b[row.clone()]) + nu2 * sum(&self.da[row.clone()], &self.db[row]);
+        let size =
+            self.d[row.clone()].iter().map(|d| d.abs()).sum::<f64>() + nu2 * sum(&self.da[row.clone()], &self.db[row]);
         size.clamp(SMALLEST_ROW, 1.0)
     }
 
@@ -113,7 +124,9 @@ impl Plane {
         let (sums, mode) = (&structure.sums, &structure.modes[self.poles.start]);
         sums.at(nu2, &self.poles, &mut self.sums);
         let (static_response, slope) = (sums.k_nn_inverse[0], sums.residual_transfer[0]);
-        let f = sums.t0[0] + nu2 * (slope + static_response * self.sums.s1[0]) - mode.s / mode.lambda;
+        // F = T_0 + …, of which 1 − F is small beside a stiff contact node.
+        let moving = nu2 * (slope + static_response * self.sums.s1[0]) - mode.s / mode.lambda;
+        let (f, rest) = (sums.t0[0] + moving, (1.0 - sums.t0[0]) - moving);
         let df = slope + static_response * self.sums.s2[0];
         let below = usize::from(mode.lambda < nu2);
         let sign = if (passed + below).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -124,6 +137,7 @@ impl Plane {
         let (d_alpha, d_beta) = (-beta * turn, alpha * turn);
         (self.f[0], self.df[0], self.a[0], self.da[0]) = (f, df, alpha, d_alpha);
         (self.b[0], self.db[0]) = (beta + alpha * f, d_beta + d_alpha * f + alpha * df);
+        self.d[0] = alpha * rest - beta;
     }
 
     /// `A`, and `B` but for `A F`.

@@ -7,10 +7,10 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nlmodes::fem::MassMatrix;
+use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes::hbm::{Switching, Symmetry};
 use nlmodes::modal::ModalPoint;
-use nlmodes::model::MasslessContactModel;
+use nlmodes::model::{MasslessContactModel, Side};
 use nlmodes::study::{
     BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
     StudyError, Watch, compute_branch, compute_tree,
@@ -244,6 +244,40 @@ fn a_sampled_branch_that_leaves_its_mode_says_so() {
     let asked = BranchSettings { at_branch_point: BranchPointRule::Switch, ..settings(3) };
     let computed = compute_branch(rod(), &asked, go_on_alone).unwrap();
     assert!(computed.left_mode().is_some_and(|left| left.at_branch_point) && computed.branch.end.complete);
+}
+
+/// The same rod before a stop a thousand times stiffer than itself, all of its mass kept: conventional harmonic balance.
+fn rod_on_spring() -> MasslessContactModel {
+    let rod = Rod {
+        material: Material::new(210e9, 9000.0).unwrap(),
+        area: 1.0,
+        mesh: Mesh::uniform(20.0, 100).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Clamped,
+        end: Support::Free,
+    };
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, support::ROD_GAP).on_spring(1e13);
+    MasslessContactModel::with_spring_tips(&rod.assemble(&[stop]).unwrap(), None).unwrap()
+}
+
+/// Whatever samples do at the tip of the loop, in either method: the branch ends where the exact one does, or says that it left its mode.
+#[test]
+fn sampled_branches_of_either_method_come_back_or_say_that_they_left() {
+    for model in [rod, rod_on_spring] {
+        let exact = compute_branch(model(), &settings(3), go_on_alone).unwrap();
+        assert!(exact.branch.end.complete && exact.left_mode().is_none(), "{}", exact.branch.end.message);
+        for samples in [256, 1024] {
+            let sampled = BranchSettings { switching: Switching::Sampled { samples }, ..settings(3) };
+            let computed = compute_branch(model(), &sampled, go_on_alone).unwrap();
+            let end = &computed.branch.end;
+            let case = format!("{samples} samples: {} {}", end.reason, end.message);
+            let [(hz, energy), (exact_hz, exact_energy)] = [&computed, &exact].map(|c| place(c, last(c)));
+            let returns = (hz / exact_hz - 1.0).abs() < 1e-2 && (energy / exact_energy - 1.0).abs() < 0.2;
+            let says_so = end.reason == "other-mode" && computed.left_mode().is_some();
+            assert_eq!(end.complete, returns, "{case}: {hz} Hz {energy}, exact {exact_hz} Hz {exact_energy}");
+            assert!(returns || (says_so && !end.complete), "{case}");
+        }
+    }
 }
 
 /// Whoever looks on ends a search at once, wherever it is, and what was found before that stays.

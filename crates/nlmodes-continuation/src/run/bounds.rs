@@ -34,7 +34,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             let sense = -end.tangent[bound.coordinate].signum();
             let foot = &self.foot;
             let mut search = Search { system: self.system, corrector: &mut self.corrector, foot, end, h: length };
-            let Root { s, point, .. } = search.root(0.0, |c| sense * c.tangent[bound.coordinate]);
+            let Root { s, point, .. } = search.root(|c| sense * c.tangent[bound.coordinate]);
             if let Some(value) = bound.passed_by(point.z[bound.coordinate]) {
                 first = Some(self.on_bound(bound.coordinate, value, &point, s)?);
             }
@@ -63,7 +63,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let before = (value - self.foot.z[coordinate]).signum();
         // From a guess off the branch, Newton's method could find another arm on the bound.
         let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
-        let guess = search.root(0.0, |c| before * (value - c.z[coordinate])).point.z;
+        let guess = search.root(|c| before * (value - c.z[coordinate])).point.z;
         let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), end);
         let last = last.filter(|last| distance(&last.z, &guess) <= OFF_BRANCH * distance(&end.z, &self.foot.z));
         let mut last = last.ok_or(Refusal::BoundNotLocated { coordinate, value })?;

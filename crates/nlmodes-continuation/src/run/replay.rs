@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::rc::Rc;
 
 use super::Run;
+use crate::predictor::Behind;
 use crate::record::StepRecord;
 use crate::step::Foot;
 use crate::{ParametricSystem, StopReason};
@@ -51,8 +52,11 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             if from > 0 {
                 self.row = record.before.map(|_| self.foot.tangent.clone());
             }
+            let behind = Behind { z: self.foot.z.clone(), tangent: self.foot.tangent.clone() };
+            let smooth = record.before.is_some() && last.pattern == self.foot.pattern;
             self.foot = Foot {
                 border: None,
+                behind: smooth.then_some(behind),
                 z: last.z(),
                 tangent: last.tangent.clone(),
                 orientation: record.orientation,

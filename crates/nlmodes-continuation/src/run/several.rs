@@ -29,10 +29,11 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let located = self.singular_point(mean * h, end, h);
         let tangent = between(&self.foot.tangent, &end.tangent, located.s / h);
         let center = &located.point.z;
-        let choice = corner::crossing_of_several(self.system, &mut self.corrector, &self.limits, center, &tangent);
+        let choice =
+            corner::crossing_of_several(self.system, &mut self.corrector, &self.control.limits, center, &tangent);
         match choice {
             Some(choice) => Ok(Some((located, choice))),
-            None if h > 10.0 * self.limits.min => Err(Refusal::CloseCurves),
+            None if h > 10.0 * self.control.limits.min => Err(Refusal::CloseCurves),
             None => Ok(None),
         }
     }

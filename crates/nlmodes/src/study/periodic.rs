@@ -1,6 +1,6 @@
 //! The periodic problem of a study, in harmonics or exact.
 
-use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
+use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
 use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
@@ -195,6 +195,14 @@ impl ParametricSystem for Periodic<'_> {
             Equations::Harmonics(problem) => problem.pattern(),
             Equations::Exact(problem) => problem.pattern(),
             Equations::Modal(problem) => problem.system.pattern(),
+        }
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.boundary(from, to),
+            // Halving finds changes of the others.
+            _ => None,
         }
     }
 

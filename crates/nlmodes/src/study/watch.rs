@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, AtomicUsize, Ordering};
 
-use nlmodes_continuation::{Correction, Linearization, ParametricSystem, RunLog, StepRecord};
+use nlmodes_continuation::{Boundary, Correction, Linearization, ParametricSystem, RunLog, StepRecord};
 use thiserror::Error;
 
 /// What a study is doing.
@@ -184,6 +184,10 @@ impl<S: ParametricSystem> ParametricSystem for Watched<'_, S> {
 
     fn pattern(&self) -> u64 {
         self.system.pattern()
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        self.system.boundary(from, to)
     }
 
     fn accepted(&mut self, x: &[f64], p: f64) {

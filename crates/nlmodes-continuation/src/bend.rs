@@ -1,0 +1,163 @@
+//! Tight bends at boundaries of smooth pieces: where a contact sets in that is far stiffer than what moves it.
+
+use nlmodes_linalg::{Mat, symmetric_eigen};
+
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::singular::SingularDirections;
+use crate::step::{Foot, StepSettings};
+use crate::{Boundary, ParametricSystem};
+
+/// Distance beyond the boundary at which it is looked what sets in there.
+const DEPTH: f64 = 1e-6;
+
+/// Powers of the depth with which that may grow: a contact force grows with 3/2.
+const POWERS: std::ops::RangeInclusive<f64> = 1.2..=2.5;
+
+/// What sets in, over the rounding of the equations, from which on it is known well enough.
+const ABOVE_ROUNDING: f64 = 1e3;
+
+/// Largest depth, over the length of a step, for which a bend is tight.
+const SHALLOW: f64 = 0.3;
+
+/// Distance from the predicted point, over the step, and cosine of the angle between the tangents up to which the prediction is confirmed.
+const CONFIRMED: (f64, f64) = (0.3, 0.9);
+
+/// What an expansion about a boundary tells of the branch beyond it.
+///
+/// ```text
+/// R(z) = J (z − z₀) + F (d/d₀)^k ,   d the depth beyond the boundary g = 0
+/// J t + m F = 0 ,   ∇g · t = 0 ,   m > 0        far beyond the bend the depth is small beside the distance
+/// ```
+///
+/// So the tangent behind the bend is known, and the depth at the distance h: `(d/d₀)^k = h m`.
+struct Expansion {
+    /// `t`, a unit vector.
+    tangent: Vec<f64>,
+    /// Unit vector across the boundary.
+    inward: Vec<f64>,
+    /// `m`, positive.
+    share: f64,
+    power: f64,
+}
+
+/// The first point behind a tight bend at the boundary on which `foot` lies; `None` where there is no such bend or more than one way may lead
+/// on from there.
+pub(crate) fn around_bend<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+) -> Option<Correction> {
+    let nearest = 10.0 * settings.min;
+    let boundary = system.boundary(&foot.z, &along(&foot.z, nearest, &foot.tangent))?;
+    let slope = gradient(&boundary, &foot.z)?;
+    let size = dot(&slope, &slope).sqrt();
+    if boundary.value(&foot.z).abs() > settings.min * size {
+        return None;
+    }
+    let expansion = Expansion::at(system, corrector, foot, &slope, nearest)?;
+    let lengths = [settings.initial.min(settings.max), settings.arm, nearest];
+    lengths.into_iter().find_map(|h| {
+        let end = expansion.reach(system, corrector, foot, h)?;
+        expansion.reach(system, corrector, foot, 0.5 * h)?;
+        Some(end)
+    })
+}
+
+impl Expansion {
+    fn at<S: ParametricSystem>(
+        system: &mut S,
+        corrector: &mut Corrector,
+        foot: &Foot,
+        slope: &[f64],
+        nearest: f64,
+    ) -> Option<Self> {
+        let size = dot(slope, slope).sqrt();
+        let inward: Vec<f64> = slope.iter().map(|s| -s / size).collect();
+        corrector.evaluate(system, &foot.z).ok()?;
+        let at = corrector.linearization().clone();
+        if SingularDirections::of(&at)?.ratio < nearest {
+            return None;
+        }
+        let mut set_in = |depth: f64| {
+            corrector.evaluate(system, &along(&foot.z, depth, &inward)).ok()?;
+            let beyond = &corrector.linearization().residual;
+            let rest = |i: usize| {
+                let linear: f64 = inward.iter().enumerate().map(|(j, v)| at.jacobian[(i, j)] * v).sum();
+                beyond[i] - at.residual[i] - depth * linear
+            };
+            Some((0..beyond.len()).map(rest).collect::<Vec<f64>>())
+        };
+        let (force, twice) = (set_in(DEPTH)?, set_in(2.0 * DEPTH)?);
+        // Each row over the size of its equation.
+        let over_size = |v: &[f64]| v.iter().zip(&at.sizes).map(|(v, size)| (v / size).powi(2)).sum::<f64>().sqrt();
+        let (length, doubled) = (over_size(&force), over_size(&twice));
+        let rounding = corrector.rounding.iter().fold(0.0_f64, |m, r| m.max(*r));
+        let power = (doubled / length).log2();
+        if !(length > ABOVE_ROUNDING * rounding && POWERS.contains(&power)) {
+            return None;
+        }
+        // With rows for the equations and for the boundary, and a column for what sets in.
+        let n = force.len();
+        let entry = |i: usize, j: usize| match (i < n, j <= n) {
+            (true, true) => at.jacobian[(i, j)] / at.sizes[i],
+            (true, false) => force[i] / length / at.sizes[i],
+            (false, true) => -inward[j],
+            (false, false) => 0.0,
+        };
+        let matrix = Mat::from_fn(n + 1, n + 2, entry);
+        let (squares, vectors) = symmetric_eigen(&(matrix.transpose() * &matrix)).ok()?;
+        // Another direction that is nearly free may belong to another branch.
+        let free = (squares.get(1)?.max(0.0) / squares.last()?.max(1.0)).sqrt();
+        let share = vectors[(n + 1, 0)];
+        let tangent: Vec<f64> = (0..=n).map(|j| vectors[(j, 0)] * share.signum()).collect();
+        let size = dot(&tangent, &tangent).sqrt();
+        if free < nearest || share == 0.0 || size.is_nan() || size <= nearest {
+            return None;
+        }
+        let tangent = tangent.iter().map(|t| t / size).collect();
+        Some(Self { tangent, inward, share: share.abs() / size / length, power })
+    }
+
+    /// The point at the distance `h`, where it is as the expansion says.
+    fn reach<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        corrector: &mut Corrector,
+        foot: &Foot,
+        h: f64,
+    ) -> Option<Correction> {
+        let depth = DEPTH * (h * self.share).powf(1.0 / self.power);
+        if depth > SHALLOW * h {
+            return None;
+        }
+        let on_tangent = along(&foot.z, h, &self.tangent);
+        let guess = along(&on_tangent, depth, &self.inward);
+        let surface = Surface::Plane(Hyperplane::through(&on_tangent, &self.tangent));
+        let end = corrector.correct(system, &guess, &surface).ok()?;
+        let as_expected = distance(&end.z, &guess) <= CONFIRMED.0 * h
+            && dot(&end.tangent, &self.tangent) >= CONFIRMED.1
+            && end.orientation * foot.orientation > 0.0
+            && end.pattern != foot.pattern;
+        as_expected.then_some(end)
+    }
+}
+
+/// The gradient of the function of a boundary, by central differences.
+fn gradient(boundary: &Boundary, z: &[f64]) -> Option<Vec<f64>> {
+    const STEP: f64 = 1e-5;
+    let mut at = z.to_vec();
+    let slope: Vec<f64> = (0..z.len())
+        .map(|j| {
+            let mut value = |s: f64| {
+                at[j] = z[j] + s;
+                let value = boundary.value(&at);
+                at[j] = z[j];
+                value
+            };
+            (value(STEP) - value(-STEP)) / (2.0 * STEP)
+        })
+        .collect();
+    let size = dot(&slope, &slope);
+    (size.is_finite() && size > 0.0).then_some(slope)
+}
