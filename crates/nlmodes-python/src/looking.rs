@@ -106,6 +106,12 @@ impl Observer for Onlooker {
                 told.0 = Some(point.omega / TAU);
                 told.1 = point.events.last().cloned().unwrap_or_default();
             }
+            Event::Curve { number, of, name } => {
+                self::of(&self.looking.told).1 = format!("{name} ({number} of {of})");
+            }
+            Event::CurveDone { outcome: Ok((points, _)), .. } => {
+                self.looking.points.fetch_add(points, Ordering::Relaxed);
+            }
             Event::Level { number, level, .. } => {
                 self.looking.points.store(number, Ordering::Relaxed);
                 of(&self.looking.told).0 = Some(level.outcome.steady.omega / TAU);

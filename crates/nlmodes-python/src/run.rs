@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nlmodes::study::ComputedBranch;
 use nlmodes_run::{Over, RunError, RunOutcome, chain};
-use nlmodes_scene::AnyScene;
+use nlmodes_scene::{AnyScene, SceneFile};
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ pub struct Outcome {
     /// Directory of the files.
     #[pyo3(get)]
     directory: PathBuf,
-    /// `structure`, `records` or `virtual-test`.
+    /// `structure`, `responses`, `records` or `virtual-test`.
     #[pyo3(get)]
     kind: &'static str,
     /// What the scene and the run warned of.
@@ -63,11 +63,6 @@ pub fn run(
         other => return Err(PyValueError::new_err(format!("over is \"{other}\"; same, resume or force was expected"))),
     };
     let mut scene = source.scene(py, &overrides, memory_limit)?;
-    if has_responses(&scene) {
-        let text =
-            "scenes with [response] are run by the command line: nlmodes-cli run; nlmodes.read shows their results";
-        return Err(errors::run_error(py, text));
-    }
     if let Some(out) = out.or(scratch.filter(|_| !names_directory(&scene))) {
         direct(&mut scene, &out);
     }
@@ -93,6 +88,15 @@ pub fn run(
 
 fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done, RunError> {
     match scene {
+        AnyScene::Structure(files) if files.iter().any(|file| !file.scene.responses.is_empty()) => {
+            let [file] = files.as_slice() else { return Err(one_method(&files)) };
+            let outcome = nlmodes_run::responses::run(file, over, onlooker)?;
+            let mut wrong: Vec<String> = outcome.failure.iter().map(|failure| chain(failure.as_ref())).collect();
+            if outcome.is_cut_off {
+                wrong.push("the curves that were not begun are missing".to_owned());
+            }
+            Ok(Done { kind: "responses", wrong, run: None })
+        }
         AnyScene::Structure(files) => {
             let run = nlmodes_run::run(files, over, onlooker)?;
             let parts = run.parts.iter().filter_map(|part| part.failure.as_ref());
@@ -114,19 +118,20 @@ fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done,
     }
 }
 
+/// Responses are computed with one method.
+fn one_method(files: &[SceneFile]) -> RunError {
+    let title = "responses are computed with one method";
+    files
+        .first()
+        .map_or(RunError::NoScene, |file| file.error_at("method", title, "expected one table [method]", &[]).into())
+}
+
 fn direct(scene: &mut AnyScene, out: &Path) {
     match scene {
         AnyScene::Structure(files) => files.iter_mut().for_each(|file| file.scene.output_directory = out.into()),
         AnyScene::Records(file) => file.scene.output_directory = out.into(),
         AnyScene::Test(file) => file.scene.output_directory = out.into(),
     }
-}
-
-/// Whether a scene asks for damped or forced motions, which a run of its branches would leave out.
-fn has_responses(scene: &AnyScene) -> bool {
-    let AnyScene::Structure(files) = scene else { return false };
-    let is_written = |path| files.iter().any(|file| file.document.place(path).is_some());
-    is_written("response") || is_written("response.0")
 }
 
 fn names_directory(scene: &AnyScene) -> bool {

@@ -76,3 +76,18 @@ def test_the_script_for_matlab_runs(monkeypatch):
     names = {"scene": str(ROOT / "configs" / "rod.toml"), "harmonics": 2.0}
     exec(compile(script, "docs/matlab.md", "exec"), names)
     assert np.isfinite(names["branch"]["frequency_hz"]).all() and len(names["branch"]["energy_j"]) > 10
+
+
+def test_phase_resonance_goes_through_the_peaks_of_the_responses(tmp_path):
+    result = example("response_and_damped_mode").main(tmp_path / "response.svg", method__harmonics=3)
+    kinds = {str(branch.kind[0]): branch for branch in result}
+    responses = [branch for branch in result if branch.kind[0] == "frequency"]
+    resonance, damped = kinds["phase-resonance"], kinds["damped-mode"]
+    assert len(responses) == 3 and np.allclose(resonance.drive_lag_deg, 90.0, atol=1e-4)
+    for branch in responses:
+        assert np.allclose(branch.input_power_w, branch.dissipated_power_w, rtol=1e-6)
+    # The largest force is that of the largest response, at whose peak the lag is 90 degrees.
+    strong = responses[2].drive_fundamental_m > 0.5 * responses[2].drive_fundamental_m.max()
+    peak = responses[2].frequency_hz[strong].max()
+    assert resonance.frequency_hz[-1] == pytest.approx(peak, rel=2e-2)
+    assert damped.damping_ratio[0] == pytest.approx(0.0019, rel=0.05)

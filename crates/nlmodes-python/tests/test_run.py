@@ -128,6 +128,11 @@ def test_motions_and_histories_agree_at_the_contact(rod):
             branch.history(wrong)
     with pytest.raises(IndexError, match="contact 1"):
         branch.history(0, 1)
+    stops = branch.contacts
+    assert len(stops) == len(branch) and np.array_equal(stops.contact_fraction, branch.contact_fraction)
+    # The impulse is the integral of the force over a period.
+    impulse = np.trapezoid(history.force_n, history.time_s)
+    assert stops.impulse_ns[point] == pytest.approx(impulse, rel=5e-3)
     verified = branch.verify(point)
     assert verified.contact_fraction[0] == pytest.approx(branch.contact_fraction[point], rel=0.2)
 

@@ -83,6 +83,25 @@ def test_a_saved_structure_is_a_scene_of_the_command_line(tmp_path):
         structure.save(tmp_path / "chain")
 
 
+def test_a_linear_response_is_that_of_the_matrices_and_a_damped_mode_begins_with_their_damping():
+    stiffness, mass = chain(4)
+    structure = nlmodes.Structure(stiffness, mass).contact(4, [1, 0, 0], 1e-3)
+    first = float(structure.linear_frequencies()[0])
+    window = (0.7 * first, 1.3 * first)
+    # So weak a force that nothing touches; Rayleigh damping, so that C is a matrix.
+    damping = {"stiffness_s": 1e-5}
+    found = structure.response(2, [1, 0, 0], [1e-3], window, damping, harmonics=2).branches[0]
+    k, m = stiffness.toarray(), mass.toarray()
+    for point in range(0, len(found), max(1, len(found) // 7)):
+        omega = 2 * np.pi * found.frequency_hz[point]
+        q = np.linalg.solve(k + 1j * omega * 1e-5 * k - omega**2 * m, 1e-3 * np.eye(4)[1])
+        # The mode that is left out answers statically: (ω/ω₄)² of its share of some percent.
+        assert found.drive_fundamental_m[point] == pytest.approx(abs(q[1]), rel=5e-3)
+    assert found.contact_fraction.max() == 0
+    damped = structure.damped_mode(0.02, window, harmonics=3, max_energy_ratio=1.5).branches[0]
+    assert damped.damping_ratio[0] == pytest.approx(0.02, rel=1e-6) and damped.frequency_hz[0] == pytest.approx(first, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("k", "m", "dofs", "error", "message"),
     [

@@ -121,6 +121,8 @@ class Branch(Table):
         self._archive = folder / "harmonics.npz"
         self._stamp = _files.stamp(self._archive)
         self._harmonics: dict[str, NDArray[Any]] = {}
+        stops = folder / "contacts.csv"
+        self._stops = _files.content(stops) if stops.is_file() else None
 
     def __repr__(self) -> str:
         return f"<Branch {self.label!r}: {len(self)} points; ended: {self.ended_because}>"
@@ -156,6 +158,17 @@ class Branch(Table):
     def kinds(self) -> NDArray[np.str_]:
         """What the coordinates are (coordinates,): ``axial``, ``deflection``, ``rotation``, ``x``, …"""
         return self._array("dof_kind")
+
+    @property
+    def contacts(self) -> Table:
+        """``contacts.csv``: a row a point and stop, with share of contact, forces, impulse, touches and approach."""
+        if self._stops is None:
+            raise RunError(f"there is no {self.folder / 'contacts.csv'}: the run did not come to its end")
+        stops = Table(self._stops)
+        if self._rows == slice(None):
+            return stops
+        first, last = np.searchsorted(stops["point"], [self._rows.start, self._rows.stop])
+        return Table(self._stops, slice(int(first), int(last)))
 
     def shape(self, point: int, harmonic: int = 1) -> NDArray[np.complex128]:
         """Complex amplitudes (coordinates,) of a harmonic at a point, m or rad."""

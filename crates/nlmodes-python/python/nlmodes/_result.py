@@ -28,7 +28,7 @@ class Result:
     directory: Path
     """Directory of the files; with ``report.html``, one page with all figures."""
     kind: str
-    """``structure``, ``records`` or ``virtual-test``."""
+    """``structure``, ``responses``, ``records`` or ``virtual-test``."""
     branches: tuple[Branch, ...]
     """All branches: of each method and number of harmonics, each with those that cross it."""
     points: Table | None
@@ -51,7 +51,8 @@ class Result:
         if outcome is not None:
             self.kind = outcome.kind
         else:
-            self.kind = "structure" if self.points is None else "virtual-test" if "rig" in self.summary else "records"
+            kind = "responses" if "curves" in self.summary else "structure"
+            self.kind = kind if self.points is None else "virtual-test" if "rig" in self.summary else "records"
 
     @property
     def table(self) -> Table:

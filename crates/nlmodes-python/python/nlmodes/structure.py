@@ -140,6 +140,83 @@ class Structure:
             own["reduction"] = {"modes": modes}
         return self._run(own, out, force, progress, overrides)
 
+    def damped_mode(
+        self,
+        damping: float | Sequence[float] | Mapping[str, float],
+        frequency_hz: tuple[float, float],
+        mode: int = 1,
+        harmonics: int = 5,
+        *,
+        max_energy_ratio: float = 10.0,
+        out: str | os.PathLike[str] | None = None,
+        force: bool = False,
+        progress: Progress = None,
+        **overrides: Any,
+    ) -> Result:
+        """The damped nonlinear mode that begins at linear mode ``mode`` (extended periodic motion concept), with ``damping_ratio`` a column.
+
+        ``damping`` is the ratio of all modes, a list by mode, or ``{"mass_1_s": α, "stiffness_s": β}`` of Rayleigh; ``frequency_hz`` the window.
+        """
+        own = {
+            "method": {"mode": mode, "harmonics": harmonics},
+            "continuation": {"max_energy_ratio": max_energy_ratio},
+            "damping": _damping(damping),
+            "response": [{"kind": "damped-mode", "frequency_hz": list(frequency_hz)}],
+        }
+        return self._run(own, out, force, progress, overrides)
+
+    def response(
+        self,
+        node: int,
+        direction: ArrayLike,
+        levels_n: float | Sequence[float],
+        frequency_hz: float | tuple[float, float],
+        damping: float | Sequence[float] | Mapping[str, float],
+        *,
+        kind: str = "frequency",
+        harmonics: int = 5,
+        mode: int = 1,
+        response: Mapping[str, Any] | None = None,
+        out: str | os.PathLike[str] | None = None,
+        force: bool = False,
+        progress: Progress = None,
+        **overrides: Any,
+    ) -> Result:
+        """Responses to a harmonic force at a node: a branch for each level, with its folds and stability.
+
+        Parameters
+        ----------
+        node, direction
+            Where the force acts, and its direction (3,).
+        levels_n
+            Amplitudes of the force, N.
+        frequency_hz
+            Window of its frequency, Hz; one value with ``kind="force"``.
+        damping
+            As of :meth:`damped_mode`.
+        kind
+            ``frequency``: over the frequency, a curve a level; ``force``: over the force at one frequency; ``phase-resonance``.
+        response
+            More keys of ``[response]``: ``lag_deg``, ``subharmonic``, …
+        """
+        levels = [_arguments.number("levels_n", level, above=0.0) for level in np.atleast_1d(np.asarray(levels_n)).tolist()]
+        table = {"kind": _arguments.text("kind", kind, ("frequency", "force", "phase-resonance")), "levels_n": levels}
+        table["frequency_hz"] = np.asarray(frequency_hz, dtype=float).tolist()
+        own = {
+            "method": {"mode": mode, "harmonics": harmonics},
+            "continuation": {},
+            "damping": _damping(damping),
+            "force": [
+                {
+                    "node": self._node("node", node),
+                    "direction": _arguments.floats("direction", direction, (3,)).tolist(),
+                    "amplitude_n": levels[0],
+                }
+            ],
+            "response": [{**table, **dict(response or {})}],
+        }
+        return self._run(own, out, force, progress, overrides)
+
     def linear_frequencies(self) -> NDArray[np.float64]:
         """Lowest linear frequencies with open contacts, Hz."""
         scratch = Scratch()
@@ -190,3 +267,12 @@ class Structure:
         np.savetxt(table, np.column_stack(columns), fmt=form, delimiter=",", header=header, comments="")
         structure = {"kind": "matrices", "format": "npz", **files, "dofs": str(table)}
         return {"title": self._title, "structure": structure, "contact": self._contacts, **own}
+
+
+def _damping(given: float | Sequence[float] | Mapping[str, float]) -> dict[str, Any]:
+    """The table ``[damping]``."""
+    if isinstance(given, Mapping):
+        return {"rayleigh": {key: _arguments.number(f"damping[{key!r}]", value) for key, value in given.items()}}
+    if np.ndim(given) == 0:
+        return {"ratio": _arguments.number("damping", given)}
+    return {"ratios": _arguments.floats("damping", given, ("modes",)).tolist()}
