@@ -75,19 +75,20 @@ impl Curve<'_> {
         let mut found = Vec::new();
         for (i, pair) in branch.points.windows(2).enumerate() {
             let [a, b] = pair else { continue };
-            let wanted = self.settings.levels.iter().map(|level| (level / reference).ln());
+            let wanted = self.settings.levels.iter().map(|level| ((level / reference).ln(), *level));
             // The end of a step belongs to it, its beginning to the step before.
             let within = |p: &f64| (a.p - p) * (b.p - p) < 0.0 || b.p == *p || (i == 0 && a.p == *p);
-            let mut between: Vec<f64> = wanted.filter(within).collect();
-            between.sort_by(|p, q| (p - a.p).abs().total_cmp(&(q - a.p).abs()));
-            for p in between {
+            let mut between: Vec<(f64, f64)> = wanted.filter(|(p, _)| within(p)).collect();
+            between.sort_by(|p, q| (p.0 - a.p).abs().total_cmp(&(q.0 - a.p).abs()));
+            for (p, level) in between {
                 let share = if a.p == b.p { 0.0 } else { (p - a.p) / (b.p - a.p) };
                 let mut guess = a.clone();
                 guess.x = a.x.iter().zip(&b.x).map(|(a, b)| a + share * (b - a)).collect();
                 guess.p = p;
                 guess.tangent = (0..=a.x.len()).map(|j| f64::from(u8::from(j == a.x.len()))).collect();
                 guess.events.clear();
-                let point = self.point(&guess)?;
+                // The level as it was asked for, without the rounding of its logarithm.
+                let point = ResponsePoint { level, ..self.point(&guess)? };
                 // Where the step between is too long for Newton's method, the nearer end stands for it, with its own level.
                 let nearer = if share < 0.5 { a } else { b };
                 found.push(if point.residual < CONVERGED { point } else { self.point(nearer)? });

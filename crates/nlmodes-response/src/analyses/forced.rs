@@ -23,8 +23,9 @@ pub fn frequency_response(
     curve.follow(omega)
 }
 
-/// As [`frequency_response`], and behind it the curves that branch off from it, and from these: with `settings.subharmonic = 2`, motions of twice the
-/// period of the load, which leave it where a multiplier passes −1. Of two curves that are one motion, a period of the load apart, one is there.
+/// As [`frequency_response`], and behind it the curves that are found to branch off from it, and from these: with `settings.subharmonic = 2` motions of twice the
+/// period of the load are solutions too. A period doubling of the truncated problem need not be seen. Of two curves that are one motion, a period of the load
+/// apart, one is there.
 ///
 /// # Errors
 /// As [`frequency_response`].
