@@ -78,7 +78,7 @@ def verification(folder: Path, point: int) -> Verification:
 
 
 class Origin(NamedTuple):
-    """Where a branch comes from within a run of this session."""
+    """Where a branch comes from within a run of this process."""
 
     outcome: _native.Outcome
     scratch: _files.Scratch | None
@@ -184,7 +184,7 @@ class Branch(Table):
         return Motion(phase / self.omega[point], np.real(waves @ own.T))
 
     def history(self, point: int, contact: int = 0, samples: int = 512) -> History:
-        """Motion and force of a contact over one period of a point: of a run of this session only."""
+        """Motion and force of a contact over one period of a point: of a run of this process only."""
         if self._origin is None or self._origin.part < 0:
             raise RunError("histories are computed from a run that is in memory; these results were read from files")
         contact = _arguments.count("contact", contact)
