@@ -1,6 +1,7 @@
 //! From a checked scene to the structural model.
 
 mod open;
+mod parts;
 
 use std::f64::consts::TAU;
 
@@ -16,11 +17,18 @@ use thiserror::Error;
 
 pub use open::{OpenStructure, dofs, read};
 
-use crate::scene::{self, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
+use crate::scene::{self, GroundSpring, MassPoint, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
 
-/// A structure of one of the two theories.
+/// A structure of one of the two theories, with what is fixed to it.
 #[derive(Debug, Clone)]
-pub enum Elements {
+pub struct Elements {
+    theory: Theory,
+    masses: Vec<MassPoint>,
+    springs: Vec<GroundSpring>,
+}
+
+#[derive(Debug, Clone)]
+enum Theory {
     /// A rod, which moves along itself.
     Rod(Rod),
     /// A beam, which bends and moves along itself.
@@ -44,9 +52,9 @@ impl Elements {
             scene::MassMatrix::Lumped => MassMatrix::Lumped,
         };
         let [start, end] = [structure.start, structure.end].map(support);
-        Ok(match structure.section {
-            scene::Section::Rod { area } => Self::Rod(Rod { material, area, mesh, mass_matrix, start, end }),
-            scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Self::Beam(Beam {
+        let theory = match structure.section {
+            scene::Section::Rod { area } => Theory::Rod(Rod { material, area, mesh, mass_matrix, start, end }),
+            scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Theory::Beam(Beam {
                 material: material.with_poissons_ratio(poissons_ratio)?,
                 section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
                 mesh,
@@ -54,7 +62,8 @@ impl Elements {
                 start,
                 end,
             }),
-        })
+        };
+        Ok(Self { theory, masses: structure.mass_points.clone(), springs: structure.springs.clone() })
     }
 
     /// The assembled model.
@@ -62,9 +71,18 @@ impl Elements {
     /// # Errors
     /// [`FemError`].
     pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
-        match self {
-            Self::Rod(rod) => rod.assemble(stops),
-            Self::Beam(beam) => beam.assemble(stops),
+        let model = match &self.theory {
+            Theory::Rod(rod) => rod.assemble(stops),
+            Theory::Beam(beam) => beam.assemble(stops),
+        }?;
+        parts::fixed_to(model, &self.masses, &self.springs)
+    }
+
+    /// The nodes.
+    pub fn mesh(&self) -> &Mesh {
+        match &self.theory {
+            Theory::Rod(rod) => &rod.mesh,
+            Theory::Beam(beam) => &beam.mesh,
         }
     }
 
@@ -73,9 +91,9 @@ impl Elements {
     /// # Errors
     /// [`FemError::OutsideMesh`].
     pub fn displacement_at(&self, model: &StructuralModel, position: f64) -> Result<Vec<(usize, f64)>, FemError> {
-        match self {
-            Self::Rod(rod) => rod.displacement_at(model.dofs(), position),
-            Self::Beam(beam) => beam.deflection_at(model.dofs(), position),
+        match &self.theory {
+            Theory::Rod(rod) => rod.displacement_at(model.dofs(), position),
+            Theory::Beam(beam) => beam.deflection_at(model.dofs(), position),
         }
     }
 }

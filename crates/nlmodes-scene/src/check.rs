@@ -7,6 +7,7 @@ mod matrices;
 mod method;
 mod modes;
 mod nodes;
+mod parts;
 mod plausible;
 mod records;
 mod reduction;
@@ -28,8 +29,8 @@ use crate::scene::{Contact, OutputFiles, ReductionKind, Scene, SceneStructure, S
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
-    let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
     let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
+    let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
     let contacts = contact::check(raw, mesh.as_ref(), findings);
     let structure = structure.map(SceneStructure::Straight);
     let places = Places::along(raw.structure.as_ref(), mesh.as_ref());

@@ -8,6 +8,7 @@
 mod continuation;
 mod matrices;
 mod method;
+mod parts;
 mod records;
 mod reduction;
 mod response;
@@ -19,6 +20,7 @@ mod virtual_test;
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
+pub use parts::{RawMassPoint, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
 pub use response::{RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawResponse};

@@ -2,6 +2,7 @@
 
 mod choices;
 mod output;
+mod parts;
 mod records;
 mod reduction;
 mod response;
@@ -11,11 +12,12 @@ mod virtual_test;
 pub use choices::{
     AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
     InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MatricesKind, MeasuredQuantity, MethodKind,
-    RecordFormat, ReductionKind, ResponseKind, Side, StabilityChoice, StopOfBase, StructureKind, Support, Switching,
-    Symmetry, UpdatedParameter,
+    RecordFormat, ReductionKind, ResponseKind, Side, SpringDirection, StabilityChoice, StopOfBase, StructureKind,
+    Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use output::OutputFiles;
+pub use parts::{GroundSpring, MassPoint};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
@@ -108,6 +110,12 @@ pub struct Structure {
     pub density: f64,
     /// Cross section, and with it the theory.
     pub section: Section,
+    /// Point masses at its nodes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mass_points: Vec<MassPoint>,
+    /// Springs between its nodes and the ground.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<GroundSpring>,
     /// Frequencies that are imposed on the lowest modes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<ImposedModes>,

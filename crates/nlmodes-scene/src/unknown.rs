@@ -92,12 +92,12 @@ pub fn problem(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Problem
     }
 }
 
+/// Tables that may stand several times.
+const LISTS: [&str; 8] =
+    ["contact", "channel", "vary", "quantity", "force", "damping.dashpot", "structure.mass_point", "structure.spring"];
+
 /// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
 pub fn heading(path: &str) -> String {
     let name = without_numbers(path);
-    if ["contact", "channel", "vary", "quantity", "force", "damping.dashpot"].contains(&name.as_str()) {
-        format!("[[{name}]]")
-    } else {
-        format!("[{name}]")
-    }
+    if LISTS.contains(&name.as_str()) { format!("[[{name}]]") } else { format!("[{name}]") }
 }

@@ -1,6 +1,6 @@
 //! From a scene to a structure in open modes, and to places on it.
 
-use nlmodes::fem::{FemError, Mesh};
+use nlmodes::fem::FemError;
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{multiply, triplets};
 use nlmodes::modal::Coordinate;
@@ -145,7 +145,7 @@ impl Reduced {
     /// Positions along the axis that have no coordinate of this kind because they are held.
     pub fn held_ends(&self, kind: &str) -> Vec<f64> {
         let Source::Straight { elements, .. } = &self.source else { return Vec::new() };
-        let length = mesh(elements).length();
+        let length = elements.mesh().length();
         let moves =
             |at: f64| self.coordinates.iter().any(|c| c.kind == kind && (c.position - at).abs() < 1e-9 * length);
         [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
@@ -162,16 +162,9 @@ fn of_node(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weights, Stri
     Ok(along.filter_map(|(kind, w)| Some((find(kind)?, w))).collect())
 }
 
-fn mesh(elements: &Elements) -> &Mesh {
-    match elements {
-        Elements::Rod(rod) => &rod.mesh,
-        Elements::Beam(beam) => &beam.mesh,
-    }
-}
-
 /// Along the axis of a beam: linear between the nodes.
 fn axial_of_a_beam(elements: &Elements, model: &StructuralModel, at: f64) -> Result<Weights, FemError> {
-    let (mesh, dofs) = (mesh(elements), model.dofs());
+    let (mesh, dofs) = (elements.mesh(), model.dofs());
     let nodes = mesh.nodes();
     if !(0.0..=mesh.length() * (1.0 + 1e-9)).contains(&at) {
         return Err(FemError::OutsideMesh { asked: at, length: mesh.length() });

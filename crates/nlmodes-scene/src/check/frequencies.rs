@@ -10,6 +10,9 @@ const MOST: usize = 200;
 
 /// The frequency of mode `number`, Hz, 0 for a rigid-body motion; `None` where the closed form says nothing.
 pub fn estimate(structure: &Structure, number: usize) -> Option<f64> {
+    if !(structure.mass_points.is_empty() && structure.springs.is_empty()) {
+        return None;
+    }
     let supports = [structure.start, structure.end];
     let speed = (structure.youngs_modulus / structure.density).sqrt();
     let mut all = axial(structure.kind(), supports, speed / structure.length);

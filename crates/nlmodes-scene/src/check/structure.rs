@@ -8,6 +8,9 @@ const SHEAR_FACTOR: f64 = 5.0 / 6.0;
 pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structure> {
     let section = section(raw, findings);
     let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
+    let mesh = super::nodes::mesh(raw, findings);
+    let masses = mesh.as_ref().map(|mesh| super::parts::masses(raw, mesh, findings));
+    let springs = mesh.as_ref().map(|mesh| super::parts::springs(raw, mesh, findings));
     let material = raw.material.as_ref()?;
     Some(Structure {
         length: raw.length_m?,
@@ -19,6 +22,8 @@ pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structur
         youngs_modulus: material.youngs_modulus_pa?,
         density: material.density_kg_m3?,
         section: section?,
+        mass_points: masses.unwrap_or_default(),
+        springs: springs.unwrap_or_default(),
         modes: match modes {
             Some(modes) => Some(modes?),
             None => None,

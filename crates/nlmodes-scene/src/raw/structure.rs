@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::{RawMassPoint, RawSpring};
 use crate::scene::{MassMatrix, StructureKind, Support};
 
 /// Most elements that a scene may ask for.
@@ -39,6 +40,10 @@ pub struct RawStructure {
     /// Cross section of the structure
     #[schemars(required)]
     pub section: Option<RawSection>,
+    /// Point masses at nodes, any number, each under its own heading `[[structure.mass_point]]`
+    pub mass_point: Option<Vec<RawMassPoint>>,
+    /// Springs between nodes and the ground, any number, each under its own heading `[[structure.spring]]`
+    pub spring: Option<Vec<RawSpring>>,
     /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
     pub modes: Option<RawModes>,
 }

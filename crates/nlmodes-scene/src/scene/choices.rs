@@ -120,6 +120,15 @@ choices! {
         /// Across the axis, beam only
         Transverse = "transverse",
     }
+    /// What a spring holds back.
+    SpringDirection {
+        /// Motion along the axis
+        Axial = "axial",
+        /// Motion across the axis, beam only
+        Transverse = "transverse",
+        /// Rotation of the cross section, beam only
+        Rotation = "rotation",
+    }
     /// Side on which a stop stands.
     Side {
         /// Touched by a positive displacement

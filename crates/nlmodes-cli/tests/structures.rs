@@ -1,0 +1,265 @@
+//! Structures from files and in open modes, against closed relations between structures and against CalculiX.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::{TempDir, tempdir};
+
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+type Matrix = Vec<Vec<f64>>;
+
+fn configs(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs").join(name)
+}
+
+fn call(arguments: &[&str]) -> Outcome<Output> {
+    Ok(Command::cargo_bin("nlmodes-cli")?.args(arguments).output()?)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A rod of `n` equal elements, clamped at its start: E A = 2.1e7 N, ρ A = 0.78 kg/m, 1 m long.
+fn rod(n: usize) -> (Matrix, Matrix) {
+    let h = 1.0 / n as f64;
+    let (mut k, mut m) = (vec![vec![0.0; n + 1]; n + 1], vec![vec![0.0; n + 1]; n + 1]);
+    for e in 0..n {
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            k[e + i][e + j] += 2.1e7 / h * if i == j { 1.0 } else { -1.0 };
+            m[e + i][e + j] += 0.78 * h / 6.0 * if i == j { 2.0 } else { 1.0 };
+        }
+    }
+    let free = |a: Matrix| a[1..].iter().map(|row| row[1..].to_vec()).collect();
+    (free(k), free(m))
+}
+
+/// Both matrices side by side.
+fn beside(a: &Matrix, b: &Matrix) -> Matrix {
+    let (n, m) = (a.len(), b.len());
+    let entry = |i: usize, j: usize| match (i < n, j < n) {
+        (true, true) => a[i][j],
+        (false, false) => b[i - n][j - n],
+        _ => 0.0,
+    };
+    (0..n + m).map(|i| (0..n + m).map(|j| entry(i, j)).collect()).collect()
+}
+
+fn matrix_market(a: &Matrix) -> String {
+    let entries: Vec<(usize, usize)> =
+        (0..a.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).filter(|(i, j)| a[*i][*j] != 0.0).collect();
+    let mut text = format!("%%MatrixMarket matrix coordinate real symmetric\n{0} {0} {1}\n", a.len(), entries.len());
+    entries.iter().for_each(|(i, j)| _ = writeln!(text, "{} {} {:e}", i + 1, j + 1, a[*i][*j]));
+    text
+}
+
+/// Runs a scene of these matrices; `rows` name node and component. Gives frequency and energy of each point.
+fn branch(folder: &TempDir, (k, m): (&Matrix, &Matrix), rows: &[(usize, &str)], rest: &str) -> Outcome<Vec<[f64; 2]>> {
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("k.mtx"), matrix_market(k))?;
+    fs::write(at("m.mtx"), matrix_market(m))?;
+    let table: Vec<String> =
+        rows.iter().enumerate().map(|(i, (node, name))| format!("{},{node},{name}", i + 1)).collect();
+    fs::write(at("dofs.csv"), table.join("\n"))?;
+    let files = "stiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"";
+    let more = "[continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\n";
+    fs::write(at("scene.toml"), format!("[structure]\nkind = \"matrices\"\n{files}\n{rest}\n{more}"))?;
+    run(&at("scene.toml"), &at("out"), &[])
+}
+
+fn run(scene: &Path, out: &Path, set: &[&str]) -> Outcome<Vec<[f64; 2]>> {
+    let [scene, out] = [scene, out].map(|path| path.to_string_lossy().into_owned());
+    let mut arguments = vec!["run", &scene, "--out", &out, "--quiet", "--force"];
+    set.iter().for_each(|value| arguments.extend(["--set", value]));
+    let output = call(&arguments)?;
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let mut table = csv::Reader::from_path(Path::new(&out).join("branch.csv"))?;
+    let row = |row: csv::StringRecord| -> Outcome<[f64; 2]> { Ok([row[1].parse()?, row[2].parse()?]) };
+    table.records().map(|record| row(record?)).collect()
+}
+
+/// Energies of the one are `factor` times those of the other.
+fn assert_same(one: &[[f64; 2]], other: &[[f64; 2]], factor: f64, tolerance: f64) {
+    assert_eq!(one.len(), other.len());
+    for (a, b) in one.iter().zip(other) {
+        let off = [a[0] / b[0] - 1.0, a[1] / (factor * b[1]) - 1.0];
+        assert!(off.iter().all(|off| off.abs() < tolerance), "{a:?} {b:?}: {off:?}");
+    }
+}
+
+const METHOD: &str = "[method]\nharmonics = 3\n";
+
+fn along_x(first: usize, count: usize) -> Vec<(usize, &'static str)> {
+    (first..first + count).map(|node| (node, "ux")).collect()
+}
+
+fn wall(gap: f64) -> String {
+    format!("[[contact]]\nnode = 12\nnormal = [1.0, 0.0, 0.0]\ngap_m = {gap:e}\n[reduction]\nmodes = 10\n{METHOD}")
+}
+
+#[test]
+fn a_pair_of_which_one_is_held_is_a_wall() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = rod(12);
+    let before_wall = branch(&folder, (&k, &m), &along_x(1, 12), &wall(1e-4))?;
+    assert!(before_wall.len() > 10);
+    // Node 99 can move across the rod only.
+    let rows: Vec<(usize, &str)> = along_x(1, 12).into_iter().chain([(99, "uy")]).collect();
+    let (held_k, held_m) = (beside(&k, &vec![vec![1e12]]), beside(&m, &vec![vec![1e-6]]));
+    fs::write(folder.path().join("pairs.csv"), "12,99,1.0,0.0,0.0,1e-4\n")?;
+    let rest = format!("[[contact]]\npairs = \"pairs.csv\"\n[reduction]\nmodes = 10\n{METHOD}");
+    let before_node = branch(&folder, (&held_k, &held_m), &rows, &rest)?;
+    assert_same(&before_node, &before_wall, 1.0, 1e-10);
+    Ok(())
+}
+
+#[test]
+fn two_rods_that_face_each_other_are_one_before_a_wall_at_half_the_gap() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = rod(12);
+    let one = branch(&folder, (&k, &m), &along_x(1, 12), &wall(1e-4))?;
+    let rows: Vec<(usize, &str)> = along_x(1, 12).into_iter().chain(along_x(101, 12)).collect();
+    fs::write(folder.path().join("pairs.csv"), "12,112,1.0,0.0,0.0,2e-4\n")?;
+    // In antiphase both move away from each other: the second one is the mirror image of the first.
+    let rest = format!("[[contact]]\npairs = \"pairs.csv\"\n[reduction]\nmodes = 20\n{METHOD}");
+    let two = branch(&folder, (&beside(&k, &k), &beside(&m, &m)), &rows, &rest)?;
+    assert_same(&two, &one, 2.0, 1e-10);
+    Ok(())
+}
+
+/// The same rod from its dimensions.
+fn rod_of_elements(folder: &TempDir, reduction: &str) -> Outcome<Vec<[f64; 2]>> {
+    let scene = folder.path().join("rod.toml");
+    let text = format!(
+        "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 12\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
+         [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-4\n\
+         [reduction]\n{reduction}\n[method]\nharmonics = 3\n\
+         [continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\n"
+    );
+    fs::write(&scene, text)?;
+    run(&scene, &folder.path().join("rod"), &[])
+}
+
+#[test]
+fn all_open_modes_are_all_held_modes_where_the_contact_node_has_no_mass() -> Outcome {
+    let folder = tempdir()?;
+    let (k, mut m) = rod(12);
+    (0..12).for_each(|i| (m[i][11], m[11][i]) = (0.0, 0.0));
+    let all = wall(1e-4).replace("modes = 10", "modes = 11");
+    let open = branch(&folder, (&k, &m), &along_x(1, 12), &all)?;
+    assert_same(&open, &rod_of_elements(&folder, "kind = \"held-modes\"")?, 1.0, 1e-9);
+    Ok(())
+}
+
+#[test]
+fn a_rod_of_the_scene_in_open_modes_is_the_same_rod_from_files() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = rod(12);
+    let files = branch(&folder, (&k, &m), &along_x(1, 12), &wall(1e-4))?;
+    assert_same(&rod_of_elements(&folder, "kind = \"open-modes\"\nmodes = 10")?, &files, 1.0, 1e-10);
+    Ok(())
+}
+
+#[test]
+fn check_says_what_the_files_hold_and_modes_are_those_of_calculix() -> Outcome {
+    for (name, says) in [
+        ("bracket", "1221 degrees of freedom of 407 nodes"),
+        ("plate", "1200 degrees of freedom of 400 nodes"),
+        ("cantilevers", "node 5 before node 109, normal [0, 0, 1], gap 0.0002 m, rigid"),
+    ] {
+        let scene = configs(&format!("structures/{name}.toml")).to_string_lossy().into_owned();
+        let checked = call(&["check", &scene])?;
+        assert_eq!((checked.status.code(), text(&checked.stderr).as_str()), (Some(0), ""), "{name}");
+        assert!(text(&checked.stdout).contains(says), "{}", text(&checked.stdout));
+        let modes = text(&call(&["modes", &scene])?.stdout);
+        let found: Vec<f64> =
+            modes.lines().skip(4).filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect();
+        let expected = fs::read_to_string(configs(&format!("structures/{name}.hz")))?;
+        for (found, expected) in found.iter().zip(expected.lines()) {
+            let expected: f64 = expected.parse()?;
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} {expected}"); // seven digits
+        }
+        assert!(found.len() >= 8, "{modes}");
+    }
+    Ok(())
+}
+
+#[test]
+fn the_plate_runs_and_its_motion_is_there_for_paraview() -> Outcome {
+    let folder = tempdir()?;
+    let points = run(&configs("structures/plate.toml"), folder.path(), &["continuation.max_energy_ratio=1.5"])?;
+    assert!((points[0][0] / 273.5353 - 1.0).abs() < 1e-6 && points.last().is_some_and(|last| last[0] > 274.0));
+    let collection = fs::read_to_string(folder.path().join("motion.pvd"))?;
+    assert_eq!(collection.matches("<DataSet").count(), 24);
+    let frame = fs::read_to_string(folder.path().join("motion_000.vtu"))?;
+    assert!(["displacement", "contact_force", "gap"].iter().all(|name| frame.contains(&format!("Name=\"{name}\""))));
+    Ok(())
+}
+
+#[test]
+fn what_does_not_fit_is_refused_with_its_reason() -> Outcome {
+    let scene = configs("structures/bracket.toml").to_string_lossy().into_owned();
+    for (value, says) in [
+        ("structure.units=\"mm-t\"", "there are no units `mm-t`"),
+        ("structure.mass=\"bracket.dof\"", "expected a file of a matrix"),
+        ("structure.dofs=\"brackt.dof\"", "cannot be read"),
+        ("structure.fixed=[\"TOP\"]", "there is no node set `TOP`; expected one of"),
+        ("structure.length_m=1.0", "unknown key `structure.length_m`"),
+        ("contact.0.nodes=\"FOOT\"", "none of them with a row in the matrices"),
+        ("contact.0.nodes=[999999]", "the place of node 999999 is not known"),
+        ("contact.0.gap_m=1e-3", "`gap_m` says the gap already"),
+        ("contact.0.normal=[0,0,0]", "the normal has no direction"),
+        ("contact.0.normal=\"surfce\"", "3 numbers in square brackets, or \"surface\""),
+        ("contact.0.gapp=1e-3", "unknown key `contact.0.gapp`"),
+        ("contact.0.against=\"PAD\"", "there is no wall between two bodies"),
+    ] {
+        for command in ["check", "run"] {
+            let output = call(&[command, &scene, "--set", value])?;
+            let errors = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{value}: {errors}");
+            assert!(errors.contains(says) && errors.contains("bracket.toml"), "{value}: {errors}");
+        }
+    }
+    Ok(())
+}
+
+/// First frequency of `modes` of a rod of 200 elements: E A = 2.1e7 N, 0.78 kg, 1 m, clamped at its start.
+fn first_hz(more: &str) -> Outcome<f64> {
+    let folder = tempdir()?;
+    let scene = folder.path().join("rod.toml");
+    let head = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 200\nstart = \"clamped\"\n\
+                material = { youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0 }\nsection = { area_m2 = 1e-4 }\n";
+    let rest = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 2.0\n";
+    fs::write(&scene, format!("{head}{more}{rest}"))?;
+    let output = call(&["modes", &scene.to_string_lossy()])?;
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    let row = table.lines().find(|line| line.trim_start().starts_with("1 ")).ok_or("no first mode")?;
+    Ok(row.split_whitespace().nth(1).ok_or("no frequency")?.parse()?)
+}
+
+#[test]
+fn point_masses_and_springs_move_the_first_mode_of_a_rod_as_the_closed_form_says() -> Outcome {
+    let (stiffness, mass) = (2.1e7_f64, 0.78_f64);
+    // β tan β = m_rod/m_tip for a mass at the tip, β cot β = −k l/EA for a spring there; ω = β √(EA/(m l)).
+    let hertz = |beta: f64| beta * (stiffness / mass).sqrt() / std::f64::consts::TAU;
+    let root = |f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64| {
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if (f(middle) > 0.0) == (f(low) > 0.0) { low = middle } else { high = middle }
+        }
+        low
+    };
+    let heavy = first_hz("[[structure.mass_point]]\nat_m = 1.0\nmass_kg = 0.5\n")?;
+    let expected = hertz(root(&|b| b * b.tan() - mass / 0.5, 1e-3, 1.5));
+    assert!((heavy / expected - 1.0).abs() < 1e-5, "{heavy} {expected}"); // (π/2)²/24/200² of the mesh
+    let held = first_hz("[[structure.spring]]\nat_m = 1.0\ndirection = \"axial\"\nstiffness_n_m = 1e7\n")?;
+    let expected = hertz(root(&|b| b / b.tan() + 1e7 / stiffness, 1.6, 3.1));
+    assert!((held / expected - 1.0).abs() < 1e-5, "{held} {expected}");
+    Ok(())
+}
