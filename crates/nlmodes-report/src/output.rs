@@ -25,7 +25,7 @@ pub(crate) fn replace_file(
 }
 
 fn write_all(path: &Path, write: impl FnOnce(&mut Output<BufWriter<File>>) -> io::Result<()>) -> io::Result<()> {
-    let mut file = Output { inner: BufWriter::new(File::create(path)?), has_failed: false };
+    let mut file = Output { inner: BufWriter::new(File::create(path)?), has_failed: false, position: 0 };
     write(&mut file)?;
     if file.has_failed {
         return Err(io::Error::other("an earlier write had failed"));
@@ -38,6 +38,8 @@ fn write_all(path: &Path, write: impl FnOnce(&mut Output<BufWriter<File>>) -> io
 pub(crate) struct Output<W> {
     inner: W,
     has_failed: bool,
+    /// Where the next byte goes, or would go: writers of archives subtract places from each other behind a failure too.
+    position: u64,
 }
 
 impl<W> Output<W> {
@@ -55,7 +57,9 @@ impl<W> Output<W> {
 
 impl<W: Write> Write for Output<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.once(bytes.len(), |inner| inner.write(bytes))
+        let written = self.once(bytes.len(), |inner| inner.write(bytes))?;
+        self.position += written as u64;
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -65,7 +69,12 @@ impl<W: Write> Write for Output<W> {
 
 impl<W: Seek> Seek for Output<W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.once(0, |inner| inner.seek(to))
+        let aimed = match to {
+            SeekFrom::Start(place) => place,
+            SeekFrom::Current(by) | SeekFrom::End(by) => self.position.saturating_add_signed(by),
+        };
+        self.position = self.once(aimed, |inner| inner.seek(to))?;
+        Ok(self.position)
     }
 }
 
@@ -96,12 +105,14 @@ mod tests {
                 Ok(())
             }
         }
-        let mut output = Output { inner: Full(10, 0), has_failed: false };
+        let mut output = Output { inner: Full(10, 0), has_failed: false, position: 0 };
         output.write_all(b"12345678").unwrap();
         assert_eq!(output.write_all(b"12345678").unwrap_err().kind(), io::ErrorKind::StorageFull);
         output.write_all(b"the end of the archive").unwrap();
         output.flush().unwrap();
         assert!(output.has_failed && output.inner.1 == 1);
+        // Eight bytes are there, and 22 would be.
+        assert_eq!(output.position, 8 + 22);
         // A writer that overlooks the failure has not written its file all the same.
         let folder = tempfile::tempdir().unwrap();
         let outcome = replace_file(&folder.path().join("archive"), |file| {

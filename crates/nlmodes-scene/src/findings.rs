@@ -48,6 +48,11 @@ impl<'a> Findings<'a> {
         self.meant.insert(path);
     }
 
+    /// Says the problems so far in other words.
+    pub(crate) fn reword(&mut self, reworded: impl Fn(Problem) -> Problem) {
+        self.problems = std::mem::take(&mut self.problems).into_iter().map(reworded).collect();
+    }
+
     /// Number of problems so far.
     pub fn count(&self) -> usize {
         self.problems.len()

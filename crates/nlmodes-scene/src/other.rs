@@ -54,9 +54,10 @@ pub fn parse_other<T: DeserializeOwned + JsonSchema, S>(
             }
         }
     });
+    findings.reword(|problem| called(problem, what));
     let made = raw.and_then(|raw| check(&raw, &mut findings));
     let refused = findings.refuse();
-    let problems: Vec<Problem> = findings.into_sorted().into_iter().map(|problem| called(problem, what)).collect();
+    let problems = findings.into_sorted();
     match made {
         Some(scene) if !refused => Ok(SceneFile { scene, document, warnings: problems }),
         _ => Err(Box::new(Refused::new(document, problems))),

@@ -44,6 +44,7 @@ pub fn study(
         .map_err(|reason| findings.put("scene", Problem::error("the scene of the study cannot be read"), reason))
         .ok()?;
     let directory = raw.output.as_ref().and_then(|output| output.directory.clone());
+    let keep = raw.output.as_ref().and_then(|output| output.keep).unwrap_or_default();
     let study = Study {
         title: raw.title.clone().unwrap_or_else(|| stem.clone()),
         scene_name: path.display().to_string(),
@@ -52,6 +53,7 @@ pub fn study(
         variables,
         quantities,
         directory: directory.map_or_else(|| Path::new("results").join(&stem), PathBuf::from),
+        keep,
     };
     (!findings.refuse()).then_some(())?;
     fits(&study, findings);

@@ -68,7 +68,7 @@ impl Evaluator {
         };
         let id = resolved.id.clone();
         let store = Store::new(&self.study.directory);
-        let worker = Worker { store: &store, settings: &self.settings, ended: &self.ended };
+        let worker = Worker { store: &store, settings: &self.settings, keep: self.study.keep, ended: &self.ended };
         while store.record(&id).is_none() {
             if self.ended.load(Ordering::Relaxed) {
                 return Ok(None);

@@ -99,5 +99,5 @@ pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
 pub use store::{Record, Status, Store};
-pub use study::{Design, DesignKind, Place, Quantity, Study, Values, Variable};
+pub use study::{Design, DesignKind, Keep, Place, Quantity, Study, Values, Variable};
 pub use table::{Cells, Column, Table};

@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::study::DesignKind;
+use crate::study::{DesignKind, Keep};
 
 /// A study of nlmodes: a scene, what varies in it, and which quantities are wanted of each case.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -119,13 +119,16 @@ pub struct RawQuantity {
     pub at: Option<Value>,
 }
 
-/// Where results go, and what is drawn.
+/// Where results go, and what stays of each case.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawOutput {
     /// Directory of the study, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,
+    /// What stays of each case: all that a run writes, or its tables and summary only, a tenth of that
+    #[schemars(extend("default" = "all"))]
+    pub keep: Option<Keep>,
 }
 
 /// A value that is checked where it is read.

@@ -93,7 +93,8 @@ struct Shared<'a> {
 
 /// Takes one case after the other until none is left, an end is asked for, or the disk takes no more.
 fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
-    let worker = Worker { store: shared.store, settings: shared.settings, ended: &shared.ended };
+    let worker =
+        Worker { store: shared.store, settings: shared.settings, keep: shared.study.keep, ended: &shared.ended };
     while !shared.ended.load(Ordering::Relaxed) {
         let Some(case) = shared.waiting.get(shared.next.fetch_add(1, Ordering::Relaxed)) else { return };
         let parts = resolve(shared.study, &shared.points.get(case.point));

@@ -82,7 +82,7 @@ impl ArrayJob {
         format!(
             r#"#!/bin/bash
 # Array job of a study: each task computes the cases of its shard that are not there yet. Submit it again, as a whole or in part
-# (sbatch --array=3,5), for what is missing; then:  {program} study collect {study}
+# (sbatch --array=3,5), for what is missing; then:  {program} study collect {study}{out}
 #SBATCH --job-name={name}
 #SBATCH --array=0-{last}
 #SBATCH --cpus-per-task={jobs}
@@ -111,12 +111,17 @@ wait "$child"
 "#,
             program = quoted(&self.program),
             study = quoted(&self.study),
+            out = self.out(),
         )
+    }
+
+    fn out(&self) -> String {
+        self.out.as_ref().map_or_else(String::new, |out| format!(" --out {}", quoted(out)))
     }
 
     /// The call of a shard.
     fn call(&self, shard: &str) -> String {
-        let out = self.out.as_ref().map_or_else(String::new, |out| format!(" --out {}", quoted(out)));
+        let out = self.out();
         let (program, study) = (quoted(&self.program), quoted(&self.study));
         format!("{program} study run {study}{out} --quiet --jobs {} --shard {shard}", self.jobs)
     }

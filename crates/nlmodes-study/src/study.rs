@@ -56,6 +56,18 @@ pub struct Design {
     pub sobol_indices: bool,
 }
 
+/// What stays of each case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Keep {
+    /// All that a run writes
+    #[default]
+    All,
+    /// Tables and summary: no coefficients, no participation of modes, and no steps from which it could go on with more points
+    Tables,
+}
+
 /// The values that something takes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -126,4 +138,6 @@ pub struct Study {
     pub quantities: Vec<Quantity>,
     /// Directory of the study.
     pub directory: PathBuf,
+    /// What stays of each case.
+    pub keep: Keep,
 }

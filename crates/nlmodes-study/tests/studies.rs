@@ -211,6 +211,11 @@ fn mistakes_are_said_at_their_place() {
         parts.iter().for_each(|part| assert!(text.contains(part), "{to}: {part}\n{text}"));
         assert!(!text.contains("a scene may") && text.contains("in study.toml"), "{text}");
     }
+    let nowhere = Study::parse("study.toml", &STUDY.replace("rod.toml", "nowhere.toml")).unwrap_err().text(false);
+    assert!(
+        nowhere.contains("error: the scene of the study cannot be read") && nowhere.contains("study.toml:2"),
+        "{nowhere}"
+    );
     // What is wrong with the scene itself is said there.
     let refused = Study::parse_with_scene("study.toml", STUDY, &ROD.replace("gap_m", "gapm")).unwrap_err();
     assert!(refused.text(false).contains("rod.toml:13"), "{}", refused.text(false));

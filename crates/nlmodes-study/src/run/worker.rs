@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::error::Error;
+use std::fs;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -16,6 +17,10 @@ use super::Settings;
 use crate::case::Resolved;
 use crate::error::StudyError;
 use crate::store::{Record, Status, Store, branch_sha256};
+use crate::study::Keep;
+
+/// Files that a table does not need.
+const HEAVY: [&str; 5] = ["harmonics.npz", "steps.jsonl", "participation.csv", "starts.npz", "histories.npz"];
 
 /// What became of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +39,7 @@ pub enum Done {
 pub struct Worker<'a> {
     pub store: &'a Store,
     pub settings: &'a Settings,
+    pub keep: Keep,
     pub ended: &'a Arc<AtomicBool>,
 }
 
@@ -50,13 +56,19 @@ impl Worker<'_> {
             return Ok(Done::There(record.status));
         }
         let began = Instant::now();
-        let ended = catch_unwind(AssertUnwindSafe(|| self.run(file, &id)));
+        let attempt = || catch_unwind(AssertUnwindSafe(|| self.run(file.clone(), &id)));
+        // What a full disk or little memory brought about is said as that the second time; what is of the scene comes again.
+        let ended = attempt().or_else(|_| attempt());
         let (status, reason) = match ended {
             Ok(Ok(Some(ended))) => ended,
             Ok(Ok(None)) => return Ok(Done::CutOff),
             Ok(Err(error)) => failure(error).map_err(|error| self.unwritable(&id, error))?,
             Err(panic) => (Status::Failed, format!("the program failed: {}", message(panic.as_ref()))),
         };
+        if self.keep == Keep::Tables {
+            // What cannot be removed takes room, and nothing else.
+            HEAVY.iter().for_each(|name| drop(fs::remove_file(self.store.case(&id).join(name))));
+        }
         let branch_sha256 = branch_sha256(&self.store.case(&id));
         let (version, seconds) = (env!("CARGO_PKG_VERSION").to_owned(), began.elapsed().as_secs_f64());
         let record = Record { version, status, reason, set, seconds, branch_sha256 };

@@ -86,6 +86,7 @@ mod tests {
             variables: (0..variables).map(variable).collect(),
             quantities: Vec::new(),
             directory: std::path::PathBuf::new(),
+            keep: Default::default(),
         };
         let points = Points::new(&study);
         (0..points.len())
