@@ -120,7 +120,8 @@ fn frequencies_spread_and_indices_are_those_of_the_closed_form() {
     assert!((spread.std / exact.std - 1.0).abs() < 0.03, "{} {}", spread.std, exact.std);
     let quantile = |share: f64| spread.quantiles.iter().find(|q| q[0] == share).unwrap()[1];
     for (share, wanted) in [0.05, 0.95].into_iter().zip(exact.quantiles) {
-        assert!((quantile(share) - wanted).abs() < 0.15 * exact.std, "{share}: {} {wanted}", quantile(share));
+        // The standard error of such a quantile of 64 independent values is about an eighth of their deviation.
+        assert!((quantile(share) - wanted).abs() < 0.3 * exact.std, "{share}: {} {wanted}", quantile(share));
     }
     for (found, wanted) in statistics.sobol_indices.iter().zip(exact.first) {
         assert!((found.measure.first - wanted).abs() < 0.08, "{}: {} {wanted}", found.variable, found.measure.first);
