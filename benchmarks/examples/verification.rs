@@ -1,5 +1,5 @@
 //! Writes `docs/verification.md`: cases with known answers, computed anew. With a word, prints the cases whose name contains it; with
-//! `--quiet`, only says which pass.
+//! `--quiet`, only says which pass, of all or of those that are named.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -9,9 +9,13 @@ use nlmodes_benchmarks::verification::{manual, run};
 const PAGE: &str = "docs/verification.md";
 
 fn main() -> ExitCode {
-    let word = std::env::args().nth(1).unwrap_or_default();
-    let quiet = word == "--quiet";
-    let results = run(if quiet { "" } else { &word });
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let quiet = words.first().is_some_and(|word| word == "--quiet");
+    let word = words.first().cloned().unwrap_or_default();
+    let results = match words.get(1..) {
+        Some(names) if quiet && !names.is_empty() => run(|name| names.iter().any(|one| one == name)),
+        _ => run(|name| quiet || name.contains(&word)),
+    };
     let all = || results.iter().flat_map(|(_, outcomes)| outcomes);
     for outcome in all() {
         let verdict = if outcome.passes() { "pass" } else { "FAIL" };

@@ -184,11 +184,9 @@ fn conjugate_gradients(k: &nlmodes::linalg::SparseMatrix, force: &[f64]) -> Vec<
         kp.fill(0.0);
         nlmodes::linalg::triplets(k).for_each(|(i, j, v)| kp[i] += v * p[j]);
         let step = rz / dot(&p, &kp);
-        for i in 0..n {
-            x[i] += step * p[i];
-            r[i] -= step * kp[i];
-            z[i] = r[i] / diagonal[i];
-        }
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x += step * p);
+        r.iter_mut().zip(&kp).for_each(|(r, kp)| *r -= step * kp);
+        z.iter_mut().zip(r.iter().zip(&diagonal)).for_each(|(z, (r, d))| *z = r / d);
         let next = dot(&r, &z);
         if next.abs() < 1e-30 * dot(force, force) / diagonal[0] {
             break;

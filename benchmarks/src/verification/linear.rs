@@ -289,11 +289,10 @@ fn pinned_thick() -> Result<Vec<Check>, Failure> {
     let mut checks: Vec<Check> = (0..3)
         .map(|k| Check::relative(format!("ω_{}, rad/s, 48 elements", k + 1), fine[k], exact(k + 1), 1.7e-3, why))
         .collect();
-    for k in 0..3 {
+    checks.extend((0..3).map(|k| {
         let extrapolated = (4.0 * fine[k] - middle[k]) / 3.0;
-        let why = "the next term, h⁴";
-        checks.push(Check::relative(format!("ω_{}, extrapolated", k + 1), extrapolated, exact(k + 1), 1e-5, why));
-    }
+        Check::relative(format!("ω_{}, extrapolated", k + 1), extrapolated, exact(k + 1), 1e-5, "the next term, h⁴")
+    }));
     let errors: Vec<(f64, f64)> =
         [(12.0, &coarse), (24.0, &middle), (48.0, &fine)].map(|(n, f)| (n, f[2] / exact(3) - 1.0)).to_vec();
     checks.push(Check::order("12 to 48 elements", -slope(&errors), 2.0, 0.05, ORDER));

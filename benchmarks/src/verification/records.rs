@@ -214,9 +214,9 @@ fn one_mode(ratio: f64) -> Result<(f64, RecordExtraction), Failure> {
     let mut record = Record::new("linear", RATE)
         .with(Channel::new("f", Quantity::Force, Role::Excitation, Some(PLACES[0])), signal(2.0.into(), 0))
         .with(Channel::new("x", Quantity::Displacement, Role::DrivePoint, Some(PLACES[0])), signal(eta * SHAPE[0], 0));
-    for k in 1..3 {
-        let channel = Channel::new(format!("a{k}"), Quantity::Acceleration, Role::Response, Some(PLACES[k]));
-        record = record.with(channel, signal(eta * SHAPE[k], 2));
+    for (k, (shape, place)) in SHAPE.iter().zip(PLACES).enumerate().skip(1) {
+        let channel = Channel::new(format!("a{k}"), Quantity::Acceleration, Role::Response, Some(place));
+        record = record.with(channel, signal(eta * *shape, 2));
     }
     let rows: Vec<Vec<f64>> = SHAPE.iter().map(|s| vec![*s]).collect();
     let modes = LinearModes::new(&PLACES, &[natural], &[ZETA], &rows)?;

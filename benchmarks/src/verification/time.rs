@@ -302,11 +302,13 @@ fn runge_kutta() -> Result<Vec<Check>, Failure> {
     let (q, v) = dynamics.displacement_and_velocity(&end)?;
     let [coarse, fine] = [100_000, 200_000].map(|steps| by_runge_kutta(20.0, steps));
     let why = "steps across the instants miss the kink of the force there: some 40 times 0.1 h², h = 2e-4";
-    let mut checks = Vec::new();
-    for i in 0..3 {
-        checks.push(Check::of_size(format!("q_{}, m", i + 1), [q[i], fine[0][i], 0.1], 1e-7, why));
-        checks.push(Check::of_size(format!("v_{}, m/s", i + 1), [v[i], fine[1][i], 0.3], 1e-7, why));
-    }
+    let of = |i: usize| {
+        [
+            Check::of_size(format!("q_{}, m", i + 1), [q[i], fine[0][i], 0.1], 1e-7, why),
+            Check::of_size(format!("v_{}, m/s", i + 1), [v[i], fine[1][i], 0.3], 1e-7, why),
+        ]
+    };
+    let mut checks: Vec<Check> = (0..3).flat_map(of).collect();
     let error = |of: &[[f64; 3]; 2]| (0..3).map(|i| (of[0][i] - q[i]).abs()).fold(0.0, f64::max);
     let smaller = usize::from(error(&fine) < error(&coarse));
     checks.push(Check::count("half the step is nearer (1: yes)", smaller, 1));
