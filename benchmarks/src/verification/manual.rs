@@ -27,7 +27,8 @@ Errors below 1e-11 are rounding, and shown as that.
 const ERRORS: &str = "\
 ## What the cases are worth
 
-Deliberate errors, each put into a copy of the program (`benchmarks/mutations.py`), and the cases that fail upon it.
+Deliberate errors, each put into a copy of the program (`benchmarks/mutations.py`), and the cases that fail upon it: of those that take less than a quarter of a
+second, and of the others where none of these does.
 
 <!-- errors: written by benchmarks/mutations.py -->
 
