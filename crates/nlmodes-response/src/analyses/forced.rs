@@ -137,6 +137,9 @@ fn over_level<'a>(
     Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver })
 }
 
+/// Most points on the way from rest to the level of a curve.
+const STARTING: usize = 5000;
+
 /// Unknowns of the response at a base frequency and a level, followed from rest over the level.
 pub(crate) fn at_level(
     model: &ResponseModel,
@@ -145,7 +148,9 @@ pub(crate) fn at_level(
     settings: &ResponseSettings,
     solver: &dyn LcpSolver,
 ) -> Result<Vec<f64>, ResponseError> {
-    let mut curve = over_level(model, base, level, settings, solver)?;
+    // However few points of the curve itself are asked for.
+    let own = ResponseSettings { max_points: settings.max_points.max(STARTING), ..settings.clone() };
+    let mut curve = over_level(model, base, level, &own, solver)?;
     let parameter = curve.parameter();
     let branch = curve.run()?;
     let last = branch.points.last().map_or((0.0, Vec::new()), |q| (q.p, q.x.clone()));
