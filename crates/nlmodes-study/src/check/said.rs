@@ -14,7 +14,16 @@ pub fn first_case(study: &Study, findings: &mut Findings<'_>) {
         return;
     }
     let point = Points::new(study).get(0);
-    let Err(refused) = case::resolve(study, &point) else { return };
+    let refused = match case::resolve(study, &point) {
+        Err(refused) => refused,
+        Ok(parts) => {
+            if parts.iter().any(|part| !part.file.scene.responses.is_empty()) {
+                let problem = Problem::error("the scene asks for responses: studies are of nonlinear modes so far");
+                findings.put("scene", problem, "expected a scene without [response]");
+            }
+            return;
+        }
+    };
     let errors = refused.problems().iter().filter(|problem| problem.severity == Severity::Error);
     for problem in errors.filter(|problem| leads_nowhere(problem)) {
         let names = |key: &String| problem.title.contains(&format!("`{key}`")) || leads_through(key, &problem.title);
