@@ -13,7 +13,7 @@ use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, neares
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::watch::Watch;
-use crate::{Status, check, compare, extract, interrupt, lcp, modes, new, study, verify};
+use crate::{Status, check, compare, explore, extract, interrupt, lcp, modes, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -118,6 +118,14 @@ Exit status 1 where the motion cannot be integrated, 2 where the directory holds
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
     #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
     Schema,
+    /// Change a scene by sliders in a browser, its branch computed anew while you drag
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli explore configs/beam_two_stops.toml
+  nlmodes-cli explore configs/rod.toml --set method.harmonics=1
+
+The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
+    Explore(explore::Arguments),
     /// Print what every file of results, its columns and arrays mean, with units and signs
     #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
     Columns {
@@ -199,6 +207,7 @@ pub fn run() -> Status {
             with(scenes::load_any(&path, &overrides), |scene| check_any(scene, memory_limit))
         }
         Command::Schema => print(&format!("{:#}", scenes::whole_schema())),
+        Command::Explore(arguments) => explore::run(&arguments),
         Command::Columns { markdown: true } => print(nlmodes::report::columns::markdown().trim_end()),
         Command::Columns { markdown: false } => print(nlmodes::report::columns::text().trim_end()),
         Command::Completions { shell } => {

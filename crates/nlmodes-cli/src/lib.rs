@@ -14,6 +14,7 @@ macro_rules! say {
 mod check;
 pub mod command;
 mod compare;
+mod explore;
 mod extract;
 mod interrupt;
 mod lcp;

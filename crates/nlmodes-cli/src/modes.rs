@@ -45,12 +45,17 @@ fn table(scene: &Scene, found: &LinearFrequencies) -> String {
     let modal = scene.structure.straight().and_then(modal_model).map_or_else(String::new, |text| format!("\n{text}"));
     let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);
     columns.iter().for_each(|(name, _)| text += &format!("{name:>22}"));
-    text += "\n";
+    text += if found.characters.is_empty() { "\n" } else { "  what it is\n" };
     for k in 0..columns.iter().map(|(_, f)| f.len()).max().unwrap_or(0) {
         text += &format!("  {:>4}", k + 1);
-        for (_, frequencies) in &columns {
-            text += &frequencies.get(k).map_or_else(|| format!("{:>22}", "-"), |f| format!("{f:>22.8}"));
+        for (name, frequencies) in &columns {
+            // In the row of the same mode, whatever the order of its frequency.
+            let same = if *name == redistributed { found.redistributed_as.get(k).copied().flatten() } else { Some(k) };
+            let frequency = same.and_then(|k| frequencies.get(k));
+            text += &frequency.map_or_else(|| format!("{:>22}", "-"), |f| format!("{f:>22.8}"));
         }
+        let character = found.characters.get(k).filter(|words| !words.is_empty());
+        text += &character.map_or_else(String::new, |words| format!("  {words}"));
         text += "\n";
     }
     text

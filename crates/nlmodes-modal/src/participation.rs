@@ -17,6 +17,9 @@ pub struct Participation {
     pub quadrature: Vec<f64>,
     /// The harmonics in the sum.
     pub harmonics: RangeInclusive<usize>,
+    /// Share of each linear mode in the averaged kinetic energy, 0 to 1, over all harmonics; where the motion has no fundamental it is still
+    /// there. Empty where it is not known.
+    pub energy_shares: Vec<f64>,
 }
 
 impl Participation {
@@ -31,7 +34,19 @@ impl Participation {
             factors: sums.iter().map(|v| v.re).collect(),
             quadrature: sums.iter().map(|v| v.im).collect(),
             harmonics: first..=last,
+            energy_shares: Vec::new(),
         }
+    }
+
+    /// With the shares of the modes, whose mass-normalised coordinates are `modal` (m·√kg), in the averaged kinetic energy (J) of a motion of angular
+    /// frequency `omega` (rad/s): `Σ_n (nω)² |η_k,n|² / 4E_av`.
+    pub fn with_energy_shares(self, modal: &HarmonicCoefficients, omega: f64, kinetic_energy: f64) -> Self {
+        let of = |k: usize| {
+            let harmonics = modal.of(k).iter().enumerate();
+            let kinetic: f64 = harmonics.map(|(n, eta)| 0.25 * (n as f64 * omega).powi(2) * eta.norm_sqr()).sum();
+            kinetic / kinetic_energy
+        };
+        Self { energy_shares: (0..modal.n_coordinates()).map(of).collect(), ..self }
     }
 }
 
@@ -71,6 +86,20 @@ mod tests {
         let v = participation(&motion);
         assert!((v.factors[0] - 1.0).abs() < 1e-14 && v.factors[1].abs() < 1e-14, "{v:?}");
         assert_eq!(v.harmonics, 1..=2);
+    }
+
+    #[test]
+    fn shares_in_the_energy_are_those_of_the_modes_and_sum_to_one() {
+        for (unit, omega) in [(1.0, 10.0), (1e-4, 3e3)] {
+            let mut modal = HarmonicCoefficients::zeros(2, 3);
+            // Mode 1 in the fundamental, mode 2 three times as fast with a third of its amplitude and more.
+            modal.of_mut(0)[1] = Complex64::new(0.6, 0.8) * unit;
+            modal.of_mut(1)[3] = Complex64::new(0.0, 0.5) * unit;
+            let energy = 0.25 * (omega * unit).powi(2) * (1.0 + 9.0 * 0.25);
+            let found = Participation::new(&modal, 1..=3).with_energy_shares(&modal, omega, energy);
+            assert!((found.energy_shares[0] - 1.0 / 3.25).abs() < 1e-14);
+            assert!((found.energy_shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

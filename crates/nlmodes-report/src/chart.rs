@@ -1,11 +1,13 @@
 //! What a two-dimensional figure shows, apart from how it is drawn.
 
 mod draw;
+mod inset;
 mod legend;
 mod scale;
 mod symbol;
 mod ticks;
 
+pub(crate) use inset::Inset;
 pub(crate) use legend::{Key, LegendEntry};
 pub(crate) use scale::Scale;
 pub(crate) use symbol::Shape;
@@ -57,5 +59,7 @@ pub(crate) struct Symbol {
     pub at: (f64, f64),
     pub shape: Shape,
     pub fill: &'static str,
+    /// Whether `fill` is the colour of its outline.
+    pub is_open: bool,
     pub name: Option<String>,
 }

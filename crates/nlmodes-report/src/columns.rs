@@ -36,6 +36,23 @@ impl Column {
     }
 }
 
+/// Columns of `overlay.csv`.
+pub const DIFFERENCE_COLUMNS: [Column; 9] = [
+    Column::new("overlay", "", "name of what is laid over"),
+    Column::new("point", "", "its point, from 0"),
+    Column::new("modal_amplitude", "m √kg", "modal amplitude of both; NaN where energies are equal"),
+    Column::new("energy_j", "J", "averaged kinetic energy of both; NaN where amplitudes are equal"),
+    Column::new("frequency_hz", "Hz", "frequency of the point"),
+    Column::new("branch_frequency_hz", "Hz", "frequency of the branch there, linear between its points"),
+    Column::new(
+        "relative_difference",
+        "",
+        "the first over the second, minus one; negative where the overlay is softer",
+    ),
+    Column::new("peak_contact_force_n", "N", "largest contact force of the point; NaN where it is not known"),
+    Column::new("branch_peak_contact_force_n", "N", "that of the branch there"),
+];
+
 /// A file of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileMeaning {

@@ -2,6 +2,7 @@
 
 mod data;
 mod document;
+pub mod explore;
 mod frame;
 mod history;
 mod knots;
@@ -55,6 +56,7 @@ pub struct HtmlReport<'a> {
     histories: Vec<(String, Vec<&'a TimeHistory>)>,
     participation: &'a [&'a [Participation]],
     leading: Vec<(String, Figure)>,
+    scattered: Vec<usize>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
     documents: Vec<(String, Value)>,
@@ -74,6 +76,7 @@ impl<'a> HtmlReport<'a> {
             histories: Vec::new(),
             participation: &[],
             leading: Vec::new(),
+            scattered: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),
             documents: Vec::new(),
@@ -126,7 +129,7 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With the participation of the lowest linear modes over the modal amplitude (Fig. 8 b): for each branch, that at each of its points.
+    /// With the shares of the lowest linear modes in the kinetic energy over the modal amplitude: for each branch, that at each of its points.
     pub fn participation(mut self, branches: &'a [&'a [Participation]]) -> Self {
         self.participation = branches;
         self
@@ -134,13 +137,19 @@ impl<'a> HtmlReport<'a> {
 
     /// How many modes have a participation at all points of all branches.
     fn participating_modes(&self) -> usize {
-        let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.factors.len());
+        let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.energy_shares.len());
         if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
     }
 
     /// With a figure that stands still, before all others: what the page is about.
     pub fn leading_figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
         self.leading.push((title.into(), figure));
+        self
+    }
+
+    /// With points and no line of the branches with these numbers: nothing was measured between them.
+    pub fn scattered(mut self, branches: &[usize]) -> Self {
+        self.scattered = branches.to_vec();
         self
     }
 
@@ -181,6 +190,15 @@ impl<'a> HtmlReport<'a> {
         let sections = self.sections()?;
         let data = data::Data::new(self);
         Ok(frame::page(&self.title, &sections, &data))
+    }
+
+    /// What the script of the page knows, as JSON.
+    ///
+    /// # Errors
+    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist.
+    pub fn data(&self) -> Result<String, ReportError> {
+        self.check_marks()?;
+        Ok(data::Data::new(self).json())
     }
 
     /// Writes the page; a file of that name is replaced at once, never half.

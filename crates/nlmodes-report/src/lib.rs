@@ -98,7 +98,7 @@ pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
     MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
 };
-pub use html::{DataTable, HtmlReport};
+pub use html::{DataTable, HtmlReport, explore};
 pub use output::write_file;
 pub use stop::StopLine;
 pub use table::{

@@ -115,6 +115,7 @@ pub fn identity(mut scene: Value) -> Value {
         scene.remove("title");
         scene.remove("output_directory");
         scene.remove("files");
+        scene.remove("overlays");
     }
     scene
 }

@@ -41,6 +41,7 @@ pub fn remove_figures(directory: &Path) {
         "frequency_energy.svg",
         "frequency_amplitude.svg",
         "contacts.svg",
+        "overlay.csv",
         "participation.svg",
         "participation.csv",
         "report.html",

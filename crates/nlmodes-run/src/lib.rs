@@ -13,6 +13,8 @@
 //! | [`verify::verify`] | one period of the full structure from a computed point |
 //! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
 //! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
+//! | [`overlay`] | results of other runs and tests laid over a branch, with the differences in numbers |
+//! | [`explore::picture`] | the first branch of a scene as data, without files |
 //! | [`lcp`] | contact problems of one's own, in NumPy archives |
 //! | [`Observer`], [`Event`] | progress, and cancellation |
 //! | [`RunError`] | why there are no results, and whether the scene or the call is to blame |
@@ -52,9 +54,11 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod character;
 mod claim;
 pub mod compare;
 mod error;
+pub mod explore;
 mod files;
 pub mod lcp;
 pub mod linear;
@@ -62,6 +66,7 @@ mod links;
 pub mod mass;
 mod observer;
 mod outcome;
+pub mod overlay;
 #[doc(hidden)]
 pub mod readers;
 pub mod records;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes::model::{Drop, LinearModes, MasslessContactModel, ModelError, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
+use crate::character::{characters, same_modes};
 use crate::mass;
 use nlmodes_scene::assemble::{StructureError, contact_model, element_model, redistribution};
 use nlmodes_scene::number;
@@ -25,6 +26,12 @@ pub struct LinearFrequencies {
     pub mass_redistributed: Option<Vec<f64>>,
     /// Contacts held, contact mass redistributed.
     pub contacts_held: Option<Vec<f64>>,
+    /// What each mode with the contact mass kept is, in a few words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub characters: Vec<String>,
+    /// For each mode with the contact mass kept, the same one among those with the mass redistributed.
+    #[serde(skip)]
+    pub redistributed_as: Vec<Option<usize>>,
     /// What a user should know about the mode that is computed, if it is moved by the mass that the contacts lose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_warning: Option<String>,
@@ -33,8 +40,8 @@ pub struct LinearFrequencies {
 /// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
 #[derive(Debug, Clone)]
 pub struct OpenModes {
-    /// Angular frequencies with the mass of the contacts, rad/s.
-    pub kept: Vec<f64>,
+    /// The modes with the mass of the contacts.
+    pub kept: LinearModes,
     /// The modes of the model that the method works on.
     pub own: LinearModes,
 }
@@ -47,7 +54,7 @@ impl OpenModes {
     pub fn new(scene: &Scene, model: &StructuralModel, massless: &MasslessContactModel) -> Result<Self, ModelError> {
         let count = COUNT.max(scene.method.mode);
         Ok(Self {
-            kept: linear_modes(model.mass(), model.stiffness(), count)?.omega,
+            kept: linear_modes(model.mass(), model.stiffness(), count)?,
             own: linear_modes(massless.mass(), massless.stiffness(), count)?,
         })
     }
@@ -66,9 +73,13 @@ impl OpenModes {
 /// [`StructureError`] if an eigenproblem cannot be solved.
 pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
     if model.contacts().is_empty() {
-        let omega = linear_modes(model.mass(), model.stiffness(), COUNT)?.omega;
-        let of_the_elements = of_the_elements(scene, false)?;
-        return Ok(LinearFrequencies { mass_kept: hertz(&omega), of_the_elements, ..LinearFrequencies::default() });
+        let modes = linear_modes(model.mass(), model.stiffness(), COUNT)?;
+        return Ok(LinearFrequencies {
+            mass_kept: hertz(&modes.omega),
+            characters: characters(model, &modes),
+            of_the_elements: of_the_elements(scene, false)?,
+            ..LinearFrequencies::default()
+        });
     }
     let massless = contact_model(scene, model)?;
     let open = OpenModes::new(scene, model, &massless)?;
@@ -85,15 +96,17 @@ pub fn frequencies(
     massless: &MasslessContactModel,
     open: &OpenModes,
 ) -> Result<LinearFrequencies, StructureError> {
-    let mass_kept = hertz(&open.kept);
+    let mass_kept = hertz(&open.kept.omega);
+    let mut characters = characters(model, &open.kept);
+    characters.truncate(mass_kept.len());
     if scene.is_in_open_modes() {
         let held = MasslessContactModel::new(model, &Drop)?;
         let contacts_held = Some(hertz(&held_modes(&held, COUNT)?.omega));
-        return Ok(LinearFrequencies { mass_kept, contacts_held, ..LinearFrequencies::default() });
+        return Ok(LinearFrequencies { mass_kept, characters, contacts_held, ..LinearFrequencies::default() });
     }
     let of_the_elements = of_the_elements(scene, true)?;
     let Some(rule) = redistribution(scene) else {
-        return Ok(LinearFrequencies { mass_kept, of_the_elements, ..LinearFrequencies::default() });
+        return Ok(LinearFrequencies { mass_kept, characters, of_the_elements, ..LinearFrequencies::default() });
     };
     let held = match scene.method.kind {
         // The tips of the springs would be held, not the nodes.
@@ -102,7 +115,9 @@ pub fn frequencies(
     };
     Ok(LinearFrequencies {
         mass_warning: mass::warning(scene, open),
+        redistributed_as: same_modes(model, &open.kept, &open.own),
         mass_kept,
+        characters,
         of_the_elements,
         mass_redistributed: Some(hertz(&open.own.omega)),
         contacts_held: Some(hertz(&held.omega)),

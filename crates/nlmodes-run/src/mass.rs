@@ -20,7 +20,7 @@ pub fn warning(scene: &Scene, open: &OpenModes) -> Option<String> {
     if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {
         return None;
     }
-    let shift = MassShift::between(&open.kept, &open.own.omega, scene.method.mode)?;
+    let shift = MassShift::between(&open.kept.omega, &open.own.omega, scene.method.mode)?;
     (shift.relative().abs() >= NOTABLE).then(|| text(scene, &shift))
 }
 

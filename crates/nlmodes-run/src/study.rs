@@ -4,6 +4,7 @@ mod figures;
 mod histories;
 pub(crate) mod journal;
 mod motion;
+mod overlaid;
 mod page;
 pub mod repeated;
 mod several;
@@ -20,18 +21,22 @@ use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_ma
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::scene::Scene;
+use nlmodes_scene::scene::{Overlay, Scene};
 use serde_json::Value;
 
 use crate::claim::{Claim, identity};
 use crate::linear::{LinearFrequencies, OpenModes, frequencies};
 use crate::outcome::{PartOutcome, RunOutcome};
+use crate::overlay::{self, Laid};
 use crate::settings::{Models, branch_settings, models, starts};
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
+pub(crate) use figures::held_ends;
 use journal::Journal;
+use overlaid::Overlaid;
 use sink::{Sink, branch_directory};
+pub(crate) use stops::lines as stop_lines;
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the first one names.
 ///
@@ -46,6 +51,7 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
             return Err(no_contact(file).into());
         }
         links::refuse(&file.scene.output_directory)?;
+        laid_over(file)?;
     }
     let claim = claim(&scenes, over, observer)?;
     let of = scenes.len();
@@ -69,6 +75,14 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
     }
 }
 
+/// What is laid over the results of a scene.
+fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
+    let read = |(k, found): (usize, &Overlay)| {
+        overlay::read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
+    };
+    file.scene.overlays.iter().enumerate().map(read).collect()
+}
+
 /// The output directory of scenes that differ in their method only.
 fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
     let first = files.first().ok_or(RunError::NoScene)?;
@@ -83,6 +97,7 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
+    let laid = laid_over(file)?;
     let Models { model, massless, open } = models(file)?;
     observer.event(Event::Begun(scene));
     let modes = mass::open_modes(file, &model, &massless)?;
@@ -102,7 +117,7 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
-            let written = write(scene, &linear, &participation, &tree, began);
+            let written = write(scene, &linear, &participation, (&tree, &laid), began);
             (written.and_then(|()| motion::write(scene, open.as_ref(), &tree)), linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
@@ -204,7 +219,7 @@ fn write(
     scene: &Scene,
     linear: &LinearFrequencies,
     participation: &[Vec<Participation>],
-    tree: &ComputedTree,
+    (tree, laid): (&ComputedTree, &[Laid]),
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
@@ -218,19 +233,21 @@ fn write(
     figures::write_participations(directory, &tree.branches, participation)?;
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
+    let laid = Overlaid::new(laid, &first.branch);
+    laid.write(directory)?;
     if !(scene.files.figures || scene.files.page) {
         return Ok(());
     }
     let references = histories::own_references(first)?;
     if scene.files.figures {
-        figures::write(directory, scene, &tree.branches, participation, &references)?;
+        figures::write(directory, scene, &tree.branches, participation, (&references, &laid))?;
     }
     if !scene.files.page {
         return Ok(());
     }
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
-    page::write(directory, &[scene], linear, &branches, &participation, &references)
+    page::write(directory, &[scene], linear, &branches, &participation, (&references, &laid))
 }
 
 /// Writes the motions of the contacts at some points, and the results for MATLAB.

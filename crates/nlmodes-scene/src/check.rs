@@ -24,17 +24,17 @@ use std::path::{Path, PathBuf};
 
 use crate::Findings;
 use crate::check::response::Places;
-use crate::raw::{RawContact, RawMatrixScene, RawResults, RawScene};
-use crate::scene::{Contact, OutputFiles, ReductionKind, Scene, SceneStructure, StabilityChoice};
+use crate::raw::{RawContact, RawMatrixScene, RawOverlay, RawResults, RawScene};
+use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice};
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
-pub fn scene(raw: &RawScene, stem: &str, findings: &mut Findings<'_>) -> Option<Scene> {
+pub fn scene(raw: &RawScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
     let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
     let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
     let contacts = contact::check(raw, mesh.as_ref(), findings);
     let structure = structure.map(SceneStructure::Straight);
     let places = Places::along(raw.structure.as_ref(), mesh.as_ref());
-    let scene = rest(raw, stem, structure, contacts, (ReductionKind::HeldModes, &places), findings)?;
+    let scene = rest(raw, (stem, base), structure, contacts, (ReductionKind::HeldModes, &places), findings)?;
     plausible::warn(&scene, findings);
     Some(scene)
 }
@@ -52,16 +52,17 @@ pub fn matrix_scene(raw: RawMatrixScene, stem: &str, base: &Path, findings: &mut
         response: raw.response,
         method: raw.method,
         continuation: raw.continuation,
+        overlay: raw.overlay,
         output: raw.output,
         ..RawScene::default()
     };
-    rest(&plain, stem, matrices, Vec::new(), (ReductionKind::OpenModes, &Places::Nodes), findings)
+    rest(&plain, (stem, base), matrices, Vec::new(), (ReductionKind::OpenModes, &Places::Nodes), findings)
 }
 
 /// What all structures share.
 fn rest(
     raw: &RawScene,
-    stem: &str,
+    (stem, base): (&str, &Path),
     mut structure: Option<SceneStructure>,
     mut contacts: Vec<Contact>,
     (default, places): (ReductionKind, &Places<'_>),
@@ -95,6 +96,7 @@ fn rest(
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref().and_then(|output| output.directory.as_ref()), stem),
+        overlays: overlays(raw, base),
         files: files(raw.output.as_ref()),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
         warnings: Vec::new(),
@@ -104,6 +106,16 @@ fn rest(
 /// Where results go; `stem` is the name of the file.
 fn output_directory(written: Option<&String>, stem: &str) -> PathBuf {
     written.map_or_else(|| PathBuf::from("results").join(stem), PathBuf::from)
+}
+
+/// What is laid over the results; paths count from `base`.
+fn overlays(raw: &RawScene, base: &Path) -> Vec<Overlay> {
+    let overlay = |raw: &RawOverlay| {
+        let path = base.join(raw.path.as_ref()?);
+        let name = path.file_stem().map(|name| name.to_string_lossy().into_owned());
+        Some(Overlay { label: raw.label.clone().or(name).unwrap_or_default(), path })
+    };
+    raw.overlay.iter().flatten().filter_map(overlay).collect()
 }
 
 fn files(raw: Option<&RawResults>) -> OutputFiles {

@@ -8,6 +8,7 @@
 mod continuation;
 mod matrices;
 mod method;
+mod overlay;
 mod parts;
 mod records;
 mod reduction;
@@ -20,6 +21,7 @@ mod virtual_test;
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
+pub use overlay::RawOverlay;
 pub use parts::{RawMassPoint, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
@@ -66,6 +68,8 @@ pub struct RawScene {
     /// How far the branch is followed
     #[schemars(required)]
     pub continuation: Option<RawContinuation>,
+    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading `[[overlay]]`
+    pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawResults>,
 }

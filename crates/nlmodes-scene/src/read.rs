@@ -134,7 +134,7 @@ fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<Sc
         raw.and_then(|raw| check::matrix_scene(raw, &stem, &base(text.name), &mut findings))
     } else {
         let raw: Option<raw::RawScene> = root.and_then(|root| read(root, other, schema::of_structure(), &mut findings));
-        raw.and_then(|raw| check::scene(&raw, &stem, &mut findings))
+        raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut findings))
     };
     let mut file = finish(scene, findings)?;
     file.scene.warnings = file.warning_sentences();

@@ -16,7 +16,7 @@ pub use choices::{
     Support, Switching, Symmetry, UpdatedParameter,
 };
 
-pub use output::OutputFiles;
+pub use output::{OutputFiles, Overlay};
 pub use parts::{GroundSpring, MassPoint};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
@@ -61,6 +61,9 @@ pub struct Scene {
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
+    /// Results that figures and page show beside those of the scene.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub overlays: Vec<Overlay>,
     /// Which files are written there.
     #[serde(default, skip_serializing_if = "OutputFiles::is_default")]
     pub files: OutputFiles,

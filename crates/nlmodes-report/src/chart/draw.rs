@@ -1,5 +1,5 @@
 use super::ticks::Tick;
-use super::{Axis, Chart, Curve, Panel, Shape, legend};
+use super::{Axis, Chart, Curve, Inset, Panel, Shape, Symbol, legend};
 use crate::palette;
 use crate::svg::{Anchor, Stroke, Svg, fitting_size, text_width};
 
@@ -40,6 +40,10 @@ impl Frame {
 impl Chart {
     /// The chart as an SVG document.
     pub fn draw(&self) -> String {
+        self.draw_all(None)
+    }
+
+    pub(super) fn draw_all(&self, inset: Option<&Inset>) -> String {
         let left = self.left_margin();
         let rows = legend::rows(&self.legend, WIDTH - left - RIGHT);
         let head = if self.title.is_empty() { 14.0 } else { 40.0 };
@@ -54,6 +58,9 @@ impl Chart {
             let top = top + index as f64 * (self.panel_height + GAP);
             let frame = Frame { left, top, width: WIDTH - left - RIGHT, height: self.panel_height };
             self.draw_panel(&mut svg, panel, frame, index + 1 == self.panels.len());
+            if let Some(inset) = inset.filter(|_| index == 0) {
+                self.draw_inset(&mut svg, panel, inset, frame);
+            }
         }
         svg.finish()
     }
@@ -86,6 +93,25 @@ impl Chart {
         }
     }
 
+    /// The inset where least is covered, and a mark around what it shows.
+    fn draw_inset(&self, svg: &mut Svg, panel: &Panel, inset: &Inset, frame: Frame) {
+        let place = |(x, y): &(f64, f64)| frame.x(&self.x, *x).zip(frame.y(&panel.y, *y));
+        // Long straight lines have few points: what lies between them counts too.
+        let lines = panel.curves.iter().flat_map(|curve| curve.points.windows(2));
+        let ends = lines.filter_map(|pair| place(&pair[0]).zip(place(&pair[1])));
+        let taken: Vec<(f64, f64)> = ends
+            .flat_map(|(a, b)| {
+                (0..8).map(move |k| f64::from(k) / 8.0).map(move |t| (a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)))
+            })
+            .collect();
+        let (low, high) = (
+            place(&(inset.x.scale.ends().0, inset.y.scale.ends().0)),
+            place(&(inset.x.scale.ends().1, inset.y.scale.ends().1)),
+        );
+        let marked = low.zip(high).map(|((x0, y0), (x1, y1))| (x0 - 4.0, y1 - 7.0, x1 - x0 + 8.0, y0 - y1 + 14.0));
+        inset.draw(svg, (frame.left, frame.top, frame.width, frame.height), &taken, marked);
+    }
+
     fn draw_x_ticks(&self, svg: &mut Svg, frame: Frame, labelled: bool) {
         for Tick { value, label } in self.x.scale.ticks(7) {
             let Some(x) = frame.x(&self.x, value) else { continue };
@@ -113,7 +139,7 @@ impl Chart {
     fn draw_symbols(&self, svg: &mut Svg, panel: &Panel, frame: Frame) {
         for symbol in &panel.symbols {
             let Some(at) = frame.x(&self.x, symbol.at.0).zip(frame.y(&panel.y, symbol.at.1)) else { continue };
-            symbol.shape.draw(svg, &symbol.class, at, symbol.fill);
+            symbol.draw(svg, at);
             if let Some(name) = &symbol.name {
                 let fits = at.0 + 9.0 + text_width(name, FONT) < frame.left + frame.width;
                 let (dx, anchor) = if fits { (9.0, Anchor::Start) } else { (-9.0, Anchor::End) };
@@ -144,4 +170,14 @@ fn grid(labelled: bool) -> Stroke {
 
 fn tick_length(labelled: bool) -> f64 {
     if labelled { 5.0 } else { 3.0 }
+}
+
+impl Symbol {
+    /// Draws it, without its name, with its middle at `at`.
+    pub(super) fn draw(&self, svg: &mut Svg, at: (f64, f64)) {
+        match self.is_open {
+            true => self.shape.draw_open(svg, &self.class, at, self.fill),
+            false => self.shape.draw(svg, &self.class, at, self.fill),
+        }
+    }
 }

@@ -12,6 +12,8 @@ pub(crate) const ROW: f64 = 20.0;
 pub(crate) enum Key {
     Line(Stroke),
     Symbol(Shape, &'static str),
+    /// Outlined in this colour.
+    Open(Shape, &'static str),
 }
 
 /// A name in the legend.
@@ -60,6 +62,7 @@ pub(crate) fn draw(svg: &mut Svg, rows: &[&[LegendEntry]], corner: (f64, f64)) {
 fn draw_key(svg: &mut Svg, key: Key, (x, y): (f64, f64)) {
     match key {
         Key::Line(stroke) => svg.line((x, y), (x + KEY - 6.0, y), &stroke),
+        Key::Open(shape, color) => shape.draw_open(svg, "key", (x + 0.5 * (KEY - 6.0), y), color),
         Key::Symbol(shape, fill) => shape.draw(svg, "key", (x + 0.5 * (KEY - 6.0), y), fill),
     }
 }

@@ -34,15 +34,24 @@ impl Shape {
 
     /// Draws the symbol with its middle at `at`.
     pub fn draw(self, svg: &mut Svg, class: &str, at: (f64, f64), fill: &str) {
+        self.draw_with(svg, class, at, fill, OUTLINE);
+    }
+
+    /// Draws its outline in a colour, so that it tells itself from a dot on a curve.
+    pub fn draw_open(self, svg: &mut Svg, class: &str, at: (f64, f64), color: &'static str) {
+        self.draw_with(svg, class, at, "#ffffff", Stroke::solid(color, 1.6));
+    }
+
+    fn draw_with(self, svg: &mut Svg, class: &str, at: (f64, f64), fill: &str, outline: Stroke) {
         match self {
-            Self::Circle => svg.circle(class, at, 4.6, fill, &OUTLINE),
+            Self::Circle => svg.circle(class, at, 4.6, fill, &outline),
             Self::Dot => svg.circle(class, at, 3.2, fill, &Stroke::solid(palette::INK, 0.0)),
-            Self::Triangle => svg.polygon(class, &corners(at, 3, 5.8, 0.0), fill, &OUTLINE),
-            Self::TriangleDown => svg.polygon(class, &corners(at, 3, 5.8, 0.5), fill, &OUTLINE),
-            Self::Square => svg.polygon(class, &corners(at, 4, 5.8, 0.5), fill, &OUTLINE),
-            Self::Diamond => svg.polygon(class, &corners(at, 4, 6.0, 0.0), fill, &OUTLINE),
-            Self::Pentagon => svg.polygon(class, &corners(at, 5, 5.4, 0.0), fill, &OUTLINE),
-            Self::Star => svg.polygon(class, &star(at), fill, &OUTLINE),
+            Self::Triangle => svg.polygon(class, &corners(at, 3, 5.8, 0.0), fill, &outline),
+            Self::TriangleDown => svg.polygon(class, &corners(at, 3, 5.8, 0.5), fill, &outline),
+            Self::Square => svg.polygon(class, &corners(at, 4, 5.8, 0.5), fill, &outline),
+            Self::Diamond => svg.polygon(class, &corners(at, 4, 6.0, 0.0), fill, &outline),
+            Self::Pentagon => svg.polygon(class, &corners(at, 5, 5.4, 0.0), fill, &outline),
+            Self::Star => svg.polygon(class, &star(at), fill, &outline),
         }
     }
 }

@@ -1,11 +1,11 @@
-use super::{Column, FileMeaning};
+use super::{Column, DIFFERENCE_COLUMNS, FileMeaning};
 use crate::table::{
     APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
     PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 16] = [
+pub const FILES: [FileMeaning; 17] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -41,6 +41,11 @@ pub const FILES: [FileMeaning; 16] = [
         name: "participation.csv",
         meaning: "Participation of the lowest linear modes, a row a point",
         columns: &[&PARTICIPATION_COLUMNS],
+    },
+    FileMeaning {
+        name: "overlay.csv",
+        meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy where they have no amplitude",
+        columns: &[&DIFFERENCE_COLUMNS],
     },
     FileMeaning {
         name: "starts.npz",

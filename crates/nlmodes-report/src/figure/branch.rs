@@ -1,7 +1,7 @@
 use super::Figure;
 use super::events::EventSymbols;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, Inset, Key, LegendEntry, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{ModalBranch, ModalPoint, Tongue, tongues};
@@ -20,6 +20,10 @@ pub enum Abscissa {
 /// Width and height of the name of a tongue, over those of the figure.
 const NAME_SIZE: (f64, f64) = (0.12, 0.035);
 
+/// Share of the height of the figure below which a tongue is a line, and share of its width from which on it is worth a look.
+const FLAT: f64 = 0.04;
+const WIDE: f64 = 0.08;
+
 /// Frequency of nonlinear modes over energy or amplitude: several branches in one figure.
 ///
 /// Each event has its own symbol. Where a branch starts at grazing, the linear mode below is drawn as a dashed line.
@@ -29,12 +33,13 @@ pub struct BranchFigure<'a> {
     branches: &'a [&'a ModalBranch],
     title: String,
     marks: Vec<(usize, usize, String)>,
+    scattered: Vec<usize>,
 }
 
 impl<'a> BranchFigure<'a> {
     /// A figure of these branches, named in the legend by their labels.
     pub fn new(abscissa: Abscissa, branches: &'a [&'a ModalBranch]) -> Self {
-        Self { abscissa, branches, title: String::new(), marks: Vec::new() }
+        Self { abscissa, branches, title: String::new(), marks: Vec::new(), scattered: Vec::new() }
     }
 
     /// With a title; without one otherwise.
@@ -46,6 +51,12 @@ impl<'a> BranchFigure<'a> {
     /// With a name, for instance `P1`, beside point `point` of the branch number `branch`.
     pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
         self.marks.push((branch, point, name.into()));
+        self
+    }
+
+    /// With points and no line of the branches with these numbers: nothing was measured between them.
+    pub fn scattered(mut self, branches: &[usize]) -> Self {
+        self.scattered = branches.to_vec();
         self
     }
 
@@ -61,6 +72,7 @@ impl<'a> BranchFigure<'a> {
         let (x, y) = self.scales()?;
         // Dots that only carry names lie below what happens there.
         let mut symbols = self.mark_symbols()?;
+        symbols.extend(self.points());
         symbols.extend(self.tongue_symbols(x, y));
         symbols.extend(self.event_symbols(&mut events));
         let lines = self.linear_modes(x.ends().0);
@@ -69,8 +81,51 @@ impl<'a> BranchFigure<'a> {
         let y = Axis { label: "frequency in Hz".into(), scale: y };
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
         let x = Axis { label: self.abscissa.label().into(), scale: x };
+        let inset = self.inset(x.scale, panel.y.scale);
         let chart = Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 360.0, legend };
-        Ok(Figure::new(chart.draw()))
+        Ok(Figure::new(inset.map_or_else(|| chart.draw(), |inset| chart.draw_with(&inset))))
+    }
+
+    /// The widest tongue that is too flat to be seen, drawn larger.
+    fn inset(&self, x: Scale, y: Scale) -> Option<Inset> {
+        let of_branch = |branch: &&'a ModalBranch| {
+            let with_ends = |tongue: Tongue| {
+                let end = tongue.end.unwrap_or(branch.points.len() - 1);
+                &branch.points[tongue.start.saturating_sub(1)..=(end + 1).min(branch.points.len() - 1)]
+            };
+            tongues(&branch.points).into_iter().filter(|tongue| !tongue.skipped).map(with_ends).collect::<Vec<_>>()
+        };
+        let extent = |piece: &[ModalPoint], place: &dyn Fn(&ModalPoint) -> Option<f64>| {
+            let places = piece.iter().filter_map(place);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+            high - low
+        };
+        let width = |piece: &[ModalPoint]| extent(piece, &|point| x.place(self.place(point).0));
+        let height = |piece: &[ModalPoint]| extent(piece, &|point| y.place(self.place(point).1));
+        let flat = self.branches.iter().flat_map(of_branch).filter(|piece| height(piece) < FLAT && width(piece) > WIDE);
+        let shown = flat.max_by(|a, b| width(a).total_cmp(&width(b)))?;
+        let points = || shown.iter().filter(|point| self.is_visible(point));
+        let mut symbols = Vec::new();
+        let mut events = EventSymbols::default();
+        for (point, event) in points().flat_map(|point| point.events.iter().map(move |event| (point, event))) {
+            let (shape, fill) = events.of(event);
+            let class = format!("inset-event {event}");
+            symbols.push(Symbol { class, at: self.place(point), shape, fill, is_open: true, name: None });
+        }
+        let index = self.branches.iter().position(|branch| branch.points.as_ptr_range().contains(&shown.as_ptr()))?;
+        Some(Inset {
+            x: Axis {
+                label: String::new(),
+                scale: self.abscissa.scale(points().map(|p| self.abscissa.value(p)), None)?,
+            },
+            y: Axis { label: String::new(), scale: Scale::linear(points().map(|p| p.omega / TAU), 0.12)? },
+            curves: vec![Curve {
+                class: "inset",
+                points: points().map(|point| self.place(point)).collect(),
+                stroke: Stroke::solid(palette::curve(index), 1.6),
+            }],
+            symbols,
+        })
     }
 
     fn place(&self, point: &ModalPoint) -> (f64, f64) {
@@ -110,12 +165,28 @@ impl<'a> BranchFigure<'a> {
     }
 
     fn curves(&self) -> impl Iterator<Item = Curve> {
-        let branches = self.branches.iter().enumerate();
+        let branches = self.branches.iter().enumerate().filter(|(index, _)| !self.scattered.contains(index));
         branches.flat_map(move |(index, branch)| {
             pieces(&branch.points).map(move |(piece, state)| Curve {
                 class: state.class(),
                 points: piece.iter().map(|point| self.place(point)).collect(),
                 stroke: state.stroke(index),
+            })
+        })
+    }
+
+    /// The points of branches without a line.
+    fn points(&self) -> impl Iterator<Item = Symbol> {
+        let shown = self.branches.iter().enumerate().filter(|(index, _)| self.scattered.contains(index));
+        shown.flat_map(move |(index, branch)| {
+            let visible = branch.points.iter().filter(|point| self.is_visible(point));
+            visible.map(move |point| Symbol {
+                class: "measured".into(),
+                at: self.place(point),
+                shape: Shape::Circle,
+                fill: palette::curve(index),
+                is_open: true,
+                name: None,
             })
         })
     }
@@ -139,7 +210,14 @@ impl<'a> BranchFigure<'a> {
             let symbol = |tongue: Tongue| {
                 let point = &branch.points[if tongue.skipped { tongue.start } else { tongue.tip }];
                 let name = Some(tongue.resonance.to_string());
-                Symbol { class: "tongue".into(), at: self.place(point), shape: Shape::Dot, fill: palette::INK, name }
+                Symbol {
+                    class: "tongue".into(),
+                    at: self.place(point),
+                    shape: Shape::Dot,
+                    fill: palette::INK,
+                    is_open: false,
+                    name,
+                }
             };
             let shown = tongues(&branch.points).into_iter().filter(|t| self.is_visible(&branch.points[t.tip]));
             shown.map(symbol).collect::<Vec<_>>()
@@ -166,7 +244,14 @@ impl<'a> BranchFigure<'a> {
         let mut found: Vec<(usize, Symbol)> = pairs
             .map(|(point, event)| {
                 let (shape, fill) = events.of(event);
-                let symbol = Symbol { class: format!("event {event}"), at: self.place(point), shape, fill, name: None };
+                let symbol = Symbol {
+                    class: format!("event {event}"),
+                    at: self.place(point),
+                    shape,
+                    fill,
+                    is_open: true,
+                    name: None,
+                };
                 (EventSymbols::layer(event), symbol)
             })
             .collect();
@@ -179,7 +264,7 @@ impl<'a> BranchFigure<'a> {
             let found = self.branches.get(*branch).and_then(|branch| branch.points.get(*point));
             let found = found.ok_or_else(|| self.no_such_point(*branch, *point))?;
             let (at, name) = (self.place(found), Some(name.clone()));
-            Ok(Symbol { class: "mark".into(), at, shape: Shape::Dot, fill: palette::INK, name })
+            Ok(Symbol { class: "mark".into(), at, shape: Shape::Dot, fill: palette::INK, is_open: false, name })
         };
         self.marks.iter().map(symbol).collect()
     }
@@ -192,7 +277,11 @@ impl<'a> BranchFigure<'a> {
 
     fn legend(&self, has_linear_mode: bool, events: &EventSymbols) -> Vec<LegendEntry> {
         let branches = self.branches.iter().enumerate();
-        let branches = branches.map(|(index, branch)| entry(branch_stroke(index), &branch.label));
+        let key = |index: usize| match self.scattered.contains(&index) {
+            true => Key::Open(Shape::Circle, palette::curve(index)),
+            false => Key::Line(branch_stroke(index)),
+        };
+        let branches = branches.map(|(index, branch)| LegendEntry { key: key(index), name: branch.label.clone() });
         let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
         let states = self.branches.iter().flat_map(|branch| &branch.points).map(State::of).collect::<Vec<_>>();
         let unstable =

@@ -90,7 +90,8 @@ impl<'a> ConvergenceFigure<'a> {
         let dots = self.strokes().filter(|(series, _)| !series.is_reference);
         let dots = dots.flat_map(|(series, stroke)| series.points.iter().map(move |at| (*at, stroke.color)));
         let visible = dots.filter(|((x, y), _)| is_positive(*x) && is_positive(*y));
-        let symbol = |(at, fill)| Symbol { class: "value".into(), at, shape: Shape::Dot, fill, name: None };
+        let symbol =
+            |(at, fill)| Symbol { class: "value".into(), at, shape: Shape::Dot, fill, is_open: false, name: None };
         visible.map(symbol).collect()
     }
 }

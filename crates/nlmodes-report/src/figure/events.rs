@@ -1,20 +1,20 @@
-//! Symbols of the events on a branch: distinct in shape as well as in colour.
+//! Symbols of the events on a branch: open, distinct in shape as well as in colour.
 
 use crate::chart::{Key, LegendEntry, Shape};
 
 const KNOWN: [(&str, Shape, &str); 7] = [
-    ("grazing", Shape::Circle, "#f0e442"),
-    ("fold", Shape::Triangle, "#ffffff"),
-    ("branch-point", Shape::Square, "#56b4e9"),
-    ("kink", Shape::Diamond, "#cc79a7"),
-    ("frequency-fold", Shape::Pentagon, "#ffffff"),
-    ("contact-change", Shape::TriangleDown, "#e69f00"),
+    ("grazing", Shape::Circle, "#222222"),
+    ("fold", Shape::Triangle, "#222222"),
+    ("branch-point", Shape::Square, "#0072b2"),
+    ("kink", Shape::Diamond, "#aa3377"),
+    ("frequency-fold", Shape::Pentagon, "#222222"),
+    ("contact-change", Shape::TriangleDown, "#b87700"),
     ("stability-change", Shape::Star, "#d55e00"),
 ];
 /// Events that are drawn above all others, the last one on top.
 const TOPMOST: [&str; 3] = ["grazing", "kink", "branch-point"];
 const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
-const FURTHER_FILLS: [&str; 2] = ["#009e73", "#bbbbbb"];
+const FURTHER_COLORS: [&str; 2] = ["#009e73", "#777777"];
 
 /// Events in the order in which they first occur, each with its symbol.
 #[derive(Debug, Default)]
@@ -38,7 +38,7 @@ impl EventSymbols {
     fn next_further(&mut self) -> (Shape, &'static str) {
         let index = self.n_further;
         self.n_further += 1;
-        (FURTHER[index % FURTHER.len()], FURTHER_FILLS[index / FURTHER.len() % FURTHER_FILLS.len()])
+        (FURTHER[index % FURTHER.len()], FURTHER_COLORS[index / FURTHER.len() % FURTHER_COLORS.len()])
     }
 
     /// Where an event is drawn: what is rarer and says more lies above what may hide it.
@@ -55,7 +55,7 @@ impl EventSymbols {
     pub fn legend(&self) -> impl Iterator<Item = LegendEntry> {
         self.names
             .iter()
-            .map(|(name, shape, fill)| LegendEntry { key: Key::Symbol(*shape, fill), name: name.replace('-', " ") })
+            .map(|(name, shape, fill)| LegendEntry { key: Key::Open(*shape, fill), name: name.replace('-', " ") })
     }
 }
 

@@ -128,6 +128,7 @@ impl<'a> HistoryFigure<'a> {
                 at: (instant.time * per_second, value * per_si),
                 shape,
                 fill,
+                is_open: false,
                 name: None,
             })
         });

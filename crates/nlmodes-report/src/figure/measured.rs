@@ -90,6 +90,7 @@ impl<'a> MeasuredFigure<'a> {
             at: (*x, *y),
             shape: Shape::Dot,
             fill: colour,
+            is_open: false,
             name: None,
         };
         let symbols = visible.iter().map(dot).collect();

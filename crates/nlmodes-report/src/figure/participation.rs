@@ -5,7 +5,10 @@ use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{ModalBranch, ModalPoint, Participation};
 
-/// Participation of the lowest linear modes over the modal amplitude, as in Fig. 8 b: a panel for each mode, several branches in each.
+/// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: a panel for each mode from 0 to 1, several branches in each.
+///
+/// The participation factors of eq. (30) are normalised by the fundamental at a contact and grow beyond all bounds where that vanishes, as on
+/// the tip of an internal resonance; the shares in the energy do not.
 #[derive(Debug, Clone)]
 pub struct ParticipationFigure<'a> {
     branches: &'a [(&'a ModalBranch, &'a [Participation])],
@@ -51,8 +54,8 @@ impl<'a> ParticipationFigure<'a> {
     }
 
     fn panel(&self, mode: usize) -> Result<Panel, ReportError> {
-        let factor = |p: &Participation| p.factors.get(mode).copied().unwrap_or(f64::NAN);
-        let values = self.branches.iter().flat_map(|(_, participation)| participation.iter().map(factor));
+        let share = |p: &Participation| p.energy_shares.get(mode).copied().unwrap_or(f64::NAN);
+        let values = self.branches.iter().flat_map(|(_, participation)| participation.iter().map(share));
         let scale = Scale::linear(values, 0.08).ok_or_else(nothing)?;
         let mut curves = Vec::new();
         for (index, (branch, participation)) in self.branches.iter().enumerate() {
@@ -62,11 +65,11 @@ impl<'a> ParticipationFigure<'a> {
             };
             curves.extend(pairs.chunk_by(resumed).map(|piece| Curve {
                 class: "participation",
-                points: piece.iter().map(|(point, p)| (point.modal_amplitude, factor(p))).collect(),
+                points: piece.iter().map(|(point, p)| (point.modal_amplitude, share(p))).collect(),
                 stroke: stroke(index),
             }));
         }
-        let y = Axis { label: format!("participation of mode {}", mode + 1), scale };
+        let y = Axis { label: format!("energy share, mode {}", mode + 1), scale };
         Ok(Panel { y, curves, symbols: Vec::new(), verticals: Vec::new() })
     }
 }

@@ -48,7 +48,14 @@ impl<'a> StiffnessFigure<'a> {
         let x = Scale::linear(all().map(|p| p.0), 0.04).ok_or_else(nothing)?;
         let y = Scale::linear(all().map(|p| p.1), 0.06).ok_or_else(nothing)?;
         let fill = palette::curve(1);
-        let symbol = |at: &(f64, f64)| Symbol { class: "sample".into(), at: *at, shape: Shape::Dot, fill, name: None };
+        let symbol = |at: &(f64, f64)| Symbol {
+            class: "sample".into(),
+            at: *at,
+            shape: Shape::Dot,
+            fill,
+            is_open: false,
+            name: None,
+        };
         let stroke = Stroke::solid("#000000", 1.8);
         let panel = Panel {
             y: Axis { label: format!("contact force in {}", force.symbol), scale: y },

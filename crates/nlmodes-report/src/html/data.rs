@@ -7,7 +7,7 @@ use super::number::rounded;
 use crate::StopLine;
 use crate::figure::EventSymbols;
 use crate::palette;
-use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
+use nlmodes_modal::{ContactPeriod, ModalBranch, ModalPoint, tongues};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -40,12 +40,33 @@ struct Colors {
     stops: Vec<&'static str>,
 }
 
+/// What a stop does at each point.
+#[derive(Serialize)]
+struct StopColumns {
+    /// Share of the period.
+    closed: Vec<f64>,
+    /// N·s a period.
+    impulse: Vec<f64>,
+    /// Largest, N.
+    force: Vec<f64>,
+}
+
+impl StopColumns {
+    fn new(points: &[ModalPoint], stop: usize) -> Self {
+        let column =
+            |value: fn(&ContactPeriod) -> f64| points.iter().map(|p| rounded(value(&p.contacts[stop]), 5)).collect();
+        Self { closed: column(|c| c.closed_share), impulse: column(|c| c.impulse), force: column(|c| c.peak_force) }
+    }
+}
+
 /// Columns over the points; a value that is not finite is null.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct BranchData {
     label: String,
     color: &'static str,
+    /// Whether its points are measured ones with nothing between them.
+    scattered: bool,
     /// Hz.
     frequency: Vec<f64>,
     energy: Vec<f64>,
@@ -55,6 +76,8 @@ struct BranchData {
     contact_fraction: Vec<f64>,
     contact_intervals: Vec<usize>,
     force: Vec<f64>,
+    /// Where there are several stops, or one with an impulse: what each does.
+    stops: Vec<StopColumns>,
     residual: Vec<f64>,
     /// Share of each harmonic in the averaged kinetic energy.
     shares: Vec<Vec<f64>>,
@@ -69,7 +92,7 @@ struct BranchData {
     grazing: Option<usize>,
     /// Point and name of each tongue.
     tongues: Vec<(usize, String)>,
-    /// Participation of each linear mode; none where it is not known.
+    /// Share of each linear mode in the kinetic energy; none where it is not known.
     participation: Vec<Vec<f64>>,
     motion: Option<MotionData>,
 }
@@ -114,10 +137,12 @@ impl BranchData {
         let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
         let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(ModalPoint::RESUMED));
         let tongues = tongues(points).into_iter();
+        let n_stops = points.iter().map(|point| point.contacts.len()).min().unwrap_or(0);
         let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
         Self {
             label: branch.label.clone(),
             color: palette::curve(index),
+            scattered: report.scattered.contains(&index),
             // Tips of tongues are narrow: ten digits.
             frequency: column(10, &|point| point.omega / TAU),
             energy: column(10, &|point| point.kinetic_energy),
@@ -127,6 +152,7 @@ impl BranchData {
             contact_fraction: column(6, &|point| point.contact_fraction),
             contact_intervals: points.iter().map(|point| point.contact_intervals).collect(),
             force: column(6, &|point| point.peak_contact_force),
+            stops: (0..n_stops).map(|stop| StopColumns::new(points, stop)).collect(),
             residual: column(3, &|point| point.residual),
             shares: points.iter().map(shares).collect(),
             events: with_events.map(|(i, point)| (i, point.events.clone())).collect(),
@@ -160,7 +186,7 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
 }
 
 fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Vec<f64>> {
-    let of = |mode: usize| report.participation[index].iter().map(|p| rounded(p.factors[mode], 8)).collect();
+    let of = |mode: usize| report.participation[index].iter().map(|p| rounded(p.energy_shares[mode], 8)).collect();
     (0..report.participating_modes()).map(of).collect()
 }
 

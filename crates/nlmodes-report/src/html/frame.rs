@@ -18,8 +18,8 @@ const SCRIPT: &str = concat!(
 );
 
 /// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
-const STYLE_HASH: &str = "iB15JtQ8kP4SEHBkfNvDQMw8LSYJXRVIf2SCawgUMvI=";
-const SCRIPT_HASH: &str = "4luVY5VtZvtPTKnMHZ/6TiTx+VICeJPhPYaqV7MNjcU=";
+const STYLE_HASH: &str = "Q9s9zuy/Z8yaH/KnTkg1NbPYLFSGwO9gBZga+fePb4A=";
+const SCRIPT_HASH: &str = "IuUXHrNsRJdn37QHOsOOL31UP2XPpBb1pUoR2LZfGzs=";
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
     let policy = format!(

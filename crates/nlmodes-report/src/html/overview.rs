@@ -36,7 +36,15 @@ impl HtmlReport<'_> {
             let text = format!("{} … {} J", significant(least, 3), significant(most, 3));
             cards.push((text, "averaged kinetic energy".into()));
         }
-        cards.push((force(points()), "largest contact force".into()));
+        let impulses = points().flat_map(|point| &point.contacts).map(|contact| contact.impulse);
+        if let Some(most) = impulses.filter(|impulse| impulse.is_finite()).reduce(f64::max) {
+            let unit = Unit::both("N s", most);
+            let text = format!("{} {}", significant(most * unit.per_si, 4), unit.symbol);
+            cards.push((text, "largest impulse of a stop a period".into()));
+            cards.push((force(points()), "largest contact force (of short blows it need not converge)".into()));
+        } else {
+            cards.push((force(points()), "largest contact force".into()));
+        }
         cards.push((n_points.to_string(), of));
         let mut resonances: Vec<String> = Vec::new();
         for tongue in self.branches.iter().flat_map(|branch| tongues(&branch.points)) {

@@ -52,7 +52,7 @@ impl HtmlReport<'_> {
     }
 
     fn branch_figure(&self, abscissa: Abscissa, id: &str, title: &str) -> String {
-        let mut figure = BranchFigure::new(abscissa, self.branches);
+        let mut figure = BranchFigure::new(abscissa, self.branches).scattered(&self.scattered);
         for (branch, point, name) in &self.marks {
             figure = figure.mark(*branch, *point, name);
         }
@@ -66,7 +66,9 @@ impl HtmlReport<'_> {
         }
         let pairs: Vec<_> = self.branches.iter().copied().zip(self.participation.iter().copied()).collect();
         match ParticipationFigure::new(&pairs, modes).render() {
-            Ok(figure) => Ok(boxed("Participation over modal amplitude", &figure, "id=\"participation\"")),
+            Ok(figure) => {
+                Ok(boxed("Shares of the linear modes in the kinetic energy", &figure, "id=\"participation\""))
+            }
             Err(ReportError::NothingToDraw { .. }) => Ok(String::new()),
             Err(error) => Err(error),
         }

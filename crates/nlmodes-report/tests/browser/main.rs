@@ -56,7 +56,12 @@ fn branches() -> [ModalBranch; 2] {
 /// Participation of two modes.
 fn participation(branch: &ModalBranch) -> Vec<Participation> {
     let shares = |k: usize| vec![1.0 - 1e-3 * k as f64, 1e-4 * k as f64];
-    let of = |k: usize| Participation { factors: shares(k), quadrature: vec![0.0; 2], harmonics: 1..=3 };
+    let of = |k: usize| Participation {
+        factors: shares(k),
+        quadrature: vec![0.0; 2],
+        harmonics: 1..=3,
+        energy_shares: shares(k),
+    };
     (0..branch.points.len()).map(of).collect()
 }
 

@@ -113,6 +113,7 @@ fn participation(branch: &ModalBranch) -> Vec<Participation> {
         factors: vec![1.0 - 1e-3 * k as f64, if k.is_multiple_of(2) { 1e-3 } else { -1e-3 } * k as f64],
         quadrature: vec![0.0; 2],
         harmonics: 1..=3,
+        energy_shares: vec![1.0 - 1e-3 * k as f64, 1e-3 * k as f64],
     };
     (0..branch.points.len()).map(of).collect()
 }
@@ -129,7 +130,7 @@ fn participation_has_a_panel_a_mode_and_a_curve_a_branch() {
     let curves = section.descendants().filter(|node| node.attribute("class") == Some("participation"));
     assert_eq!(curves.count(), 4);
     let found = data(&page)["branches"][1]["participation"][1].clone();
-    assert_eq!((found[4].as_f64(), found[5].as_f64(), found.as_array().unwrap().len()), (Some(4e-3), Some(-5e-3), 20));
+    assert_eq!((found[4].as_f64(), found[5].as_f64(), found.as_array().unwrap().len()), (Some(4e-3), Some(5e-3), 20));
     // Left out where it is not given for each branch, refused where it is not given for each point.
     let one = HtmlReport::new("rod", &all).participation(&slices[..1]).render().unwrap();
     assert!(!one.contains("id=\"participations\""));

@@ -8,6 +8,7 @@ use nlmodes::study::{ComputedBranch, figure_points};
 
 use super::histories::{self, Reference};
 
+use super::overlaid::Overlaid;
 use super::sink::branch_directory;
 use super::stops;
 use crate::Failure;
@@ -25,18 +26,20 @@ pub fn write(
     scene: &Scene,
     all: &[ComputedBranch],
     found: &[Vec<Participation>],
-    references: &[Reference],
+    (references, laid): (&[Reference], &Overlaid),
 ) -> Result<(), Failure> {
     let Some(computed) = all.first() else { return Ok(()) };
     let branch = &computed.branch;
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
     let motions = figure_points(branch);
-    let mut energy = BranchFigure::new(Abscissa::Energy, &branches).title(&scene.title);
+    let shown: Vec<&ModalBranch> = branches.iter().copied().chain(laid.branches()).collect();
+    let scattered = laid.scattered(branches.len());
+    let mut energy = BranchFigure::new(Abscissa::Energy, &shown).title(&scene.title).scattered(&scattered);
     for (k, point) in motions.iter().enumerate() {
         energy = energy.mark(0, *point, (k + 1).to_string());
     }
     energy.render()?.write(directory.join("frequency_energy.svg"))?;
-    let mut amplitude = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(&scene.title);
+    let mut amplitude = BranchFigure::new(Abscissa::ModalAmplitude, &shown).title(&scene.title).scattered(&scattered);
     for reference in references {
         amplitude = amplitude.mark(0, reference.point, &reference.name);
     }
@@ -73,7 +76,7 @@ pub fn participation(
     found: &[&[Participation]],
 ) -> Result<(), Failure> {
     let pairs: Vec<(&ModalBranch, &[Participation])> = branches.iter().copied().zip(found.iter().copied()).collect();
-    let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.factors.len()).min(SHOWN_MODES);
+    let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.energy_shares.len()).min(SHOWN_MODES);
     let figure = ParticipationFigure::new(&pairs, modes).title(&scene.title).render()?;
     Ok(figure.write(directory.join("participation.svg"))?)
 }

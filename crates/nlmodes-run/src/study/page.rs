@@ -10,6 +10,7 @@ use nlmodes::study::{ComputedBranch, Histories, figure_points};
 
 use super::figures::{SHOWN_MODES, held_ends};
 use super::histories::Reference;
+use super::overlaid::Overlaid;
 use super::stops;
 use super::summary::method_used;
 use crate::Failure;
@@ -27,15 +28,17 @@ pub fn write(
     linear: &LinearFrequencies,
     all: &[&ComputedBranch],
     participation: &[&[Participation]],
-    references: &[Reference],
+    (references, laid): (&[Reference], &Overlaid),
 ) -> Result<(), Failure> {
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
-    let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
+    let computed = all.iter().map(|computed| &computed.branch);
+    let branches: Vec<&ModalBranch> = computed.chain(laid.branches()).collect();
     let histories = RefCell::new(all.iter().map(|computed| Histories::of(computed)).collect::<Vec<_>>());
     let contact_motion =
         |branch: usize, point: usize| histories.borrow_mut().get_mut(branch)?.at(point, MOTION_SAMPLES, "").ok();
     let participation: Vec<Vec<Participation>> = participation.iter().map(|found| shown(found)).collect();
-    let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
+    let unknown: Vec<Vec<Participation>> = laid.branches().map(|branch| unknown(branch.points.len())).collect();
+    let participation: Vec<&[Participation]> = participation.iter().chain(&unknown).map(Vec::as_slice).collect();
     let method = method_used(scene, first);
     let mut report = HtmlReport::new(&scene.title, &branches)
         .line(format!("{}; {}", first.branch.label, method.name))
@@ -43,6 +46,7 @@ pub fn write(
         .stops(&stops::lines(first))
         .contact_motion(&contact_motion)
         .participation(&participation)
+        .scattered(&laid.scattered(all.len()))
         .table(linear_table(linear))
         .document("Scene as read, in SI units", scene)?
         .document("Method as used", &method)?;
@@ -51,6 +55,12 @@ pub fn write(
     }
     if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);
+    }
+    for text in laid.sentences() {
+        report = report.line(text);
+    }
+    for table in laid.tables() {
+        report = report.table(table);
     }
     for computed in all {
         if let Some(table) = beyond_accuracy(computed) {
@@ -72,12 +82,20 @@ pub fn write(
     Ok(report.write(directory.join("report.html"))?)
 }
 
+/// The participation of so many points of which none is known.
+fn unknown(points: usize) -> Vec<Participation> {
+    let none = vec![f64::NAN; SHOWN_MODES];
+    let one = Participation { factors: none.clone(), quadrature: none.clone(), harmonics: 1..=0, energy_shares: none };
+    vec![one; points]
+}
+
 /// The participation of the modes that are shown.
 fn shown(found: &[Participation]) -> Vec<Participation> {
     let of = |point: &Participation| {
         let mut point = point.clone();
         point.factors.truncate(SHOWN_MODES);
         point.quadrature.truncate(SHOWN_MODES);
+        point.energy_shares.truncate(SHOWN_MODES);
         point
     };
     found.iter().map(of).collect()

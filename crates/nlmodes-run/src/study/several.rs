@@ -7,6 +7,7 @@ use nlmodes::report::{Abscissa, BranchFigure, write_summary};
 use nlmodes::study::ComputedBranch;
 use serde::Serialize;
 
+use super::overlaid::Overlaid;
 use super::{figures, histories, one_branch, page};
 use crate::claim::Claim;
 use crate::files::remove_figures;
@@ -156,11 +157,18 @@ fn write_figures(
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let references = histories::references(branches)?;
+    let laid = match (files.first(), branches.first()) {
+        (Some(file), Some(own)) => Overlaid::new(&super::laid_over(file)?, &own.branch),
+        _ => return Ok(()),
+    };
+    let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();
+    laid.write(directory)?;
     if scene.files.figures {
         for (abscissa, name) in
             [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
         {
-            let mut figure = BranchFigure::new(abscissa, all).title(&scene.title);
+            let mut figure =
+                BranchFigure::new(abscissa, &shown).title(&scene.title).scattered(&laid.scattered(all.len()));
             for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
                 figure = figure.mark(0, reference.point, &reference.name);
             }
@@ -173,5 +181,5 @@ fn write_figures(
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &first.linear, branches, participation, &references)
+    page::write(directory, &scenes, &first.linear, branches, participation, (&references, &laid))
 }

@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawReduction, RawResponse, RawResults};
+use super::{RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawOverlay, RawReduction, RawResponse, RawResults};
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
@@ -32,6 +32,8 @@ pub struct RawMatrixScene {
     /// How far the branch is followed
     #[schemars(required)]
     pub continuation: Option<RawContinuation>,
+    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading `[[overlay]]`
+    pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawResults>,
 }

@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 /// Which files of results are written beside the tables; nothing is computed for those that are not.
@@ -24,4 +26,13 @@ impl OutputFiles {
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// Results that are laid over those of the scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Overlay {
+    /// A folder of results, or a table.
+    pub path: PathBuf,
+    /// Its name in legends.
+    pub label: String,
 }

@@ -31,14 +31,17 @@ impl ComputedBranch {
                     factors: none.clone(),
                     quadrature: none,
                     harmonics: 1..=modal.n_harmonics(),
-                });
+                    energy_shares: Vec::new(),
+                }
+                .with_energy_shares(modal, point.omega, point.kinetic_energy));
             }
             // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
             let fundamental = point.coefficients.of(anchor)[1];
             let phase =
                 if fundamental.norm() > 0.0 { PhaseAnchor::Phase(fundamental.arg()) } else { PhaseAnchor::None };
             let shape = NonlinearModeShape::new(modal, |_| amplitude * amplitude, phase).map_err(HbmError::from)?;
-            Ok(Participation::new(&shape.harmonics, 1..=modal.n_harmonics()))
+            let participation = Participation::new(&shape.harmonics, 1..=modal.n_harmonics());
+            Ok(participation.with_energy_shares(modal, point.omega, point.kinetic_energy))
         };
         let both = self.branch.points.iter().zip(&self.unknowns).enumerate();
         both.map(|(number, (point, x))| {

@@ -16,6 +16,12 @@ function facts(branch, index) {
     ["contacts a period", String(branch.contactIntervals[index])],
     ["residual", significant(branch.residual[index], 2)],
   ];
+  branch.stops.forEach((stop, number) => {
+    const name = branch.stops.length > 1 ? `stop ${number}` : "stop";
+    const impulse = withUnit(stop.impulse[index], "N s", prefixed);
+    if (branch.stops.length === 1) rows.push(["impulse a period", impulse]);
+    else rows.push([name, `${significant(100 * stop.closed[index], 3)} %, impulse ${impulse}, force up to ${withUnit(stop.force[index], "N", prefixed)}`]);
+  });
   if (branch.events[index]) rows.push(["event", branch.events[index].join(", ").replaceAll("-", " ")]);
   if (branch.resonance[index]) rows.push(["internal resonance", branch.resonance[index]]);
   if (branch.multiplier[index] !== undefined) {
@@ -46,6 +52,12 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
   DATA.branches.forEach((branch, key) => {
     const [x, y] = [branch[column], branch.frequency];
     // What leaves an unstable point is drawn by itself, dashed.
+    if (branch.scattered) {
+      // Nothing was measured between the points.
+      curves.push({ key, x, y, color: branch.color, width: 0.01, breaks: new Set(x.keys()) });
+      x.forEach((value, index) => symbols.push({ key, x: value, y: y[index], shape: "dot", fill: branch.color }));
+      return;
+    }
     const unstable = branch.unstable.filter(index => index + 1 < x.length && !branch.resumed.includes(index + 1));
     curves.push({ key, x, y, color: branch.color, breaks: new Set([...branch.resumed, ...unstable.map(index => index + 1)]) });
     for (const [from, to] of stretches(unstable)) {
@@ -56,7 +68,7 @@ function branchSpec({ name, label, kind, column }, onHover, onChoose) {
     for (const [index, names] of Object.entries(branch.events)) {
       for (const event of names) {
         const entry = shapes[event];
-        happening.push({ key, x: x[index], y: y[index], shape: entry.shape, fill: entry.fill, layer: entry.layer });
+        happening.push({ key, x: x[index], y: y[index], shape: entry.shape, fill: entry.fill, open: true, layer: entry.layer });
       }
     }
     for (const [index, text] of branch.tongues) symbols.push({ key, x: x[index], y: y[index], shape: "dot", fill: "currentColor", name: text });
@@ -131,7 +143,7 @@ function legend(box, charts) {
   }
   for (const { name, shape, fill: color } of DATA.eventSymbols) {
     const entry = html(list, "span");
-    symbol(sample(entry), shape, 14, 7, color);
+    symbol(sample(entry), shape, 14, 7, color, undefined, true);
     html(entry, "span", {}, name.replaceAll("-", " "));
   }
 }

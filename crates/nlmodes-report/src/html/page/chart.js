@@ -136,7 +136,7 @@ class Chart {
     const [x, y] = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
     const f = this.frames[p];
     if (!(x > f.left - 20 && x < f.left + f.width + 20 && y > f.top - 20 && y < f.top + f.height + 20)) return false;
-    symbol(parent, mark.shape, x, y, mark.fill, mark.title);
+    symbol(parent, mark.shape, x, y, mark.fill, mark.title, mark.open);
     return true;
   }
 

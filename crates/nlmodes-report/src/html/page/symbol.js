@@ -4,8 +4,8 @@ const CORNERS = {
   triangle: [3, 5.8, 0], "triangle-down": [3, 5.8, 0.5], square: [4, 5.8, 0.5], diamond: [4, 6, 0], pentagon: [5, 5.4, 0],
 };
 
-function symbol(parent, shape, x, y, color, name) {
-  const attributes = { class: "symbol", fill: color };
+function symbol(parent, shape, x, y, color, name, open) {
+  const attributes = open ? { class: "symbol open", stroke: color } : { class: "symbol", fill: color };
   let node;
   if (shape === "star" || CORNERS[shape]) {
     const [n, radius, turn] = CORNERS[shape] || [10, 6.6, 0];

@@ -1,0 +1,87 @@
+use super::{Axis, Chart, Curve, Symbol};
+use crate::palette;
+use crate::svg::{Anchor, Stroke, Svg};
+
+const FONT: f64 = 10.5;
+const FRAME: Stroke = Stroke::solid(palette::INK, 0.8);
+const MARK: Stroke = Stroke::dashed("#888888", 0.8);
+/// Width and height over those of the panel.
+const SIZE: (f64, f64) = (0.46, 0.42);
+/// Distance from the frame of the panel, and room for the numbers of the inset, pixels.
+const AWAY: f64 = 12.0;
+const ROOM: (f64, f64) = (52.0, 18.0);
+
+/// A part of a panel, drawn larger in a corner of it where least is covered.
+#[derive(Debug)]
+pub(crate) struct Inset {
+    pub x: Axis,
+    pub y: Axis,
+    pub curves: Vec<Curve>,
+    pub symbols: Vec<Symbol>,
+}
+
+/// A rectangle: left, top, width, height, pixels.
+pub(super) type Rectangle = (f64, f64, f64, f64);
+
+impl Inset {
+    /// Draws it into the panel that fills `frame`; `taken` are places of the picture that should not be covered.
+    pub(super) fn draw(&self, svg: &mut Svg, frame: Rectangle, taken: &[(f64, f64)], marked: Option<Rectangle>) {
+        let (left, top, width, height) = corner(frame, taken);
+        svg.rectangle((left, top), (width, height), "#ffffff", &Stroke::solid("#ffffff", 0.0));
+        let inner = (left + ROOM.0, top + 6.0, width - ROOM.0 - 8.0, height - ROOM.1 - 8.0);
+        if let Some((x, y, w, h)) = marked {
+            svg.rectangle((x, y), (w, h), "none", &MARK);
+        }
+        let place = |(x, y): (f64, f64)| {
+            let (u, v) = self.x.scale.place(x).zip(self.y.scale.place(y))?;
+            Some((inner.0 + u * inner.2, inner.1 + (1.0 - v) * inner.3))
+        };
+        self.draw_ticks(svg, inner);
+        svg.rectangle((inner.0, inner.1), (inner.2, inner.3), "none", &FRAME);
+        for curve in &self.curves {
+            let points: Vec<(f64, f64)> = curve.points.iter().filter_map(|point| place(*point)).collect();
+            if points.len() > 1 {
+                svg.polyline(curve.class, &points, &curve.stroke);
+            }
+        }
+        for symbol in &self.symbols {
+            if let Some(at) = place(symbol.at) {
+                symbol.draw(svg, at);
+            }
+        }
+    }
+
+    fn draw_ticks(&self, svg: &mut Svg, (left, top, width, height): Rectangle) {
+        for tick in self.x.scale.ticks(3) {
+            let (Some(share), Some(label)) = (self.x.scale.place(tick.value), tick.label) else { continue };
+            let x = left + share * width;
+            svg.line((x, top + height), (x, top + height + 3.0), &FRAME);
+            svg.text((x, top + height + 14.0), Anchor::Middle, FONT, &label);
+        }
+        for tick in self.y.scale.ticks(3) {
+            let (Some(share), Some(label)) = (self.y.scale.place(tick.value), tick.label) else { continue };
+            let y = top + (1.0 - share) * height;
+            svg.line((left - 3.0, y), (left, y), &FRAME);
+            svg.text((left - 5.0, y + 0.35 * FONT), Anchor::End, FONT, &label);
+        }
+    }
+}
+
+/// The corner in which the inset covers least.
+fn corner((left, top, width, height): Rectangle, taken: &[(f64, f64)]) -> Rectangle {
+    let (w, h) = (SIZE.0 * width, SIZE.1 * height);
+    let (right, bottom) = (left + width - w - AWAY, top + height - h - AWAY);
+    let corners = [(right, top + AWAY), (left + AWAY, top + AWAY), (right, bottom), (left + AWAY, bottom)];
+    let covered = |(x, y): &(f64, f64)| {
+        taken.iter().filter(|(a, b)| (*x..=x + w).contains(a) && (*y..=y + h).contains(b)).count()
+    };
+    let (x, y) = corners.into_iter().min_by_key(covered).unwrap_or(corners[0]);
+    (x, y, w, h)
+}
+
+impl Chart {
+    /// The chart with a part of its first panel drawn larger.
+    pub fn draw_with(&self, inset: &Inset) -> String {
+        self.draw_all(Some(inset))
+    }
+}

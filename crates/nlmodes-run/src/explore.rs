@@ -1,0 +1,57 @@
+//! The first branch of a scene without files, as data of the page: computed anew while somebody changes the scene.
+
+use std::ops::ControlFlow;
+
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::HtmlReport;
+use nlmodes::study::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
+use nlmodes_scene::SceneFile;
+
+use crate::settings::{Models, branch_settings, models, starts};
+use crate::study::{held_ends, stop_lines};
+use crate::{Failure, RunError, refusal};
+
+/// Most points: somebody waits for them.
+const MOST_POINTS: usize = 600;
+/// Instants of a period of the contacts.
+const SAMPLES: usize = 120;
+
+/// Computes the branch of a scene from its start; one way where it goes both ways, without stability.
+///
+/// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it.
+///
+/// # Errors
+/// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.
+pub fn picture(file: &SceneFile, watch: Watch) -> Result<String, RunError> {
+    let Models { model: _, massless, .. } = models(file)?;
+    let plain = branch_settings(&file.scene);
+    let settings = BranchSettings {
+        start: starts(file.scene.continuation.start).0,
+        stability: StabilityRule::Never,
+        at_branch_point: match plain.at_branch_point {
+            BranchPointRule::All => BranchPointRule::Stay,
+            rule => rule,
+        },
+        max_points: plain.max_points.min(MOST_POINTS),
+        watch: watch.clone(),
+        ..plain
+    };
+    let ended = watch.clone();
+    let going_on = move |_| if ended.has_ended() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_study(file, &error))?;
+    if watch.has_ended() {
+        return Err(RunError::Ended);
+    }
+    let branches: [&ModalBranch; 1] = [&computed.branch];
+    let histories = std::cell::RefCell::new(Histories::of(&computed));
+    let motion = |_: usize, point: usize| {
+        let mut histories = histories.try_borrow_mut().ok()?;
+        if watch.has_ended() { None } else { histories.at(point, SAMPLES, "").ok() }
+    };
+    let report = HtmlReport::new(&file.scene.title, &branches)
+        .clamped_at(&held_ends(&file.scene, &computed))
+        .stops(&stop_lines(&computed))
+        .contact_motion(&motion);
+    let text = report.data().map_err(|error| RunError::Files(Failure::from(error)))?;
+    if watch.has_ended() { Err(RunError::Ended) } else { Ok(text) }
+}

@@ -1,0 +1,215 @@
+use std::f64::consts::TAU;
+use std::io;
+use std::path::Path;
+
+use nlmodes::modal::{ModalBranch, ModalPoint};
+use nlmodes::report::{DataTable, ReportError, write_file};
+
+use super::Laid;
+
+/// Most rows of the table on the page.
+const SHOWN: usize = 20;
+
+/// A point that is laid over, against the branch at the same modal amplitude, or the same energy where it has no amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Number of the point that is laid over.
+    pub point: usize,
+    /// Modal amplitude (m√kg) of both, NaN where energies are equal.
+    pub amplitude: f64,
+    /// Averaged kinetic energy (J) of both, NaN where amplitudes are equal.
+    pub energy: f64,
+    /// Frequency of the point, Hz.
+    pub frequency: f64,
+    /// Frequency of the branch there, Hz.
+    pub own_frequency: f64,
+    /// Largest contact force of the point, N, NaN where it is not known.
+    pub force: f64,
+    /// That of the branch there, N.
+    pub own_force: f64,
+}
+
+impl Difference {
+    /// Relative difference of the frequencies, over that of the branch.
+    pub fn relative(&self) -> f64 {
+        self.frequency / self.own_frequency - 1.0
+    }
+}
+
+/// The differences of all points that are laid over and lie within the amplitudes, or energies, of the branch; the branch is linear between its
+/// points, and where it has an amplitude several times, the frequency nearest to that of the point counts.
+pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
+    laid.branch.points.iter().enumerate().filter_map(|(number, point)| difference(number, point, own)).collect()
+}
+
+fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Difference> {
+    let by_amplitude = point.modal_amplitude.is_finite();
+    let size = |point: &ModalPoint| if by_amplitude { point.modal_amplitude } else { point.kinetic_energy };
+    let wanted = size(point);
+    let crossings = own.points.windows(2).filter(|pair| !pair[1].has_event(ModalPoint::RESUMED)).filter_map(|pair| {
+        let (a, b) = (size(&pair[0]), size(&pair[1]));
+        let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
+        let within = (a.min(b)..=a.max(b)).contains(&wanted);
+        let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
+        within.then(|| (at(|p| p.omega), at(|p| p.peak_contact_force)))
+    });
+    let off = |(omega, _): &(f64, f64)| (omega - point.omega).abs();
+    let (omega, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    Some(Difference {
+        point: number,
+        amplitude: if by_amplitude { wanted } else { f64::NAN },
+        energy: if by_amplitude { f64::NAN } else { wanted },
+        frequency: point.omega / TAU,
+        own_frequency: omega / TAU,
+        force: point.peak_contact_force,
+        own_force: force,
+    })
+}
+
+/// Whether what is laid over is softer or stiffer than the branch, in a sentence.
+pub fn sentence(laid: &Laid, found: &[Difference]) -> String {
+    let name = &laid.branch.label;
+    if found.is_empty() {
+        return format!("{name}: no point within the amplitudes of the branch");
+    }
+    let percent: Vec<f64> = found.iter().map(|difference| 100.0 * difference.relative()).collect();
+    let mean = percent.iter().sum::<f64>() / percent.len() as f64;
+    let (least, most) = percent.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    let word = match (least > 0.0, most < 0.0) {
+        (true, _) => "stiffer than",
+        (_, true) => "softer than",
+        _ => "softer here and stiffer there than",
+    };
+    let what = if found[0].amplitude.is_finite() { "modal amplitude" } else { "energy" };
+    format!(
+        "{name}: {word} this branch; its frequency at equal {what} differs by {mean:+.3} % on average ({least:+.3} to {most:+.3} %, {} points)",
+        found.len()
+    )
+}
+
+/// The differences as a table of the page: evenly chosen rows.
+pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
+    let title = format!("{} against this branch", laid.branch.label);
+    let head = [
+        "point",
+        "amplitude, m√kg",
+        "energy, J",
+        "frequency, Hz",
+        "this branch, Hz",
+        "difference, %",
+        "force, N",
+        "this branch, N",
+    ];
+    let mut table = DataTable::new(title, &head);
+    let n = found.len();
+    let shown =
+        if n <= SHOWN { (0..n).collect() } else { (0..SHOWN).map(|k| k * (n - 1) / (SHOWN - 1)).collect::<Vec<_>>() };
+    let text = |value: f64| if value.is_finite() { format!("{value:.5}") } else { "–".to_owned() };
+    let short = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { "–".to_owned() };
+    for difference in shown.into_iter().map(|k| &found[k]) {
+        table.rows.push(vec![
+            difference.point.to_string(),
+            short(difference.amplitude),
+            short(difference.energy),
+            text(difference.frequency),
+            text(difference.own_frequency),
+            format!("{:.4}", 100.0 * difference.relative()).replace('-', "−"),
+            short(difference.force),
+            short(difference.own_force),
+        ]);
+    }
+    table
+}
+
+/// Writes the differences of all that is laid over, a row a point: `overlay`, `point`, `modal_amplitude`, `energy_j`, `frequency_hz`,
+/// `branch_frequency_hz`, `relative_difference`, `peak_contact_force_n`, `branch_peak_contact_force_n`.
+///
+/// # Errors
+/// [`ReportError::Io`] if the file cannot be written.
+pub fn write(path: &Path, all: &[(Laid, Vec<Difference>)]) -> Result<(), ReportError> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let failed = |source: csv::Error| ReportError::Io { path: path.to_path_buf(), source: source.into() };
+    table.write_record(nlmodes::report::columns::DIFFERENCE_COLUMNS.map(|column| column.name)).map_err(failed)?;
+    for (laid, found) in all {
+        for difference in found {
+            let number = |value: f64| format!("{value:?}");
+            let values = [
+                difference.amplitude,
+                difference.energy,
+                difference.frequency,
+                difference.own_frequency,
+                difference.relative(),
+                difference.force,
+                difference.own_force,
+            ];
+            let row = [laid.branch.label.clone(), difference.point.to_string()].into_iter().chain(values.map(number));
+            table.write_record(row).map_err(failed)?;
+        }
+    }
+    let bytes = table
+        .into_inner()
+        .map_err(|error| ReportError::Io { path: path.to_path_buf(), source: io::Error::other(error.to_string()) })?;
+    write_file(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+    use super::*;
+    use nlmodes_scene::scene::Overlay;
+    use std::fs;
+
+    /// A branch of frequency `10 + a` Hz over amplitudes 0 to 2 in units of `unit`, that turns back at 12 Hz.
+    fn laid(text: &str) -> Laid {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        fs::write(&path, text).unwrap();
+        read(&Overlay { path, label: "test".into() }).unwrap()
+    }
+
+    #[test]
+    fn a_softer_test_is_called_so_with_its_difference_in_any_unit() {
+        for unit in [1.0, 1e-6] {
+            let own = laid(&format!(
+                "frequency_hz,modal_amplitude\n10.0,{:e}\n11.0,{:e}\n12.0,{:e}\n",
+                0.0,
+                unit,
+                2.0 * unit
+            ));
+            let test = laid(&format!(
+                "record,frequency_hz,modal_amplitude,peak_contact_force_n\na,10.29,{:e},5\nb,,,\nc,99,{:e},\nd,11.27,{:e},7\n",
+                0.5 * unit,
+                9.0 * unit,
+                1.5 * unit
+            ));
+            let found = differences(&test, &own.branch);
+            assert_eq!(found.iter().map(|d| d.point).collect::<Vec<_>>(), [0, 2], "rows without values are no points");
+            for (difference, wanted) in found.iter().zip([10.5, 11.5]) {
+                assert!((difference.own_frequency - wanted).abs() < 1e-12, "{difference:?}");
+                assert!((difference.relative() + 0.02).abs() < 1e-12);
+            }
+            assert_eq!(found[1].force, 7.0);
+            let said = sentence(&test, &found);
+            assert!(said.contains("softer than") && said.contains("-2.000 %"), "{said}");
+        }
+    }
+
+    #[test]
+    fn tables_that_hold_no_points_say_what_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        for (text, wanted) in [
+            ("a,b\n1,2\n", "no column frequency_hz"),
+            ("frequency_hz,level\n1,2\n", "no column modal_amplitude or energy_j"),
+            ("frequency_hz,energy_j\n,\n", "no row with a frequency"),
+        ] {
+            fs::write(&path, text).unwrap();
+            let error = read(&Overlay { path: path.clone(), label: String::new() }).unwrap_err().to_string();
+            assert!(error.contains(wanted), "{error}");
+        }
+        let error = read(&Overlay { path: folder.path().join("none.csv"), label: String::new() }).unwrap_err();
+        assert!(crate::chain(&error).contains("none.csv"), "{error}");
+        let error = read(&Overlay { path: folder.path().to_path_buf(), label: String::new() }).unwrap_err().to_string();
+        assert!(error.contains("neither branch.csv nor modal_points.csv"), "{error}");
+    }
+}

@@ -1,0 +1,141 @@
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use nlmodes::modal::{BranchEnd, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes_scene::scene::Overlay;
+use thiserror::Error;
+
+/// Tables of a folder of results that hold modal points: of a branch, of records.
+const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
+/// Most rows that are read.
+const MOST_ROWS: usize = 1_000_000;
+
+/// Why there is nothing to lay over.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OverlayError {
+    /// The folder has no table of modal points.
+    #[error("{} holds neither {} nor {}", .0.display(), TABLES[0], TABLES[1])]
+    NoTable(PathBuf),
+    /// A table cannot be read.
+    #[error("{}", path.display())]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: csv::Error,
+    },
+    /// A table has not the columns of modal points.
+    #[error("{} has no column {column}", path.display())]
+    NoColumn {
+        /// The table.
+        path: PathBuf,
+        /// The column, or the two of which one is needed.
+        column: &'static str,
+    },
+    /// A table has no row with a frequency and an amplitude or energy.
+    #[error("{} has no row with a frequency and an amplitude or an energy", .0.display())]
+    NoPoint(PathBuf),
+    /// A table has more rows than a branch has points.
+    #[error("{} has more than {MOST_ROWS} rows", .0.display())]
+    TooManyRows(PathBuf),
+}
+
+/// Modal points of another run or of a test.
+#[derive(Debug, Clone)]
+pub struct Laid {
+    /// The points.
+    pub branch: ModalBranch,
+    /// Whether nothing is known between them.
+    pub is_scattered: bool,
+}
+
+/// Reads what is laid over.
+///
+/// # Errors
+/// [`OverlayError`].
+pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
+    let path = table(&overlay.path)?;
+    let failed = |source| OverlayError::Table { path: path.clone(), source };
+    let mut table = csv::Reader::from_path(&path).map_err(failed)?;
+    let head = table.headers().map_err(failed)?.clone();
+    let column = |name: &str| head.iter().position(|column| column.trim() == name);
+    let missing = |column| OverlayError::NoColumn { path: path.clone(), column };
+    let frequency = column("frequency_hz").ok_or_else(|| missing("frequency_hz"))?;
+    let (energy, amplitude) = (column("energy_j"), column("modal_amplitude"));
+    if energy.or(amplitude).is_none() {
+        return Err(missing("modal_amplitude or energy_j"));
+    }
+    let columns =
+        Columns { frequency, energy, amplitude, force: column("peak_contact_force_n"), event: column("event") };
+    let mut points = Vec::new();
+    for (count, row) in table.records().enumerate() {
+        if count == MOST_ROWS {
+            return Err(OverlayError::TooManyRows(path));
+        }
+        points.extend(columns.point(&row.map_err(failed)?));
+    }
+    if points.is_empty() {
+        return Err(OverlayError::NoPoint(path));
+    }
+    let is_scattered = !path.ends_with(TABLES[0]);
+    let message = format!("{} points of {}", points.len(), path.display());
+    let branch = ModalBranch {
+        label: overlay.label.clone(),
+        coordinates: Vec::new(),
+        contact_coordinate: None,
+        stop: None,
+        points,
+        end: BranchEnd { reason: "overlay".into(), message, complete: true },
+    };
+    Ok(Laid { branch, is_scattered })
+}
+
+/// The table of a folder, or the table itself.
+fn table(path: &Path) -> Result<PathBuf, OverlayError> {
+    if !path.is_dir() {
+        return Ok(path.to_path_buf());
+    }
+    let found = TABLES.iter().map(|name| path.join(name)).find(|table| table.is_file());
+    found.ok_or_else(|| OverlayError::NoTable(path.to_path_buf()))
+}
+
+/// Where the quantities of a point stand in a row.
+struct Columns {
+    frequency: usize,
+    energy: Option<usize>,
+    amplitude: Option<usize>,
+    force: Option<usize>,
+    event: Option<usize>,
+}
+
+impl Columns {
+    /// The point of a row; `None` where there is none, as of a record that gave nothing.
+    fn point(&self, row: &csv::StringRecord) -> Option<ModalPoint> {
+        let text = |column: Option<usize>| column.and_then(|column| row.get(column)).unwrap_or_default().trim();
+        let value = |column| text(column).parse::<f64>().ok().filter(|x| x.is_finite()).unwrap_or(f64::NAN);
+        let (hz, energy, amplitude) = (value(Some(self.frequency)), value(self.energy), value(self.amplitude));
+        if !(hz > 0.0) || (energy.is_nan() && amplitude.is_nan()) {
+            return None;
+        }
+        Some(ModalPoint {
+            omega: TAU * hz,
+            coefficients: HarmonicCoefficients::zeros(0, 0),
+            kinetic_energy: energy,
+            harmonic_energy: Vec::new(),
+            resonance: None,
+            stability: None,
+            total_energy: f64::NAN,
+            modal_amplitude: amplitude,
+            fundamental: f64::NAN,
+            peak: f64::NAN,
+            contact_fraction: f64::NAN,
+            contact_intervals: 0,
+            peak_contact_force: value(self.force),
+            contacts: Vec::new(),
+            residual: f64::NAN,
+            error_estimate: None,
+            events: text(self.event).split_whitespace().map(str::to_owned).collect(),
+        })
+    }
+}

@@ -1,0 +1,47 @@
+//! What is laid over a branch in its figures and on its page.
+
+use std::path::Path;
+
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{DataTable, ReportError};
+
+use crate::overlay::{Difference, Laid, differences, sentence, table, write};
+
+/// Other results and their differences from the first branch.
+pub struct Overlaid(Vec<(Laid, Vec<Difference>)>);
+
+impl Overlaid {
+    /// Compares them with the first branch.
+    pub fn new(laid: &[Laid], first: &ModalBranch) -> Self {
+        Self(laid.iter().map(|laid| (laid.clone(), differences(laid, first))).collect())
+    }
+
+    /// Writes the differences, where there is anything laid over.
+    ///
+    /// # Errors
+    /// [`ReportError::Io`].
+    pub fn write(&self, directory: &Path) -> Result<(), ReportError> {
+        if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), &self.0) }
+    }
+
+    /// The branches that are laid over.
+    pub fn branches(&self) -> impl Iterator<Item = &ModalBranch> {
+        self.0.iter().map(|(laid, _)| &laid.branch)
+    }
+
+    /// Numbers of those without lines, where they stand behind `before` others.
+    pub fn scattered(&self, before: usize) -> Vec<usize> {
+        let all = self.0.iter().enumerate();
+        all.filter(|(_, (laid, _))| laid.is_scattered).map(|(number, _)| before + number).collect()
+    }
+
+    /// Softer or stiffer, a sentence each.
+    pub fn sentences(&self) -> impl Iterator<Item = String> {
+        self.0.iter().map(|(laid, found)| sentence(laid, found))
+    }
+
+    /// The differences, a table each.
+    pub fn tables(&self) -> impl Iterator<Item = DataTable> {
+        self.0.iter().map(|(laid, found)| table(laid, found))
+    }
+}
