@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes::modal::ModalBranch;
+use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::report::HtmlReport;
 use nlmodes::study::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
 use nlmodes_scene::SceneFile;
@@ -37,7 +37,10 @@ pub fn picture(file: &SceneFile, watch: Watch) -> Result<String, RunError> {
         ..plain
     };
     let ended = watch.clone();
-    let going_on = move |_| if ended.has_ended() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let going_on = |_: &ModalPoint| match ended.has_ended() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
     let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_study(file, &error))?;
     if watch.has_ended() {
         return Err(RunError::Ended);

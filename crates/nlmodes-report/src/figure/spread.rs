@@ -54,8 +54,14 @@ impl<'a> SpreadFigure<'a> {
         let y = Scale::linear(visible().map(|p| p.1), 0.06);
         let reason = "no case has the quantity";
         let (x, y) = x.zip(y).ok_or(ReportError::NothingToDraw { figure: "spread", reason })?;
-        let dot =
-            |at: &(f64, f64)| Symbol { class: "case".into(), at: *at, shape: Shape::Dot, fill: "#8fc1e3", name: None };
+        let dot = |at: &(f64, f64)| Symbol {
+            class: "case".into(),
+            at: *at,
+            shape: Shape::Dot,
+            fill: "#8fc1e3",
+            is_open: false,
+            name: None,
+        };
         let symbols = visible().map(dot).collect();
         let curve = |line: &Line<'_>| Curve { class: "quantile", points: line.points.to_vec(), stroke: stroke(line) };
         let lines = self.lines.iter();
