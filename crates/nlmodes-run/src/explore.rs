@@ -23,6 +23,10 @@ const SAMPLES: usize = 120;
 /// # Errors
 /// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.
 pub fn picture(file: &SceneFile, watch: Watch) -> Result<String, RunError> {
+    if !file.scene.responses.is_empty() {
+        let help = ["leave out [[response]] for the nonlinear mode"];
+        return Err(file.error_at("response", "responses are not explored yet", "here", &help).into());
+    }
     let Models { model: _, massless, .. } = models(file)?;
     let plain = branch_settings(&file.scene);
     let settings = BranchSettings {

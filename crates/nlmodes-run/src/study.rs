@@ -76,7 +76,13 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
 }
 
 /// What is laid over the results of a scene.
-fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
+pub(crate) fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
+    if !(file.scene.overlays.is_empty() || file.scene.responses.is_empty()) {
+        let help = ["leave out [[response]] for the nonlinear mode with its overlays"];
+        return Err(file
+            .error_at("overlay", "responses have no overlays yet", "not beside [[response]]", &help)
+            .into());
+    }
     let read = |(k, found): (usize, &Overlay)| {
         overlay::read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
     };

@@ -125,6 +125,7 @@ impl<'a> ResponseFigure<'a> {
             at: (x * per_x, y * per_y),
             shape: Shape::Dot,
             fill: palette::INK,
+            is_open: false,
             name: (!name.is_empty()).then(|| name.clone()),
         };
         let symbols = self.marks.iter().map(symbol).collect();

@@ -1,7 +1,9 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawOverlay, RawReduction, RawResponse, RawResults};
+use super::{
+    RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawOverlay, RawReduction, RawResponse, RawResults,
+};
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
