@@ -286,7 +286,8 @@ mod tests {
                     assert!(value.abs() < 1e-11 * length, "{symmetry:?}, seed {seed}, at {at}: {value:e} of {ends:?}");
                 }
             }
-            assert!(all > 60 && f64::from(known) > 0.85 * f64::from(all), "{symmetry:?}: {known} of {all}");
+            // The others are two changes within one step.
+            assert!(all > 60 && f64::from(known) > 0.75 * f64::from(all), "{symmetry:?}: {known} of {all}");
         }
     }
 }
