@@ -42,7 +42,7 @@ impl Asked {
     fn goes_on(&mut self) -> Result<(), RigError> {
         self.samples += 1;
         match &self.who {
-            Some(who) if self.samples % Self::EVERY == 0 && who().is_break() => Err(RigError::Interrupted),
+            Some(who) if self.samples.is_multiple_of(Self::EVERY) && who().is_break() => Err(RigError::Interrupted),
             _ => Ok(()),
         }
     }

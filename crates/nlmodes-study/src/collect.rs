@@ -94,7 +94,7 @@ fn rows(study: &Study, store: &Store, cases: &[Case], threads: usize) -> Vec<Row
         loop {
             let k = next.fetch_add(1, Ordering::Relaxed);
             let Some(case) = cases.get(k) else { return found };
-            found.push((k, Row::read(study, store, case, k % every == 0)));
+            found.push((k, Row::read(study, store, case, k.is_multiple_of(every))));
         }
     };
     let mut all: Vec<(usize, Row)> = thread::scope(|scope| {
