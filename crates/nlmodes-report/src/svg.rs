@@ -155,7 +155,7 @@ fn px(value: f64) -> String {
 /// Appends it; surfaces have tens of thousands of them, for which the general formatting of numbers takes its time.
 fn push_px(text: &mut String, value: f64) {
     let hundredths = (100.0 * value).round();
-    if !(hundredths.abs() < 1e12) {
+    if !hundredths.is_finite() || hundredths.abs() >= 1e12 {
         // Writing to a string cannot fail.
         let _ = write!(text, "{value:.2}");
         return;

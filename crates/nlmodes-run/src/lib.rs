@@ -65,6 +65,7 @@ pub mod linear;
 mod links;
 pub mod mass;
 mod observer;
+pub mod open_modes;
 mod outcome;
 pub mod overlay;
 #[doc(hidden)]

@@ -7,12 +7,10 @@ use serde::Serialize;
 
 use crate::character::{characters, same_modes};
 use crate::mass;
+use crate::open_modes::{LISTED, OpenModes};
 use nlmodes_scene::assemble::{StructureError, contact_model, element_model, redistribution};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
-
-/// Modes of the table.
-const COUNT: usize = 10;
 
 /// Lowest linear frequencies, Hz.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -37,43 +35,13 @@ pub struct LinearFrequencies {
     pub mass_warning: Option<String>,
 }
 
-/// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
-#[derive(Debug, Clone)]
-pub struct OpenModes {
-    /// The modes with the mass of the contacts.
-    pub kept: LinearModes,
-    /// The modes of the model that the method works on.
-    pub own: LinearModes,
-}
-
-impl OpenModes {
-    /// Of the structure of a scene, and of the model of it that the method works on.
-    ///
-    /// # Errors
-    /// [`ModelError`] if an eigenproblem cannot be solved.
-    pub fn new(scene: &Scene, model: &StructuralModel, massless: &MasslessContactModel) -> Result<Self, ModelError> {
-        let count = COUNT.max(scene.method.mode);
-        Ok(Self {
-            kept: linear_modes(model.mass(), model.stiffness(), count)?,
-            own: linear_modes(massless.mass(), massless.stiffness(), count)?,
-        })
-    }
-
-    /// The lowest `count` modes of the model that the method works on.
-    pub fn lowest(&self, count: usize) -> LinearModes {
-        let count = count.min(self.own.omega.len());
-        let shapes = self.own.shapes.subcols(0, count).to_owned();
-        LinearModes { omega: self.own.omega[..count].to_vec(), shapes }
-    }
-}
-
 /// Computes the lowest frequencies of the scene's structure.
 ///
 /// # Errors
 /// [`StructureError`] if an eigenproblem cannot be solved.
 pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
     if model.contacts().is_empty() {
-        let modes = linear_modes(model.mass(), model.stiffness(), COUNT)?;
+        let modes = linear_modes(model.mass(), model.stiffness(), LISTED)?;
         return Ok(LinearFrequencies {
             mass_kept: hertz(&modes.omega),
             characters: characters(model, &modes),
@@ -101,7 +69,7 @@ pub fn frequencies(
     characters.truncate(mass_kept.len());
     if scene.is_in_open_modes() {
         let held = MasslessContactModel::new(model, &Drop)?;
-        let contacts_held = Some(hertz(&held_modes(&held, COUNT)?.omega));
+        let contacts_held = Some(hertz(&held_modes(&held, LISTED)?.omega));
         return Ok(LinearFrequencies { mass_kept, characters, contacts_held, ..LinearFrequencies::default() });
     }
     let of_the_elements = of_the_elements(scene, true)?;
@@ -110,8 +78,8 @@ pub fn frequencies(
     };
     let held = match scene.method.kind {
         // The tips of the springs would be held, not the nodes.
-        MethodKind::Hbm => held_modes(&MasslessContactModel::new(model, rule)?, COUNT)?,
-        MethodKind::MsHbm | MethodKind::Shooting => held_modes(massless, COUNT)?,
+        MethodKind::Hbm => held_modes(&MasslessContactModel::new(model, rule)?, LISTED)?,
+        MethodKind::MsHbm | MethodKind::Shooting => held_modes(massless, LISTED)?,
     };
     Ok(LinearFrequencies {
         mass_warning: mass::warning(scene, open),
@@ -132,12 +100,12 @@ fn of_the_elements(scene: &Scene, has_contacts: bool) -> Result<Option<Vec<f64>>
     let rule = redistribution(scene).filter(|_| has_contacts);
     let redistributed = rule.map(|rule| rule.redistribute(&elements)).transpose()?;
     let mass = redistributed.as_ref().unwrap_or(elements.mass());
-    Ok(Some(hertz(&linear_modes(mass, elements.stiffness(), COUNT)?.omega)))
+    Ok(Some(hertz(&linear_modes(mass, elements.stiffness(), LISTED)?.omega)))
 }
 
 /// The frequencies of the table, Hz.
 fn hertz(omega: &[f64]) -> Vec<f64> {
-    omega.iter().take(COUNT).map(|omega| omega / TAU).collect()
+    omega.iter().take(LISTED).map(|omega| omega / TAU).collect()
 }
 
 /// What a structure with imposed frequencies is, in a line: nobody should take it for that of the elements.

@@ -6,7 +6,7 @@ use nlmodes::model::{MassShift, MasslessContactModel, StructuralModel};
 use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
 use nlmodes_scene::{SceneFile, number};
 
-use crate::linear::OpenModes;
+use crate::open_modes::OpenModes;
 use crate::settings::{Models, models};
 use crate::{RunError, refusal};
 

@@ -53,7 +53,7 @@ impl ResponsesOutcome {
 /// # Errors
 /// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
 pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
-    crate::study::laid_over(file)?;
+    crate::overlay::laid_over(file)?;
     if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
     }

@@ -21,13 +21,14 @@ use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_ma
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::scene::{Overlay, Scene};
+use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
 use crate::claim::{Claim, identity};
-use crate::linear::{LinearFrequencies, OpenModes, frequencies};
+use crate::linear::{LinearFrequencies, frequencies};
+use crate::open_modes::OpenModes;
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::overlay::{self, Laid};
+use crate::overlay;
 use crate::settings::{Models, branch_settings, models, starts};
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
@@ -51,7 +52,7 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
             return Err(no_contact(file).into());
         }
         links::refuse(&file.scene.output_directory)?;
-        laid_over(file)?;
+        overlay::laid_over(file)?;
     }
     let claim = claim(&scenes, over, observer)?;
     let of = scenes.len();
@@ -75,20 +76,6 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
     }
 }
 
-/// What is laid over the results of a scene.
-pub(crate) fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
-    if !(file.scene.overlays.is_empty() || file.scene.responses.is_empty()) {
-        let help = ["leave out [[response]] for the nonlinear mode with its overlays"];
-        return Err(file
-            .error_at("overlay", "responses have no overlays yet", "not beside [[response]]", &help)
-            .into());
-    }
-    let read = |(k, found): (usize, &Overlay)| {
-        overlay::read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
-    };
-    file.scene.overlays.iter().enumerate().map(read).collect()
-}
-
 /// The output directory of scenes that differ in their method only.
 fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
     let first = files.first().ok_or(RunError::NoScene)?;
@@ -103,7 +90,7 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
-    let laid = laid_over(file)?;
+    let laid = overlay::laid_over(file)?;
     let Models { model, massless, open } = models(file)?;
     observer.event(Event::Begun(scene));
     let modes = mass::open_modes(file, &model, &massless)?;

@@ -12,7 +12,7 @@ use super::{figures, histories, one_branch, page};
 use crate::claim::Claim;
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::{Event, Failure, Observer, RunError};
+use crate::{Event, Failure, Observer, RunError, overlay};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Scene;
 
@@ -158,7 +158,7 @@ fn write_figures(
     let directory = &scene.output_directory;
     let references = histories::references(branches)?;
     let laid = match (files.first(), branches.first()) {
-        (Some(file), Some(own)) => Overlaid::new(&super::laid_over(file)?, &own.branch),
+        (Some(file), Some(own)) => Overlaid::new(&overlay::laid_over(file)?, &own.branch),
         _ => return Ok(()),
     };
     let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();

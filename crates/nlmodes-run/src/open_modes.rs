@@ -1,0 +1,37 @@
+//! The linear modes with open contacts, which several results are made from.
+
+use nlmodes::model::{LinearModes, MasslessContactModel, ModelError, StructuralModel, linear_modes};
+use nlmodes_scene::scene::Scene;
+
+/// Modes of the table.
+pub(crate) const LISTED: usize = 10;
+
+/// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
+#[derive(Debug, Clone)]
+pub struct OpenModes {
+    /// The modes with the mass of the contacts.
+    pub kept: LinearModes,
+    /// The modes of the model that the method works on.
+    pub own: LinearModes,
+}
+
+impl OpenModes {
+    /// Of the structure of a scene, and of the model of it that the method works on.
+    ///
+    /// # Errors
+    /// [`ModelError`] if an eigenproblem cannot be solved.
+    pub fn new(scene: &Scene, model: &StructuralModel, massless: &MasslessContactModel) -> Result<Self, ModelError> {
+        let count = LISTED.max(scene.method.mode);
+        Ok(Self {
+            kept: linear_modes(model.mass(), model.stiffness(), count)?,
+            own: linear_modes(massless.mass(), massless.stiffness(), count)?,
+        })
+    }
+
+    /// The lowest `count` modes of the model that the method works on.
+    pub fn lowest(&self, count: usize) -> LinearModes {
+        let count = count.min(self.own.omega.len());
+        let shapes = self.own.shapes.subcols(0, count).to_owned();
+        LinearModes { omega: self.own.omega[..count].to_vec(), shapes }
+    }
+}
