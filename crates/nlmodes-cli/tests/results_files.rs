@@ -56,7 +56,10 @@ fn run(set: &[&str]) -> Result<(tempfile::TempDir, PathBuf, String), Box<dyn Err
     Ok((folder, out, said))
 }
 
-fn table(path: &Path) -> Result<(Vec<String>, Vec<Vec<String>>), Box<dyn Error>> {
+/// Names of the columns, and the rows.
+type Table = (Vec<String>, Vec<Vec<String>>);
+
+fn table(path: &Path) -> Result<Table, Box<dyn Error>> {
     let mut reader = csv::Reader::from_path(path)?;
     let head = reader.headers()?.iter().map(str::to_owned).collect();
     let rows = reader.records().map(|row| Ok(row?.iter().map(str::to_owned).collect()));

@@ -18,15 +18,15 @@ pub fn characters(model: &StructuralModel, modes: &LinearModes) -> Vec<String> {
     let highest = modes.omega.last().copied().unwrap_or(0.0);
     let of = |r: usize| {
         let shape: Vec<f64> = (0..modes.shapes.nrows()).map(|i| modes.shapes[(i, r)]).collect();
-        let share = |is_one: &dyn Fn(DofKind) -> bool| -> f64 {
-            let dofs = model.dofs().iter().enumerate().filter(|(_, dof)| is_one(dof.kind));
+        let share = |kinds: &[DofKind]| -> f64 {
+            let dofs = model.dofs().iter().enumerate().filter(|(_, dof)| kinds.contains(&dof.kind));
             dofs.map(|(i, _)| shape[i] * moved[(i, r)]).sum()
         };
         let mut words = Vec::new();
         if modes.omega[r].powi(2) <= RIGID * highest.powi(2) {
             words.push("rigid body".to_owned());
         }
-        words.extend(motion(&share).map(str::to_owned));
+        words.extend(motion(share).map(str::to_owned));
         words.extend(nodes(model, &shape));
         words.join(", ")
     };
@@ -34,16 +34,15 @@ pub fn characters(model: &StructuralModel, modes: &LinearModes) -> Vec<String> {
 }
 
 /// The kind of motion in which nearly all of the kinetic energy is.
-fn motion(share: &dyn Fn(&dyn Fn(DofKind) -> bool) -> f64) -> Option<&'static str> {
-    let is_bending = |kind: DofKind| matches!(kind, DofKind::Deflection | DofKind::Rotation);
-    let kinds: [(&str, &dyn Fn(DofKind) -> bool); 5] = [
-        ("axial", &|kind| kind == DofKind::Axial),
-        ("bending", &is_bending),
-        ("along x", &|kind| kind == DofKind::X),
-        ("along y", &|kind| kind == DofKind::Y),
-        ("along z", &|kind| kind == DofKind::Z),
+fn motion(share: impl Fn(&[DofKind]) -> f64) -> Option<&'static str> {
+    let motions: [(&str, &[DofKind]); 5] = [
+        ("axial", &[DofKind::Axial]),
+        ("bending", &[DofKind::Deflection, DofKind::Rotation]),
+        ("along x", &[DofKind::X]),
+        ("along y", &[DofKind::Y]),
+        ("along z", &[DofKind::Z]),
     ];
-    kinds.into_iter().find(|(_, is_one)| share(is_one) > MOSTLY).map(|(name, _)| name)
+    motions.into_iter().find(|(_, kinds)| share(kinds) > MOSTLY).map(|(name, _)| name)
 }
 
 /// The stops at nodes of a shape.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::model::{Drop, LinearModes, MasslessContactModel, ModelError, StructuralModel, held_modes, linear_modes};
+use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
 use crate::character::{characters, same_modes};

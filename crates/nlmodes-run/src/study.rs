@@ -212,7 +212,7 @@ fn write(
     scene: &Scene,
     linear: &LinearFrequencies,
     participation: &[Vec<Participation>],
-    (tree, laid): (&ComputedTree, &[Laid]),
+    (tree, laid): (&ComputedTree, &[overlay::Laid]),
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;

@@ -115,7 +115,7 @@ impl Columns {
         let text = |column: Option<usize>| column.and_then(|column| row.get(column)).unwrap_or_default().trim();
         let value = |column| text(column).parse::<f64>().ok().filter(|x| x.is_finite()).unwrap_or(f64::NAN);
         let (hz, energy, amplitude) = (value(Some(self.frequency)), value(self.energy), value(self.amplitude));
-        if !(hz > 0.0) || (energy.is_nan() && amplitude.is_nan()) {
+        if hz.is_nan() || hz <= 0.0 || (energy.is_nan() && amplitude.is_nan()) {
             return None;
         }
         Some(ModalPoint {

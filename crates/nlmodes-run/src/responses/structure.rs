@@ -31,7 +31,12 @@ pub struct Reduced {
 /// What the structure was made from.
 enum Source {
     /// Elements along an axis; the structure without the mass of its contact nodes, where that is left out or moved.
-    Straight { elements: Elements, kind: StructureKind, model: StructuralModel, massless: Option<MasslessContactModel> },
+    Straight {
+        elements: Elements,
+        kind: StructureKind,
+        model: Box<StructuralModel>,
+        massless: Option<Box<MasslessContactModel>>,
+    },
     /// Degrees of freedom of files.
     Files(Vec<Dof>),
 }
@@ -65,7 +70,8 @@ pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
         // The full structure, of which the modes are.
         let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
         let (recorded, coordinates) = recorded(model.dofs(), &reduction.modes);
-        let (open, source) = (reduction.modes.clone(), Source::Straight { elements, kind, model, massless: None });
+        let source = Source::Straight { elements, kind, model: Box::new(model), massless: None };
+        let open = reduction.modes.clone();
         return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
     }
     let massless = redistribution(scene)
@@ -75,7 +81,7 @@ pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
     let open = modes(scene, &model, massless.as_ref()).map_err(|error| refusal::at(file, "structure", &error))?;
     let (recorded, coordinates) = recorded(model.dofs(), &open);
     let warning = mass::warning_of(file)?;
-    let source = Source::Straight { elements, kind, model, massless };
+    let source = Source::Straight { elements, kind, model: Box::new(model), massless: massless.map(Box::new) };
     Ok(Reduced { open, recorded, coordinates, warning, reduction: None, source })
 }
 

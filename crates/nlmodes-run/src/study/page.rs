@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, Participation};
@@ -85,7 +86,12 @@ pub fn write(
 /// The participation of so many points of which none is known.
 fn unknown(points: usize) -> Vec<Participation> {
     let none = vec![f64::NAN; SHOWN_MODES];
-    let one = Participation { factors: none.clone(), quadrature: none.clone(), harmonics: 1..=0, energy_shares: none };
+    let one = Participation {
+        factors: none.clone(),
+        quadrature: none.clone(),
+        harmonics: RangeInclusive::new(1, 0),
+        energy_shares: none,
+    };
     vec![one; points]
 }
 
