@@ -78,6 +78,9 @@ fn radii(settings: &StepSettings) -> impl Iterator<Item = f64> + use<> {
 }
 
 /// The arms at `center`, a regular point but for a crossing, through which the branch goes along `tangent`; `None` if only two meet.
+///
+/// Close by, what bends the arms may be below the last digits of the unknowns: arms are looked for at a distance first, and taken where all of
+/// them are found again ever closer.
 pub(crate) fn crossing<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -85,10 +88,23 @@ pub(crate) fn crossing<S: ParametricSystem>(
     center: &[f64],
     tangent: &[f64],
 ) -> Option<Choice> {
-    let radius = 10.0 * settings.min;
-    let back = along(center, -radius, tangent);
-    let arms = Arms::around(system, corrector, center, radius, 0, &back).filter(|arms| arms.onward.len() > 2)?;
-    straight_on(arms, center, tangent)
+    let least = 10.0 * settings.min;
+    let mut closest = None;
+    for radius in radii(settings) {
+        let back = along(center, -radius, tangent);
+        closest = Arms::around(system, corrector, center, radius, 0, &back);
+        // With the way back they are even in number.
+        if let Some(arms) = &closest
+            && arms.onward.len() > 2
+            && arms.onward.len() % 2 == 1
+        {
+            let (inward, lost) = arms.followed_inward(system, corrector, center, radius, least);
+            if lost == 0 {
+                return straight_on(inward, center, tangent);
+            }
+        }
+    }
+    straight_on(closest.filter(|arms| arms.onward.len() > 2)?, center, tangent)
 }
 
 /// The same where several directions become free at once: cubic terms are drowned by rounding close by, so arms are looked for at a distance

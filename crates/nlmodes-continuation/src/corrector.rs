@@ -70,6 +70,10 @@ pub(crate) enum Surface {
 }
 
 impl Surface {
+    fn is_plane(&self) -> bool {
+        matches!(self, Self::Plane(_))
+    }
+
     /// Signed distance of `z` from the surface, for a sphere to first order.
     fn defect(&self, z: &[f64]) -> f64 {
         match self {
@@ -235,12 +239,12 @@ impl Corrector {
             let (update, far) = (dot(&self.update, &self.update).sqrt(), norm.max(defect.abs()));
             let last = iteration == self.max_iterations;
             let small = defect.abs() <= self.tolerance && self.is_within(self.tolerance, FIRM.0);
-            if small && self.is_found(&z, update, &progress, last) {
+            if small && self.is_found(surface.is_plane().then_some(&z), update, &progress, last) {
                 return Ok(self.finish(system, z, norm, iteration));
             }
             let next = if last { None } else { self.advance(system, &z, far) };
             let Some((trial, trial_norm)) = next else {
-                if self.rests_on_rounding(system, &z, norm, defect, update) {
+                if self.rests_on_rounding(system, &z, surface, norm, update) {
                     return Ok(self.finish(system, z, norm, iteration));
                 }
                 let reason = if last { NewtonFailure::TooManyIterations } else { NewtonFailure::NoDescent };
@@ -257,8 +261,8 @@ impl Corrector {
         &mut self,
         system: &mut S,
         z: &[f64],
+        surface: &Surface,
         norm: f64,
-        defect: f64,
         update: f64,
     ) -> bool {
         if norm > MOST_ROUNDED || update > MOST_BLURRED {
@@ -267,9 +271,9 @@ impl Corrector {
         let Some(measured) = self.measured_rounding(system, z) else { return false };
         self.rounding.iter_mut().zip(measured).for_each(|(known, measured)| *known = known.max(measured));
         let rests = Progress { last: 0.0, least: 0.0, idle: IDLE };
-        defect.abs() <= self.tolerance
+        surface.defect(z).abs() <= self.tolerance
             && self.is_within(self.tolerance, FIRM.1)
-            && self.is_found(z, update, &rests, true)
+            && self.is_found(surface.is_plane().then_some(z), update, &rests, true)
     }
 
     /// How far each entry of the residual is from smooth over distances at which nothing but rounding changes it: the median of a few. The
@@ -364,8 +368,9 @@ impl Corrector {
         self.lu.solve_in_place(&mut self.update);
     }
 
-    /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known.
-    fn is_found(&mut self, z: &[f64], update: f64, progress: &Progress, last: bool) -> bool {
+    /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known; `z` where
+    /// the digits of the unknowns count. On a small sphere around a crossing they would let every point pass.
+    fn is_found(&mut self, z: Option<&[f64]>, update: f64, progress: &Progress, last: bool) -> bool {
         if update <= self.resolution {
             return progress.stagnates(update) || self.is_rounding(FIRM.0) || self.lu.pivot_ratio() >= REGULAR;
         }
@@ -373,11 +378,11 @@ impl Corrector {
         if update > self.blur && !(rests && update <= MOST_BLURRED) {
             return false;
         }
-        self.look_at_digits(z);
+        z.into_iter().for_each(|z| self.look_at_digits(z));
         if !self.is_rounding(FIRM.1) {
             return false;
         }
-        update <= self.blur || progress.rests(update) || update <= self.blurred_by().max(COARSEST)
+        update <= self.blur || (z.is_some() && progress.rests(update)) || update <= self.blurred_by().max(COARSEST)
     }
 
     /// Whether no entry of the residual is larger than this multiple of its rounding, by that of the digits of the unknowns too.

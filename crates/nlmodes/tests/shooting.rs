@@ -48,8 +48,9 @@ fn the_branch_of_the_rod_of_two_elements_is_the_closed_form() {
         let (omega, kinetic) = closed_form(point.total_energy);
         // The closed form itself loses digits near grazing, where the phase is arccos(1/A).
         let lost = 1.0 / (1.0 - 1.0 / point.total_energy).sqrt();
-        assert!((point.omega / omega - 1.0).abs() < 1e-12 * lost, "{:e}", point.omega / omega - 1.0);
-        assert!((point.kinetic_energy / kinetic - 1.0).abs() < 1e-12 * lost);
+        // A regular point counts as found where its residual is within the corrector's tolerance.
+        assert!((point.omega / omega - 1.0).abs() < 1e-11 * lost, "{:e}", point.omega / omega - 1.0);
+        assert!((point.kinetic_energy / kinetic - 1.0).abs() < 1e-11 * lost);
         assert_eq!(point.contact_intervals, 1);
         // One degree of freedom with mass: no multiplier but the double one.
         assert_eq!(point.stability, Some(Stability { stable: true, largest_multiplier: [1.0, 0.0] }));
