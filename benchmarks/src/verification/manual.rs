@@ -2,6 +2,9 @@ use std::fmt::Write;
 
 use super::{Check, Outcome, Topic};
 
+/// Heading of what stands behind the cases.
+const HEADING_OF_ERRORS: &str = "## What the cases are worth";
+
 /// Errors below are rounding, whose digits depend on the processor.
 const ROUNDING: f64 = 1e-11;
 
@@ -53,7 +56,7 @@ pub fn manual(results: &[(Topic, Vec<Outcome>)], before: &str) -> String {
         let _ = writeln!(text, "\n## {}", topic.title);
         outcomes.iter().for_each(|outcome| text.push_str(&section(outcome)));
     }
-    let errors = before.find("## What the cases are worth").map_or(ERRORS, |at| &before[at..]);
+    let errors = before.find(HEADING_OF_ERRORS).map_or(ERRORS, |at| &before[at..]);
     text + "\n" + errors
 }
 
@@ -112,7 +115,9 @@ fn number(value: f64, check: &Check) -> String {
 /// The obtained values and verdicts that a manual holds, case by case in its order.
 pub fn recorded_values(manual: &str) -> Vec<(String, Vec<(f64, bool)>)> {
     let mut found: Vec<(String, Vec<(f64, bool)>)> = Vec::new();
-    for line in manual.lines() {
+    // Behind the cases stands a table of another kind.
+    let cases = manual.split(HEADING_OF_ERRORS).next().unwrap_or(manual);
+    for line in cases.lines() {
         if let Some(name) = line.strip_prefix("### `") {
             found.push((name.trim_end_matches('`').to_owned(), Vec::new()));
         } else if let (Some((_, values)), Some(cells)) = (found.last_mut(), line.strip_prefix("| ")) {

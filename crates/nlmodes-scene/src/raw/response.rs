@@ -131,6 +131,7 @@ pub struct RawResponse {
     #[schemars(required)]
     pub kind: Option<ResponseKind>,
     /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_or_two_frequencies")]
     pub frequency_hz: Option<Vec<f64>>,
     /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve; default `amplitude_n`
