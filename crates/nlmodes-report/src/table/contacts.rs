@@ -25,7 +25,7 @@ pub const CONTACT_COLUMNS: [Column; 8] = [
     ),
 ];
 
-/// Writes what each contact does at each point as CSV: a header with [`CONTACT_COLUMNS`] and a row a point and contact.
+/// Writes what each contact does at each point as CSV: a header with the columns of `columns::FILES` and a row a point and contact.
 ///
 /// Numbers are the shortest that read back as the same double. A file of that name is replaced at once, never half.
 ///

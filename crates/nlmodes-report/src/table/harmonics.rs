@@ -22,7 +22,7 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
 
 /// Writes the motions of a branch as a NumPy archive, which `numpy.load` reads without `allow_pickle`.
 ///
-/// Its arrays are [`HARMONIC_ARRAYS`]: float64, complex128 and Unicode text.
+/// Its arrays are those of `columns::FILES`: float64, complex128 and Unicode text.
 ///
 /// # Errors
 /// [`ReportError::CoefficientShape`] if a point has not the coordinates of the branch, [`ReportError::Io`] if the file cannot

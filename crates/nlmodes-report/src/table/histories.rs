@@ -86,7 +86,7 @@ impl PointHistories {
     }
 }
 
-/// Writes histories of contacts as a NumPy archive with [`HISTORY_ARRAYS`].
+/// Writes histories of contacts as a NumPy archive with the arrays of `columns::FILES`.
 ///
 /// # Errors
 /// [`ReportError::SeriesLength`] if a history has another number of instants than the others, [`ReportError::Io`] if the file cannot be written.

@@ -29,7 +29,7 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new("histories", "", "structure with the arrays of `histories.npz`"),
 ];
 
-/// Writes a branch with its motions as a MATLAB file of version 5, with [`MATLAB_VARIABLES`].
+/// Writes a branch with its motions as a MATLAB file of version 5, with the variables of `columns::FILES`.
 ///
 /// # Errors
 /// What [`write_harmonics`](super::write_harmonics) and [`write_histories`](super::write_histories) report.
