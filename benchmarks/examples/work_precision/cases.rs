@@ -46,7 +46,7 @@ pub fn cases() -> Result<Vec<Case>, Failure> {
     };
     let stops = beam_with_ten_stops()?;
     Ok(vec![
-        // Amplitude 2, in closed form in docs/convergence.md.
+        // Amplitude 2, in closed form in benchmarks/results/convergence.md.
         case("rod2", "Rod of two elements", unit_rod(2)?, 0.417_852_834_045_572_5),
         case("rod3", "Rod of three elements", unit_rod(3)?, 0.341_55),
         case("rod10", "Rod of ten elements", unit_rod(10)?, -1.08),

@@ -4,7 +4,7 @@
 //! cargo run --release -p nlmodes-benchmarks --example work_precision -- FOLDER [STRUCTURE]
 //! ```
 //!
-//! writes `work_precision.csv` and the figures of `docs/work_precision.md` to FOLDER and prints its tables. STRUCTURE is one of
+//! writes `work_precision.csv` and the figures of `benchmarks/results/work_precision.md` to FOLDER and prints its tables. STRUCTURE is one of
 //! `rod2`, `rod3`, `rod10`, `rod100`, `beam3`, `beam6`, `beam10`, `ten_stops`; without it all are studied.
 //!
 //! ```text

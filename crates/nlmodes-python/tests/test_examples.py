@@ -35,7 +35,7 @@ def test_the_indenter_converges_to_hertz(tmp_path):
     assert errors[1] < 0.01 and errors[1] < errors[0] / 2, errors
 
 
-BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(), re.S)
+*BLOCKS, FOR_MATLAB = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(), re.S)
 
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
@@ -72,9 +72,8 @@ def test_points_of_the_test_lie_on_the_branch_of_the_beam(tmp_path):
 
 
 def test_the_script_for_matlab_runs(monkeypatch):
-    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "matlab.md").read_text(), re.S)
     names = {"scene": str(ROOT / "configs" / "rod.toml"), "harmonics": 2.0}
-    exec(compile(script, "docs/matlab.md", "exec"), names)
+    exec(compile(FOR_MATLAB, "docs/python.md", "exec"), names)
     assert np.isfinite(names["branch"]["frequency_hz"]).all() and len(names["branch"]["energy_j"]) > 10
 
 

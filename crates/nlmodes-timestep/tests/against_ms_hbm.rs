@@ -171,7 +171,7 @@ fn there_is_no_floor_above_rounding() {
 }
 
 #[test]
-#[ignore = "figures of docs/time_integration.md; half a minute in the dev profile"]
+#[ignore = "figures of benchmarks/results/exact_motions.md; half a minute in the dev profile"]
 fn figures_of_the_rod_of_a_hundred_elements() {
     let errors = Comparison::new(100, 3.0, 20).octaves(20, 7, 2);
     errors.iter().for_each(|(h, e)| println!("{h:5} {e:?}"));

@@ -1,6 +1,6 @@
 //! The beam of Section 4 by MS-HBM, with a rigid stop and with an elastic one, and by conventional HBM: what Section 5.2 says in numbers.
 //!
-//! `cargo run --release --example beam_comparison -- FOLDER` prints the tables of `docs/beam_comparison.md` and writes its figures.
+//! `cargo run --release --example beam_comparison -- FOLDER` prints the tables of `benchmarks/results/beam_comparison.md` and writes its figures.
 
 use std::error::Error;
 use std::f64::consts::TAU;

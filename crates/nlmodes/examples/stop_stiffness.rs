@@ -1,6 +1,6 @@
 //! How an elastic stop runs into a rigid one as its stiffness grows, by MS-HBM and by conventional HBM on the same masses.
 //!
-//! `cargo run --release --example stop_stiffness -- FOLDER` prints the table of `docs/compliant_stop.md` and writes its figure.
+//! `cargo run --release --example stop_stiffness -- FOLDER` prints the table of `docs/contact.md` and writes its figure.
 
 use std::error::Error;
 use std::f64::consts::TAU;

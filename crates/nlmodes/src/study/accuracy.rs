@@ -39,7 +39,7 @@ const OF_HARMONICS: f64 = 0.7;
 /// Share of the permitted error at which a new number of harmonics aims.
 const AIM: f64 = 0.25;
 
-/// Order of convergence by which a new number of harmonics is chosen; see `docs/accuracy.md`.
+/// Order of convergence by which a new number of harmonics is chosen; see `benchmarks/results/accuracy.md`.
 const ORDER: f64 = 5.0;
 
 /// Largest growth of the number of harmonics at once.
