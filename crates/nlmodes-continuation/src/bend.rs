@@ -3,6 +3,7 @@
 use nlmodes_linalg::{Mat, symmetric_eigen};
 
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::roots::bracketed_root;
 use crate::singular::SingularDirections;
 use crate::step::{Foot, StepSettings};
 use crate::{Boundary, ParametricSystem};
@@ -40,16 +41,71 @@ struct Expansion {
     power: f64,
 }
 
+/// Root of the depth, over that of the first point behind a bend, to which the place where a coordinate turns is located.
+const LOCATED: f64 = 1e-10;
+
+/// A tight bend that has been passed.
+pub(crate) struct Bend {
+    /// The first point behind it.
+    pub end: Correction,
+    /// Unit vector across the boundary.
+    inward: Vec<f64>,
+    /// Tangent of the branch behind the bend, and the power of the depth with which the distance along it grows.
+    tangent: Vec<f64>,
+    power: f64,
+}
+
+impl Bend {
+    /// The point within the bend at which the coordinate `i`, whose sense is another behind it, turns; `None` where it is not found.
+    pub fn turn<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        corrector: &mut Corrector,
+        foot: &Foot,
+        i: usize,
+    ) -> Option<Correction> {
+        let depth = dot(&self.inward, &along(&self.end.z, -1.0, &foot.z));
+        let ahead = dot(&self.inward, &foot.tangent);
+        let (from, to) = (foot.tangent[i], self.end.tangent[i]);
+        if !(depth > 0.0 && ahead > 0.0 && from * to < 0.0) {
+            return None;
+        }
+        let length = dot(&self.tangent, &along(&self.end.z, -1.0, &foot.z));
+        let mut nearest: Option<Correction> = None;
+        // Tangents change with the root of the depth.
+        let component = |root: f64| {
+            let d = root * root;
+            let straight = along(&foot.z, d / ahead, &foot.tangent);
+            let on_plane = along(&foot.z, d, &self.inward);
+            let guess = along(&straight, length * (d / depth).powf(self.power), &self.tangent);
+            let surface = Surface::Plane(Hyperplane::through(&on_plane, &self.inward));
+            let found = corrector.correct(system, &guess, &surface).ok();
+            let value = found.as_ref().map_or(0.0, |found| found.tangent[i]);
+            let nearer = |known: &Correction| value.abs() < known.tangent[i].abs();
+            if nearest.as_ref().is_none_or(nearer) {
+                nearest = found;
+            }
+            value
+        };
+        bracketed_root(component, (0.0, from), (depth.sqrt(), to), LOCATED * depth.sqrt());
+        nearest
+    }
+}
+
 /// The first point behind a tight bend at the boundary on which `foot` lies; `None` where there is no such bend or more than one way may lead
-/// on from there.
+/// on from there: where a second direction is nearly free.
 pub(crate) fn around_bend<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
     foot: &Foot,
-) -> Option<Correction> {
+) -> Option<Bend> {
     let nearest = 10.0 * settings.min;
-    let boundary = system.boundary(&foot.z, &along(&foot.z, nearest, &foot.tangent))?;
+    // By rounding the foot may lie on either side.
+    let [before, beyond] = [-nearest, nearest].map(|s| along(&foot.z, s, &foot.tangent));
+    let boundary = system.boundary(&before, &beyond)?;
+    corrector.evaluate(system, &before).ok()?;
+    let outside = system.pattern();
     let slope = gradient(&boundary, &foot.z)?;
     let size = dot(&slope, &slope).sqrt();
     if boundary.value(&foot.z).abs() > settings.min * size {
@@ -57,11 +113,13 @@ pub(crate) fn around_bend<S: ParametricSystem>(
     }
     let expansion = Expansion::at(system, corrector, foot, &slope, nearest)?;
     let lengths = [settings.initial.min(settings.max), settings.arm, nearest];
-    lengths.into_iter().find_map(|h| {
-        let end = expansion.reach(system, corrector, foot, h)?;
+    let end = lengths.into_iter().find_map(|h| {
+        let end = expansion.reach(system, corrector, foot, h).filter(|end| end.pattern != outside)?;
         expansion.reach(system, corrector, foot, 0.5 * h)?;
         Some(end)
-    })
+    })?;
+    let Expansion { tangent, inward, power, .. } = expansion;
+    Some(Bend { end, inward, tangent, power })
 }
 
 impl Expansion {
@@ -70,13 +128,13 @@ impl Expansion {
         corrector: &mut Corrector,
         foot: &Foot,
         slope: &[f64],
-        nearest: f64,
+        least: f64,
     ) -> Option<Self> {
         let size = dot(slope, slope).sqrt();
         let inward: Vec<f64> = slope.iter().map(|s| -s / size).collect();
         corrector.evaluate(system, &foot.z).ok()?;
         let at = corrector.linearization().clone();
-        if SingularDirections::of(&at)?.ratio < nearest {
+        if SingularDirections::of(&at)?.value < least {
             return None;
         }
         let mut set_in = |depth: f64| {
@@ -108,11 +166,11 @@ impl Expansion {
         let matrix = Mat::from_fn(n + 1, n + 2, entry);
         let (squares, vectors) = symmetric_eigen(&(matrix.transpose() * &matrix)).ok()?;
         // Another direction that is nearly free may belong to another branch.
-        let free = (squares.get(1)?.max(0.0) / squares.last()?.max(1.0)).sqrt();
+        let free = squares.get(1)?.max(0.0).sqrt();
         let share = vectors[(n + 1, 0)];
         let tangent: Vec<f64> = (0..=n).map(|j| vectors[(j, 0)] * share.signum()).collect();
         let size = dot(&tangent, &tangent).sqrt();
-        if free < nearest || share == 0.0 || size.is_nan() || size <= nearest {
+        if free < least || share == 0.0 || size.is_nan() || size <= least {
             return None;
         }
         let tangent = tangent.iter().map(|t| t / size).collect();
@@ -137,8 +195,7 @@ impl Expansion {
         let end = corrector.correct(system, &guess, &surface).ok()?;
         let as_expected = distance(&end.z, &guess) <= CONFIRMED.0 * h
             && dot(&end.tangent, &self.tangent) >= CONFIRMED.1
-            && end.orientation * foot.orientation > 0.0
-            && end.pattern != foot.pattern;
+            && end.orientation * foot.orientation > 0.0;
         as_expected.then_some(end)
     }
 }

@@ -12,6 +12,9 @@ use crate::step::{Foot, StepSettings, reach, step};
 /// Shortest step towards a corner, over the shortest one elsewhere.
 const NEAREST: f64 = 1e-4;
 
+/// First step towards a corner, over the shortest one elsewhere.
+pub(crate) const APPROACHING: f64 = 0.5;
+
 /// Most steps towards a corner.
 const APPROACH: usize = 24;
 
@@ -195,15 +198,15 @@ fn across_boundary<S: ParametricSystem>(
 }
 
 /// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on the branch and
-/// lead to points that are `permitted`.
+/// lead to points that are `permitted`; false where they lead on and on, with no corner in their way.
 pub(crate) fn approach<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
     foot: &mut Foot,
     permitted: impl Fn(&[f64]) -> bool,
-) {
-    let mut h = 0.5 * settings.min;
+) -> bool {
+    let mut h = APPROACHING * settings.min;
     for _ in 0..APPROACH {
         if h < NEAREST * settings.min {
             break;
@@ -215,6 +218,7 @@ pub(crate) fn approach<S: ParametricSystem>(
             _ => h *= 0.4,
         }
     }
+    h < APPROACHING * settings.min
 }
 
 /// The point of a branch about `radius` behind its foot, from its points and tangents, the latest first.

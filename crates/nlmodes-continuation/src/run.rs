@@ -5,7 +5,7 @@ mod several;
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-use crate::bend;
+use crate::bend::{self, Bend};
 use crate::corner::{self, Passage};
 use crate::corrector::{Correction, Corrector, along, distance, dot};
 use crate::crossing::{Choice, Registry};
@@ -170,9 +170,9 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                 }
                 Err(refusal) => {
                     self.branch.refused_steps += 1;
-                    let around_bend = if refused == 0 { self.around_bend() } else { None };
+                    let around_bend = if refused == 0 { self.bend_at_start() } else { None };
                     match (around_bend, self.control.after_refused(h, &refusal)) {
-                        (Some(next), _) => self.go_through(Passage::Corner(next)),
+                        (Some(bend), _) => self.go_around(&bend),
                         (None, Some(shorter)) => {
                             h = shorter;
                             continue;
@@ -192,11 +192,12 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         }
     }
 
-    /// The first point behind a tight bend at which the branch begins. Elsewhere bends are passed as corners, which are located and named.
-    fn around_bend(&mut self) -> Option<Correction> {
-        if self.branch.points.len() != 1 {
-            return None;
-        }
+    /// The tight bend at which the branch begins. Elsewhere it is located first.
+    fn bend_at_start(&mut self) -> Option<Bend> {
+        (self.branch.points.len() == 1).then(|| self.bend_here()).flatten()
+    }
+
+    fn bend_here(&mut self) -> Option<Bend> {
         bend::around_bend(self.system, &mut self.corrector, &self.control.limits, &self.foot)
     }
 
@@ -287,12 +288,51 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     fn pass_corner(&mut self) -> Option<ControlFlow<StopReason, f64>> {
         let bounds = &self.settings.bounds;
         let within = |z: &[f64]| bounds.iter().all(|b| b.passed_by(z[b.coordinate]).is_none());
-        corner::approach(self.system, &mut self.corrector, &self.control.limits, &mut self.foot, within);
+        let from = self.foot.clone();
+        if !corner::approach(self.system, &mut self.corrector, &self.control.limits, &mut self.foot, within)
+            && let Some(next) = self.step_below_the_shortest(from)
+        {
+            return Some(next);
+        }
+        if let Some(bend) = self.bend_here() {
+            return Some(self.go_around(&bend));
+        }
         let (points, foot) = (&self.branch.points, &self.foot);
         let latest = || points.iter().rev().map(|q| (q.z(), q.tangent.as_slice()));
         let way_back = |radius| corner::way_back(latest(), foot, radius);
         let passage = corner::pass(self.system, &mut self.corrector, &self.control.limits, 0, foot, way_back)?;
         Some(self.go_through(passage))
+    }
+
+    /// Goes on behind a bend, within which coordinates may turn.
+    fn go_around(&mut self, bend: &Bend) -> ControlFlow<StopReason, f64> {
+        let corner = self.corner_point(&bend.end, false);
+        if !corner.events.is_empty() {
+            self.keep(corner.clone())?;
+        }
+        for (i, kind) in self.folds.update(&bend.end.tangent) {
+            let turned = bend.turn(self.system, &mut self.corrector, &self.foot, i);
+            let turned = turned.map_or_else(|| corner.clone(), |turned| point(&turned, Vec::new()));
+            self.keep(BranchPoint { events: vec![kind], ..turned })?;
+        }
+        self.leave_for(&bend.end, distance(&bend.end.z, &self.foot.z))
+    }
+
+    /// One step of those that lead away from a point at which a longer one was refused, though there is no corner; what happens within is
+    /// looked for as in any other.
+    fn step_below_the_shortest(&mut self, from: Foot) -> Option<ControlFlow<StopReason, f64>> {
+        let ahead = std::mem::replace(&mut self.foot, from);
+        let h = corner::APPROACHING * self.control.limits.min;
+        match self.try_step(h) {
+            Ok(taken) => {
+                let next = self.control.after_taken(h, taken.moved, &self.foot.z);
+                Some(self.accept(taken, h, next))
+            }
+            Err(_) => {
+                self.foot = ahead;
+                None
+            }
+        }
     }
 
     fn go_through(&mut self, passage: Passage) -> ControlFlow<StopReason, f64> {

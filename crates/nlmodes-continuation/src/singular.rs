@@ -16,6 +16,8 @@ pub(crate) struct SingularDirections {
     pub left: Vec<Vec<f64>>,
     /// The smallest singular value, beside the one that is zero, over the largest, or over one where that is less.
     pub ratio: f64,
+    /// That singular value itself: what is stiff does not make the rest free.
+    pub value: f64,
 }
 
 impl SingularDirections {
@@ -28,7 +30,12 @@ impl SingularDirections {
         let ratio = |square: &f64| (square.max(0.0) / largest).sqrt();
         let free = squares.iter().take_while(|s| ratio(s) < NEARLY_FREE).count().max(1);
         let left = (0..free).map(|k| unit(left.col(k).iter().zip(sizes).map(|(u, size)| u * size))).collect();
-        Some(Self { tangent: unit(right.col(0).iter().copied()), left, ratio: ratio(squares.first()?) })
+        Some(Self {
+            tangent: unit(right.col(0).iter().copied()),
+            left,
+            ratio: ratio(squares.first()?),
+            value: squares.first()?.max(0.0).sqrt(),
+        })
     }
 }
 

@@ -346,16 +346,42 @@ impl ContactOperator {
 }
 
 /// Adds `(1/2π) ∫_{from}^{to} e^{−ikτ} dτ`; for even motions the mirror interval too.
+///
+/// From middle and half width, `sin(k w)/(π k) e^{−ikm}`: as the difference of its ends, the integral over a short interval would be known to
+/// no more digits than one over the whole period.
 fn add_indicator(from: f64, to: f64, even: bool, averages: &mut [Complex64]) {
-    let (a, b) = (Complex64::cis(-from), Complex64::cis(-to));
-    let (mut at_a, mut at_b) = (a, b);
+    let (middle, half) = (Complex64::cis(-0.5 * (from + to)), Complex64::cis(0.5 * (to - from)));
+    let (mut at_middle, mut at_half) = (middle, half);
     averages[0].re += if even { 2.0 } else { 1.0 } * (to - from) / TAU;
     for (k, average) in averages.iter_mut().enumerate().skip(1) {
-        // ∫ e^{−ikτ} = (e^{−ik·from} − e^{−ik·to}) / (ik)
-        let (difference, scale) = (at_a - at_b, 1.0 / (TAU * k as f64));
-        let integral = Complex64::new(difference.im * scale, -difference.re * scale);
+        let integral = at_middle * (at_half.im / (PI * k as f64));
         *average += if even { Complex64::new(2.0 * integral.re, 0.0) } else { integral };
-        at_a *= a;
-        at_b *= b;
+        at_middle *= middle;
+        at_half *= half;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integrals_over_short_intervals_are_known_to_as_many_digits_as_over_long_ones() {
+        for exponent in [-2, -10, -20, -30] {
+            let (from, width) = (1.25, 2.0_f64.powi(exponent));
+            for even in [false, true] {
+                let mut averages = vec![Complex64::default(); 41];
+                add_indicator(from, from + width, even, &mut averages);
+                for (k, found) in averages.iter().enumerate() {
+                    let k = k as f64;
+                    // sin(x)/x to rounding, at the angles that there are: 40 · 2⁻³ at most.
+                    let x = 0.5 * k * width;
+                    let sinc = (1..40).rev().fold(1.0, |s, i| 1.0 - x * x / f64::from(2 * i * (2 * i + 1)) * s);
+                    let expected = Complex64::cis(-k * (from + 0.5 * width)) * (width / TAU * sinc);
+                    let expected = if even { Complex64::new(2.0 * expected.re, 0.0) } else { expected };
+                    assert!((found - expected).norm() < 4e-14 * width / TAU, "{exponent}, {k}: {found} for {expected}");
+                }
+            }
+        }
     }
 }

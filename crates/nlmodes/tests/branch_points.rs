@@ -91,6 +91,21 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
     assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
 }
 
+/// The tongue of a coarse rod, whose tip lies beside two changes of contact: whatever the number of harmonics, the branch comes back from it.
+#[test]
+fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod() {
+    let [a, b, c] = [13, 14, 15].map(|harmonics| {
+        let settings = BranchSettings { harmonics, max_energy_ratio: Some(15.0), ..BranchSettings::default() };
+        let computed = compute_branch(support::rod(20, MassMatrix::Consistent), &settings, go_on_alone).unwrap();
+        assert_eq!(computed.branch.end.reason, "max-energy", "{harmonics}: {}", computed.branch.end.message);
+        let mut events: Vec<String> = computed.branch.points.iter().flat_map(|p| p.events.clone()).collect();
+        events.sort_unstable();
+        (events, place(&computed, last(&computed)).0)
+    });
+    assert!(a.0 == b.0 && b.0 == c.0, "{:?} {:?} {:?}", a.0, b.0, c.0);
+    assert!((a.1 - b.1).abs() < 1e-3 && (b.1 - c.1).abs() < 1e-3, "{} {} {}", a.1, b.1, c.1);
+}
+
 #[test]
 fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
     // At the tip of the loop, where the third harmonic moves alone, the fundamental may come back with any of three phases.

@@ -1,5 +1,6 @@
 //! Continuation of algebraic systems whose curves, folds, corners and crossings are known.
 
+mod bends;
 mod corners;
 mod crossings;
 mod ends;
