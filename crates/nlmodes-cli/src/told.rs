@@ -38,6 +38,19 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
     if quiet { Status::Done } else { print(&format!("Results in {}", directory.display())) }
 }
 
+/// What the certificates of a part say: a sentence a branch, and why each number is to be used or not.
+pub fn certificates(part: &PartOutcome) -> String {
+    let mut text = String::new();
+    for (number, certificate) in part.certificates.iter().enumerate() {
+        let name = if part.certificates.len() > 1 { format!(" of branch {number}") } else { String::new() };
+        text += &format!("Certificate{name}: {}\n", certificate.verdict);
+        for number in &certificate.numbers {
+            text += &format!("  {}: {}: {}\n", number.number.name(), number.usable.name(), number.words);
+        }
+    }
+    text
+}
+
 /// Says how a branch ended.
 fn tell(computed: &ComputedBranch, name: &str, wall_time: Duration, quiet: bool) -> Status {
     let points = &computed.branch.points;

@@ -73,6 +73,9 @@ impl Observer for Watch {
             Event::Done(part) => {
                 interrupt::something_found();
                 self.note(told::part(part, quiet));
+                if self.options.certify && !quiet {
+                    self.print(told::certificates(part).trim_end());
+                }
             }
             Event::TestBeginsAnew if !quiet => {
                 say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
@@ -102,6 +105,10 @@ impl Observer for Watch {
 
     fn is_cancelled(&self) -> bool {
         interrupt::requested()
+    }
+
+    fn certifies(&self) -> bool {
+        self.options.certify
     }
 
     fn watch(&self) -> nlmodes::study::Watch {

@@ -42,14 +42,16 @@ harmonics = 5
 max_energy_ratio = 4.0
 "#;
 
-/// Runs the scene with further keys; gives its directory, which lasts as long as the first value, and what was said.
+/// Runs the scene with further keys and flags; gives its directory, which lasts as long as the first value, and what was said.
 fn run(set: &[&str]) -> Result<(tempfile::TempDir, PathBuf, String), Box<dyn Error>> {
     let folder = tempdir()?;
     let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
     fs::write(&scene, SCENE)?;
     let mut call = Command::cargo_bin("nlmodes-cli")?;
     call.arg("run").arg(&scene).args(["--quiet", "--out"]).arg(&out);
-    set.iter().for_each(|value| _ = call.args(["--set", value]));
+    let (flags, values): (Vec<&&str>, Vec<&&str>) = set.iter().partition(|word| word.starts_with("--"));
+    flags.into_iter().for_each(|flag| _ = call.arg(flag));
+    values.into_iter().for_each(|value| _ = call.args(["--set", value]));
     let output = call.output()?;
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{said}");
@@ -211,5 +213,49 @@ fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
     }
     let output = std::process::Command::new(&python).args(["-c", script]).arg(&out).output()?;
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "same", "{}", String::from_utf8_lossy(&output.stderr));
+    Ok(())
+}
+
+/// Each check has a value or says how to have it made, never both; each number is judged; the page has both at its foot.
+#[test]
+fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
+    let small = ["method.harmonics=3", "continuation.max_energy_ratio=2.0"];
+    let mut made = Vec::new();
+    for flags in [&[][..], &["--certify"]] {
+        let set: Vec<&str> = small.iter().chain(flags).copied().collect();
+        let (_folder, out, _) = run(&set)?;
+        let summary: serde_json::Value = serde_json::from_str(&fs::read_to_string(out.join("summary.json"))?)?;
+        let certificate = &summary["certificate"];
+        assert!(certificate["verdict"].as_str().is_some_and(|text| text.contains("checks made")), "{certificate}");
+        let points = summary["points"].as_u64().ok_or("no points")?;
+        let looked = certificate["points"].as_array().ok_or("no points looked at")?;
+        assert!(!looked.is_empty() && looked.iter().all(|k| k.as_u64().is_some_and(|k| k < points)), "{certificate}");
+        let checks = certificate["checks"].as_array().ok_or("no checks")?;
+        for check in checks {
+            let text = |key: &str| check[key].as_str().is_some_and(|text| !text.is_empty());
+            assert!(text("name") && text("words") && check["limit"].as_f64().is_some_and(|l| l > 0.0), "{check}");
+            match check["outcome"].as_str() {
+                Some("good") => {
+                    assert!(check["value"].as_f64() <= check["limit"].as_f64() && check.get("how").is_none())
+                }
+                Some("doubtful") => assert!(check.get("how").is_none(), "{check}"),
+                Some("not-looked-at") => assert!(check.get("value").is_none() && text("how"), "{check}"),
+                other => return Err(format!("{other:?}").into()),
+            }
+        }
+        let numbers = certificate["numbers"].as_array().ok_or("no numbers")?;
+        let names: Vec<&str> = numbers.iter().filter_map(|n| n["number"].as_str()).collect();
+        assert_eq!(names, ["frequency_hz", "peak_m", "impulse_n_s", "peak_contact_force_n"]);
+        let uses: Vec<&str> = numbers.iter().filter_map(|n| n["use"].as_str()).collect();
+        assert!(uses.len() == 4 && uses.iter().all(|u| ["yes", "no", "not-shown"].contains(u)), "{uses:?}");
+        made.push((checks.iter().filter(|c| c["outcome"] != "not-looked-at").count(), uses[3].to_owned()));
+        let page = fs::read_to_string(out.join("report.html"))?;
+        let places = ["Scene and method</h2>", "How far to trust these numbers</h2>", "peak_contact_force_n)"];
+        let places = places.map(|text| page.rfind(text).unwrap_or(0));
+        assert!(places[0] > 0 && places[0] < places[1] && places[1] < places[2], "{places:?}");
+    }
+    assert!(made[0].0 < made[1].0, "more is looked at where all is asked for: {made:?}");
+    // Three harmonics: the largest force is off, and said to be.
+    assert_eq!((made[0].1.as_str(), made[1].1.as_str()), ("not-shown", "no"));
     Ok(())
 }

@@ -59,6 +59,7 @@ pub struct HtmlReport<'a> {
     scattered: Vec<usize>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
+    closing: Vec<DataTable>,
     documents: Vec<(String, Value)>,
 }
 
@@ -79,6 +80,7 @@ impl<'a> HtmlReport<'a> {
             scattered: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),
+            closing: Vec::new(),
             documents: Vec::new(),
         }
     }
@@ -162,6 +164,12 @@ impl<'a> HtmlReport<'a> {
     /// With a table more.
     pub fn table(mut self, table: DataTable) -> Self {
         self.tables.push(table);
+        self
+    }
+
+    /// With a table at the foot of the page: how far its numbers can be trusted.
+    pub fn closing_table(mut self, table: DataTable) -> Self {
+        self.closing.push(table);
         self
     }
 

@@ -12,6 +12,7 @@
 //! | [`compare::rows`] | the same branch with several contact solvers |
 //! | [`verify::verify`] | one period of the full structure from a computed point |
 //! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
+//! | [`certificate::Certificate`] | how far the numbers of a branch were looked at, and which not to use |
 //! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
 //! | [`overlay`] | results of other runs and tests laid over a branch, with the differences in numbers |
 //! | [`explore::picture`] | the first branch of a scene as data, without files |
@@ -54,6 +55,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod certificate;
 mod character;
 mod claim;
 pub mod compare;

@@ -16,12 +16,17 @@ pub const NOTABLE: f64 = 0.005;
 /// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
 /// the frequency is one that was measured: imposed on the mode, or met by parameters.
 pub fn warning(scene: &Scene, open: &OpenModes) -> Option<String> {
+    let shift = shift(scene, open)?;
+    (shift.relative().abs() >= NOTABLE).then(|| text(scene, &shift))
+}
+
+/// What taking the mass away from the contacts does to the mode that is computed; `None` where nothing is taken, or the frequency is one that was measured.
+pub(crate) fn shift(scene: &Scene, open: &OpenModes) -> Option<MassShift> {
     let is_imposed = scene.structure.straight().is_some_and(|structure| structure.modes.is_some());
     if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {
         return None;
     }
-    let shift = MassShift::between(&open.kept.omega, &open.own.omega, scene.method.mode)?;
-    (shift.relative().abs() >= NOTABLE).then(|| text(scene, &shift))
+    MassShift::between(&open.kept.omega, &open.own.omega, scene.method.mode)
 }
 
 /// The same for a scene that is only looked at.

@@ -115,6 +115,11 @@ pub trait Observer {
         false
     }
 
+    /// Whether the certificates of branches are to look at all that can be looked at, not only at what costs next to nothing. Default no.
+    fn certifies(&self) -> bool {
+        false
+    }
+
     /// Who looks on between points, when branches begin: he is told what is sought, and may end that at once. Default nobody.
     fn watch(&self) -> Watch {
         Watch::default()

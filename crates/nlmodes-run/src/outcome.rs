@@ -7,6 +7,7 @@ use nlmodes::study::ComputedTree;
 use nlmodes_scene::scene::Scene;
 
 use crate::Failure;
+use crate::certificate::Certificate;
 use crate::linear::LinearFrequencies;
 
 /// What came out of one method with one number of harmonics.
@@ -20,6 +21,8 @@ pub struct PartOutcome {
     pub linear: LinearFrequencies,
     /// Participation of the lowest linear modes in each point of each of these branches.
     pub participation: Vec<Vec<Participation>>,
+    /// How far the numbers of each of these branches were looked at; none where files could not be written.
+    pub certificates: Vec<Certificate>,
     /// From the beginning to the last file.
     pub wall_time: Duration,
     /// Why the files that are made of whole branches are not all there.

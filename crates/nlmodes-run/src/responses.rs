@@ -1,5 +1,6 @@
 //! Damped and forced motions of a scene: response curves, phase resonance, damped and conservative modes.
 
+mod certified;
 mod convert;
 mod curves;
 mod figures;

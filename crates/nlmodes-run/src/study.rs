@@ -24,6 +24,7 @@ use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
+use crate::certificate::{Certificate, Sources};
 use crate::claim::{Claim, identity};
 use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenModes;
@@ -108,9 +109,12 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
         return Err(unwritable(failure, !sink.is_empty()));
     }
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
+    let thorough = observer.certifies() && !observer.is_cancelled();
+    let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough };
+    let certificates: Vec<Certificate> = tree.branches.iter().map(|b| Certificate::of(b, sources)).collect();
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
-            let written = write(scene, &linear, &participation, (&tree, &laid), began);
+            let written = write(scene, &linear, &participation, (&tree, &certificates, &laid), began);
             (written.and_then(|()| motion::write(scene, open.as_ref(), &tree)), linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
@@ -121,6 +125,7 @@ fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> R
         tree,
         linear,
         participation,
+        certificates,
         wall_time: began.elapsed(),
         failure: written.err(),
     };
@@ -212,7 +217,7 @@ fn write(
     scene: &Scene,
     linear: &LinearFrequencies,
     participation: &[Vec<Participation>],
-    (tree, laid): (&ComputedTree, &[overlay::Laid]),
+    (tree, certificates, laid): (&ComputedTree, &[Certificate], &[overlay::Laid]),
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
@@ -222,7 +227,7 @@ fn write(
         write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
     }
     starts::write(directory, &tree.branches)?;
-    summary::write(directory, scene, linear, tree, began.elapsed())?;
+    summary::write(directory, scene, linear, (tree, certificates), began.elapsed())?;
     figures::write_participations(directory, &tree.branches, participation)?;
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
@@ -240,7 +245,8 @@ fn write(
     }
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
-    page::write(directory, &[scene], linear, &branches, &participation, (&references, &laid))
+    let certified: Vec<&Certificate> = certificates.iter().collect();
+    page::write(directory, &[scene], linear, (&branches, &certified), &participation, (&references, &laid))
 }
 
 /// Writes the motions of the contacts at some points, and the results for MATLAB.

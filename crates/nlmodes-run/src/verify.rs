@@ -42,6 +42,11 @@ pub struct Exact {
 /// # Errors
 /// [`TimestepError`] if it cannot be integrated.
 pub fn verify(point: &Point) -> Result<Found, TimestepError> {
+    verify_up_to(point, MOST_MODES)
+}
+
+/// The same, the exact motion being looked for with so many modes at most.
+pub(crate) fn verify_up_to(point: &Point, most_modes: usize) -> Result<Found, TimestepError> {
     let mut dynamics = ContactDynamics::new(point.model.clone())?;
     let state = match &point.start {
         Some(displacement) => dynamics.state(displacement, &vec![0.0; displacement.len()])?,
@@ -49,7 +54,7 @@ pub fn verify(point: &Point) -> Result<Found, TimestepError> {
     };
     let verification = Verification::new(&mut dynamics, &state, TAU / point.omega)?;
     let modes = dynamics.n_modes();
-    let exact = (modes <= MOST_MODES && point.is_even()).then(|| exact(dynamics, &state, point));
+    let exact = (modes <= most_modes && point.is_even()).then(|| exact(dynamics, &state, point));
     Ok(Found { modes, verification, exact })
 }
 

@@ -16,6 +16,7 @@ mod participation;
 mod periodic;
 mod points;
 mod prepare;
+mod refined;
 mod refuse;
 mod resonances;
 mod settings;

@@ -54,7 +54,7 @@ pub const FILES: [FileMeaning; 17] = [
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, events, internal resonances, stability, why the branch ended, times",
+        meaning: "The scene as read, linear frequencies, grazing point, method, events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
         columns: &[],
     },
     FileMeaning {

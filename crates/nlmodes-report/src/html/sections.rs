@@ -36,6 +36,7 @@ impl HtmlReport<'_> {
             section("figures", "Figures", given(&self.figures)),
             section("tables", "Tables", self.all_tables()),
             section("scene", "Scene and method", self.all_documents()),
+            section("certificate", "How far to trust these numbers", self.closing_tables()),
         ];
         Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
     }
@@ -129,6 +130,11 @@ impl HtmlReport<'_> {
             return String::new();
         }
         format!("<div class=\"tables\">\n{own}{further}</div>\n")
+    }
+
+    fn closing_tables(&self) -> String {
+        let tables: String = self.closing.iter().map(DataTable::html).collect();
+        if tables.is_empty() { tables } else { format!("<div class=\"tables\">\n{tables}</div>\n") }
     }
 
     /// The branch's name where there are several.

@@ -8,12 +8,14 @@ use nlmodes::report::{DataTable, HtmlReport, StopLine};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
 
+use super::certified::certificate;
 use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::figures::Named;
 use super::histories;
 use super::model::Model;
 use crate::Failure;
+use crate::certificate::tables;
 
 /// Samples of a period of each contact that moves on the page.
 const SAMPLES: usize = 1000;
@@ -51,6 +53,9 @@ pub fn write(
         .contact_motion(&motion)
         .table(resonances(model, curves))
         .document("Scene as read, in SI units", scene)?;
+    for table in tables(&certificate(scene, model, curves), None) {
+        report = report.closing_table(table);
+    }
     if let Some(text) = &model.warning {
         report = report.line(format!("Warning: {text}"));
     }

@@ -9,6 +9,7 @@ use nlmodes::response::ResponsePoint;
 use nlmodes_scene::scene::Scene;
 use serde_json::{Value, json};
 
+use super::certified::certificate;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
@@ -42,6 +43,7 @@ pub fn write(
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual).fold(0.0, f64::max),
         "largest_power_imbalance": imbalance(curves),
+        "certificate": certificate(scene, model, curves),
         "wall_time_s": began.elapsed().as_secs_f64(),
     });
     Ok(write_summary(directory.join("summary.json"), &content)?)

@@ -15,6 +15,7 @@ use super::overlaid::Overlaid;
 use super::stops;
 use super::summary::method_used;
 use crate::Failure;
+use crate::certificate::{self, Certificate};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::Scene;
 
@@ -27,7 +28,7 @@ pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
-    all: &[&ComputedBranch],
+    (all, certificates): (&[&ComputedBranch], &[&Certificate]),
     participation: &[&[Participation]],
     (references, laid): (&[Reference], &Overlaid),
 ) -> Result<(), Failure> {
@@ -66,6 +67,12 @@ pub fn write(
     for computed in all {
         if let Some(table) = beyond_accuracy(computed) {
             report = report.table(table);
+        }
+    }
+    for (computed, certificate) in all.iter().zip(certificates) {
+        let name = (all.len() > 1).then_some(computed.branch.label.as_str());
+        for table in certificate::tables(certificate, name) {
+            report = report.closing_table(table);
         }
     }
     for (k, scene) in scenes.iter().enumerate().skip(1) {

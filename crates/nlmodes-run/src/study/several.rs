@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::overlaid::Overlaid;
 use super::{figures, histories, one_branch, page};
+use crate::certificate::Certificate;
 use crate::claim::Claim;
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
@@ -95,6 +96,7 @@ pub fn study(
         // The others are on disk; those that are compared stay in memory.
         done.tree.branches.truncate(1);
         done.participation.truncate(1);
+        done.certificates.truncate(1);
         let Some(first) = done.tree.branches.first() else { continue };
         rows.push(Branch::new(part, &first.branch));
         outcome.parts.push(done);
@@ -140,7 +142,8 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Resul
     let participation: Vec<&[Participation]> =
         parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
     if scene.files.figures || scene.files.page {
-        write_figures(files, scene, first, (&branches, &all), &participation)?;
+        let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
+        write_figures(files, scene, first, (&branches, &all, &certificates), &participation)?;
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
@@ -152,7 +155,7 @@ fn write_figures(
     files: &[SceneFile],
     scene: &Scene,
     first: &PartOutcome,
-    (branches, all): (&[&ComputedBranch], &[&ModalBranch]),
+    (branches, all, certificates): (&[&ComputedBranch], &[&ModalBranch], &[&Certificate]),
     participation: &[&[Participation]],
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
@@ -181,5 +184,5 @@ fn write_figures(
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &first.linear, branches, participation, (&references, &laid))
+    page::write(directory, &scenes, &first.linear, (branches, certificates), participation, (&references, &laid))
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::sink::branch_directory;
 use crate::Failure;
+use crate::certificate::Certificate;
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
 
@@ -34,9 +35,11 @@ struct Summary<'a> {
     stability: Stability,
     end: End<'a>,
     largest_residual: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a Certificate>,
     evaluations: usize,
     refused_steps: usize,
-    other_branches: Vec<OtherBranch>,
+    other_branches: Vec<OtherBranch<'a>>,
     arms_not_followed: usize,
     wall_time_s: f64,
 }
@@ -188,7 +191,7 @@ struct At {
 
 /// A branch that leaves another one at a branch point.
 #[derive(Serialize)]
-struct OtherBranch {
+struct OtherBranch<'a> {
     directory: PathBuf,
     from_branch: Option<usize>,
     from_point: Option<usize>,
@@ -198,10 +201,12 @@ struct OtherBranch {
     complete: bool,
     largest_residual: f64,
     internal_resonances: Vec<Resonance>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    certificate: Option<&'a Certificate>,
 }
 
-impl OtherBranch {
-    fn new(number: usize, computed: &ComputedBranch) -> Self {
+impl<'a> OtherBranch<'a> {
+    fn new(number: usize, computed: &ComputedBranch, certificate: Option<&'a Certificate>) -> Self {
         let (branch, origin) = (&computed.branch, computed.origin);
         Self {
             directory: branch_directory(Path::new(""), number),
@@ -213,6 +218,7 @@ impl OtherBranch {
             complete: branch.end.complete,
             largest_residual: largest_residual(computed),
             internal_resonances: resonances(computed),
+            certificate,
         }
     }
 }
@@ -244,7 +250,7 @@ pub fn write(
     directory: &Path,
     scene: &Scene,
     linear: &LinearFrequencies,
-    tree: &ComputedTree,
+    (tree, certificates): (&ComputedTree, &[Certificate]),
     wall_time: Duration,
 ) -> Result<(), Failure> {
     let Some(computed) = tree.branches.first() else { return Ok(()) };
@@ -259,6 +265,8 @@ pub fn write(
         })
     });
     let end = &computed.branch.end;
+    let others = tree.branches.iter().enumerate().skip(1);
+    let others = others.map(|(k, b)| OtherBranch::new(k, b, certificates.get(k)));
     let summary = Summary {
         program: "nlmodes-cli",
         version: env!("CARGO_PKG_VERSION"),
@@ -279,9 +287,10 @@ pub fn write(
         stability: Stability::new(computed),
         end: End { reason: &end.reason, message: &end.message, complete: end.complete },
         largest_residual: largest_residual(computed),
+        certificate: certificates.first(),
         evaluations: computed.evaluations,
         refused_steps: computed.refused_steps,
-        other_branches: tree.branches.iter().enumerate().skip(1).map(|(k, b)| OtherBranch::new(k, b)).collect(),
+        other_branches: others.collect(),
         arms_not_followed: tree.not_followed,
         wall_time_s: wall_time.as_secs_f64(),
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nlmodes::modal::HarmonicCoefficients;
 use nlmodes::model::MasslessContactModel;
+use nlmodes::study::{ComputedBranch, StudyError};
 use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
@@ -87,6 +88,28 @@ impl Point {
             MethodKind::MsHbm | MethodKind::Hbm => None,
         };
         Ok(Self { number, title: scene.title, model, omega, coefficients, start, symmetry: scene.method.symmetry })
+    }
+
+    /// A point of a branch that is still in memory.
+    ///
+    /// # Errors
+    /// [`StudyError`] if an exact motion cannot be evaluated again.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn of_branch(scene: &Scene, computed: &ComputedBranch, number: usize) -> Result<Self, StudyError> {
+        let point = &computed.branch.points[number];
+        let exact = computed.exact()?;
+        let start = exact.map(|mut problem| problem.first_displacement(&computed.unknowns[number])).transpose()?;
+        Ok(Self {
+            number,
+            title: scene.title.clone(),
+            model: computed.structure.model().clone(),
+            omega: point.omega,
+            coefficients: point.coefficients.clone(),
+            start,
+            symmetry: scene.method.symmetry,
+        })
     }
 
     /// Whether the structure stands still at the beginning of the period.

@@ -1,0 +1,135 @@
+//! A few points solved again with twice as many harmonics, and with twice as many held modes.
+
+use nlmodes::hbm::CondensedStructure;
+use nlmodes::modal::ModalPoint;
+use nlmodes::study::{ComputedBranch, StudyError};
+
+use super::{CERTIFY, Check, Number, Sources, listed};
+
+const HARMONICS: &str = "harmonics";
+const MODES: &str = "modes";
+/// Forces and impulses below this share of the largest ones of the branch do not count by themselves.
+const FLOOR: f64 = 1e-2;
+
+/// What twice as many harmonics change.
+pub fn harmonics(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
+    if computed.is_exact() {
+        let words = "exact in time: no harmonics are left out";
+        return Number::ALL.map(|n| Check::found(HARMONICS, Some(n), 0.0, n.limit(), words)).to_vec();
+    }
+    if !sources.thorough {
+        return estimated(computed);
+    }
+    let words = |lost: &str| format!("with twice as many harmonics at the same energy, {}{lost}", listed(points));
+    let number = |k: usize| 2 * computed.branch.points[k].coefficients.n_harmonics();
+    again(HARMONICS, computed, points, words, "method.harmonics twice as large", |k| {
+        computed.refined(k, number(k), &computed.structure)
+    })
+}
+
+/// The estimates of the frequency's error that an accuracy has been asked for with; else nothing.
+fn estimated(computed: &ComputedBranch) -> Vec<Check> {
+    let estimates = computed.branch.points.iter().filter_map(|p| p.error_estimate);
+    let frequency = match estimates.reduce(f64::max) {
+        Some(largest) => {
+            let words = "largest estimate of what harmonics and modes left out do, of all points";
+            Check::found(HARMONICS, Some(Number::Frequency), largest, Number::Frequency.limit(), words)
+        }
+        None => not_asked(Number::Frequency),
+    };
+    [frequency].into_iter().chain(Number::ALL.into_iter().skip(1).map(not_asked)).collect()
+}
+
+fn not_asked(number: Number) -> Check {
+    Check::missing(HARMONICS, Some(number), number.limit(), "more harmonics were not tried", CERTIFY)
+}
+
+/// What twice as many held modes change.
+pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
+    let limit = Number::Frequency.limit();
+    if let Some(open) = sources.open {
+        let found = open.truncation_error(sources.scene.method.mode, computed.grazing.contact);
+        return vec![match found {
+            Some(error) => {
+                let words = "open modes: estimate from half as many, linear frequency with the first contact closed";
+                Check::found(MODES, Some(Number::Frequency), error, limit, words)
+            }
+            None => {
+                let why = "open modes: half as many do not reach the mode that is computed";
+                Check::missing(MODES, Some(Number::Frequency), limit, why, "reduction.modes twice as large")
+            }
+        }];
+    }
+    let structure = &computed.structure;
+    let (kept, all) = (structure.n_held_modes(), structure.model().linear_dofs().len());
+    if kept >= all {
+        return vec![Check::found(MODES, None, 0.0, limit, format!("all {all} held modes are kept"))];
+    }
+    if !sources.thorough {
+        let most = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
+        let error = structure.held_modes_error(&computed.grazing, computed.grazing.omega, most);
+        let words = format!("{kept} of {all} held modes: a guess of what the others do, at grazing");
+        return vec![Check::found(MODES, Some(Number::Frequency), error, limit, words)];
+    }
+    let more = (2 * kept).min(all);
+    let how = "method.held_modes twice as large";
+    let finer = match CondensedStructure::new(structure.model().clone(), more) {
+        Ok(finer) => finer,
+        Err(error) => return vec![Check::missing(MODES, None, limit, error.to_string(), how)],
+    };
+    let words =
+        |lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {}{lost}", listed(points));
+    let number = |k: usize| computed.branch.points[k].coefficients.n_harmonics();
+    again(MODES, computed, points, words, how, |k| computed.refined(k, number(k), &finer))
+}
+
+/// Largest changes of the numbers where points are solved again.
+fn again(
+    name: &'static str,
+    computed: &ComputedBranch,
+    points: &[usize],
+    words: impl Fn(&str) -> String,
+    how: &'static str,
+    solve: impl Fn(usize) -> Result<Option<ModalPoint>, StudyError>,
+) -> Vec<Check> {
+    let (mut worst, mut lost) = ([0.0_f64; 4], Vec::new());
+    for &k in points {
+        match solve(k) {
+            Ok(Some(after)) => {
+                let found = changes(computed, &computed.branch.points[k], &after);
+                worst.iter_mut().zip(found).for_each(|(w, found)| *w = w.max(found));
+            }
+            Ok(None) => lost.push(k),
+            Err(error) => return vec![Check::missing(name, None, Number::Frequency.limit(), error.to_string(), how)],
+        }
+    }
+    let said = match lost.as_slice() {
+        [] => String::new(),
+        lost => format!("; next to {} there is no such motion", listed(lost)),
+    };
+    let nothing = lost.len() == points.len();
+    let of = |(number, value): (Number, f64)| {
+        let value = if nothing { f64::NAN } else { value };
+        Check::found(name, Some(number), value, number.limit(), words(&said))
+    };
+    Number::ALL.into_iter().zip(worst).map(of).collect()
+}
+
+/// Relative changes of the numbers, in their order.
+fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -> [f64; 4] {
+    let force = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.peak_contact_force));
+    let impulses = computed.branch.points.iter().flat_map(|p| &p.contacts).map(|c| c.impulse);
+    let impulse = impulses.fold(f64::MIN_POSITIVE, f64::max);
+    let each = before.contacts.iter().zip(&after.contacts);
+    [
+        relative(before.omega, after.omega, 0.0),
+        relative(before.peak, after.peak, 0.0),
+        each.map(|(b, a)| relative(b.impulse, a.impulse, FLOOR * impulse)).fold(0.0, f64::max),
+        relative(before.peak_contact_force, after.peak_contact_force, FLOOR * force),
+    ]
+}
+
+/// `|before − after|` over the latter, or over `floor` where that is larger.
+pub fn relative(before: f64, after: f64, floor: f64) -> f64 {
+    if before == after { 0.0 } else { (before - after).abs() / after.abs().max(floor) }
+}

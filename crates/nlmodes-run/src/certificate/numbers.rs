@@ -1,0 +1,158 @@
+//! The numbers of a branch, and what the checks say of each.
+
+use serde::Serialize;
+
+use super::{Check, Outcome};
+
+/// A number of the results, or several that stand and fall together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Number {
+    /// The nonlinear modal frequency.
+    #[serde(rename = "frequency_hz")]
+    Frequency,
+    /// The largest displacement of the first contact, and with it motions in time.
+    #[serde(rename = "peak_m")]
+    Displacement,
+    /// The impulse of each contact.
+    #[serde(rename = "impulse_n_s")]
+    Impulse,
+    /// The largest contact force.
+    #[serde(rename = "peak_contact_force_n")]
+    PeakForce,
+}
+
+impl Number {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Frequency, Self::Displacement, Self::Impulse, Self::PeakForce];
+
+    /// Its name in the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency_hz",
+            Self::Displacement => "peak_m",
+            Self::Impulse => "impulse_n_s",
+            Self::PeakForce => "peak_contact_force_n",
+        }
+    }
+
+    /// What it is.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency",
+            Self::Displacement => "largest displacement, motions in time",
+            Self::Impulse => "impulse of each contact",
+            Self::PeakForce => "largest contact force",
+        }
+    }
+
+    /// Largest relative change that is good.
+    pub fn limit(self) -> f64 {
+        match self {
+            Self::Frequency => 1e-3,
+            Self::Displacement => 1e-2,
+            Self::Impulse => 2e-2,
+            Self::PeakForce => 5e-2,
+        }
+    }
+}
+
+/// Whether to use a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Use {
+    /// What could change it was looked at, and does so within its limit.
+    Yes,
+    /// A check speaks against it.
+    No,
+    /// What harmonics leave out was not looked at.
+    NotShown,
+}
+
+impl Use {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Yes => "yes",
+            Self::No => "no",
+            Self::NotShown => "not shown",
+        }
+    }
+}
+
+/// A number, whether to use it, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NumberUse {
+    /// The number.
+    pub number: Number,
+    /// Whether to use it.
+    #[serde(rename = "use")]
+    pub usable: Use,
+    /// The largest relative change that a check found; none where none was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_change: Option<f64>,
+    /// Why, and what to do.
+    pub words: String,
+}
+
+impl NumberUse {
+    /// What the checks say of it.
+    pub(super) fn new(number: Number, checks: &[Check]) -> Self {
+        let speaks = |check: &&Check| check.number.is_none_or(|n| n == number);
+        let own = |check: &&Check| check.number == Some(number);
+        let made = checks.iter().filter(own).filter(|check| check.outcome != Outcome::NotLookedAt);
+        let largest_change = made.filter_map(|check| check.value).reduce(f64::max);
+        let against: Vec<&Check> = checks.iter().filter(speaks).filter(|c| c.outcome == Outcome::Doubtful).collect();
+        let truncation =
+            |name: &str| checks.iter().filter(own).any(|check| check.name == name && check.outcome == Outcome::Good);
+        let (usable, words) = if !against.is_empty() {
+            (Use::No, refused(number, &against))
+        } else if truncation("harmonics") || truncation("exact motion") {
+            (Use::Yes, used(number, largest_change.unwrap_or(0.0)))
+        } else {
+            let missing = checks.iter().find(|check| check.name == "harmonics" && own(check));
+            (Use::NotShown, not_shown(number, missing.and_then(|check| check.how).unwrap_or(super::CERTIFY)))
+        };
+        Self { number, usable, largest_change, words }
+    }
+}
+
+/// What speaks against a number.
+fn refused(number: Number, against: &[&Check]) -> String {
+    let one = |check: &&Check| match check.value {
+        Some(value) => format!("{}: {value:.1e}, more than {:.0e}", check.name, check.limit),
+        None => format!("{}: nothing was found to compare with", check.name),
+    };
+    let reasons: Vec<String> = against.iter().map(one).collect();
+    format!("{}{}", reasons.join("; "), instead(number))
+}
+
+/// What to use for it.
+fn instead(number: Number) -> &'static str {
+    match number {
+        Number::PeakForce => {
+            ". The force of a short blow comes slowly with harmonics, if at all; impulse_n_s (contacts.csv) is what converges"
+        }
+        _ => "",
+    }
+}
+
+fn used(number: Number, change: f64) -> String {
+    let reserve = match number {
+        Number::Frequency => "",
+        Number::Displacement | Number::Impulse => "; on this mesh",
+        Number::PeakForce => {
+            "; on this mesh: what finer elements change, before a rigid stop often much, was not looked at"
+        }
+    };
+    format!("to {change:.1e}{reserve}")
+}
+
+fn not_shown(number: Number, how: &str) -> String {
+    let why = match number {
+        Number::PeakForce => {
+            "; of all numbers this one needs most harmonics: do not use it before that; impulse_n_s (contacts.csv) converges first"
+        }
+        _ => "",
+    };
+    format!("what harmonics leave out was not looked at; to have it looked at: {how}{why}")
+}

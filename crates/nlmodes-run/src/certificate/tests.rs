@@ -1,0 +1,162 @@
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
+
+use super::*;
+use crate::settings::branch_settings;
+
+/// A rod before a stop with so many elements and harmonics, its lengths in `length` m and its masses in `mass` kg.
+fn scene(elements: usize, harmonics: usize, [length, mass]: [f64; 2]) -> Scene {
+    let (e, density, area) = (210e9 * length / mass, 7800.0 * length.powi(3) / mass, 1e-4 / length.powi(2));
+    let text = format!(
+        "[structure]\nkind = \"rod\"\nlength_m = {}\nelements = {elements}\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = {e:e}, density_kg_m3 = {density:e} }}\nsection = {{ area_m2 = {area:e} }}\n\
+         [[contact]]\nat_m = {}\ndirection = \"axial\"\nside = \"positive\"\ngap_m = {:e}\n\
+         [method]\nharmonics = {harmonics}\n[continuation]\nmax_energy_ratio = 1.5\n",
+        1.0 / length,
+        1.0 / length,
+        1e-3 / length
+    );
+    let mut files =
+        nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false)).unwrap();
+    files.swap_remove(0).scene
+}
+
+fn branch(scene: &Scene, start: BranchStart) -> ComputedBranch {
+    let model = nlmodes_scene::assemble::structural_model(scene).unwrap();
+    let massless = nlmodes_scene::assemble::contact_model(scene, &model).unwrap();
+    let settings = BranchSettings { start, ..branch_settings(scene) };
+    compute_branch(massless, &settings, |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn certificate(elements: usize, harmonics: usize, units: [f64; 2], thorough: bool) -> Certificate {
+    let scene = scene(elements, harmonics, units);
+    let computed = branch(&scene, BranchStart::Grazing);
+    Certificate::of(&computed, Sources { scene: &scene, open: None, shift: None, thorough })
+}
+
+const SI: [f64; 2] = [1.0, 1.0];
+
+fn check<'a>(certificate: &'a Certificate, name: &str, number: Number) -> &'a Check {
+    certificate.checks.iter().find(|c| c.name == name && c.number.is_none_or(|n| n == number)).unwrap()
+}
+
+fn usable(certificate: &Certificate, number: Number) -> &NumberUse {
+    certificate.numbers.iter().find(|n| n.number == number).unwrap()
+}
+
+#[test]
+fn what_was_not_asked_for_is_said_and_nothing_speaks_for_the_force() {
+    let plain = certificate(2, 5, SI, false);
+    for name in ["equations", "contact law", "modes"] {
+        assert_eq!(check(&plain, name, Number::Frequency).outcome, Outcome::Good, "{plain:?}");
+    }
+    for name in ["return after a period", "exact motion", "harmonics"] {
+        let check = check(&plain, name, Number::Displacement);
+        assert_eq!((check.outcome, check.value), (Outcome::NotLookedAt, None));
+        assert!(check.how.is_some(), "{check:?}");
+    }
+    let force = usable(&plain, Number::PeakForce);
+    assert_eq!((force.usable, force.largest_change), (Use::NotShown, None));
+    assert!(plain.verdict.contains("nothing speaks for: "), "{}", plain.verdict);
+}
+
+#[test]
+fn few_harmonics_spoil_the_force_and_many_do_not() {
+    let poor = certificate(4, 2, SI, true);
+    let force = usable(&poor, Number::PeakForce);
+    assert_eq!(force.usable, Use::No, "{poor:?}");
+    assert!(force.words.contains("impulse_n_s"), "{force:?}");
+    assert_eq!(check(&poor, "harmonics", Number::PeakForce).outcome, Outcome::Doubtful);
+    let fine = certificate(4, 60, SI, true);
+    for name in ["energy", "return after a period"] {
+        assert_eq!(check(&fine, name, Number::Displacement).outcome, Outcome::Good, "{name}: {fine:?}");
+    }
+    for number in [Number::Impulse, Number::PeakForce] {
+        assert_eq!(usable(&fine, number).usable, Use::Yes, "{fine:?}");
+        assert_eq!(check(&fine, "exact motion", number).outcome, Outcome::Good);
+    }
+    // What is found falls with the harmonics, of whatever it is found.
+    for (name, number) in
+        [("energy", Number::Displacement), ("harmonics", Number::PeakForce), ("harmonics", Number::Frequency)]
+    {
+        let [few, many] = [&poor, &fine].map(|c| check(c, name, number).value.unwrap());
+        assert!(many < 0.1 * few, "{name}: {few:e} {many:e}");
+    }
+}
+
+#[test]
+fn the_mesh_is_judged_by_the_frequencies_of_discrete_rods() {
+    // ω h/c = √(6 (1 − cos κh)/(2 + cos κh)) with κ = π/2 over the length.
+    let omega = |n: f64| {
+        let cos = (PI / (2.0 * n)).cos();
+        n * (6.0 * (1.0 - cos) / (2.0 + cos)).sqrt()
+    };
+    for (elements, expected) in [(2, Outcome::Doubtful), (40, Outcome::Good)] {
+        let found = mesh::frequency(&scene(elements, 1, SI));
+        let n = elements as f64;
+        let change = omega(n) / omega(2.0 * n) - 1.0;
+        assert!((found.value.unwrap() / change - 1.0).abs() < 1e-6, "{found:?} {change:e}");
+        assert_eq!(found.outcome, expected);
+    }
+}
+
+#[test]
+fn a_certificate_is_the_same_in_millimetres_and_tonnes() {
+    let [si, mm] = [SI, [1e-3, 1e3]].map(|units| certificate(3, 4, units, true));
+    for (a, b) in si.checks.iter().zip(&mm.checks) {
+        assert_eq!((a.name, a.number, a.outcome), (b.name, b.number, b.outcome), "{a:?} {b:?}");
+        // Below 1e-8 values are rounding.
+        let [a, b] = [a, b].map(|c| c.value.unwrap_or(0.0));
+        assert!((a - b).abs() < 1e-5 * a + 1e-8, "{a:e} {b:e}");
+    }
+    assert_eq!(
+        si.numbers.iter().map(|n| n.usable).collect::<Vec<_>>(),
+        mm.numbers.iter().map(|n| n.usable).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn a_point_solved_with_more_harmonics_is_that_of_a_branch_with_them() {
+    let computed = branch(&scene(3, 4, SI), BranchStart::Grazing);
+    let k = computed.branch.points.len() / 2;
+    let point = &computed.branch.points[k];
+    let refined = computed.refined(k, 8, &computed.structure).unwrap().unwrap();
+    let ratio = point.kinetic_energy / computed.grazing.energy;
+    let other = branch(&scene(3, 8, SI), BranchStart::Energy { ratio, upward: true });
+    let own = &other.branch.points[0];
+    assert!((refined.omega / own.omega - 1.0).abs() < 1e-9, "{} {}", refined.omega, own.omega);
+    assert!((refined.peak_contact_force / own.peak_contact_force - 1.0).abs() < 1e-6);
+    assert!((refined.omega / point.omega - 1.0).abs() > 1e-9, "more harmonics change it");
+}
+
+#[test]
+fn too_few_held_modes_are_doubted_and_enough_are_not() {
+    let scene = scene(12, 5, SI);
+    let computed = branch(&scene, BranchStart::Grazing);
+    let model = computed.structure.model().clone();
+    for (kept, expected) in [(3, Outcome::Doubtful), (10, Outcome::Good)] {
+        let settings = BranchSettings { held_modes: Some(kept), ..branch_settings(&scene) };
+        let few = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(())).unwrap();
+        let sources = Sources { scene: &scene, open: None, shift: None, thorough: true };
+        let checks = finer::modes(&few, &few_points(&few), sources);
+        let force = checks.iter().find(|c| c.number == Some(Number::PeakForce)).unwrap();
+        assert_eq!(force.outcome, expected, "{kept}: {checks:?}");
+    }
+}
+
+#[test]
+fn a_force_that_pulls_and_a_gap_that_is_negative_break_the_contact_law() {
+    let computed = branch(&scene(3, 4, SI), BranchStart::Grazing);
+    let last = computed.branch.points.len() - 1;
+    let motions = nlmodes::study::Histories::of(&computed).at(last, 256, "").unwrap();
+    let strongest = computed.branch.points[last].peak_contact_force;
+    assert!(contacts::violation(&computed, strongest, &motions) < 1e-9);
+    let mut pulls = motions.clone();
+    pulls[0].force.iter_mut().for_each(|f| *f = -*f);
+    assert!(contacts::violation(&computed, strongest, &pulls) > 0.9);
+    let mut through = motions;
+    through[0].displacement.iter_mut().for_each(|q| *q *= 1.1);
+    assert!(contacts::violation(&computed, strongest, &through) > 0.05);
+}
