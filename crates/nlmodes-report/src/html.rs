@@ -9,9 +9,11 @@ mod knots;
 mod motion;
 mod number;
 mod overview;
+mod report_page;
 mod sections;
 mod table;
 
+pub use frame::Page;
 pub use table::DataTable;
 
 use crate::ReportError;
@@ -197,7 +199,7 @@ impl<'a> HtmlReport<'a> {
         self.check_marks()?;
         let sections = self.sections()?;
         let data = data::Data::new(self);
-        Ok(frame::page(&self.title, &sections, &data))
+        Ok(report_page::page(&self.title, &sections, &data))
     }
 
     /// What the script of the page knows, as JSON.

@@ -21,6 +21,7 @@
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
+//! | [`Page`] | HTML | the frame of such a page, for other contents |
 //! | [`SpreadFigure`] | SVG | values of many cases over something that varies, with median and band |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
@@ -98,7 +99,7 @@ pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
     MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
 };
-pub use html::{DataTable, HtmlReport, explore};
+pub use html::{DataTable, HtmlReport, Page, explore};
 pub use output::write_file;
 pub use stop::StopLine;
 pub use table::{

@@ -1,85 +1,94 @@
-//! The page around its sections: head, policy, style, data and script.
+//! The frame of a page that is one file and loads nothing: head, policy, style, data and script.
 
-use super::data::Data;
-use super::sections::Section;
 use crate::svg::escape;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use sha2::{Digest, Sha256};
 
-const STYLE: &str = include_str!("page/page.css");
-const SCRIPT: &str = concat!(
-    include_str!("page/element.js"),
-    include_str!("page/scale.js"),
-    include_str!("page/symbol.js"),
-    include_str!("page/chart.js"),
-    include_str!("page/branches.js"),
-    include_str!("page/participation.js"),
-    include_str!("page/histories.js"),
-    include_str!("page/motion.js"),
-    include_str!("page/start.js"),
-);
+/// The style that all pages have.
+pub(super) const STYLE: &str = include_str!("page/page.css");
 
-/// SHA-256 of [`STYLE`] and [`SCRIPT`] in Base64: the page allows these two texts and nothing else, whatever a title may hold.
-const STYLE_HASH: &str = "Q9s9zuy/Z8yaH/KnTkg1NbPYLFSGwO9gBZga+fePb4A=";
-const SCRIPT_HASH: &str = "IuUXHrNsRJdn37QHOsOOL31UP2XPpBb1pUoR2LZfGzs=";
+/// A page that is one file: it loads nothing and sends nothing.
+///
+/// A content security policy allows its own style and script alone, whatever a title or a value may hold.
+///
+/// ```
+/// let page = nlmodes_report::Page { title: "<A> & B", body: "<p>All of it.</p>", ..Default::default() };
+/// let text = page.render();
+/// assert!(text.contains("<title>&lt;A&gt; &amp; B</title>") && text.contains("default-src 'none'"));
+/// ```
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Page<'a> {
+    /// Title, as text.
+    pub title: &'a str,
+    /// What stands below the title, as HTML.
+    pub head: &'a str,
+    /// What the page is about, as HTML.
+    pub body: &'a str,
+    /// Style beside that of all pages.
+    pub style: &'a str,
+    /// Script; it finds the data in the element `data`.
+    pub script: &'a str,
+    /// Data of the script, as JSON in which `<` and `&` are escaped.
+    pub data: &'a str,
+}
 
-pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
-    let policy = format!(
-        "default-src 'none'; style-src 'sha256-{STYLE_HASH}'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
-    );
-    let (title, data) = (escape(title), data.json());
-    let (head, body): (Vec<&Section>, Vec<&Section>) = sections.iter().partition(|section| section.title.is_empty());
-    let overview: String = head.iter().map(|section| section.html.as_str()).collect();
-    let links: String = body.iter().map(|s| format!("<a href=\"#{}\">{}</a>", s.id, s.title)).collect();
-    let body: String =
-        body.iter().map(|s| format!("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.html)).collect();
-    let version = env!("CARGO_PKG_VERSION");
-    format!(
-        r#"<!DOCTYPE html>
+impl Page<'_> {
+    /// The page.
+    pub fn render(&self) -> String {
+        let Self { head, body, script, data, .. } = self;
+        let style = format!("{STYLE}{}", self.style);
+        let [allowed_style, allowed_script] =
+            [style.as_str(), script].map(|text| BASE64_STANDARD.encode(Sha256::digest(text)));
+        let (title, version) = (escape(self.title), env!("CARGO_PKG_VERSION"));
+        format!(
+            r#"<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8"/>
-<meta http-equiv="Content-Security-Policy" content="{policy}"/>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'sha256-{allowed_style}'; script-src 'sha256-{allowed_script}'; base-uri 'none'; form-action 'none'"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
 <meta name="generator" content="nlmodes {version}"/>
 <title>{title}</title>
-<style>{STYLE}</style>
+<style>{style}</style>
 </head>
 <body>
 <header>
 <h1>{title}</h1>
-{overview}<nav aria-label="Sections">{links}</nav>
-</header>
+{head}</header>
 <main>
 {body}</main>
 <footer>Written by nlmodes {version}. This page is one file; it loads nothing and sends nothing.</footer>
 <script type="application/json" id="data">{data}</script>
-<script>{SCRIPT}</script>
+<script>{script}</script>
 </body>
 </html>
 "#
-    )
+        )
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use base64::Engine;
-    use base64::prelude::BASE64_STANDARD;
-    use sha2::{Digest, Sha256};
 
-    fn hash(text: &str) -> String {
-        BASE64_STANDARD.encode(Sha256::digest(text))
+    /// What stands between two texts.
+    fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
+        let (_, rest) = text.split_once(from).unwrap();
+        rest.split_once(to).unwrap().0
     }
 
     #[test]
-    fn hashes_of_the_policy_are_those_of_style_and_script() {
-        assert_eq!(STYLE_HASH, hash(STYLE), "STYLE_HASH");
-        assert_eq!(SCRIPT_HASH, hash(SCRIPT), "SCRIPT_HASH");
+    fn the_policy_allows_style_and_script_as_they_stand() {
+        let page = Page { style: "p { margin: 0; }", script: "const a = 1;", data: "{}", ..Page::default() }.render();
+        let hash = |text: &str| BASE64_STANDARD.encode(Sha256::digest(text));
+        assert_eq!(between(&page, "style-src 'sha256-", "'"), hash(between(&page, "<style>", "</style>")));
+        assert_eq!(between(&page, "script-src 'sha256-", "'"), hash(between(&page, "<script>", "</script>")));
+        assert!(page.contains("p { margin: 0; }</style>"));
     }
 
     #[test]
-    fn script_and_style_cannot_end_their_elements() {
-        for text in [SCRIPT, STYLE] {
-            assert!(!text.contains("</") && !text.contains("<!--"));
-        }
+    fn the_common_style_cannot_end_its_element() {
+        assert!(!STYLE.contains("</") && !STYLE.contains("<!--"));
     }
 }

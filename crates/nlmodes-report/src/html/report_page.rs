@@ -1,0 +1,37 @@
+//! The sections of a report in the frame of a page.
+
+use super::data::Data;
+use super::frame::Page;
+use super::sections::Section;
+
+const SCRIPT: &str = concat!(
+    include_str!("page/element.js"),
+    include_str!("page/scale.js"),
+    include_str!("page/symbol.js"),
+    include_str!("page/chart.js"),
+    include_str!("page/branches.js"),
+    include_str!("page/participation.js"),
+    include_str!("page/histories.js"),
+    include_str!("page/motion.js"),
+    include_str!("page/start.js"),
+);
+
+pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {
+    let (head, body): (Vec<&Section>, Vec<&Section>) = sections.iter().partition(|section| section.title.is_empty());
+    let overview: String = head.iter().map(|section| section.html.as_str()).collect();
+    let links: String = body.iter().map(|s| format!("<a href=\"#{}\">{}</a>", s.id, s.title)).collect();
+    let body: String =
+        body.iter().map(|s| format!("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.html)).collect();
+    let head = format!("{overview}<nav aria-label=\"Sections\">{links}</nav>\n");
+    Page { title, head: &head, body: &body, style: "", script: SCRIPT, data: &data.json() }.render()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_script_cannot_end_its_element() {
+        assert!(!SCRIPT.contains("</") && !SCRIPT.contains("<!--"));
+    }
+}
