@@ -159,6 +159,16 @@ impl OpenModes {
         Ok(fewer)
     }
 
+    /// The same structure before stops with other `gaps` (m) and `stop_compliance` (m/N), one entry a contact. Modes and flexibility do not depend on them:
+    /// nothing is solved again.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`], [`ReductionError::StopCompliance`].
+    pub fn with_stops(&self, gaps: Vec<f64>, stop_compliance: Vec<f64>) -> Result<Self, ReductionError> {
+        check_stops(&self.directions, &gaps, &stop_compliance)?;
+        Ok(Self { gaps, stop_compliance, ..self.clone() })
+    }
+
     /// Number of retained modes m.
     pub fn n_modes(&self) -> usize {
         self.omega_squared.len()
@@ -249,20 +259,27 @@ fn wanted(modes: ModeCount) -> usize {
     }
 }
 
+fn same_size(what: &'static str, expected: usize, found: usize) -> Result<(), ReductionError> {
+    if expected == found { Ok(()) } else { Err(ReductionError::Dimension { what, expected, found }) }
+}
+
+fn all_finite(what: &'static str, values: &[f64]) -> Result<(), ReductionError> {
+    match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+        Some((index, &value)) => Err(ReductionError::NotFinite { what, index, value }),
+        None => Ok(()),
+    }
+}
+
 fn check(k: &SparseMatrix, w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -> Result<(), ReductionError> {
-    let sizes = [
-        ("rows of the contact directions", k.nrows(), w.nrows()),
-        ("gaps of the contacts", w.ncols(), gaps.len()),
-        ("compliances of the stops", w.ncols(), compliance.len()),
-    ];
-    if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-        return Err(ReductionError::Dimension { what, expected, found });
-    }
-    for (what, values) in [("gap of contact", gaps), ("entry of the contact directions", w.val())] {
-        if let Some((index, &value)) = values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
-            return Err(ReductionError::NotFinite { what, index, value });
-        }
-    }
+    same_size("rows of the contact directions", k.nrows(), w.nrows())?;
+    all_finite("entry of the contact directions", w.val())?;
+    check_stops(w, gaps, compliance)
+}
+
+fn check_stops(w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -> Result<(), ReductionError> {
+    same_size("gaps of the contacts", w.ncols(), gaps.len())?;
+    same_size("compliances of the stops", w.ncols(), compliance.len())?;
+    all_finite("gap of contact", gaps)?;
     match compliance.iter().enumerate().find(|(_, v)| !(v.is_finite() && **v >= 0.0)) {
         Some((contact, &value)) => Err(ReductionError::StopCompliance { contact, value }),
         None => Ok(()),

@@ -86,4 +86,4 @@ pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};
 pub use outcome::{PartOutcome, RunOutcome};
 pub use refusal::no_contact;
-pub use study::{check, run};
+pub use study::{check, run, run_sharing};

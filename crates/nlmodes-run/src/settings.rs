@@ -5,7 +5,7 @@ use nlmodes::study::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule,
 };
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{Assembly, OpenStructure, contact_model};
+use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures, contact_model};
 use nlmodes_scene::scene::{
     AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
     Symmetry,
@@ -25,8 +25,13 @@ pub struct Models {
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<Models, RunError> {
+    models_sharing(file, &Structures::default())
+}
+
+/// The same, where what is known of files need not be read and reduced again.
+pub fn models_sharing(file: &SceneFile, structures: &Structures) -> Result<Models, RunError> {
     let Assembly { model, open } =
-        Assembly::of(&file.scene).map_err(|error| refusal::at(file, &error.path(), &error))?;
+        Assembly::sharing(&file.scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
     Ok(Models { model, massless, open })

@@ -20,7 +20,7 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_matlab};
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, Structures};
 use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
@@ -30,7 +30,7 @@ use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenModes;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay;
-use crate::settings::{Models, branch_settings, models, starts};
+use crate::settings::{Models, branch_settings, models, models_sharing, starts};
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
@@ -48,6 +48,19 @@ pub(crate) use stops::lines as stop_lines;
 /// # Errors
 /// [`RunError`] if there are no results; a branch that ended early is in the outcome.
 pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> Result<RunOutcome, RunError> {
+    run_sharing(scenes, over, observer, &Structures::default())
+}
+
+/// The same with structures from files that other runs have read and reduced, and that this one leaves to others.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_sharing(
+    scenes: Vec<SceneFile>,
+    over: Over,
+    observer: &mut dyn Observer,
+    structures: &Structures,
+) -> Result<RunOutcome, RunError> {
     for file in &scenes {
         if file.scene.n_contact_tables() == 0 {
             return Err(no_contact(file).into());
@@ -70,10 +83,10 @@ pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> R
     }
     match several::parts(&files).as_slice() {
         [only] => {
-            let part = one_branch(&only.file, &claim, observer)?;
+            let part = one_branch(&only.file, &claim, observer, structures)?;
             Ok(RunOutcome { parts: vec![part], failure: None, is_cut_off: false })
         }
-        parts => several::study(&files, parts, &claim, observer),
+        parts => several::study(&files, parts, &claim, observer, structures),
     }
 }
 
@@ -86,13 +99,18 @@ fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result
 }
 
 /// One branch with all its files, and how it ended.
-fn one_branch(file: &SceneFile, claim: &Claim, observer: &mut dyn Observer) -> Result<PartOutcome, RunError> {
+fn one_branch(
+    file: &SceneFile,
+    claim: &Claim,
+    observer: &mut dyn Observer,
+    structures: &Structures,
+) -> Result<PartOutcome, RunError> {
     let scene = &file.scene;
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
     let laid = overlay::laid_over(file)?;
-    let Models { model, massless, open } = models(file)?;
+    let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     let modes = mass::open_modes(file, &model, &massless)?;
     if let Some(text) = mass::warning(scene, &modes) {

@@ -2,6 +2,7 @@
 
 mod open;
 mod parts;
+mod shared;
 
 use std::f64::consts::TAU;
 
@@ -10,12 +11,13 @@ use nlmodes::model::{
     Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
     ModelError, Move, Side, StructuralModel,
 };
-use nlmodes_io::{ContactError, ReadError};
+use nlmodes_io::{ContactError, ReadError, find_contacts};
 use nlmodes_linalg::LinalgError;
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-pub use open::{OpenStructure, dofs, read};
+pub use open::{OpenStructure, dofs};
+pub use shared::Structures;
 
 use crate::scene::{self, GroundSpring, MassPoint, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
 
@@ -151,11 +153,19 @@ impl Assembly {
     /// # Errors
     /// [`StructureError`].
     pub fn of(scene: &Scene) -> Result<Self, StructureError> {
+        Self::sharing(scene, &Structures::default())
+    }
+
+    /// The same, where what is known of files need not be read and reduced again.
+    ///
+    /// # Errors
+    /// [`StructureError`].
+    pub fn sharing(scene: &Scene, structures: &Structures) -> Result<Self, StructureError> {
         if scene.is_in_open_modes() {
-            let open = OpenStructure::of(scene)?;
+            let open = OpenStructure::of(scene, structures)?;
             return Ok(Self { model: open.reduced.model().clone(), open: Some(open) });
         }
-        Ok(Self { model: full_model(scene)?, open: None })
+        Ok(Self { model: full_model(scene, structures)?, open: None })
     }
 }
 
@@ -169,7 +179,7 @@ pub fn structural_model(scene: &Scene) -> Result<StructuralModel, StructureError
 }
 
 /// The structure of the scene, not reduced.
-fn full_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
+fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel, StructureError> {
     match &scene.structure {
         SceneStructure::Straight(structure) => {
             let model = element_model(structure, &scene.contacts)?;
@@ -179,7 +189,8 @@ fn full_model(scene: &Scene) -> Result<StructuralModel, StructureError> {
             }
         }
         SceneStructure::Matrices(matrices) => {
-            let (files, found) = read(matrices)?;
+            let files = structures.model(&matrices.files)?;
+            let found = find_contacts(&files, &matrices.files, &matrices.contacts)?;
             let dofs = dofs(&files);
             let index = DofIndex::new(&dofs);
             let contact = |c: &nlmodes_io::NodeContact| {

@@ -4,8 +4,9 @@ use std::fs;
 use std::str::FromStr;
 
 use nlmodes::hbm::MAX_RECORDED;
+use nlmodes_io::FeFiles;
 
-use crate::scene::{Matrices, RecordScene, Scene, SceneStructure, Switching, Symmetry, TestScene};
+use crate::scene::{RecordScene, Scene, SceneStructure, Switching, Symmetry, TestScene};
 use crate::{SceneError, SceneFile};
 
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -67,6 +68,11 @@ impl Limit {
         Self(self.0 / runs.max(1) as f64)
     }
 
+    /// The limit in bytes.
+    pub(crate) fn bytes(self) -> f64 {
+        self.0
+    }
+
     fn help(self, needed: f64) -> String {
         let wanted = (1.2 * needed / GIB).ceil().max(1.0);
         format!("the limit is {}; --memory-limit {wanted}GiB raises it", text(self.0))
@@ -113,7 +119,7 @@ impl Needs {
         let (full, dofs) = match &scene.structure {
             SceneStructure::Straight(structure) => (0.0, structure.free_dofs() as f64),
             // Reading and factorising the files comes before the reduced problem.
-            SceneStructure::Matrices(matrices) => (of_files(matrices), REDUCED_DOFS),
+            SceneStructure::Matrices(matrices) => (of_files(&matrices.files), REDUCED_DOFS),
         };
         // An accuracy may choose its most everywhere.
         let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics) as f64;
@@ -141,8 +147,8 @@ impl Needs {
 }
 
 /// Bytes that reading and factorising the matrices of these files takes, from the size of the files.
-fn of_files(matrices: &Matrices) -> f64 {
-    let path = &matrices.files.stiffness.path;
+pub(crate) fn of_files(files: &FeFiles) -> f64 {
+    let path = &files.stiffness.path;
     let size = fs::metadata(path).map_or(0.0, |data| data.len() as f64);
     let packed = path.extension().is_some_and(|ending| ending == "gz" || ending == "npz" || ending == "mat");
     let entries = size / if packed { BYTES_OF_A_PACKED_ENTRY } else { BYTES_OF_AN_ENTRY };

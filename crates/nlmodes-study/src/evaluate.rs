@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use nlmodes_scene::assemble::Structures;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -37,12 +38,14 @@ pub struct Evaluator {
     study: Study,
     settings: Settings,
     ended: Arc<AtomicBool>,
+    structures: Arc<Structures>,
 }
 
 impl Evaluator {
     /// Of this study, in its directory.
     pub fn new(study: Study, settings: Settings) -> Self {
-        Self { study, settings, ended: Arc::default() }
+        let structures = Arc::new(Structures::within(settings.limit()));
+        Self { study, settings, ended: Arc::default(), structures }
     }
 
     /// Ends what is in progress: it goes on the next time.
@@ -68,7 +71,13 @@ impl Evaluator {
         };
         let id = resolved.id.clone();
         let store = Store::new(&self.study.directory);
-        let worker = Worker { store: &store, settings: &self.settings, keep: self.study.keep, ended: &self.ended };
+        let worker = Worker {
+            store: &store,
+            settings: &self.settings,
+            keep: self.study.keep,
+            ended: &self.ended,
+            structures: &self.structures,
+        };
         while store.record(&id).is_none() {
             if self.ended.load(Ordering::Relaxed) {
                 return Ok(None);

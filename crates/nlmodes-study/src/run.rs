@@ -11,6 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use nlmodes_scene::assemble::Structures;
+
 use crate::case::{Case, cases, resolve};
 use crate::design::Points;
 use crate::error::StudyError;
@@ -47,6 +49,7 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
         waiting: &waiting,
         next: AtomicUsize::new(0),
         ended: Arc::default(),
+        structures: Structures::within(settings.limit()),
     };
     observer.progress(&outcome.progress(Duration::ZERO));
     let began = Instant::now();
@@ -89,12 +92,18 @@ struct Shared<'a> {
     waiting: &'a [&'a Case],
     next: AtomicUsize,
     ended: Arc<AtomicBool>,
+    structures: Structures,
 }
 
 /// Takes one case after the other until none is left, an end is asked for, or the disk takes no more.
 fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
-    let worker =
-        Worker { store: shared.store, settings: shared.settings, keep: shared.study.keep, ended: &shared.ended };
+    let worker = Worker {
+        store: shared.store,
+        settings: shared.settings,
+        keep: shared.study.keep,
+        ended: &shared.ended,
+        structures: &shared.structures,
+    };
     while !shared.ended.load(Ordering::Relaxed) {
         let Some(case) = shared.waiting.get(shared.next.fetch_add(1, Ordering::Relaxed)) else { return };
         let parts = resolve(shared.study, &shared.points.get(case.point));

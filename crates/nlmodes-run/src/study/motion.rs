@@ -16,7 +16,8 @@ const FRAMES: usize = 24;
 /// Samples of a period of each contact, a multiple of the frames.
 const SAMPLES: usize = 10 * FRAMES;
 
-/// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase of the last point whose motion is shown, where a mesh is known.
+/// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase of the last point whose motion is shown, where a mesh is known; not where neither
+/// figures nor page are asked for.
 ///
 /// Fields: displacement (m), contact force on the structure (N), gap (m, NaN where there is no contact).
 ///
@@ -24,6 +25,9 @@ const SAMPLES: usize = 10 * FRAMES;
 /// [`Failure`] if a point cannot be evaluated again or a file cannot be written.
 pub fn write(scene: &Scene, open: Option<&OpenStructure>, tree: &ComputedTree) -> Result<(), Failure> {
     let (Some(open), Some(computed)) = (open, tree.branches.first()) else { return Ok(()) };
+    if !(scene.files.figures || scene.files.page) {
+        return Ok(());
+    }
     let Some((model, contacts)) = &open.files else { return Ok(()) };
     let (Some(mesh), Some(&point)) = (&model.mesh, figure_points(&computed.branch).last()) else { return Ok(()) };
     let touching: Vec<usize> = contacts

@@ -15,6 +15,7 @@ use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::{Event, Failure, Observer, RunError, overlay};
 use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::Scene;
 
 #[derive(Serialize)]
@@ -78,6 +79,7 @@ pub fn study(
     parts: &[Part],
     claim: &Claim,
     observer: &mut dyn Observer,
+    structures: &Structures,
 ) -> Result<RunOutcome, RunError> {
     let mut outcome = RunOutcome { parts: Vec::new(), failure: None, is_cut_off: false };
     let mut rows = Vec::new();
@@ -87,7 +89,7 @@ pub fn study(
             break;
         }
         observer.event(Event::Part { number, of: parts.len(), folder: &part.folder });
-        let done = one_branch(&part.file, claim, observer);
+        let done = one_branch(&part.file, claim, observer, structures);
         if matches!(done, Err(RunError::Ended)) && !outcome.parts.is_empty() {
             outcome.is_cut_off = true;
             break;

@@ -1,12 +1,13 @@
 //! Structures in their open modes: of rods, beams and matrices alike.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
 use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 
-use super::StructureError;
+use super::{StructureError, Structures};
 use crate::scene::{Matrices, ReductionKind, Scene, SceneStructure};
 
 /// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
@@ -26,7 +27,7 @@ pub struct OpenStructure {
     /// Node and position (m, along x) by which each contact is known.
     pub contacts: Vec<(usize, f64)>,
     /// The model and the contacts of its nodes, of a structure from files.
-    pub files: Option<(FeModel, Vec<NodeContact>)>,
+    pub files: Option<(Arc<FeModel>, Vec<NodeContact>)>,
 }
 
 impl OpenStructure {
@@ -34,10 +35,10 @@ impl OpenStructure {
     ///
     /// # Errors
     /// [`StructureError`]: files that cannot be read, contacts that do not fit them, a reduction that fails.
-    pub fn of(scene: &Scene) -> Result<Self, StructureError> {
+    pub fn of(scene: &Scene, structures: &Structures) -> Result<Self, StructureError> {
         match &scene.structure {
-            SceneStructure::Straight(_) => Self::of_model(scene, &super::full_model(scene)?),
-            SceneStructure::Matrices(matrices) => Self::of_files(scene, matrices),
+            SceneStructure::Straight(_) => Self::of_model(scene, &super::full_model(scene, structures)?),
+            SceneStructure::Matrices(matrices) => Self::of_files(scene, matrices, structures),
         }
     }
 
@@ -52,13 +53,10 @@ impl OpenStructure {
         Ok(Self { modes, reduced, dofs: model.dofs().to_vec(), contacts, files: None })
     }
 
-    fn of_files(scene: &Scene, matrices: &Matrices) -> Result<Self, StructureError> {
-        let (model, found) = read(matrices)?;
-        let (mass, stiffness) = (model.mass.symmetric()?, model.stiffness.symmetric()?);
-        let directions = model.contact_directions(&found)?;
-        let gaps = found.iter().map(|contact| contact.gap).collect();
-        let compliance = found.iter().map(|contact| contact.stiffness.map_or(0.0, |k| 1.0 / k)).collect();
-        let modes = OpenModes::new(mass, stiffness, directions, gaps, compliance, count(scene))?;
+    fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
+        let model = structures.model(&matrices.files)?;
+        let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
+        let modes = structures.modes(&matrices.files, &model, &found, count(scene))?;
         let at = |node: u64| model.place_of(node).map_or(0.0, |place| place[0]);
         let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
         let (modes, reduced) = pressed(scene, modes, &contacts)?;
@@ -78,16 +76,6 @@ impl OpenStructure {
         *closed.get_mut(contact)? = true;
         self.modes.truncation_error(&closed, mode.checked_sub(1)?).ok().filter(|error| error.is_finite())
     }
-}
-
-/// The model of the files, and the contacts of its nodes.
-///
-/// # Errors
-/// [`StructureError`].
-pub fn read(matrices: &Matrices) -> Result<(FeModel, Vec<NodeContact>), StructureError> {
-    let model = FeModel::read(&matrices.files)?;
-    let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
-    Ok((model, found))
 }
 
 /// The degrees of freedom of a model from files.

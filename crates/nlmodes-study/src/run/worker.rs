@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use nlmodes::study::Watch;
-use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, chain};
+use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, chain, run_sharing};
+use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
 
 use super::Settings;
@@ -41,6 +42,8 @@ pub struct Worker<'a> {
     pub settings: &'a Settings,
     pub keep: Keep,
     pub ended: &'a Arc<AtomicBool>,
+    /// What cases have in common.
+    pub structures: &'a Structures,
 }
 
 impl Worker<'_> {
@@ -86,9 +89,10 @@ impl Worker<'_> {
         memory::admit(&mut files, Some(self.settings.limit()))?;
         let scenes = || files.to_vec();
         let mut looker = Looker { ended: Arc::clone(self.ended) };
-        let outcome = match nlmodes_run::run(scenes(), Over::Resumed, &mut looker) {
+        let mut run = |over| run_sharing(scenes(), over, &mut looker, self.structures);
+        let outcome = match run(Over::Resumed) {
             // What is there cannot be gone on with: it is computed from its beginning.
-            Err(RunError::Foreign { .. }) => nlmodes_run::run(scenes(), Over::Anything, &mut looker),
+            Err(RunError::Foreign { .. }) => run(Over::Anything),
             outcome => outcome,
         };
         match outcome {
