@@ -72,9 +72,11 @@ mod closing;
 mod condensed;
 mod contact_operator;
 mod contact_statistics;
+mod double;
 mod energy;
 mod error;
 mod estimate;
+mod fine_forces;
 mod held_motion;
 mod held_sums;
 mod history;
@@ -99,7 +101,7 @@ pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Sc
 pub use periodic::{
     ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, EnergyGiven, Floquet, Functional,
     Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion,
-    PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, ResponseRow, Source, modal_grazing,
+    PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

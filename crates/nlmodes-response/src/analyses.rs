@@ -1,5 +1,6 @@
 mod appropriation;
 mod detached;
+mod doubled;
 mod forced;
 mod mode;
 mod phase_resonance;

@@ -2,8 +2,8 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem};
-use nlmodes_hbm::{PeriodicSystem, PhaseLag, Source};
-use nlmodes_linalg::{DenseLu, Mat};
+use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
+use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
 use crate::losses::name_lost_stability;
@@ -23,17 +23,24 @@ pub(crate) struct Curve<'a> {
 
 impl Curve<'_> {
     pub fn run(&mut self) -> Result<Branch, ResponseError> {
+        let cancel = self.settings.cancel.clone();
+        self.run_watched(&mut |_| match cancel.is_requested() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        })
+    }
+
+    /// As [`run`](Self::run), as long as `watch` lets it.
+    pub fn run_watched(
+        &mut self,
+        watch: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
+    ) -> Result<Branch, ResponseError> {
         let method = Continuation {
             bounds: self.bounds.clone(),
             max_points: self.settings.max_points,
             ..Continuation::default()
         };
         self.system.hold_phase(&self.x);
-        let cancel = &self.settings.cancel;
-        let watch = |_: &BranchPoint| match cancel.is_requested() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
         Ok(method.run(&mut self.system, &self.x, self.p, &self.direction, watch)?)
     }
 
@@ -60,7 +67,8 @@ impl Curve<'_> {
         self.curve(&branch, omega)
     }
 
-    fn curve(&mut self, branch: &Branch, omega: (usize, f64)) -> Result<ResponseCurve, ResponseError> {
+    /// The motions of a branch.
+    pub fn curve(&mut self, branch: &Branch, omega: (usize, f64)) -> Result<ResponseCurve, ResponseError> {
         let points = branch.points.iter().map(|point| self.point(point)).collect::<Result<Vec<_>, _>>()?;
         let mut points = self.locate_losses(branch, points)?;
         name_lost_stability(&mut points);
@@ -98,8 +106,9 @@ impl Curve<'_> {
     }
 
     pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
-        let (x, p, residual) = polished(&mut self.system, at);
-        let motion = self.system.motion(&x, p)?;
+        let found = refined(&mut self.system, at);
+        let motion = self.system.refined_motion(&found)?;
+        let Refined { x, p, residual, .. } = found;
         let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| {
             let own = self.system.load().terms().iter().zip(&drive.row.loads);
             let own = own.filter(|(term, _)| term.harmonic == drive.harmonic);
@@ -145,35 +154,21 @@ impl Curve<'_> {
     }
 }
 
-/// Share of the parameter in the tangent above which it is held while a point is polished.
+/// Share of the parameter in the tangent above which it is held while a point is refined.
 const HELD: f64 = 0.05;
 
 /// Residual of a point that was found at a level.
 pub(crate) const CONVERGED: f64 = 1e-8;
 
-/// Most steps of Newton's method.
-const POLISHING: usize = 8;
-
-/// A point taken from the tolerance of the continuation to rounding, by steps of Newton's method at the same parameter, or next to a fold across
-/// the tangent; unknowns, parameter and residual. Where powers nearly cancel, that tolerance would be seen in their balance.
-fn polished(system: &mut PeriodicSystem, point: &BranchPoint) -> (Vec<f64>, f64, f64) {
+/// A point taken from the tolerance of the continuation to rounding, at the same parameter or, next to a fold, across the tangent. Where powers nearly
+/// cancel, that tolerance would be seen in their balance.
+fn refined(system: &mut PeriodicSystem, point: &BranchPoint) -> Refined {
     let n = system.dim();
-    let mut best = (point.x.clone(), point.p, f64::INFINITY);
-    let (mut z, mut at) = (point.z(), Linearization::new(n));
-    for _ in 0..POLISHING {
-        if system.linearize(&z[..n], z[n], &mut at).is_err() || at.residual_norm() >= best.2 {
-            break;
-        }
-        best = (z[..n].to_vec(), z[n], at.residual_norm());
-        let held = point.tangent[n].abs() > HELD;
-        let border = |j: usize| if held { f64::from(u8::from(j == n)) } else { point.tangent[j] };
-        let square = Mat::from_fn(n + 1, n + 1, |i, j| if i < n { at.jacobian[(i, j)] } else { border(j) });
-        let Ok(lu) = DenseLu::factor(&square) else { break };
-        let mut step: Vec<f64> = at.residual.iter().copied().chain([0.0]).collect();
-        lu.solve_in_place(&mut step);
-        z.iter_mut().zip(&step).for_each(|(z, s)| *z -= s);
+    if point.tangent[n].abs() <= HELD {
+        return system.refine(&point.x, point.p, &point.tangent);
     }
-    best
+    let held: Vec<f64> = (0..=n).map(|j| f64::from(u8::from(j == n))).collect();
+    system.refine(&point.x, point.p, &held)
 }
 
 /// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where it does not get there.

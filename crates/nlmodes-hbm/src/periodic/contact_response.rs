@@ -12,11 +12,12 @@ use super::structure::ModalStructure;
 /// stops that face each other, share a coordinate.
 ///
 /// `u_n = Σ_k y_k w_k/D_k`, `w_k = y_kᵀ λ_n + p_k`, has a pole where an undamped mode is resonant. With the most resonant mode p apart,
-/// `v = u − Σ_{k≠p} y_k w_k/D_k` and `ρ = √(|D_p|² + s_p²)`, the component along `y_p` is multiplied by `D_p/ρ`:
+/// `v = u − Σ_{k≠p} y_k w_k/D_k`, `ρ = √(|D_p|² + s_p²)` and the reflection `B` that brings `y_p` to the first coordinate, the first row is multiplied by `D_p/ρ`:
 ///
 /// ```text
-/// r = v + (D_p/ρ − 1) y_p (y_pᵀ v)/|y_p|² − y_p w_p/ρ
-/// η_p = [D̄_p w_p + s_p² (y_pᵀ v)/|y_p|²]/ρ²                            also where D_p vanishes; η_k = w_k/D_k else
+/// α = y_pᵀ v/|y_p|²
+/// r_0 = ±|y_p| (D_p α − w_p)/ρ ,   r_i = (B v)_i                        D_p/ρ may be 10⁻⁹: no row may hold both
+/// η_p = [D̄_p w_p + s_p² α]/ρ²                                          also where D_p vanishes; η_k = w_k/D_k else
 /// ```
 ///
 /// A complex factor turns and stretches a pair of real rows, so that the determinant keeps its sign. Even motions have one real row: there the
@@ -165,31 +166,60 @@ impl ContactResponse {
         let load = load.modal(n, p, at);
         let w = self.along(p, force) + load.value;
         let alpha = self.along(p, v) / square;
-        let (turn, zero) = (d / rho - 1.0, Complex64::default());
-        let eta = (d.conj() * w + alpha * s2) / rho2;
+        let zero = Complex64::default();
         out.pole = Some((p, rho2));
-        out.eta[p] = eta;
-        let along = turn * alpha - w / rho;
-        out.residual.iter_mut().zip(v).enumerate().for_each(|(i, (r, v))| *r = v + along * self.y(i, p));
+        out.eta[p] = (d.conj() * w + alpha * s2) / rho2;
+        let turn = Turn::of((0..c).map(|i| self.y(i, p)).collect());
+        turn.apply(v, &mut out.residual);
+        out.residual[0] = (d * alpha - w) * (turn.length / rho);
         for t in 0..3 {
             let dd = if t < 2 { dd[t] } else { zero };
             let d_rho = (d.conj() * dd).re / rho;
-            let d_turn = dd / rho - d * (d_rho / rho2);
             let d_alpha = self.along(p, &dv[t]) / square;
             let dw = load.by[t];
-            let change = d_turn * alpha + turn * d_alpha - dw / rho + w * (d_rho / rho2);
-            (0..c).for_each(|i| out.d_residual[t][i] = dv[t][i] + change * self.y(i, p));
-            out.d_eta[t][p] = (dd.conj() * w + d.conj() * dw + d_alpha * s2) / rho2 - eta * (2.0 * d_rho / rho);
+            turn.apply(&dv[t], &mut out.d_residual[t]);
+            let change = dd * alpha + d * d_alpha - dw - (d * alpha - w) * (d_rho / rho);
+            out.d_residual[t][0] = change * (turn.length / rho);
+            out.d_eta[t][p] = (dd.conj() * w + d.conj() * dw + d_alpha * s2) / rho2 - out.eta[p] * (2.0 * d_rho / rho);
         }
-        // G = (I + turn Q) R' + y yᵀ/ρ, with the part R' of the other modes so far in place; L = I + turn Q.
+        // G of the other modes so far, and L = I, are turned in the same way.
+        let (mut column, mut turned) = (vec![zero; c], vec![zero; c]);
         for j in 0..c {
-            let column: Vec<Complex64> = (0..c).map(|i| out.g[i * c + j]).collect();
+            (0..c).for_each(|i| column[i] = out.g[i * c + j]);
+            turn.apply(&column, &mut turned);
             let along = self.along(p, &column) / square;
-            for i in 0..c {
-                let y = self.y(i, p);
-                out.g[i * c + j] += y * (turn * along + self.y(j, p) / rho);
-                out.l[i * c + j] = turn * (y * self.y(j, p) / square) + f64::from(u8::from(i == j));
-            }
+            (1..c).for_each(|i| out.g[i * c + j] = turned[i]);
+            out.g[j] = (d * along + self.y(j, p)) * (turn.length / rho);
+            column.fill(zero);
+            column[j] = Complex64::ONE;
+            turn.apply(&column, &mut turned);
+            (1..c).for_each(|i| out.l[i * c + j] = turned[i]);
+            out.l[j] = d * (self.y(j, p) / square * turn.length / rho);
         }
+    }
+}
+
+/// The reflection that brings a direction `y` to the first coordinate, `B y = ±|y| e₀`, of either sign: `B = β w wᵀ − I` with `w = y/|y| ± e₀`.
+struct Turn {
+    w: Vec<f64>,
+    beta: f64,
+    /// `±|y|`.
+    length: f64,
+}
+
+impl Turn {
+    fn of(y: Vec<f64>) -> Self {
+        let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
+        let sign = if y[0] < 0.0 { -1.0 } else { 1.0 };
+        let mut w: Vec<f64> = y.iter().map(|y| y / size).collect();
+        let beta = 1.0 / (1.0 + w[0].abs());
+        w[0] += sign;
+        Self { w, beta, length: sign * size }
+    }
+
+    fn apply(&self, v: &[Complex64], out: &mut [Complex64]) {
+        let along: Complex64 = self.w.iter().zip(v).map(|(w, v)| v * *w).sum();
+        let turned = self.w.iter().zip(v).map(|(w, v)| along * (self.beta * w) - v);
+        out.iter_mut().zip(turned).for_each(|(out, v)| *out = v);
     }
 }

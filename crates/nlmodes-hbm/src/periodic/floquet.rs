@@ -124,7 +124,13 @@ impl PeriodicSystem {
     }
 
     /// `A_j Δτ/ω` for the state `(z, ż/ω)`.
-    fn flow(&self, operator: &ContactOperator, interval: &crate::PatternInterval, omega: f64, xi: f64) -> Mat<f64> {
+    pub(super) fn flow(
+        &self,
+        operator: &ContactOperator,
+        interval: &crate::PatternInterval,
+        omega: f64,
+        xi: f64,
+    ) -> Mat<f64> {
         let (m, c) = (self.structure.n_modes(), self.structure.n_contacts());
         let (rows, s) = (self.structure.rows(), &operator.sets.get(interval.set).s);
         let width = (interval.to - interval.from).clamp(0.0, TAU);

@@ -50,11 +50,13 @@ pub struct PeriodicSystem {
     pub(crate) scales: Scales,
     settings: PeriodicSettings,
     /// `P`, c × d, row-major.
-    gap_map: Vec<f64>,
+    pub(super) gap_map: Vec<f64>,
     /// `Pᵀ S P` of each closed set that has been met, d × d.
     maps: Vec<Option<Vec<f64>>>,
     pub(crate) y: Vec<f64>,
     pub(crate) forces: Vec<f64>,
+    /// What lies below the last digit of each unknown of a refined solution; else empty.
+    pub(super) rest: Vec<f64>,
     pub(crate) blocks: Vec<HarmonicBlock>,
     assembly: Assembly,
 }
@@ -85,6 +87,7 @@ impl PeriodicSystem {
             maps: Vec::new(),
             y: vec![0.0; c * series.width()],
             forces: vec![0.0; c * series.width()],
+            rest: Vec::new(),
             blocks: vec![HarmonicBlock::default(); harmonics + 1],
             assembly: Assembly::new(d, series),
             structure,
@@ -173,7 +176,12 @@ impl PeriodicSystem {
         let moved = self.load_gaps(at);
         self.y.iter_mut().zip(&moved[3]).for_each(|(y, a)| *y += a);
         self.operator.solve(&self.y)?;
-        self.operator.apply(&self.y, &mut self.forces);
+        if self.rest.is_empty() {
+            self.operator.apply(&self.y, &mut self.forces);
+        } else {
+            let gaps = self.fine_gaps(x, &moved[3]);
+            self.operator.fine_forces(&gaps, &mut self.forces);
+        }
         let generalised = self.generalised(&self.forces);
         for n in 0..=series.n_harmonics {
             let x = complex_harmonic(series, &coefficients, n);

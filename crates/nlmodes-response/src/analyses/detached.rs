@@ -1,9 +1,7 @@
 use nlmodes_contact::solver_by_name;
-use nlmodes_continuation::{Bound, ParametricSystem};
-use nlmodes_hbm::{HbmError, PeriodicSystem};
+use nlmodes_hbm::HbmError;
 
-use super::forced::{WINDOW, scales};
-use crate::follow::Curve;
+use super::forced::curve_over_frequency;
 use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// The response over the frequency through a point of another curve at its level, such as a phase resonance that no curve from the ends of the
@@ -37,28 +35,12 @@ fn one_way(
     settings: &ResponseSettings,
     way: f64,
 ) -> Result<ResponseCurve, ResponseError> {
-    settings.check()?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
-    let window = settings.base_window();
-    let unit = (window[1] - window[0]) / WINDOW;
     let base = point.omega / settings.subharmonic as f64;
-    let (structure, load) = (model.structure(), model.load(settings)?);
-    let system = PeriodicSystem::frequency_response(
-        structure,
-        load,
-        point.level,
-        unit,
-        settings.periodic(),
-        scales(structure, base),
-        solver.as_ref(),
-    )?;
-    let n = system.dim();
-    let bounds = vec![Bound { coordinate: n, min: window[0] / unit, max: window[1] / unit }];
-    let mut direction = vec![0.0; n + 1];
-    direction[n] = way;
-    let (drive, p, x) = (model.drive(settings)?, base / unit, point.coefficients_for(&system));
-    let mut curve = Curve { system, x, p, direction, bounds, drive, settings, solver: solver.as_ref() };
-    curve.follow((n, unit * settings.subharmonic as f64))
+    let (mut curve, omega) = curve_over_frequency(model, point.level, base, settings, solver.as_ref())?;
+    curve.direction.iter_mut().for_each(|d| *d *= way);
+    curve.x = point.coefficients_for(&curve.system);
+    curve.follow(omega)
 }
 
 /// Share of the amplitude by which a point may miss a curve that is drawn straight between its points.

@@ -2,11 +2,12 @@ use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
+use super::doubled::doubled_responses;
 use crate::follow::{Curve, newton};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else happens.
-pub(crate) const WINDOW: f64 = 6.0;
+const WINDOW: f64 = 6.0;
 
 /// The response at `level` over the window of frequencies, from its lower end or its upper one: where the curve from one end is lost on the way,
 /// that from the other has points that it has not.
@@ -23,9 +24,9 @@ pub fn frequency_response(
     curve.follow(omega)
 }
 
-/// As [`frequency_response`], and behind it the curves that are found to branch off from it, and from these: with `settings.subharmonic = 2` motions of twice the
-/// period of the load are solutions too. A period doubling of the truncated problem need not be seen. Of two curves that are one motion, a period of the load
-/// apart, one is there.
+/// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` these are motions of twice the period of the
+/// load, which leave the curve where a multiplier passes −1; with a larger number those that are found where curves cross. Of two curves that are one
+/// motion, a period of the load apart, one is there.
 ///
 /// # Errors
 /// As [`frequency_response`].
@@ -35,6 +36,9 @@ pub fn branching_responses(
     settings: &ResponseSettings,
 ) -> Result<Vec<ResponseCurve>, ResponseError> {
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    if settings.subharmonic == 2 {
+        return doubled_responses(model, level, settings, solver.as_ref());
+    }
     let (mut curve, omega) = over_frequency(model, level, settings, solver.as_ref())?;
     let mut different: Vec<ResponseCurve> = Vec::new();
     for curve in curve.follow_all(omega, MOST_BRANCHES)? {
@@ -60,8 +64,8 @@ fn is_shifted(a: &ResponseCurve, b: &ResponseCurve) -> bool {
     })
 }
 
-/// The curve over the frequency at a level, with the coordinate of the frequency and its unit (of the load, rad/s).
-fn over_frequency<'a>(
+/// The curve over the frequency at a level from an end of the window, with the coordinate of the frequency and its unit (of the load, rad/s).
+pub(super) fn over_frequency<'a>(
     model: &ResponseModel,
     level: f64,
     settings: &'a ResponseSettings,
@@ -69,9 +73,26 @@ fn over_frequency<'a>(
 ) -> Result<(Curve<'a>, (usize, f64)), ResponseError> {
     settings.check()?;
     positive("the level", level)?;
-    let window = settings.base_window();
-    let from = window[usize::from(settings.from_upper_end)];
+    let from = settings.base_window()[usize::from(settings.from_upper_end)];
     let x = at_level(model, from, level, settings, solver)?;
+    let (mut curve, omega) = curve_over_frequency(model, level, from, settings, solver)?;
+    curve.x = x;
+    if settings.from_upper_end {
+        curve.direction.iter_mut().for_each(|d| *d = -*d);
+    }
+    Ok((curve, omega))
+}
+
+/// As [`over_frequency`], from the base frequency `from` upwards; its unknowns are still to be given.
+pub(super) fn curve_over_frequency<'a>(
+    model: &ResponseModel,
+    level: f64,
+    from: f64,
+    settings: &'a ResponseSettings,
+    solver: &'a dyn LcpSolver,
+) -> Result<(Curve<'a>, (usize, f64)), ResponseError> {
+    settings.check()?;
+    let window = settings.base_window();
     let unit = (window[1] - window[0]) / WINDOW;
     let (structure, load) = (model.structure(), model.load(settings)?);
     let scales = scales(structure, from);
@@ -79,10 +100,9 @@ fn over_frequency<'a>(
     let n = system.dim();
     let bounds = vec![Bound { coordinate: n, min: window[0] / unit, max: window[1] / unit }];
     let mut direction = vec![0.0; n + 1];
-    direction[n] = if settings.from_upper_end { -1.0 } else { 1.0 };
-    let drive = model.drive(settings)?;
-    let p = from / unit;
-    let curve = Curve { system, x, p, direction, bounds, drive, settings, solver };
+    direction[n] = 1.0;
+    let (drive, p) = (model.drive(settings)?, from / unit);
+    let curve = Curve { system, x: Vec::new(), p, direction, bounds, drive, settings, solver };
     Ok((curve, (n, unit * settings.subharmonic as f64)))
 }
 
