@@ -115,8 +115,10 @@ pub(crate) fn around_bend<S: ParametricSystem>(
     let lengths = [settings.initial.min(settings.max), settings.arm, nearest];
     let end = lengths.into_iter().find_map(|h| {
         let end = expansion.reach(system, corrector, foot, h).filter(|end| end.pattern != outside)?;
-        expansion.reach(system, corrector, foot, 0.5 * h)?;
-        Some(end)
+        let half = expansion.reach(system, corrector, foot, 0.5 * h)?;
+        // What else sets in within the bend would not be named.
+        let alone = half.pattern == end.pattern && system.boundary(&before, &end.z).is_some();
+        alone.then_some(end)
     })?;
     let Expansion { tangent, inward, power, .. } = expansion;
     Some(Bend { end, inward, tangent, power })
