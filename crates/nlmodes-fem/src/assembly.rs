@@ -64,17 +64,17 @@ impl Layout<'_> {
     }
 }
 
-/// Adds up the matrices of the elements, which are functions of their length, for the free degrees of freedom.
+/// Adds up the matrices of the elements, which are functions of their number and length, for the free degrees of freedom.
 pub(crate) fn assemble<const N: usize>(
     layout: &Layout,
     stops: &[Stop],
-    element: impl Fn(f64) -> ElementMatrices<N>,
+    element: impl Fn(usize, f64) -> ElementMatrices<N>,
 ) -> Result<StructuralModel, FemError> {
     let numbering = layout.number()?;
     let contacts = stops.iter().map(|s| layout.contact(s, &numbering)).collect::<Result<Vec<_>, _>>()?;
     let (mut mass, mut stiffness) = (Vec::new(), Vec::new());
     for (i, &length) in layout.mesh.element_lengths().iter().enumerate() {
-        let matrices = element(length);
+        let matrices = element(i, length);
         check_finite(layout, i, &matrices)?;
         // The numbers of the two nodes of an element stand next to each other.
         let numbers = &numbering.numbers[i * layout.kinds.len()..][..N];

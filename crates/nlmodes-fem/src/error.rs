@@ -21,6 +21,36 @@ pub enum FemError {
         /// The value.
         value: f64,
     },
+    /// Steps of a structure that do not follow one another.
+    #[error(
+        "step {step} reaches from node {from} to node {to}; it has to end behind its start, at node {last} at the latest"
+    )]
+    Step {
+        /// The step, counted from 0.
+        step: usize,
+        /// Node at which the one before ends.
+        from: usize,
+        /// Node at which it ends.
+        to: usize,
+        /// Last node of the mesh.
+        last: usize,
+    },
+    /// An added mass that is negative or not finite.
+    #[error("the added mass of step {step} is {value} kg/m, but has to be zero or more")]
+    AddedMass {
+        /// The step, counted from 0.
+        step: usize,
+        /// Its added mass, kg/m.
+        value: f64,
+    },
+    /// A tube whose wall is thicker than half of its diameter.
+    #[error("the wall of {wall} m is more than half of the outer diameter of {outer} m")]
+    Wall {
+        /// Thickness of the wall, m.
+        wall: f64,
+        /// Outer diameter, m.
+        outer: f64,
+    },
     /// A mesh without elements.
     #[error("a mesh needs at least one element")]
     NoElements,

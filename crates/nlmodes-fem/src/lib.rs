@@ -7,7 +7,7 @@
 //!
 //! A [`Rod`] or a [`Beam`] has a [`Material`], a section, a [`Mesh`] and two [`Support`]s; `assemble` turns it and a list of
 //! [`Stop`]s into a [`StructuralModel`](nlmodes_model::StructuralModel) of eqs. (4) and (5), `M q̈ + K q = W λ`, with sparse
-//! matrices of the free degrees of freedom.
+//! matrices of the free degrees of freedom. `assemble_stepped` takes [`Step`]s along which material, section and added mass differ.
 //!
 //! | symbol | name | unit | item |
 //! | --- | --- | --- | --- |
@@ -50,6 +50,7 @@ mod material;
 mod mesh;
 mod rod;
 mod section;
+mod step;
 mod stop;
 mod support;
 mod timoshenko;
@@ -60,6 +61,7 @@ pub use material::Material;
 pub use mesh::Mesh;
 pub use rod::{Rod, rod_element};
 pub use section::Section;
+pub use step::Step;
 pub use stop::{Direction, Stop};
 pub use support::Support;
 pub use timoshenko::{Beam, timoshenko_element};

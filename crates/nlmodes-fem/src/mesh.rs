@@ -59,6 +59,37 @@ impl Mesh {
         }
     }
 
+    /// The same mesh with its elements beside some nodes split toward these: each is halved, the half beside the node again, until that is shorter than
+    /// the whole by `factor`. All nodes stay nodes. An element between two such nodes is halved toward both.
+    ///
+    /// ```
+    /// let mesh = nlmodes_fem::Mesh::uniform(2.0, 2)?.refined(&[2], 4.0)?;
+    /// assert_eq!(mesh.nodes(), [0.0, 1.0, 1.5, 1.75, 2.0]);
+    /// # Ok::<(), nlmodes_fem::FemError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FemError::NotPositive`] for the factor, [`FemError::DegenerateMesh`] if neighbouring nodes cannot be told apart.
+    pub fn refined(&self, beside: &[usize], factor: f64) -> Result<Self, FemError> {
+        let times = positive("refinement", factor)?.log2().ceil().max(0.0) as i32;
+        let is = |node: usize| beside.contains(&node);
+        let (mut nodes, mut lengths) = (vec![0.0], Vec::new());
+        for (i, &h) in self.lengths.iter().enumerate() {
+            let shares = shares(is(i), is(i + 1), times);
+            let inner = shares.iter().scan(0.0, |at, share| {
+                *at += share;
+                Some(self.nodes[i] + h * *at)
+            });
+            nodes.extend(inner.take(shares.len() - 1));
+            nodes.push(self.nodes[i + 1]);
+            lengths.extend(shares.iter().map(|share| h * share));
+        }
+        match nodes.windows(2).position(|pair| pair[1] <= pair[0]) {
+            Some(element) => Err(FemError::DegenerateMesh { element, elements: lengths.len(), grading: factor }),
+            None => Ok(Self { nodes, lengths }),
+        }
+    }
+
     /// Positions of the nodes, m, ascending from 0 to L.
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
@@ -92,6 +123,20 @@ impl Mesh {
             Ok(node)
         } else {
             Err(FemError::NotANode { asked: position, nearest: self.nodes[node], node })
+        }
+    }
+}
+
+/// Shares into which an element is split, halved so many times toward its start, its end, or both; sums of powers of two, which are exact.
+fn shares(toward_start: bool, toward_end: bool, times: i32) -> Vec<f64> {
+    match (toward_start, toward_end) {
+        _ if times == 0 => vec![1.0],
+        (false, false) => vec![1.0],
+        (false, true) => (1..=times).map(|i| 0.5_f64.powi(i)).chain([0.5_f64.powi(times)]).collect(),
+        (true, false) => shares(false, true, times).into_iter().rev().collect(),
+        (true, true) => {
+            let halves = |start, end| shares(start, end, times - 1).into_iter().map(|share| 0.5 * share);
+            halves(true, false).chain(halves(false, true)).collect()
         }
     }
 }
@@ -136,6 +181,27 @@ mod tests {
             }
         }
         assert!(mesh.find_node(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn elements_beside_a_node_are_halved_toward_it() {
+        for length in [2.0, 2e-3, 2e3] {
+            let mesh = Mesh::uniform(length, 4).unwrap();
+            let fine = mesh.refined(&[2], 8.0).unwrap();
+            let h: Vec<f64> = fine.element_lengths().iter().map(|h| 8.0 * h / mesh.element_lengths()[0]).collect();
+            assert_eq!(h, [8.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0, 4.0, 8.0]);
+            assert!(mesh.nodes().iter().all(|x| fine.nodes().contains(x)));
+            for (pair, h) in fine.nodes().windows(2).zip(fine.element_lengths()) {
+                assert!((pair[1] - pair[0] - h).abs() < 1e-15 * length);
+            }
+            // Between two such nodes toward both, and not at all for 1.
+            let both = mesh.refined(&[1, 2], 4.0).unwrap();
+            let h: Vec<f64> = both.element_lengths().iter().map(|h| 4.0 * h / mesh.element_lengths()[0]).collect();
+            assert_eq!(h, [2.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 4.0]);
+            assert_eq!(mesh.refined(&[2], 1.0).unwrap(), mesh);
+        }
+        assert!(matches!(Mesh::uniform(1.0, 1).unwrap().refined(&[1], 0.0), Err(FemError::NotPositive { .. })));
+        assert!(matches!(Mesh::uniform(1.0, 1).unwrap().refined(&[1], 1e30), Err(FemError::DegenerateMesh { .. })));
     }
 
     #[test]

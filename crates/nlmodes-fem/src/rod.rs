@@ -3,7 +3,8 @@ use nlmodes_model::{DofKind, StructuralModel};
 
 use crate::assembly::{Layout, assemble};
 use crate::error::positive;
-use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Stop, Support};
+use crate::step::{check_steps, step_of};
+use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Step, Stop, Support};
 
 /// A straight rod that moves along its axis: `ρA ü = E A u″`.
 ///
@@ -46,14 +47,29 @@ impl Rod {
     /// [`FemError::NotPositive`] for the area, [`FemError::NoSuchDirection`] for a transverse stop, [`FemError::NotANode`],
     /// [`FemError::HeldDof`], [`FemError::NothingMoves`], [`FemError::Model`] (a gap that is not finite).
     pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
+        self.assemble_stepped(&[], stops)
+    }
+
+    /// The same with other material, area and added mass along the steps; beyond the last one they are those of the rod.
+    ///
+    /// # Errors
+    /// As [`Rod::assemble`]; [`FemError::NotPositive`] for an area, [`FemError::AddedMass`], [`FemError::Step`].
+    pub fn assemble_stepped(&self, steps: &[Step<f64>], stops: &[Stop]) -> Result<StructuralModel, FemError> {
         positive("cross-section area", self.area)?;
+        check_steps(steps, &self.mesh)?;
+        for step in steps {
+            positive("cross-section area", step.section)?;
+        }
         let layout = Layout {
             mesh: &self.mesh,
             kinds: &[DofKind::Axial],
             supports: [self.start, self.end],
             holds: Support::holds_of_rod,
         };
-        assemble(&layout, stops, |length| rod_element(&self.material, self.area, length, self.mass_matrix))
+        assemble(&layout, stops, |element, length| match step_of(steps, element) {
+            Some(step) => with_added_mass(&step.material, step.section, step.added_mass, length, self.mass_matrix),
+            None => rod_element(&self.material, self.area, length, self.mass_matrix),
+        })
     }
 }
 
@@ -65,7 +81,18 @@ impl Rod {
 ///
 /// Frequencies converge with the square of `l`: from above with the consistent mass, from below with the lumped one.
 pub fn rod_element(material: &Material, area: f64, length: f64, mass_matrix: MassMatrix) -> ElementMatrices<2> {
-    let mass = material.density() * area * length;
+    with_added_mass(material, area, 0.0, length, mass_matrix)
+}
+
+/// [`rod_element`] with `ρA + μ` in place of `ρA`.
+pub(crate) fn with_added_mass(
+    material: &Material,
+    area: f64,
+    added_mass: f64,
+    length: f64,
+    mass_matrix: MassMatrix,
+) -> ElementMatrices<2> {
+    let mass = (material.density() * area + added_mass) * length;
     ElementMatrices {
         stiffness: Matrix2::new(1.0, -1.0, -1.0, 1.0) * (material.youngs_modulus() * area / length),
         mass: match mass_matrix {

@@ -2,7 +2,9 @@ use nalgebra::{Matrix4, SMatrix};
 use nlmodes_model::{DofKind, StructuralModel};
 
 use crate::assembly::{Layout, assemble};
-use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Section, Stop, Support, rod_element};
+use crate::rod::with_added_mass as rod_with_added_mass;
+use crate::step::{check_steps, step_of};
+use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Section, Step, Stop, Support};
 
 /// A straight Timoshenko beam that deflects in one plane and stretches along its axis.
 ///
@@ -34,13 +36,25 @@ impl Beam {
     /// [`FemError::NotANode`], [`FemError::HeldDof`], [`FemError::NothingMoves`] (one element clamped at both ends),
     /// [`FemError::Overflow`], [`FemError::Model`] (a gap that is not finite).
     pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
+        self.assemble_stepped(&[], stops)
+    }
+
+    /// The same with other material, section and added mass along the steps; beyond the last one they are those of the beam.
+    ///
+    /// # Errors
+    /// As [`Beam::assemble`]; [`FemError::AddedMass`], [`FemError::Step`].
+    pub fn assemble_stepped(&self, steps: &[Step<Section>], stops: &[Stop]) -> Result<StructuralModel, FemError> {
+        check_steps(steps, &self.mesh)?;
         let layout = Layout {
             mesh: &self.mesh,
             kinds: &[DofKind::Axial, DofKind::Deflection, DofKind::Rotation],
             supports: [self.start, self.end],
             holds: Support::holds_of_beam,
         };
-        assemble(&layout, stops, |length| timoshenko_element(&self.material, &self.section, length, self.mass_matrix))
+        assemble(&layout, stops, |element, length| match step_of(steps, element) {
+            Some(step) => with_added_mass(&step.material, &step.section, step.added_mass, length, self.mass_matrix),
+            None => timoshenko_element(&self.material, &self.section, length, self.mass_matrix),
+        })
     }
 }
 
@@ -68,9 +82,20 @@ pub fn timoshenko_element(
     length: f64,
     mass_matrix: MassMatrix,
 ) -> ElementMatrices<6> {
+    with_added_mass(material, section, 0.0, length, mass_matrix)
+}
+
+/// [`timoshenko_element`] with `ρA + μ` in place of `ρA`; the rotary inertia stays that of the section.
+fn with_added_mass(
+    material: &Material,
+    section: &Section,
+    added_mass: f64,
+    length: f64,
+    mass_matrix: MassMatrix,
+) -> ElementMatrices<6> {
     let phi = shear_parameter(material, section, length);
     let (area, inertia) = (section.area(), section.second_moment());
-    let (rho_a, rho_i) = (material.density() * area, material.density() * inertia);
+    let (rho_a, rho_i) = (material.density() * area + added_mass, material.density() * inertia);
     let bending = bending_stiffness(material.youngs_modulus() * inertia, length, phi);
     let inertia = match mass_matrix {
         MassMatrix::Consistent => translation_mass(rho_a, length, phi) + rotary_mass(rho_i, length, phi),
@@ -79,7 +104,7 @@ pub fn timoshenko_element(
             Matrix4::from_diagonal(&[m, j, m, j].into())
         }
     };
-    let axial = rod_element(material, area, length, mass_matrix);
+    let axial = rod_with_added_mass(material, area, added_mass, length, mass_matrix);
     ElementMatrices { stiffness: combine(&axial.stiffness, &bending), mass: combine(&axial.mass, &inertia) }
 }
 

@@ -9,5 +9,6 @@ mod redistribution;
 mod reference_values;
 mod rod;
 mod slender;
+mod stepped;
 mod thick;
 mod units;
