@@ -7,11 +7,15 @@ use crate::Dof;
 /// Forces of a rigid motion below this share of what their terms add up to are rounding, of matrices that were written with ten digits too.
 const STRAINLESS: f64 = 1e-8;
 
+/// Of the six motions, combinations that move the degrees of freedom less than this share (squared) of the others move nothing at all.
+const STILL: f64 = 1e-12;
+
 /// The motion `u(x) = t + r × x` with the least strain that also leaves `held` at rest, as `(t, r)`; none if it strains.
 ///
 /// With the six unit motions as columns of `R`, about the centre and with rotations over the size of the structure, the rows of `K R` over
-/// `|K| max|R|` are pure numbers, whatever mixture of displacements and rotations they are. Their 6 × 6 Gram matrix has the motion looked for as
-/// eigenvector with eigenvalue zero.
+/// `|K| max|R|` are pure numbers, whatever mixture of displacements and rotations they are. Their Gram matrix has the motion looked for as
+/// eigenvector with eigenvalue zero. Combinations of the six that move no degree of freedom, as across a structure that can move in one direction
+/// only, are left out first: they are none.
 pub(super) fn motion(
     stiffness: &SparseMatrix,
     dofs: &[Dof],
@@ -32,17 +36,37 @@ pub(super) fn motion(
     }
     let rows: Vec<[f64; 6]> =
         force.iter().zip(&scale).filter(|(_, s)| **s > 0.0).map(|(row, s)| row.map(|f| f / s)).collect();
-    let gram = Mat::from_fn(6, 6, |a, b| rows.iter().map(|row| row[a] * row[b]).sum());
+    let moving = moving(&motions)?;
+    let strains: Vec<Vec<f64>> = rows.iter().map(|row| moving.iter().map(|axis| inner(row, axis)).collect()).collect();
+    let gram = Mat::from_fn(moving.len(), moving.len(), |a, b| strains.iter().map(|row| row[a] * row[b]).sum());
     let (_, vectors) = symmetric_eigen(&gram).ok()?;
-    let c: [f64; 6] = std::array::from_fn(|a| vectors[(a, 0)]);
-    let strain = |row: &[f64; 6]| row.iter().zip(&c).map(|(r, c)| r * c).sum::<f64>().abs();
-    if rows.iter().any(|row| strain(row) > STRAINLESS) {
+    let c: [f64; 6] =
+        std::array::from_fn(|k| moving.iter().enumerate().map(|(a, axis)| vectors[(a, 0)] * axis[k]).sum());
+    let largest = motions.iter().map(|row| inner(row, &c).abs()).fold(0.0, f64::max);
+    let c = c.map(|c| c / largest);
+    if rows.iter().any(|row| inner(row, &c).abs() > STRAINLESS) {
         return None;
     }
     let r = [c[3] / size, c[4] / size, c[5] / size];
     let at_centre = cross(r, centre);
     let t = std::array::from_fn(|a| c[a] - at_centre[a]);
     Some((t, r))
+}
+
+/// Combinations of the six motions that span all that move something, with a mean square displacement of one; none where nothing moves.
+fn moving(motions: &[[f64; 6]]) -> Option<Vec<[f64; 6]>> {
+    let count = motions.len().max(1) as f64;
+    let squares = Mat::from_fn(6, 6, |a, b| motions.iter().map(|row| row[a] * row[b]).sum::<f64>() / count);
+    let (values, axes) = symmetric_eigen(&squares).ok()?;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let moves = |k: &usize| values[*k] > STILL * largest;
+    let axis = |k: usize| std::array::from_fn(|a| axes[(a, k)] / values[k].sqrt());
+    let found: Vec<[f64; 6]> = (0..6).filter(moves).map(axis).collect();
+    (!found.is_empty()).then_some(found)
+}
+
+fn inner(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Mean of the places, and the largest distance from it; one for a structure in a point.
@@ -137,6 +161,37 @@ mod tests {
                     // Node 0 is the origin; the axis passes through node 1 at (1, 0.1, 0).
                     assert!(translation.iter().all(|t| t.abs() < 1e-9 * size * length));
                     assert!((rotation[1] / rotation[0] - 0.1).abs() < 1e-9 && rotation[2].abs() < 1e-9 * size);
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    /// Masses in a row that can move along x only, held to the ground by a spring at the first or nowhere, with a stop before the last.
+    fn chain(ground: f64, length: f64) -> StructuralModel {
+        let n = 4;
+        let mut k: Vec<Triplet> = vec![(0, 0, ground)];
+        for i in 1..n {
+            k.extend([(i - 1, i - 1, 7.0), (i, i, 7.0), (i - 1, i, -7.0), (i, i - 1, -7.0)]);
+        }
+        let m: Vec<Triplet> = (0..n).map(|i| (i, i, 1.0)).collect();
+        let [m, k] = [m, k].map(|entries| sparse_from_triplets(n, n, &entries).unwrap());
+        let dofs: Vec<Dof> = (0..n).map(|i| Dof { node: i, position: length * i as f64, kind: DofKind::X }).collect();
+        let contact = Contact::point(&DofIndex::new(&dofs), n - 1, [1.0, 0.0, 0.0], 0.1).unwrap();
+        let places = (0..n).map(|i| [length * i as f64, 0.0, 0.0]).collect();
+        StructuralModel::new(m, k, dofs, vec![contact]).unwrap().with_places(places).unwrap()
+    }
+
+    #[test]
+    fn motions_that_a_structure_in_one_direction_does_not_have_are_none() {
+        for length in [1.0, 1e3, 1e-3] {
+            // The stop holds the one rigid motion that there is; nothing moves across.
+            assert_eq!([7.0, 0.0].map(|ground| held(&chain(ground, length))), [None, None]);
+            let free = |ground: f64| MasslessContactModel::new(&chain(ground, length), &Drop).unwrap().rigid_motion();
+            assert_eq!(free(7.0), None);
+            match free(0.0) {
+                Some(RigidMotion::Spatial { translation: [x, y, z], .. }) => {
+                    assert!((x.abs() - 1.0).abs() < 1e-9 && y.abs() < 1e-9 && z.abs() < 1e-9, "{x} {y} {z}");
                 }
                 other => panic!("{other:?}"),
             }
