@@ -54,11 +54,17 @@ impl One<'_> {
             }
             Partner::Nearest(against, tolerance) => self.nearest(against, *tolerance),
             Partner::Table(path) => {
+                let pairs = pairs::read(path)?;
+                let bare: Vec<u64> = pairs.iter().filter(|p| p.normal_and_gap.is_none()).map(|p| p.a).collect();
+                let mut normals = if bare.is_empty() { Vec::new() } else { self.normals(&bare)? }.into_iter();
                 let contact = |pair: pairs::Pair| match pair.normal_and_gap {
                     Some((normal, gap)) => self.contact(pair.a, Some(pair.b), unit(pair.a, normal)?, Some(gap)),
-                    None => self.contact(pair.a, Some(pair.b), self.normals(&[pair.a])?[0], None),
+                    None => {
+                        let normal = normals.next().ok_or(ContactProblem::Unsaid { node: pair.a, what: "normal" })?;
+                        self.contact(pair.a, Some(pair.b), normal, None)
+                    }
                 };
-                pairs::read(path)?.into_iter().map(contact).collect()
+                pairs.into_iter().map(contact).collect()
             }
         }
     }
@@ -88,7 +94,8 @@ impl One<'_> {
         match (self.choice.normal, &self.model.mesh) {
             (Some(NormalChoice::Vector(vector)), _) => nodes.iter().map(|node| unit(*node, vector)).collect(),
             (Some(NormalChoice::Surface), Some(mesh)) => {
-                let normals = Skin::of(mesh).normals(mesh);
+                let set: Vec<u32> = nodes.iter().filter_map(|node| Some(mesh.index_of(*node)? as u32)).collect();
+                let normals = Skin::of(mesh).normals_within(mesh, &set);
                 let normal = |node: &u64| {
                     let normal = mesh.index_of(*node).map_or([0.0; 3], |index| normals[index]);
                     unit(*node, normal).map_err(|_| ContactProblem::NotOnSurface { node: *node })

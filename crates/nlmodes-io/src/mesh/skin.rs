@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{ElementKind, Mesh};
 
@@ -76,25 +76,73 @@ impl Skin {
         edges
     }
 
+    /// The edges at which the surface bends by more than `angle` (rad), ends, or meets more than one other face; and all lines.
+    pub fn sharp_edges(&self, mesh: &Mesh, angle: f64) -> Vec<[u32; 2]> {
+        let mut around: HashMap<[u32; 2], Vec<[f64; 3]>> = HashMap::new();
+        let mut lines = Vec::new();
+        for cell in &self.cells {
+            let area = cell_area(cell, mesh);
+            for edge in cell.kind.edges() {
+                let [a, b] = [cell.nodes[edge[0]], cell.nodes[edge[1]]];
+                let ordered = [a.min(b), a.max(b)];
+                if cell.kind == ElementKind::Line {
+                    lines.push(ordered)
+                } else {
+                    around.entry(ordered).or_default().push(area)
+                }
+            }
+        }
+        let length = |a: &[f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let is_sharp = |faces: &[[f64; 3]]| match faces {
+            [a, b] => {
+                let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                dot < angle.cos() * length(a) * length(b)
+            }
+            _ => true,
+        };
+        lines.extend(around.into_iter().filter(|(_, faces)| is_sharp(faces)).map(|(edge, _)| edge));
+        lines.sort_unstable();
+        lines.dedup();
+        lines
+    }
+
     /// The outward normal times the area that belongs to each node of the mesh, m² if its places are in m; zero for nodes elsewhere.
     /// A face gives each of its nodes an equal part.
     pub fn normals(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
+        self.normals_of(mesh, |_| true)
+    }
+
+    /// The same for nodes (by index) of a set: where faces lie in it with all of their corners, they alone count, so that normals do not tilt at its
+    /// edges toward faces beside it. Nodes of a set that holds no face, as of an edge, have the mean of all faces around them.
+    pub fn normals_within(&self, mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
+        let set: HashSet<u32> = nodes.iter().copied().collect();
+        let inside = |cell: &SkinCell| cell.nodes[..cell.kind.corners()].iter().all(|node| set.contains(node));
+        let (own, all) = (self.normals_of(mesh, inside), self.normals(mesh));
+        own.into_iter().zip(all).map(|(own, all)| if own == [0.0; 3] { all } else { own }).collect()
+    }
+
+    fn normals_of(&self, mesh: &Mesh, counts: impl Fn(&SkinCell) -> bool) -> Vec<[f64; 3]> {
         let mut normals = vec![[0.0; 3]; mesh.places.len()];
-        for cell in self.cells.iter().filter(|cell| cell.kind != ElementKind::Line) {
-            let corners = &cell.nodes[..cell.kind.corners()];
-            let count = corners.len() as f64;
-            let mean = |axis: usize| corners.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / count;
-            let centre = [mean(0), mean(1), mean(2)];
-            let area = corners.iter().zip(corners.iter().cycle().skip(1)).fold([0.0; 3], |sum, (a, b)| {
-                let part = half_product(centre, mesh.places[*a as usize], mesh.places[*b as usize]);
-                std::array::from_fn(|axis| sum[axis] + part[axis])
-            });
+        for cell in self.cells.iter().filter(|cell| cell.kind != ElementKind::Line && counts(cell)) {
+            let area = cell_area(cell, mesh);
             for node in &cell.nodes {
                 (0..3).for_each(|axis| normals[*node as usize][axis] += area[axis] / cell.nodes.len() as f64);
             }
         }
         normals
     }
+}
+
+/// Outward normal of a face times its area.
+fn cell_area(cell: &SkinCell, mesh: &Mesh) -> [f64; 3] {
+    let corners = &cell.nodes[..cell.kind.corners()];
+    let count = corners.len() as f64;
+    let mean = |axis: usize| corners.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / count;
+    let centre = [mean(0), mean(1), mean(2)];
+    corners.iter().zip(corners.iter().cycle().skip(1)).fold([0.0; 3], |sum, (a, b)| {
+        let part = half_product(centre, mesh.places[*a as usize], mesh.places[*b as usize]);
+        std::array::from_fn(|axis| sum[axis] + part[axis])
+    })
 }
 
 /// Normal of the triangle `o a b` times its area.

@@ -74,6 +74,9 @@ fn the_face_between_two_bricks_is_no_skin() {
     assert_eq!(skin.cells.len(), 10);
     assert_eq!(skin.nodes().len(), 12);
     assert_eq!(skin.edges().len(), 20);
+    // The four edges between the two bricks lie in flat faces.
+    assert_eq!(skin.sharp_edges(&mesh, 0.5).len(), 16);
+    assert_eq!(skin.sharp_edges(&mesh, 2.0).len(), 0);
     let normals = skin.normals(&mesh);
     let at = |number: u64| normals[mesh.index_of(number).unwrap()];
     // Each corner has a quarter of each unit face that it touches.
@@ -82,6 +85,23 @@ fn the_face_between_two_bricks_is_no_skin() {
     assert_eq!(at(7), [0.0, 0.5, 0.5]);
     let area: f64 = normals.iter().map(|n| n[0].abs() + n[1].abs() + n[2].abs()).sum();
     assert!((area - 10.0).abs() < 1e-14, "{area}");
+}
+
+#[test]
+fn normals_of_a_set_do_not_tilt_at_its_edges() {
+    let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
+    let skin = Skin::of(&mesh);
+    let within = |numbers: &[u64]| -> Vec<[f64; 3]> {
+        let nodes: Vec<u32> = numbers.iter().map(|n| mesh.index_of(*n).unwrap() as u32).collect();
+        let normals = skin.normals_within(&mesh, &nodes);
+        nodes.iter().map(|node| normals[*node as usize]).collect()
+    };
+    assert_eq!(within(mesh.node_set("END").unwrap()), [[0.25, 0.0, 0.0]; 4]);
+    // Nodes that hold no face have those around them.
+    assert_eq!(within(&[12]), [[0.25, 0.25, 0.25]]);
+    // On two faces that meet, the common edge lies between both.
+    let all: Vec<u64> = (1..=12).collect();
+    assert_eq!(within(&all), all.iter().map(|n| skin.normals(&mesh)[mesh.index_of(*n).unwrap()]).collect::<Vec<_>>());
 }
 
 #[test]
