@@ -7,7 +7,6 @@ if (numeric.length > 1) {
   histogram(element(pair, "div", { class: "box" }));
 }
 if (DATA.drawn.length > 0) {
-  element(figures, "p");
   branches(element(figures, "div", { class: "box" }));
 }
 cases(document.getElementById("cases"));
