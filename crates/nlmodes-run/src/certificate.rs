@@ -60,6 +60,9 @@ pub struct Check {
     /// The largest change that was found, relative; none where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
+    /// The point where it was found, of those that were looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point: Option<usize>,
     /// The largest that is good.
     pub limit: f64,
     /// What was compared, or why not.
@@ -78,7 +81,13 @@ impl Check {
         words: impl Into<String>,
     ) -> Self {
         let outcome = if value <= limit { Outcome::Good } else { Outcome::Doubtful };
-        Self { name, number, outcome, value: value.is_finite().then_some(value), limit, words: words.into(), how: None }
+        let value = value.is_finite().then_some(value);
+        Self { name, number, outcome, value, point: None, limit, words: words.into(), how: None }
+    }
+
+    /// With the point where its value was found.
+    fn at(self, worst: Worst) -> Self {
+        Self { point: (worst.value != 0.0).then_some(worst.point), ..self }
     }
 
     pub(crate) fn missing(
@@ -88,7 +97,32 @@ impl Check {
         words: impl Into<String>,
         how: &'static str,
     ) -> Self {
-        Self { name, number, outcome: Outcome::NotLookedAt, value: None, limit, words: words.into(), how: Some(how) }
+        Self {
+            name,
+            number,
+            outcome: Outcome::NotLookedAt,
+            value: None,
+            point: None,
+            limit,
+            words: words.into(),
+            how: Some(how),
+        }
+    }
+}
+
+/// The largest change, and the point where it was found.
+#[derive(Debug, Clone, Copy, Default)]
+struct Worst {
+    value: f64,
+    point: usize,
+}
+
+impl Worst {
+    /// Takes note of what was found at a point; what is no number is worst of all.
+    fn take(&mut self, point: usize, value: f64) {
+        if value.is_nan() || value > self.value {
+            *self = Self { value, point };
+        }
     }
 }
 
@@ -167,6 +201,17 @@ fn few_points(computed: &ComputedBranch) -> Vec<usize> {
     few.sort_unstable();
     few.dedup();
     few
+}
+
+/// A relative change as one reads it: `13 %`, `0.86 %`, `3e-7`.
+fn share(value: f64) -> String {
+    match 100.0 * value {
+        0.0 => "0".to_owned(),
+        percent if percent < 0.01 => format!("{value:.0e}"),
+        percent if percent < 1.0 => format!("{percent:.2} %"),
+        percent if percent < 10.0 => format!("{percent:.1} %"),
+        percent => format!("{percent:.0} %"),
+    }
 }
 
 /// `1, 5 and 9`, to be read behind "point" or "points".

@@ -3,7 +3,7 @@
 use nlmodes::modal::TimeHistory;
 use nlmodes::study::{ComputedBranch, Histories};
 
-use super::{Check, listed};
+use super::{Check, Worst, listed};
 
 const NAME: &str = "contact law";
 /// Contact problems are solved to 1e-10; the motion adds the rounding of its series.
@@ -15,10 +15,10 @@ const SAMPLES: usize = 256;
 pub fn complementarity(computed: &ComputedBranch, points: &[usize]) -> Check {
     let mut histories = Histories::of(computed);
     let strongest = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.peak_contact_force));
-    let mut worst = 0.0_f64;
+    let mut worst = Worst::default();
     for &point in points {
         match histories.at(point, SAMPLES, "") {
-            Ok(motions) => worst = worst.max(violation(computed, strongest, &motions)),
+            Ok(motions) => worst.take(point, violation(computed, strongest, &motions)),
             Err(error) => return Check::missing(NAME, None, LIMIT, format!("point {point}: {error}"), "`verify`"),
         }
     }
@@ -26,7 +26,7 @@ pub fn complementarity(computed: &ComputedBranch, points: &[usize]) -> Check {
         "no force pulls, no gap is negative, none of both at once: largest |min(λ/λ_max, g/q_max)| over a period, {}",
         listed(points)
     );
-    Check::found(NAME, None, worst, LIMIT, words)
+    Check::found(NAME, None, worst.value, LIMIT, words).at(worst)
 }
 
 pub(super) fn violation(computed: &ComputedBranch, strongest: f64, motions: &[TimeHistory]) -> f64 {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes::study::{ComputedBranch, StudyError};
 use nlmodes::timestep::{ContactDynamics, TimestepError};
 
-use super::{CERTIFY, Check, Number, Sources, listed};
+use super::{CERTIFY, Check, Number, Sources, Worst, listed};
 use crate::verify::Point;
 
 const NAME: &str = "energy";
@@ -25,16 +25,16 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
         let how = if n <= LARGEST[1] { CERTIFY } else { "fewer degrees of freedom: `[reduction]`" };
         return Check::missing(NAME, OF, LIMIT, format!("{n} degrees of freedom, more than {most}"), how);
     }
-    let mut worst = 0.0_f64;
+    let mut worst = Worst::default();
     for &k in points {
         let found = Point::of_branch(sources.scene, computed, k);
         match found.and_then(|point| Ok::<f64, StudyError>(of_point(&point)?)) {
-            Ok(found) => worst = worst.max(found),
+            Ok(found) => worst.take(k, found),
             Err(error) => return Check::missing(NAME, OF, LIMIT, format!("point {k}: {error}"), "`verify`"),
         }
     }
     let words = format!("change of the energy over a period of the motion, {}; an exact one keeps it", listed(points));
-    Check::found(NAME, OF, worst, LIMIT, words)
+    Check::found(NAME, OF, worst.value, LIMIT, words).at(worst)
 }
 
 fn of_point(point: &Point) -> Result<f64, TimestepError> {

@@ -3,8 +3,8 @@
 use nlmodes::modal::ModalPoint;
 use nlmodes::study::ComputedBranch;
 
-use super::finer::relative;
-use super::{CERTIFY, Check, Number, Sources, listed};
+use super::finer::{floors, relative};
+use super::{CERTIFY, Check, Number, Sources, Worst, listed};
 use crate::verify::{Found, Point, verify_up_to};
 
 const RETURN: &str = "return after a period";
@@ -15,8 +15,6 @@ const LIMIT: f64 = 5e-2;
 const LARGEST: [usize; 2] = [400, 120];
 /// Numbers that are compared with those of the exact motion.
 const COMPARED: [Number; 3] = [Number::Frequency, Number::Impulse, Number::PeakForce];
-/// Impulses and forces below this share of the largest do not count by themselves.
-const FLOOR: f64 = 1e-2;
 
 /// By how much the full structure fails to return, and the numbers of the exact motion.
 pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
@@ -28,7 +26,7 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
         let why = format!("{n} degrees of freedom, more than {}", LARGEST[0]);
         return missing(&why, "`verify`, or fewer degrees of freedom: `[reduction]`");
     }
-    let (mut returned, mut worst, mut lost) = (0.0_f64, [0.0_f64; 3], Vec::new());
+    let (mut returned, mut worst, mut lost) = (Worst::default(), [Worst::default(); 3], Vec::new());
     for &k in points {
         let point = match Point::of_branch(sources.scene, computed, k) {
             Ok(point) => point,
@@ -38,14 +36,14 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
             Ok(found) => found,
             Err(error) => return missing(&format!("point {k}: {error}"), "`verify`"),
         };
-        returned = returned.max(found.verification.energy_norm);
-        match beside(&found, &computed.branch.points[k]) {
-            Some(errors) => worst.iter_mut().zip(errors).for_each(|(w, e)| *w = w.max(e)),
+        returned.take(k, found.verification.energy_norm);
+        match beside(&found, &computed.branch.points[k], floors(computed)) {
+            Some(errors) => worst.iter_mut().zip(errors).for_each(|(worst, error)| worst.take(k, error)),
             None => lost.push(k),
         }
     }
     let words = format!("what is missing to the first state in the energy norm, {}", listed(points));
-    let mut checks = vec![Check::found(RETURN, Some(Number::Displacement), returned, LIMIT, words)];
+    let mut checks = vec![Check::found(RETURN, Some(Number::Displacement), returned.value, LIMIT, words).at(returned)];
     if lost.len() == points.len() {
         let why = match n > LARGEST[1] {
             true => format!("{n} degrees of freedom, more than {}", LARGEST[1]),
@@ -58,23 +56,24 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
     }
     let said = if lost.is_empty() { String::new() } else { format!("; none was found next to {}", listed(&lost)) };
     let words = format!("beside the exact motion of the same energy, {}{said}", listed(points));
-    let of = |(number, value): (Number, f64)| Check::found(EXACT, Some(number), value, number.limit(), words.clone());
+    let of = |(number, worst): (Number, Worst)| {
+        Check::found(EXACT, Some(number), worst.value, number.limit(), words.clone()).at(worst)
+    };
     checks.extend(COMPARED.into_iter().zip(worst).map(of));
     checks
 }
 
 /// Relative differences to the numbers of the exact motion, in the order in which they are compared.
-fn beside(found: &Found, point: &ModalPoint) -> Option<[f64; 3]> {
+fn beside(found: &Found, point: &ModalPoint, [small_force, small_impulse]: [f64; 2]) -> Option<[f64; 3]> {
     let motion = &found.exact.as_ref()?.as_ref().ok()?.motion;
     let exact = motion.trajectory.contact_periods(point.contacts.len());
-    let largest = |of: fn(&nlmodes::modal::ContactPeriod) -> f64| exact.iter().map(of).fold(0.0, f64::max);
-    let floor = FLOOR * largest(|c| c.impulse).max(f64::MIN_POSITIVE);
-    let impulses = point.contacts.iter().zip(&exact).map(|(own, exact)| relative(own.impulse, exact.impulse, floor));
-    let force = largest(|c| c.peak_force);
+    let pairs = point.contacts.iter().zip(&exact);
+    let impulses = pairs.map(|(own, exact)| relative(own.impulse, exact.impulse, small_impulse));
+    let force = exact.iter().map(|c| c.peak_force).fold(0.0, f64::max);
     Some([
         relative(point.omega, motion.omega, 0.0),
         impulses.fold(0.0, f64::max),
-        relative(point.peak_contact_force, force, f64::MIN_POSITIVE),
+        relative(point.peak_contact_force, force, small_force),
     ])
 }
 

@@ -4,11 +4,11 @@ use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
 use nlmodes::study::{ComputedBranch, StudyError};
 
-use super::{CERTIFY, Check, Number, Sources, listed};
+use super::{CERTIFY, Check, Number, Sources, Worst, listed};
 
 const HARMONICS: &str = "harmonics";
 const MODES: &str = "modes";
-/// Forces and impulses below this share of the largest ones of the branch do not count by themselves.
+/// Forces, impulses and amplitudes below this share of the largest ones of the branch do not count by themselves.
 const FLOOR: f64 = 1e-2;
 
 /// What twice as many harmonics change.
@@ -92,12 +92,12 @@ fn again(
     how: &'static str,
     solve: impl Fn(usize) -> Result<Option<ModalPoint>, StudyError>,
 ) -> Vec<Check> {
-    let (mut worst, mut lost) = ([0.0_f64; 4], Vec::new());
+    let (mut worst, mut lost) = ([Worst::default(); 4], Vec::new());
     for &k in points {
         match solve(k) {
             Ok(Some(after)) => {
                 let found = changes(computed, &computed.branch.points[k], &after);
-                worst.iter_mut().zip(found).for_each(|(w, found)| *w = w.max(found));
+                worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(k, found));
             }
             Ok(None) => lost.push(k),
             Err(error) => return vec![Check::missing(name, None, Number::Frequency.limit(), error.to_string(), how)],
@@ -107,26 +107,37 @@ fn again(
         [] => String::new(),
         lost => format!("; next to {} there is no such motion", listed(lost)),
     };
-    let nothing = lost.len() == points.len();
-    let of = |(number, value): (Number, f64)| {
-        let value = if nothing { f64::NAN } else { value };
-        Check::found(name, Some(number), value, number.limit(), words(&said))
+    // A motion that more harmonics, or modes, do not have is not one to trust, whatever the other points say.
+    let is_lost = !lost.is_empty();
+    let words = words(&said);
+    let of = |(number, worst): (Number, Worst)| {
+        let value = if is_lost { f64::NAN } else { worst.value };
+        Check::found(name, Some(number), value, number.limit(), words.clone()).at(worst)
     };
     Number::ALL.into_iter().zip(worst).map(of).collect()
 }
 
 /// Relative changes of the numbers, in their order.
 fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -> [f64; 4] {
-    let force = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.peak_contact_force));
-    let impulses = computed.branch.points.iter().flat_map(|p| &p.contacts).map(|c| c.impulse);
-    let impulse = impulses.fold(f64::MIN_POSITIVE, f64::max);
+    let [force, impulse] = floors(computed);
+    let amplitude = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.modal_amplitude));
     let each = before.contacts.iter().zip(&after.contacts);
+    // Before a rigid stop the largest displacement is the gap, whatever the harmonics.
+    let displacement = relative(before.modal_amplitude, after.modal_amplitude, FLOOR * amplitude);
     [
         relative(before.omega, after.omega, 0.0),
-        relative(before.peak, after.peak, 0.0),
-        each.map(|(b, a)| relative(b.impulse, a.impulse, FLOOR * impulse)).fold(0.0, f64::max),
-        relative(before.peak_contact_force, after.peak_contact_force, FLOOR * force),
+        relative(before.peak, after.peak, 0.0).max(displacement),
+        each.map(|(b, a)| relative(b.impulse, a.impulse, impulse)).fold(0.0, f64::max),
+        relative(before.peak_contact_force, after.peak_contact_force, force),
     ]
+}
+
+/// Force and impulse below which these do not count by themselves.
+pub fn floors(computed: &ComputedBranch) -> [f64; 2] {
+    let points = &computed.branch.points;
+    let force = points.iter().map(|p| p.peak_contact_force).fold(0.0, f64::max);
+    let impulse = points.iter().flat_map(|p| &p.contacts).map(|c| c.impulse).fold(0.0, f64::max);
+    [force, impulse].map(|largest| (FLOOR * largest).max(f64::MIN_POSITIVE))
 }
 
 /// `|before − after|` over the latter, or over `floor` where that is larger.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Check, Outcome};
+use super::{Check, Outcome, share};
 
 /// A number of the results, or several that stand and fall together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -105,7 +105,7 @@ impl NumberUse {
         let truncation =
             |name: &str| checks.iter().filter(own).any(|check| check.name == name && check.outcome == Outcome::Good);
         let (usable, words) = if !against.is_empty() {
-            (Use::No, refused(number, &against))
+            (Use::No, format!("{}{}", refused(&against), instead(number, checks)))
         } else if truncation("harmonics") || truncation("exact motion") {
             (Use::Yes, used(number, largest_change.unwrap_or(0.0)))
         } else {
@@ -117,22 +117,26 @@ impl NumberUse {
 }
 
 /// What speaks against a number.
-fn refused(number: Number, against: &[&Check]) -> String {
+fn refused(against: &[&Check]) -> String {
     let one = |check: &&Check| match check.value {
-        Some(value) => format!("{}: {value:.1e}, more than {:.0e}", check.name, check.limit),
-        None => format!("{}: nothing was found to compare with", check.name),
+        Some(value) => {
+            let at = check.point.map_or_else(String::new, |point| format!(" at point {point}"));
+            format!("{}: {}{at}, good is up to {}", check.name, share(value), share(check.limit))
+        }
+        None => format!("{}: {}", check.name, check.words),
     };
-    let reasons: Vec<String> = against.iter().map(one).collect();
-    format!("{}{}", reasons.join("; "), instead(number))
+    against.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
-/// What to use for it.
-fn instead(number: Number) -> &'static str {
-    match number {
-        Number::PeakForce => {
-            ". The force of a short blow comes slowly with harmonics, if at all; impulse_n_s (contacts.csv) is what converges"
-        }
-        _ => "",
+/// What to use instead of a largest force, by what the same checks say of impulses.
+fn instead(number: Number, checks: &[Check]) -> &'static str {
+    if number != Number::PeakForce {
+        return "";
+    }
+    match NumberUse::new(Number::Impulse, checks).usable {
+        Use::Yes => "; impulse_n_s (contacts.csv) is good: use that",
+        Use::No => "; the impulse is not good either: more harmonics",
+        Use::NotShown => "",
     }
 }
 
@@ -144,14 +148,12 @@ fn used(number: Number, change: f64) -> String {
             "; on this mesh: what finer elements change, before a rigid stop often much, was not looked at"
         }
     };
-    format!("to {change:.1e}{reserve}")
+    format!("to {}{reserve}", share(change))
 }
 
 fn not_shown(number: Number, how: &str) -> String {
     let why = match number {
-        Number::PeakForce => {
-            "; of all numbers this one needs most harmonics: do not use it before that; impulse_n_s (contacts.csv) converges first"
-        }
+        Number::PeakForce => "; of all numbers this one takes most harmonics: do not use it before that",
         _ => "",
     };
     format!("what harmonics leave out was not looked at; to have it looked at: {how}{why}")

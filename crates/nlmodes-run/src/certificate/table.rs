@@ -2,7 +2,7 @@
 
 use nlmodes::report::DataTable;
 
-use super::{Certificate, Check, Outcome};
+use super::{Certificate, Check, Outcome, share};
 
 impl Outcome {
     /// In words.
@@ -31,14 +31,15 @@ pub fn tables(certificate: &Certificate, name: Option<&str>) -> [DataTable; 2] {
 }
 
 fn row(check: &Check) -> Vec<String> {
-    let value = check.value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1e}"));
+    let at = check.point.map_or_else(String::new, |point| format!(" (point {point})"));
+    let value = check.value.map_or_else(|| "–".to_owned(), |value| format!("{}{at}", share(value)));
     let how = check.how.map_or_else(String::new, |how| format!("; to have it looked at: {how}"));
     vec![
         check.name.into(),
         check.number.map_or("all numbers", super::Number::meaning).into(),
         check.outcome.name().into(),
         value,
-        format!("{:.0e}", check.limit),
+        share(check.limit),
         format!("{}{how}", check.words),
     ]
 }

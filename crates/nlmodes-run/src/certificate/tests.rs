@@ -67,7 +67,7 @@ fn few_harmonics_spoil_the_force_and_many_do_not() {
     let poor = certificate(4, 2, SI, true);
     let force = usable(&poor, Number::PeakForce);
     assert_eq!(force.usable, Use::No, "{poor:?}");
-    assert!(force.words.contains("impulse_n_s"), "{force:?}");
+    assert!(force.words.contains("the impulse is not good either"), "{force:?}");
     assert_eq!(check(&poor, "harmonics", Number::PeakForce).outcome, Outcome::Doubtful);
     let fine = certificate(4, 60, SI, true);
     for name in ["energy", "return after a period"] {
@@ -159,4 +159,26 @@ fn a_force_that_pulls_and_a_gap_that_is_negative_break_the_contact_law() {
     let mut through = motions;
     through[0].displacement.iter_mut().for_each(|q| *q *= 1.1);
     assert!(contacts::violation(&computed, strongest, &through) > 0.05);
+}
+
+/// Where a check speaks against the largest force only, the impulse is what is left to use; where none was made, nothing is said of it.
+#[test]
+fn the_impulse_is_recommended_only_where_it_is_good() {
+    let check = |number: Number, value: f64| Check::found("harmonics", Some(number), value, number.limit(), "");
+    let both = |force: f64, impulse: f64| [check(Number::PeakForce, force), check(Number::Impulse, impulse)];
+    let good = NumberUse::new(Number::PeakForce, &both(0.3, 1e-3));
+    assert_eq!((good.usable, good.largest_change), (Use::No, Some(0.3)));
+    assert!(good.words.contains("use that"), "{}", good.words);
+    assert!(!NumberUse::new(Number::PeakForce, &both(0.3, 0.3)).words.contains("use that"));
+    assert_eq!(NumberUse::new(Number::PeakForce, &both(1e-3, 0.3)).usable, Use::Yes);
+    assert_eq!(NumberUse::new(Number::PeakForce, &both(f64::NAN, 1e-3)).usable, Use::No);
+    // What holds for all numbers counts against each.
+    let unsolved = [residual(1.0), check(Number::PeakForce, 0.0)];
+    assert_eq!(NumberUse::new(Number::PeakForce, &unsolved).usable, Use::No);
+}
+
+#[test]
+fn changes_are_said_in_per_cent_as_far_as_that_is_read() {
+    let said = [0.0, 1e-8, 8.6e-4, 6.7e-3, 2.6e-2, 0.128, 3.0].map(share);
+    assert_eq!(said, ["0", "1e-8", "0.09 %", "0.67 %", "2.6 %", "13 %", "300 %"]);
 }
