@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes::fem::MassMatrix;
-use nlmodes::modal::{BranchEnd, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::modal::{BranchEnd, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
 use nlmodes::report::{Abscissa, BranchFigure};
 use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes_benchmarks::{Failure, rod};
@@ -37,7 +37,7 @@ fn main() -> Result<(), Failure> {
         // Names and symbols of all tongues would hide the curves.
         for point in &mut branch.points {
             point.resonance = None;
-            point.events.retain(|e| e == ModalPoint::RESUMED);
+            point.events.retain(|e| *e == Event::Resumed);
         }
         branches.push(branch);
     }
@@ -79,7 +79,7 @@ fn exact() -> ModalBranch {
     };
     let first = speed / (4.0 * LENGTH);
     let points = (0..=120).map(|k| point(first + (72.0 - first) * f64::from(k) / 120.0)).collect();
-    let end = BranchEnd { reason: "closed-form".into(), message: "closed form".into(), complete: true };
+    let end = BranchEnd::given("closed form");
     let label = "continuous rod, exact".into();
     ModalBranch { label, coordinates: Vec::new(), contact_coordinate: None, stop: None, points, end }
 }

@@ -89,7 +89,7 @@ fn row(first: &[String], model: MasslessContactModel, settings: &BranchSettings)
 fn describe(computed: &ComputedBranch, time: f64) -> String {
     let points = &computed.branch.points;
     let mut events = BTreeMap::<&str, usize>::new();
-    points.iter().flat_map(|p| &p.events).for_each(|e| *events.entry(e).or_default() += 1);
+    points.iter().flat_map(|p| &p.events).for_each(|e| *events.entry(e.name()).or_default() += 1);
     let events: Vec<String> = events.iter().map(|(name, n)| format!("{n} {name}")).collect();
     let tongues: Vec<String> =
         computed.tongues().iter().map(|t| t.resonance.to_string().replace("mode ", "")).collect();
@@ -103,6 +103,6 @@ fn describe(computed: &ComputedBranch, time: f64) -> String {
         computed.refused_steps,
         events.join(", "),
         tongues.join(", "),
-        end.reason,
+        end.names(),
     )
 }

@@ -1,5 +1,6 @@
 //! What is asked, and by what it is judged.
 
+use nlmodes::modal::EndReason;
 use std::f64::consts::{PI, TAU};
 
 use nlmodes::fem::Mesh;
@@ -187,7 +188,7 @@ fn pressing() -> Vec<(String, Compute)> {
             let model = tip_beam(20, -1e-3)?;
             let held = held_modes(&model, 12)?;
             let verdict = follow(model, &to(20.0, harmonics))?;
-            if verdict.branch().branch.end.reason == "min-energy" {
+            if verdict.branch().branch.end.has(EndReason::MinEnergy) {
                 // It may lead to another mode with the tip held, as its n-th harmonic, and out along that as it fades.
                 let off = |omega: f64, n: usize| n as f64 * TAU * verdict.last_hz() / omega - 1.0;
                 let pairs = held.omega.iter().flat_map(|omega| (1..=harmonics).map(move |n| off(*omega, n)));

@@ -120,9 +120,9 @@ impl fmt::Display for Verdict {
             None => ("", String::new()),
         };
         let end = if self.computed.branch.end.complete {
-            self.computed.branch.end.reason.clone()
+            self.computed.branch.end.names()
         } else {
-            format!("{}: {}", self.computed.branch.end.reason, self.computed.branch.end.message)
+            format!("{}: {}", self.computed.branch.end.names(), self.computed.branch.end.message)
         };
         write!(
             f,

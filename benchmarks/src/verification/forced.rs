@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nlmodes::model::{Contact, Drop, MasslessContactModel, Side};
 use nlmodes::response::{
-    CurveEnd, Damping, ResponseCurve, ResponseEvent, ResponseModel, ResponsePoint, ResponseSettings, damped_mode,
+    CurveEnd, Damping, Event, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, damped_mode,
     force_response, frequency_response, phase_resonance,
 };
 use nlmodes_reduction::{ModeCount, OpenModes};
@@ -285,7 +285,7 @@ fn power_balance() -> Result<Vec<Check>, Failure> {
     last(&curve)?;
     let differs = |p: &ResponsePoint| (p.motion.input_power / p.motion.dissipated_power - 1.0).abs();
     let worst = curve.points.iter().map(differs).fold(0.0, f64::max);
-    let folds = curve.points.iter().filter(|p| p.events.contains(&ResponseEvent::Fold)).count();
+    let folds = curve.points.iter().filter(|p| p.events.contains(&Event::Fold)).count();
     Ok(vec![
         Check::of_size("largest relative difference", [worst, 0.0, 1.0], 1e-9, ROUNDING),
         Check::count("folds", folds, 2),

@@ -1,5 +1,6 @@
 //! Free periodic motions whose frequency is known exactly.
 
+use nlmodes::modal::Event;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
@@ -261,7 +262,7 @@ fn internal_resonance() -> Result<Vec<Check>, Failure> {
     let settings = loop_of_the_rod();
     let branch = compute_branch(rod(100, MassMatrix::Consistent)?, &settings, |_| ControlFlow::Continue(()))?.branch;
     let first = branch.points.first().ok_or("no points")?;
-    let meeting: Vec<_> = branch.points.iter().filter(|p| p.has_event("branch-point")).collect();
+    let meeting: Vec<_> = branch.points.iter().filter(|p| p.has_event(Event::BranchPoint)).collect();
     let point = meeting.first().ok_or("no branch point")?;
     let [one, two] = [[0.9, 1.1], [2.8, 3.2]].map(tip_mode);
     let why = "the residual of a double zero of the equations: the root of rounding";

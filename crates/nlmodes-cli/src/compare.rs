@@ -88,7 +88,7 @@ fn line(solver: &str, run: &Run) -> String {
         Some(Difference::OfPoints(d)) => format!("{d:.1e}"),
         Some(Difference::FromChords(d)) => format!("~{d:.1e}"),
     };
-    let end = if run.end.complete { run.end.reason.clone() } else { format!("early: {}", run.end.message) };
+    let end = if run.end.complete { run.end.names() } else { format!("early: {}", run.end.message) };
     let seconds = run.time.as_secs_f64();
     format!(
         "{solver:<14}{:>7}{seconds:>11.4}{:>12}{:>11}{:>11.1e}{difference:>13}  {end}\n",

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{Event, ModalPoint};
 use nlmodes::study::Watch;
 
 use crate::options::RunOptions;
@@ -151,7 +151,7 @@ impl Progress {
     fn in_full(&self, branch: usize, point: &ModalPoint) -> String {
         let branch = if branch == 0 { String::new() } else { format!("branch {branch}, ") };
         let (number, frequency) = (self.points - 1, point.omega / TAU);
-        let events = if point.events.is_empty() { String::new() } else { format!(", {}", point.events.join(" ")) };
+        let events = if point.events.is_empty() { String::new() } else { format!(", {}", Event::names(&point.events)) };
         let (energy, residual) = (point.kinetic_energy, point.residual);
         format!("{branch}point {number}: {frequency:.6} Hz, {energy:.6e} J, residual {residual:.1e}{events}")
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{EndReason, Event};
 use nlmodes::study::ComputedBranch;
 use nlmodes_run::{PartOutcome, chain};
 
@@ -72,13 +72,13 @@ fn tell(computed: &ComputedBranch, name: &str, wall_time: Duration, quiet: bool)
 fn advice(computed: &ComputedBranch) -> Option<String> {
     let end = &computed.branch.end;
     let wandered = wandered(computed).unwrap_or_default();
-    if end.reason == "max-points" {
+    if end.has(EndReason::MaxPoints) {
         return Some(format!("; with a higher continuation.max_points, --resume goes on{wandered}"));
     }
     if !wandered.is_empty() {
         return Some(wandered);
     }
-    if computed.left_mode().is_some() || computed.branch.points.iter().any(|p| p.has_event(ModalPoint::RESUMED)) {
+    if computed.left_mode().is_some() || computed.branch.points.iter().any(|p| p.has_event(Event::Resumed)) {
         return None;
     }
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;
@@ -91,7 +91,7 @@ const FOLDS: usize = 6;
 /// What an exact branch met that has every internal resonance of its modes.
 fn wandered(computed: &ComputedBranch) -> Option<String> {
     let points = &computed.branch.points;
-    let folds = points.iter().filter(|p| p.has_event("fold") || p.has_event("frequency-fold")).count();
+    let folds = points.iter().filter(|p| p.has_event(Event::Fold) || p.has_event(Event::FrequencyFold)).count();
     let modes = computed.structure.modes().len();
     (computed.is_exact() && folds >= FOLDS).then(|| {
         format!(

@@ -1,4 +1,4 @@
-use crate::{ContactPeriod, HarmonicCoefficients, InternalResonance};
+use crate::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, InternalResonance};
 
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,19 +69,8 @@ pub struct ModalPoint {
     pub residual: f64,
     /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where one was made.
     pub error_estimate: Option<f64>,
-    /// What happened here: `grazing`, `fold`, `branch-point`, …
-    pub events: Vec<String>,
-}
-
-/// Why a branch ended, and whether that is where it was meant to end.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BranchEnd {
-    /// Short name: `max-energy`, `frequency-window`, `max-points`, `no-convergence`, …
-    pub reason: String,
-    /// The sentence for a person.
-    pub message: String,
-    /// False if the computation ended before one of the limits that were asked for.
-    pub complete: bool,
+    /// What happens here.
+    pub events: Vec<Event>,
 }
 
 /// A nonlinear mode over energy: computed or measured points in the order in which they were found.

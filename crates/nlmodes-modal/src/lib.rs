@@ -26,12 +26,14 @@
 
 mod basis;
 mod branch;
+mod branch_end;
 mod coefficients;
 mod contact_interval;
 mod contact_period;
 mod contact_stiffness;
 mod damping;
 mod error;
+mod event;
 mod history;
 mod linear_modes;
 mod mode_shape;
@@ -41,13 +43,15 @@ mod resonance;
 mod restitution;
 
 pub use basis::HarmonicBasis;
-pub use branch::{BranchEnd, Coordinate, ModalBranch, ModalPoint, Stability};
+pub use branch::{Coordinate, ModalBranch, ModalPoint, Stability};
+pub use branch_end::{BranchEnd, EndReason};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};
 pub use contact_period::ContactPeriod;
 pub use contact_stiffness::ContactStiffness;
 pub use damping::{LinearDissipation, damping_coefficient};
 pub use error::ModalError;
+pub use event::Event;
 pub use history::{ContactInstant, TimeHistory};
 pub use linear_modes::LinearModes;
 pub use mode_shape::{NonlinearModeShape, PhaseAnchor, shifted};

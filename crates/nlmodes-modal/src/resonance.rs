@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::ModalPoint;
+use crate::{Event, ModalPoint};
 
 /// Share of the averaged kinetic energy in one harmonic above the first from which on it counts as resonant.
 pub const RESONANT_SHARE: f64 = 0.25;
@@ -59,7 +59,7 @@ pub fn tongues(points: &[ModalPoint]) -> Vec<Tongue> {
 /// behind which nothing follows.
 fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, last: usize) -> Option<Tongue> {
     let stretch = start..=last;
-    let skipped = stretch.clone().any(|i| points[i].has_event(ModalPoint::RESUMED));
+    let skipped = stretch.clone().any(|i| points[i].has_event(Event::Resumed));
     let share = |i: usize| points[i].harmonic_share(resonance.harmonic);
     let tip = stretch.clone().max_by(|&i, &j| share(i).total_cmp(&share(j)))?;
     let energies = || stretch.clone().map(|i| points[i].kinetic_energy);
@@ -69,18 +69,9 @@ fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, las
 }
 
 impl ModalPoint {
-    /// Event of the first point behind a stretch of the branch that was left out.
-    pub const RESUMED: &'static str = "resumed";
-
-    /// Event of a point beyond which the stability of the motion is another.
-    pub const STABILITY_CHANGE: &'static str = "stability-change";
-
-    /// Event of the last point before a stretch of the branch that was left out.
-    pub const TONGUE_FOOT: &'static str = "tongue-foot";
-
     /// Whether this event happens here.
-    pub fn has_event(&self, name: &str) -> bool {
-        self.events.iter().any(|event| event == name)
+    pub fn has_event(&self, event: Event) -> bool {
+        self.events.contains(&event)
     }
 
     /// Share of harmonic `n` in the averaged kinetic energy; zero for harmonics beyond the highest.
@@ -102,7 +93,7 @@ mod tests {
     use crate::HarmonicCoefficients;
 
     /// A point with this share of the energy in harmonic 3.
-    fn point(share: f64, energy: f64, events: &[&str]) -> ModalPoint {
+    fn point(share: f64, energy: f64, events: &[Event]) -> ModalPoint {
         let resonance = (share >= RESONANT_SHARE).then_some(InternalResonance { harmonic: 3, mode: 2 });
         ModalPoint {
             omega: 1.0,
@@ -121,7 +112,7 @@ mod tests {
             contacts: Vec::new(),
             residual: 0.0,
             error_estimate: None,
-            events: events.iter().map(|e| (*e).to_owned()).collect(),
+            events: events.to_vec(),
         }
     }
 
@@ -143,7 +134,8 @@ mod tests {
 
     #[test]
     fn a_skipped_tongue_has_its_two_feet() {
-        let mut points = vec![point(0.0, 1.0, &[]), point(0.05, 2.0, &["tongue-foot"]), point(0.1, 3.0, &["resumed"])];
+        let mut points =
+            vec![point(0.0, 1.0, &[]), point(0.05, 2.0, &[Event::TongueFoot]), point(0.1, 3.0, &[Event::Resumed])];
         for foot in &mut points[1..] {
             foot.resonance = Some(InternalResonance { harmonic: 3, mode: 2 });
         }

@@ -104,7 +104,7 @@ impl Observer for Onlooker {
                 self.looking.points.fetch_add(1, Ordering::Relaxed);
                 let mut told = of(&self.looking.told);
                 told.0 = Some(point.omega / TAU);
-                told.1 = point.events.last().cloned().unwrap_or_default();
+                told.1 = point.events.last().map_or("", |event| event.name()).to_owned();
             }
             Event::Curve { number, of, name } => {
                 self::of(&self.looking.told).1 = format!("{name} ({number} of {of})");

@@ -38,7 +38,7 @@ type ContactMotion<'a> = dyn Fn(usize, usize) -> Option<Vec<TimeHistory>> + 'a;
 ///
 /// ```
 /// # use nlmodes_modal::{BranchEnd, ModalBranch};
-/// # let end = BranchEnd { reason: "closed".into(), message: "it closed".into(), complete: true };
+/// # let end = BranchEnd::given("it closed");
 /// # let (points, coordinates) = (Vec::new(), Vec::new());
 /// # let branch = ModalBranch { label: "rod".into(), coordinates, contact_coordinate: None, stop: None, points, end };
 /// use nlmodes_report::HtmlReport;

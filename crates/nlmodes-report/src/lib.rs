@@ -62,7 +62,7 @@
 //!     contact_coordinate: Some(0),
 //!     stop: Some(stop),
 //!     points: (0..50).map(|k| point(stop * (1.0 + 0.02 * f64::from(k)))).collect(),
-//!     end: BranchEnd { reason: "max-points".into(), message: "fifty points".into(), complete: true },
+//!     end: BranchEnd::given("fifty points"),
 //! };
 //! let folder = tempfile::tempdir()?;
 //! write_branch(folder.path().join("branch.csv"), &branch)?;

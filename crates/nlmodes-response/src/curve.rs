@@ -3,39 +3,8 @@ use std::fmt;
 
 use nlmodes_continuation::StopReason;
 use nlmodes_hbm::{Instability, PeriodicMotion, PeriodicSystem};
+use nlmodes_modal::{EndReason, Event};
 use num_complex::Complex64;
-
-/// What a curve passes at a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum ResponseEvent {
-    /// The parameter turns: frequency, level, or energy.
-    Fold,
-    /// More than two arms meet.
-    BranchPoint,
-    /// The curve has a corner.
-    Kink,
-    /// Another sequence of contacts.
-    PatternChange,
-    /// A multiplier passes −1 here, or between here and the point before.
-    PeriodDoubling,
-    /// A pair of multipliers passes the unit circle here, or between here and the point before.
-    NeimarkSacker,
-}
-
-impl ResponseEvent {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fold => "fold",
-            Self::BranchPoint => "branch-point",
-            Self::Kink => "kink",
-            Self::PatternChange => "pattern-change",
-            Self::PeriodDoubling => "period-doubling",
-            Self::NeimarkSacker => "neimark-sacker",
-        }
-    }
-}
 
 /// Stability of a response by its multipliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +36,7 @@ pub struct ResponsePoint {
     /// Largest scaled residual.
     pub residual: f64,
     /// What happens here.
-    pub events: Vec<ResponseEvent>,
+    pub events: Vec<Event>,
     /// Scaled coefficients of the motion and their unit, from which another curve can start.
     pub(crate) coefficients: (Vec<f64>, f64),
 }
@@ -120,16 +89,16 @@ impl CurveEnd {
         matches!(self, Self::Window(_) | Self::Limit | Self::Closed | Self::Joined)
     }
 
-    /// Its name in tables.
-    pub fn name(&self) -> &'static str {
+    /// Why, without the values.
+    pub fn reason(&self) -> EndReason {
         match self {
-            Self::Window(_) => "frequency-window",
-            Self::Limit => "limit",
-            Self::Closed => "closed",
-            Self::Joined => "joined",
-            Self::MaxPoints => "max-points",
-            Self::Stopped => "stopped",
-            Self::Lost(_) => "no-convergence",
+            Self::Window(_) => EndReason::FrequencyWindow,
+            Self::Limit => EndReason::Limit,
+            Self::Closed => EndReason::Closed,
+            Self::Joined => EndReason::Joined,
+            Self::MaxPoints => EndReason::MaxPoints,
+            Self::Stopped => EndReason::Stopped,
+            Self::Lost(_) => EndReason::NoConvergence,
         }
     }
 

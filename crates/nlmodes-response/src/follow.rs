@@ -1,3 +1,4 @@
+use nlmodes_modal::Event;
 use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
@@ -7,7 +8,7 @@ use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
 use crate::losses::name_lost_stability;
-use crate::{ResponseCurve, ResponseError, ResponseEvent, ResponsePoint, ResponseSettings, Stability};
+use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
 /// A curve to follow: a system, where it starts, and what its points are called.
 pub(crate) struct Curve<'a> {
@@ -120,10 +121,10 @@ impl Curve<'_> {
             false => None,
         };
         let named = at.events.iter().filter_map(|event| match event {
-            EventKind::ParameterFold => Some(ResponseEvent::Fold),
-            EventKind::BranchPoint => Some(ResponseEvent::BranchPoint),
-            EventKind::Kink => Some(ResponseEvent::Kink),
-            EventKind::PatternChange { .. } => Some(ResponseEvent::PatternChange),
+            EventKind::ParameterFold => Some(Event::Fold),
+            EventKind::BranchPoint => Some(Event::BranchPoint),
+            EventKind::Kink => Some(Event::Kink),
+            EventKind::PatternChange { .. } => Some(Event::ContactChange),
             _ => None,
         });
         Ok(ResponsePoint {

@@ -63,7 +63,9 @@ pub use analyses::{
 };
 pub use base_motion::{BaseMotion, BaseUnit};
 pub use cancel::Cancel;
-pub use curve::{CurveEnd, ResponseCurve, ResponseEvent, ResponsePoint, Stability};
+pub use nlmodes_modal::Event;
+
+pub use curve::{CurveEnd, ResponseCurve, ResponsePoint, Stability};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
 pub use history::{ContactPattern, ContactState};

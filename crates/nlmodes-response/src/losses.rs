@@ -2,9 +2,10 @@
 
 use nlmodes_continuation::{Branch, BranchPoint};
 use nlmodes_hbm::Instability;
+use nlmodes_modal::Event;
 
 use crate::follow::{CONVERGED, Curve};
-use crate::{ResponseError, ResponseEvent, ResponsePoint, Stability};
+use crate::{ResponseError, ResponsePoint, Stability};
 
 /// Most steps, and the distance from the unit circle, with which a loss of stability is located.
 const LOCATING: usize = 25;
@@ -86,8 +87,8 @@ pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
         if let Some((before, was)) = last.filter(|(_, was)| was.stable != now.stable) {
             let unstable = if now.stable == Some(false) { now } else { was };
             let event = match unstable.instability {
-                Instability::PeriodDoubling => Some(ResponseEvent::PeriodDoubling),
-                Instability::NeimarkSacker => Some(ResponseEvent::NeimarkSacker),
+                Instability::PeriodDoubling => Some(Event::PeriodDoubling),
+                Instability::NeimarkSacker => Some(Event::NeimarkSacker),
                 Instability::Fold => None,
             };
             let off = |p: &ResponsePoint| p.stability.map_or(f64::INFINITY, |s| (s.largest.norm() - 1.0).abs());

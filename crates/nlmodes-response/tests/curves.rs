@@ -6,7 +6,7 @@ use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes_model::{DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_response::{
-    BaseMotion, BaseUnit, CurveEnd, Damping, Dashpot, ResponseError, ResponseEvent, ResponseModel, ResponseSettings,
+    BaseMotion, BaseUnit, CurveEnd, Damping, Dashpot, Event, ResponseError, ResponseModel, ResponseSettings,
     damped_mode, force_response, frequency_response, phase_resonance,
 };
 
@@ -40,7 +40,7 @@ fn window(low: f64, high: f64, harmonics: usize) -> ResponseSettings {
 fn a_response_goes_through_its_folds_to_the_end_of_the_window_and_balances_power() {
     let curve = frequency_response(&rod_of_two(), 0.2, &window(0.3, 0.6, 12)).unwrap();
     assert_eq!(curve.end, CurveEnd::Window(0.6 * TAU));
-    let folds: Vec<_> = curve.points.iter().filter(|p| p.events.contains(&ResponseEvent::Fold)).collect();
+    let folds: Vec<_> = curve.points.iter().filter(|p| p.events.contains(&Event::Fold)).collect();
     assert_eq!(folds.len(), 2, "{:?}", folds.iter().map(|p| p.omega / TAU).collect::<Vec<_>>());
     for point in &curve.points {
         let power = point.motion.dissipated_power;
@@ -62,7 +62,7 @@ fn curves_from_both_ends_of_the_window_meet() {
     let down = frequency_response(&model, 0.2, &settings).unwrap();
     assert_eq!((up.end, down.end), (CurveEnd::Window(0.6 * TAU), CurveEnd::Window(0.3 * TAU)));
     let folds = |points: &[nlmodes_response::ResponsePoint]| -> Vec<(f64, f64)> {
-        let found = points.iter().filter(|p| p.events.contains(&ResponseEvent::Fold));
+        let found = points.iter().filter(|p| p.events.contains(&Event::Fold));
         found.map(|p| (p.omega, p.drive.norm())).collect()
     };
     let (there, mut back) = (folds(&up.points), folds(&down.points));
@@ -109,7 +109,7 @@ fn curves_over_the_level_end_at_it_and_never_below_zero() {
     let curve = force_response(&rod_of_two(), 0.42 * TAU, 0.6, &window(0.3, 0.6, 10)).unwrap();
     assert_eq!(curve.end, CurveEnd::Limit);
     assert!(curve.points.iter().all(|p| p.level >= 0.0));
-    assert!(curve.points.iter().any(|p| p.events.contains(&ResponseEvent::Fold)));
+    assert!(curve.points.iter().any(|p| p.events.contains(&Event::Fold)));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_response::{
-    CurveEnd, Damping, ResponseCurve, ResponseEvent, ResponseModel, ResponseSettings, appropriation, conservative_mode,
+    CurveEnd, Damping, Event, ResponseCurve, ResponseModel, ResponseSettings, appropriation, conservative_mode,
     damped_mode, detached_response, force_response, frequency_response, phase_resonance,
 };
 use num_complex::Complex64;
@@ -167,7 +167,7 @@ fn two_masses() -> ResponseModel {
 fn a_period_doubling_is_located_where_a_multiplier_passes_minus_one() {
     let settings = ResponseSettings { harmonics: 10, ..ResponseSettings::new([0.6, 0.76]) };
     let curve = frequency_response(&two_masses(), 0.1, &settings).unwrap();
-    let lost = curve.points.iter().find(|p| p.events.contains(&ResponseEvent::PeriodDoubling)).unwrap();
+    let lost = curve.points.iter().find(|p| p.events.contains(&Event::PeriodDoubling)).unwrap();
     assert!((lost.stability.unwrap().largest + 1.0).norm() < 1e-3, "{:?}", lost.stability);
     assert!(lost.residual < 1e-9);
 }

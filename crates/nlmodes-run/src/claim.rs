@@ -5,6 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use nlmodes::modal::EndReason;
 use nlmodes::report::{ReportError, write_summary};
 use serde_json::{Value, json};
 
@@ -196,7 +197,8 @@ fn interrupted(directory: &Path) -> Option<usize> {
         Ok(bytes) => {
             let summary: Value = serde_json::from_slice(&bytes).unwrap_or_default();
             let ends = summary["branches"].as_array().into_iter().flatten().chain([&summary["end"]]);
-            ends.into_iter().any(|end| end["reason"] == "stopped")
+            let mut reasons = ends.into_iter().filter_map(|end| end["reason"].as_str()).flat_map(str::split_whitespace);
+            reasons.any(|reason| reason == EndReason::Stopped.name())
         }
         // A run writes it at its end.
         Err(_) => true,
@@ -255,5 +257,22 @@ fn said(there: &Value, here: &Value) -> String {
     match (short(there), short(here)) {
         (Some(there), Some(here)) => format!("{there} there, {here} here"),
         _ => "differs".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_was_stopped_on_one_of_two_ways_was_interrupted() {
+        let directory = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| fs::write(directory.path().join(name), text).unwrap();
+        put(STEPS, "");
+        put("branch.csv", "point\n0\n1\n");
+        for (reason, points) in [("stopped", Some(2)), ("max-energy stopped", Some(2)), ("max-energy closed", None)] {
+            put("summary.json", &json!({ "end": { "reason": reason } }).to_string());
+            assert_eq!(interrupted(directory.path()), points, "{reason}");
+        }
     }
 }

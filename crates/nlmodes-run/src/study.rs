@@ -15,7 +15,7 @@ mod summary;
 
 use std::time::Instant;
 
-use nlmodes::modal::Participation;
+use nlmodes::modal::{EndReason, Participation};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_matlab};
 use nlmodes::study::{BranchSettings, ComputedBranch, ComputedTree, StudyError, check_study, compute_tree_with_log};
@@ -213,7 +213,7 @@ fn compute(
 /// The way down of a branch that was asked to end before its way up began.
 fn one_way_only(mut first: ComputedBranch) -> ComputedBranch {
     first.branch.end.message += "; the other way was not begun";
-    (first.branch.end.reason, first.branch.end.complete) = ("stopped".to_owned(), false);
+    (first.branch.end.reasons, first.branch.end.complete) = (vec![EndReason::Stopped], false);
     first
 }
 

@@ -1,5 +1,6 @@
 //! A study that was checked.
 
+use nlmodes::modal::Event;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
@@ -107,7 +108,7 @@ pub enum Place {
     /// At the point with the smallest value.
     Min,
     /// At the first point with this event.
-    Event(String),
+    Event(Event),
 }
 
 /// What is wanted of each case.

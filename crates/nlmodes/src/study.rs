@@ -33,7 +33,7 @@ pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
 pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
 pub use equal::PointBetween;
 pub use error::StudyError;
-pub use events::event_name;
+pub use events::event_of;
 pub use histories::Histories;
 pub use left::LeftMode;
 pub use periodic::PeriodicError;

@@ -10,7 +10,7 @@ use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, S
 use nlmodes::hbm::{
     CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
 };
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::study::{
     Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch, compute_tree,
@@ -98,14 +98,14 @@ fn assert_changes(branch: &ComputedBranch, accuracy: f64) {
     assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
     assert!(reached.changes > 0 && reached.harmonics[0] < reached.harmonics[1], "{reached:?}");
     assert_eq!(reached.points_beyond, 0, "{reached:?}");
-    let changes: Vec<usize> = (1..points.len()).filter(|&k| points[k].has_event("harmonics")).collect();
+    let changes: Vec<usize> = (1..points.len()).filter(|&k| points[k].has_event(Event::Harmonics)).collect();
     assert!(!changes.is_empty());
     for k in changes {
         let (before, after) = (&points[k - 1], &points[k]);
         assert_ne!(before.coefficients.n_harmonics(), after.coefficients.n_harmonics());
         assert!((after.kinetic_energy / before.kinetic_energy - 1.0).abs() < 1e-9, "point {k}");
         assert!((after.omega / before.omega - 1.0).abs() < 2.0 * accuracy, "point {k}");
-        assert!(!after.has_event("harmonics-unproven"), "point {k}");
+        assert!(!after.has_event(Event::HarmonicsUnproven), "point {k}");
     }
 }
 
@@ -125,11 +125,11 @@ fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     let accuracy = Some(Accuracy { error: asked, max_harmonics: 20 });
     let branch = compute(&model, &BranchSettings { accuracy, ..settings(asked, 6.0) });
     let (points, reached) = (&branch.branch.points, branch.accuracy.unwrap());
-    assert_eq!(branch.branch.end.reason, "max-energy", "{}", branch.branch.end.message);
+    assert_eq!(branch.branch.end.reasons, [EndReason::MaxEnergy], "{}", branch.branch.end.message);
     // Every point has its estimate, but for those that have no tangent.
-    let singular = |k: usize| points[k].has_event("kink") || points[k].has_event("branch-point");
+    let singular = |k: usize| points[k].has_event(Event::Kink) || points[k].has_event(Event::BranchPoint);
     assert!((0..points.len()).all(|k| points[k].error_estimate.is_some() || singular(k)));
-    assert!(points.iter().any(|p| p.has_event("accuracy-limit")));
+    assert!(points.iter().any(|p| p.has_event(Event::AccuracyLimit)));
     // The stretches that are named have all points beyond the accuracy, and no others.
     let stretches = branch.beyond_accuracy();
     let named = |k: usize| stretches.iter().any(|s| (s.points[0]..=s.points[1]).contains(&k));
@@ -159,7 +159,7 @@ fn points_are_not_taken_back_for_ever() {
     let wanted = BranchSettings { frequency_hz: Some([39.0, 55.0]), ..settings(3e-3, 6.0) };
     let tree = compute_tree(massless_beam(), &wanted, watched).unwrap();
     let end = &tree.branches[0].branch.end;
-    assert_eq!(end.reason, "max-energy", "{}", end.message);
+    assert_eq!(end.reasons, [EndReason::MaxEnergy], "{}", end.message);
     // None is kept where the branch begins again with more held modes.
     for run in tops.split(|(_, kept)| *kept == 0) {
         let again = run.windows(2).filter(|pair| pair[1].0 <= pair[0].0).count();
@@ -242,8 +242,8 @@ fn few_held_modes_carry_a_rod_of_2000_elements() {
 fn too_few_harmonics_are_said_and_do_not_end_the_branch() {
     let wanted = BranchSettings { accuracy: Some(Accuracy { error: 1e-8, max_harmonics: 6 }), ..settings(1e-8, 5.0) };
     let branch = compute(&rod(2), &wanted);
-    assert_eq!(branch.branch.end.reason, "max-energy");
-    assert!(branch.branch.points.iter().any(|p| p.has_event("accuracy-limit")));
+    assert_eq!(branch.branch.end.reasons, [EndReason::MaxEnergy]);
+    assert!(branch.branch.points.iter().any(|p| p.has_event(Event::AccuracyLimit)));
     let reached = branch.accuracy.unwrap();
     assert!(reached.points_beyond > 10 && reached.largest_estimate > 1e-8 && reached.harmonics[1] == 6, "{reached:?}");
 }

@@ -1,5 +1,6 @@
 //! The cantilever of Section 4 by conventional harmonic balance, and beside MS-HBM as in Section 5.2.
 
+use nlmodes::modal::EndReason;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -34,7 +35,7 @@ fn ms_hbm(stiffness: Option<f64>) -> MasslessContactModel {
 fn study(model: MasslessContactModel, max_energy_ratio: f64) -> ComputedBranch {
     let settings = BranchSettings { max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
     let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(computed.branch.end.reason, "max-energy", "{:?}", computed.branch.end);
+    assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{:?}", computed.branch.end);
     assert!(computed.branch.points.iter().all(|p| p.residual < 1e-10));
     computed
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes::hbm::{Switching, Symmetry};
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{MasslessContactModel, Side};
 use nlmodes::study::{
     BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
@@ -68,12 +68,12 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
     for b in &tree.branches[1..] {
         let origin = b.origin.unwrap();
         let tip = &tree.branches[origin.branch].branch.points[origin.point];
-        assert!(origin.branch == 0 && tip.has_event("branch-point"));
+        assert!(origin.branch == 0 && tip.has_event(Event::BranchPoint));
         let (frequency, energy) = place(b, tip);
         assert!((frequency - third).abs() < 1e-6 && (energy - 9.0005).abs() < 1e-3, "{frequency} {energy}");
     }
     let (below, above) = {
-        let falls = |b: &ComputedBranch| b.branch.end.reason == "min-energy";
+        let falls = |b: &ComputedBranch| b.branch.end.has(EndReason::MinEnergy);
         if falls(&tree.branches[1]) {
             (&tree.branches[1], &tree.branches[2])
         } else {
@@ -85,7 +85,7 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
         assert!((point.harmonic_share(3) - 1.0).abs() < 1e-9);
     }
     // Above it hits the stop three times a period, with the scaled backbone of a single impact a period.
-    assert_eq!(above.branch.end.reason, "max-energy");
+    assert_eq!(above.branch.end.reasons, [EndReason::MaxEnergy]);
     let with_contact = above.branch.points.iter().filter(|p| p.contact_fraction > 1e-3);
     assert!(with_contact.clone().count() > 5 && with_contact.clone().all(|p| p.contact_intervals == 3));
     assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
@@ -97,8 +97,8 @@ fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod()
     let [a, b, c] = [13, 14, 15].map(|harmonics| {
         let settings = BranchSettings { harmonics, max_energy_ratio: Some(15.0), ..BranchSettings::default() };
         let computed = compute_branch(support::rod(20, MassMatrix::Consistent), &settings, go_on_alone).unwrap();
-        assert_eq!(computed.branch.end.reason, "max-energy", "{harmonics}: {}", computed.branch.end.message);
-        let mut events: Vec<String> = computed.branch.points.iter().flat_map(|p| p.events.clone()).collect();
+        assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{harmonics}: {}", computed.branch.end.message);
+        let mut events: Vec<Event> = computed.branch.points.iter().flat_map(|p| p.events.clone()).collect();
         events.sort_unstable();
         (events, place(&computed, last(&computed)).0)
     });
@@ -112,10 +112,10 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
     let [even, any] = [Symmetry::Even, Symmetry::None]
         .map(|symmetry| compute_branch(rod(), &BranchSettings { symmetry, ..settings(3) }, go_on_alone).unwrap());
     for computed in [&even, &any] {
-        assert_eq!(computed.branch.end.reason, "frequency-window", "{}", computed.branch.end.message);
+        assert_eq!(computed.branch.end.reasons, [EndReason::FrequencyWindow], "{}", computed.branch.end.message);
         assert_eq!(computed.tongues().len(), 1);
         // The phase brings no crossings of its own, at grazing or elsewhere.
-        assert!(computed.branch.points.iter().all(|p| !p.has_event("kink")));
+        assert!(computed.branch.points.iter().all(|p| !p.has_event(Event::Kink)));
     }
     // Up to the tip, where more arms meet, it costs little more.
     let [even_up, any_up] = [Symmetry::Even, Symmetry::None].map(|symmetry| {
@@ -124,11 +124,11 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
         computed.evaluations as f64 / computed.branch.points.len() as f64
     });
     assert!(any_up < 3.0 * even_up, "{any_up} instead of {even_up} evaluations a point");
-    let events = |computed: &ComputedBranch, name: &str| {
-        let named = computed.branch.points.iter().filter(|p| p.has_event(name));
+    let events = |computed: &ComputedBranch, event: Event| {
+        let named = computed.branch.points.iter().filter(|p| p.has_event(event));
         named.map(|p| place(computed, p)).collect::<Vec<_>>()
     };
-    for name in ["branch-point", "fold", "frequency-fold", "contact-change"] {
+    for name in [Event::BranchPoint, Event::Fold, Event::FrequencyFold, Event::ContactChange] {
         let (a, b) = (events(&even, name), events(&any, name));
         assert_eq!(a.len(), b.len(), "{name}: {a:?} {b:?}");
         for ((f, e), (g, d)) in a.into_iter().zip(b) {
@@ -143,7 +143,7 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
 fn a_branch_that_switches_leaves_the_loop_onto_the_second_mode() {
     let settings = BranchSettings { at_branch_point: BranchPointRule::Switch, ..settings(3) };
     let computed = compute_branch(rod(), &settings, |_| ControlFlow::Continue(())).unwrap();
-    assert_eq!(computed.branch.end.reason, "max-energy");
+    assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy]);
     assert!(last(&computed).harmonic_share(3) > 0.999);
     let tongues = computed.tongues();
     assert_eq!(tongues.len(), 1);
@@ -202,7 +202,7 @@ fn beyond_its_tongues_the_backbone_of_the_beam_changes_little_up_to_20_harmonics
         .unwrap();
     let many = compute_branch(massless_beam(), &beam_settings(20, ResonanceRule::Skip), |_| ControlFlow::Continue(()))
         .unwrap();
-    assert_eq!(many.branch.end.reason, "frequency-window", "{}", many.branch.end.message);
+    assert_eq!(many.branch.end.reasons, [EndReason::FrequencyWindow], "{}", many.branch.end.message);
     assert!(many.tongues().iter().all(|t| t.skipped));
     assert!(many.tongues().iter().any(|t| t.resonance.to_string() == "6:mode 2"));
     let energy_at = |branch: &ComputedBranch, hz: f64| {
@@ -225,7 +225,7 @@ fn a_branch_starts_at_an_energy() {
         let tree = compute_tree(rod(), &own, go_on).unwrap();
         let computed = &tree.branches[0];
         let first = &computed.branch.points[0];
-        assert!((place(computed, first).1 - 2.0).abs() < 1e-9 && first.has_event("start"));
+        assert!((place(computed, first).1 - 2.0).abs() < 1e-9 && first.has_event(Event::Start));
         let energies: Vec<f64> = computed.branch.points.iter().map(|p| place(computed, p).1).collect();
         if upward {
             assert!(energies.windows(2).all(|w| w[1] > w[0]) && (energies[energies.len() - 1] - end).abs() < 12.0);
@@ -245,14 +245,14 @@ fn a_sampled_branch_that_leaves_its_mode_says_so() {
     let (hz, energy) = place(&computed, &computed.branch.points[left.point]);
     assert!((hz - 182.37496593 / 3.0).abs() < 1e-5 && (energy / 9.0005 - 1.0).abs() < 1e-3, "{hz} {energy}");
     assert_eq!((left.harmonic, left.mode, left.at_branch_point), (3, Some(2), false));
-    assert_eq!(computed.branch.points.iter().filter(|p| p.has_event("other-mode")).count(), 1);
+    assert_eq!(computed.branch.points.iter().filter(|p| p.has_event(Event::OtherMode)).count(), 1);
     let end = &computed.branch.end;
-    assert!(!end.complete && end.reason == "other-mode" && end.message.contains("mode 2"), "{}", end.message);
+    assert!(!end.complete && end.has(EndReason::OtherMode) && end.message.contains("mode 2"), "{}", end.message);
     // With 384 samples the three touches are alike, as with exact switching.
     for settings in [settings(3), switching(384)] {
         let computed = compute_branch(rod(), &settings, go_on_alone).unwrap();
         assert_eq!(computed.left_mode(), None);
-        assert!(computed.branch.points.iter().all(|p| !p.has_event("other-mode")));
+        assert!(computed.branch.points.iter().all(|p| !p.has_event(Event::OtherMode)));
         assert!(computed.branch.end.complete, "{}", computed.branch.end.message);
     }
     // Where the arm is asked for it is no failure.
@@ -285,10 +285,10 @@ fn sampled_branches_of_either_method_come_back_or_say_that_they_left() {
             let sampled = BranchSettings { switching: Switching::Sampled { samples }, ..settings(3) };
             let computed = compute_branch(model(), &sampled, go_on_alone).unwrap();
             let end = &computed.branch.end;
-            let case = format!("{samples} samples: {} {}", end.reason, end.message);
+            let case = format!("{samples} samples: {} {}", end.names(), end.message);
             let [(hz, energy), (exact_hz, exact_energy)] = [&computed, &exact].map(|c| place(c, last(c)));
             let returns = (hz / exact_hz - 1.0).abs() < 1e-2 && (energy / exact_energy - 1.0).abs() < 0.2;
-            let says_so = end.reason == "other-mode" && computed.left_mode().is_some();
+            let says_so = end.has(EndReason::OtherMode) && computed.left_mode().is_some();
             assert_eq!(end.complete, returns, "{case}: {hz} Hz {energy}, exact {exact_hz} Hz {exact_energy}");
             assert!(returns || (says_so && !end.complete), "{case}");
         }
@@ -329,7 +329,7 @@ fn a_study_ends_at_the_next_evaluation_wherever_it_is() {
             assert_eq!(late.load(Ordering::Relaxed), 1);
             match computed {
                 Ok(computed) => {
-                    assert_eq!(computed.branch.end.reason, "stopped", "{}", computed.branch.end.message);
+                    assert_eq!(computed.branch.end.reasons, [EndReason::Stopped], "{}", computed.branch.end.message);
                     assert!(seen > 0 && !computed.branch.points.is_empty());
                 }
                 Err(error) => assert!(matches!(error, StudyError::Ended(_)) && seen == 0, "{error}, {seen} points"),

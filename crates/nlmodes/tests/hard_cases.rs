@@ -1,5 +1,6 @@
 //! Cases at the limits of numbers that are quick; all of them: `cargo run --example hard_cases` in `benchmarks`.
 
+use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
@@ -66,7 +67,7 @@ fn try_follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> Resu
 /// The branch to `ratio` times the energy of its start, which it reaches, with nothing pulling or penetrating.
 fn follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> ComputedBranch {
     let computed = try_follow(model, ratio, harmonics).unwrap();
-    assert_eq!(computed.branch.end.reason, "max-energy", "{}", computed.branch.end.message);
+    assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{}", computed.branch.end.message);
     let mut problem = computed.problem(0).unwrap();
     for (point, x) in computed.branch.points.iter().zip(&computed.unknowns) {
         assert!(point.residual <= 1e-10, "{:e}", point.residual);
@@ -96,7 +97,7 @@ fn before_a_stop_that_touches_the_frequency_is_that_of_two_half_periods_at_every
         for point in &computed.branch.points {
             assert!((point.omega / (2.0 * stiff / (1.0 + stiff)) - 1.0).abs() < 1e-9, "{k_c}: {}", point.omega);
         }
-        assert_eq!(computed.branch.points[0].events, ["start"]);
+        assert_eq!(computed.branch.points[0].events, [Event::Start]);
         // Nothing else gives an energy: that of the start is 1 J, up to the residual that counts as none.
         assert!((computed.branch.points[0].kinetic_energy - 1.0).abs() < 1e-10);
     }
@@ -128,7 +129,7 @@ fn the_branch_of_a_gap_leads_to_that_without_as_the_energy_grows() {
 fn a_stop_that_touches_beside_one_with_a_gap_starts_below_the_other() {
     let computed = follow(rod(20, &[(1.0, Side::Positive, 0.0), (0.5, Side::Negative, 1e-3)]), 20.0, 3);
     let points = &computed.branch.points;
-    let change = points.iter().position(|p| p.events.iter().any(|e| e == "contact-change")).unwrap();
+    let change = points.iter().position(|p| p.has_event(Event::ContactChange)).unwrap();
     // Until the other stop is met, nothing but the amplitude changes.
     assert!(change > 1 && points[..change].iter().all(|p| (p.omega / points[0].omega - 1.0).abs() < 1e-10));
     assert!(last_hz(&computed) > points[0].omega / TAU * 1.01);

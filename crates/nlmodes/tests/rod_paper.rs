@@ -2,6 +2,7 @@
 
 mod support;
 
+use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -69,10 +70,10 @@ fn one_harmonic_leads_from_grazing_to_three_times_its_energy() {
     let (f, energy) = grazing_of(1);
     assert!((hz(&computed, 0) / f - 1.0).abs() < 1e-11);
     assert!((computed.branch.points[0].kinetic_energy / energy - 1.0).abs() < 1e-9);
-    assert_eq!(computed.branch.points[0].events, ["grazing"]);
+    assert_eq!(computed.branch.points[0].events, [Event::Grazing]);
     // Own computation in Python: dense matrices, quadrature by Gauss, Newton's method.
     assert!((hz(&computed, last(&computed)) - 70.336_945_574_391).abs() < 1e-8);
-    assert_eq!(computed.branch.end.reason, "max-energy");
+    assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy]);
 }
 
 #[test]
@@ -101,8 +102,7 @@ fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_
     let computed = study(3, Some(20.0), Some([50.0, 66.5]));
     let points = &computed.branch.points;
     let (first, second) = (grazing_of(1), grazing_of(2));
-    let crossing: Vec<usize> =
-        (0..points.len()).filter(|&i| points[i].events.iter().any(|e| e == "branch-point")).collect();
+    let crossing: Vec<usize> = (0..points.len()).filter(|&i| points[i].has_event(Event::BranchPoint)).collect();
     assert_eq!(crossing.len(), 1, "{crossing:?}");
     let at = &points[crossing[0]];
     // Four arms meet where the third harmonic alone is the second mode, just touching: f = f_2/3, E = E_g of mode 2.
@@ -122,7 +122,7 @@ fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_
     let least = after.iter().map(|p| p.kinetic_energy / first.1).fold(f64::INFINITY, f64::min);
     assert!(least < 0.95 && least > 0.8, "{least}");
     // It ends at the limit asked for, to rounding.
-    assert_eq!(computed.branch.end.reason, "frequency-window");
+    assert_eq!(computed.branch.end.reasons, [EndReason::FrequencyWindow]);
     assert!((hz(&computed, last(&computed)) - 66.5).abs() < 1e-10, "{}", hz(&computed, last(&computed)));
 }
 
@@ -130,7 +130,7 @@ fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_
 fn a_branch_ends_on_the_energy_asked_for() {
     for ratio in [1.5, 8.0, 12.0] {
         let computed = study(3, Some(ratio), None);
-        assert_eq!(computed.branch.end.reason, "max-energy");
+        assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy]);
         let found = computed.branch.points[last(&computed)].kinetic_energy / computed.grazing.energy;
         assert!((found / ratio - 1.0).abs() < 1e-9, "{found} against {ratio}");
     }

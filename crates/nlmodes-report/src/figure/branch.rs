@@ -4,7 +4,7 @@ use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Inset, Key, LegendEntry, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
-use nlmodes_modal::{ModalBranch, ModalPoint, Tongue, tongues};
+use nlmodes_modal::{Event, ModalBranch, ModalPoint, Tongue, tongues};
 use std::f64::consts::TAU;
 
 /// Over what the frequency of a nonlinear mode is drawn.
@@ -108,7 +108,7 @@ impl<'a> BranchFigure<'a> {
         let mut symbols = Vec::new();
         let mut events = EventSymbols::default();
         for (point, event) in points().flat_map(|point| point.events.iter().map(move |event| (point, event))) {
-            let (shape, fill) = events.of(event);
+            let (shape, fill) = events.of(*event);
             let class = format!("inset-event {event}");
             symbols.push(Symbol { class, at: self.place(point), shape, fill, is_open: true, name: None });
         }
@@ -152,7 +152,7 @@ impl<'a> BranchFigure<'a> {
     fn grazing_start<'p>(&self, branch: &'p ModalBranch) -> Option<&'p ModalPoint> {
         let mut visible = branch.points.iter().filter(|point| self.is_visible(point));
         let ends = [visible.clone().next(), visible.next_back()];
-        ends.into_iter().flatten().find(|point| point.events.iter().any(|event| event == "grazing"))
+        ends.into_iter().flatten().find(|point| point.has_event(Event::Grazing))
     }
 
     fn linear_modes(&self, start: f64) -> Vec<Curve> {
@@ -194,7 +194,7 @@ impl<'a> BranchFigure<'a> {
     /// A dashed line for each tongue that was left out, from foot to foot.
     fn skipped(&self) -> impl Iterator<Item = Curve> {
         self.branches.iter().enumerate().flat_map(move |(index, branch)| {
-            let feet = branch.points.windows(2).filter(|pair| pair[1].has_event(ModalPoint::RESUMED));
+            let feet = branch.points.windows(2).filter(|pair| pair[1].has_event(Event::Resumed));
             feet.map(move |pair| Curve {
                 class: "skipped-tongue",
                 points: pair.iter().map(|point| self.place(point)).collect(),
@@ -243,7 +243,7 @@ impl<'a> BranchFigure<'a> {
         let pairs = points.flat_map(|point| point.events.iter().map(move |event| (point, event)));
         let mut found: Vec<(usize, Symbol)> = pairs
             .map(|(point, event)| {
-                let (shape, fill) = events.of(event);
+                let (shape, fill) = events.of(*event);
                 let symbol = Symbol {
                     class: format!("event {event}"),
                     at: self.place(point),
@@ -252,7 +252,7 @@ impl<'a> BranchFigure<'a> {
                     is_open: true,
                     name: None,
                 };
-                (EventSymbols::layer(event), symbol)
+                (EventSymbols::layer(*event), symbol)
             })
             .collect();
         found.sort_by_key(|(layer, _)| *layer);
@@ -339,7 +339,7 @@ fn pieces(points: &[ModalPoint]) -> impl Iterator<Item = (&[ModalPoint], State)>
     let (mut found, mut start) = (Vec::new(), 0);
     for (i, pair) in points.windows(2).enumerate() {
         let end = i + 1;
-        if pair[1].has_event(ModalPoint::RESUMED) {
+        if pair[1].has_event(Event::Resumed) {
             found.push((&points[start..end], state(&points[start])));
             start = end;
         } else if state(&pair[0]) != state(&pair[1]) {

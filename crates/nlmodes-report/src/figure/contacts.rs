@@ -6,7 +6,7 @@ use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
 use crate::palette;
 use crate::svg::Stroke;
 use crate::unit::Unit;
-use nlmodes_modal::{ContactPeriod, ModalBranch, ModalPoint};
+use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
 /// Most stops that are told apart by colour.
 const MAX_STOPS: usize = 8;
@@ -90,7 +90,7 @@ impl<'a> ContactFigure<'a> {
         let scale = Scale::linear(values().map(|value| value * unit.per_si), 0.08).ok_or_else(nothing)?;
         let mut curves = Vec::new();
         for (place, stop) in shown.iter().enumerate() {
-            let goes_on = |_: &ModalPoint, next: &ModalPoint| !next.has_event(ModalPoint::RESUMED);
+            let goes_on = |_: &ModalPoint, next: &ModalPoint| !next.has_event(Event::Resumed);
             curves.extend(points.chunk_by(goes_on).map(|piece| Curve {
                 class: "contact",
                 points: piece.iter().map(|p| (p.omega / TAU, value(p, *stop) * unit.per_si)).collect(),

@@ -3,7 +3,7 @@ use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
 use crate::palette;
 use crate::svg::Stroke;
-use nlmodes_modal::{ModalBranch, ModalPoint, Participation};
+use nlmodes_modal::{Event, ModalBranch, ModalPoint, Participation};
 
 /// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: a panel for each mode from 0 to 1, several branches in each.
 ///
@@ -61,7 +61,7 @@ impl<'a> ParticipationFigure<'a> {
         for (index, (branch, participation)) in self.branches.iter().enumerate() {
             let pairs: Vec<(&ModalPoint, &Participation)> = branch.points.iter().zip(*participation).collect();
             let resumed = |_: &(&ModalPoint, &Participation), next: &(&ModalPoint, &Participation)| {
-                !next.0.has_event(ModalPoint::RESUMED)
+                !next.0.has_event(Event::Resumed)
             };
             curves.extend(pairs.chunk_by(resumed).map(|piece| Curve {
                 class: "participation",

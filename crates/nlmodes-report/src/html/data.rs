@@ -7,7 +7,7 @@ use super::number::rounded;
 use crate::StopLine;
 use crate::figure::EventSymbols;
 use crate::palette;
-use nlmodes_modal::{ContactPeriod, ModalBranch, ModalPoint, tongues};
+use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint, tongues};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -81,7 +81,7 @@ struct BranchData {
     residual: Vec<f64>,
     /// Share of each harmonic in the averaged kinetic energy.
     shares: Vec<Vec<f64>>,
-    events: BTreeMap<usize, Vec<String>>,
+    events: BTreeMap<usize, Vec<&'static str>>,
     resonance: BTreeMap<usize, String>,
     /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point where it is known.
     unstable: Vec<usize>,
@@ -101,11 +101,11 @@ impl Data {
     pub fn new(report: &HtmlReport<'_>) -> Self {
         let mut symbols = EventSymbols::default();
         for event in report.branches.iter().flat_map(|branch| &branch.points).flat_map(|point| &point.events) {
-            symbols.of(event);
+            symbols.of(*event);
         }
-        let symbol = |(name, shape, fill): (&str, crate::chart::Shape, _)| EventSymbol {
-            name: name.into(),
-            layer: EventSymbols::layer(name),
+        let symbol = |(event, shape, fill): (Event, crate::chart::Shape, _)| EventSymbol {
+            name: event.name().into(),
+            layer: EventSymbols::layer(event),
             shape: shape.name(),
             fill,
         };
@@ -135,7 +135,7 @@ impl BranchData {
         };
         let with_events = points.iter().enumerate().filter(|(_, point)| !point.events.is_empty());
         let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
-        let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(ModalPoint::RESUMED));
+        let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(Event::Resumed));
         let tongues = tongues(points).into_iter();
         let n_stops = points.iter().map(|point| point.contacts.len()).min().unwrap_or(0);
         let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
@@ -155,7 +155,9 @@ impl BranchData {
             stops: (0..n_stops).map(|stop| StopColumns::new(points, stop)).collect(),
             residual: column(3, &|point| point.residual),
             shares: points.iter().map(shares).collect(),
-            events: with_events.map(|(i, point)| (i, point.events.clone())).collect(),
+            events: with_events
+                .map(|(i, point)| (i, point.events.iter().map(|event| event.name()).collect()))
+                .collect(),
             resonance: resonant.collect(),
             unstable: judged().filter(|(_, s)| !s.stable).map(|(i, _)| i).collect(),
             multiplier: judged().map(|(i, s)| (i, rounded(s.magnitude(), 7))).collect(),
@@ -198,5 +200,5 @@ fn shares(point: &ModalPoint) -> Vec<f64> {
 /// The grazing point with which a branch begins or ends.
 fn grazing(branch: &ModalBranch) -> Option<usize> {
     let last = branch.points.len().checked_sub(1)?;
-    [0, last].into_iter().find(|index| branch.points[*index].has_event("grazing"))
+    [0, last].into_iter().find(|index| branch.points[*index].has_event(Event::Grazing))
 }

@@ -4,7 +4,7 @@ use super::HtmlReport;
 use super::number::{hertz, significant};
 use crate::svg::escape;
 use crate::unit::Unit;
-use nlmodes_modal::{ModalBranch, ModalPoint, tongues};
+use nlmodes_modal::{Event, ModalBranch, ModalPoint, tongues};
 
 /// Most branches whose range has a place in the head.
 const MOST_RANGES: usize = 6;
@@ -73,7 +73,7 @@ fn first_and_last(branch: &ModalBranch) -> Option<(&ModalPoint, &ModalPoint, Str
 /// Where the only branch begins and ends.
 fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
     let Some((first, last, change)) = first_and_last(branch) else { return Vec::new() };
-    let start = if first.has_event("grazing") { "where the stop is first touched" } else { "at the first point" };
+    let start = if first.has_event(Event::Grazing) { "where the stop is first touched" } else { "at the first point" };
     vec![
         (format!("{} Hz", hertz(first.omega)), start.into()),
         (format!("{} Hz", hertz(last.omega)), format!("at the last point, {change}")),

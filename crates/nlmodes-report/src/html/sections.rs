@@ -166,7 +166,7 @@ impl HtmlReport<'_> {
         let mut rows = Vec::new();
         for (branch, found) in self.branches.iter().enumerate() {
             for (point, at) in found.points.iter().enumerate().filter(|(_, point)| !point.events.is_empty()) {
-                let name = escape(&at.events.join(", ").replace('-', " "));
+                let name = at.events.iter().map(|event| event.name().replace('-', " ")).collect::<Vec<_>>().join(", ");
                 let cells = [point_cell(branch, point), cell("", &name)].into_iter().chain(quantities(at));
                 rows.push(self.branch_cells(branch).into_iter().chain(cells).collect());
             }

@@ -1,7 +1,7 @@
 use crate::ReportError;
 use crate::columns::Column;
 use crate::output::{replace_file, temporary_name};
-use nlmodes_modal::{ModalBranch, ModalPoint};
+use nlmodes_modal::{Event, ModalBranch, ModalPoint};
 use std::f64::consts::TAU;
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
@@ -192,7 +192,7 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         point.contact_intervals.to_string(),
         number(point.peak_contact_force),
         number(point.residual),
-        point.events.join(" "),
+        Event::names(&point.events),
         point.resonance.map_or_else(String::new, |resonance| resonance.to_string()),
         point.stability.map_or_else(String::new, |s| s.stable.to_string()),
         point.stability.map_or_else(String::new, |s| number(s.magnitude())),

@@ -8,7 +8,7 @@ use super::mat5::{Value, file};
 use crate::ReportError;
 use crate::columns::Column;
 use crate::output::replace_file;
-use nlmodes_modal::{ContactPeriod, ModalBranch, ModalPoint};
+use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
 /// Most coefficients that are written.
 const MOST_COEFFICIENTS: usize = 1 << 24;
@@ -63,7 +63,7 @@ fn columns(points: &[ModalPoint]) -> Value {
         ("contact_intervals", of(&|p| p.contact_intervals as f64)),
         ("peak_contact_force_n", of(&|p| p.peak_contact_force)),
         ("residual", of(&|p| p.residual)),
-        ("event", Value::Texts(points.iter().map(|p| p.events.join(" ")).collect())),
+        ("event", Value::Texts(points.iter().map(|p| Event::names(&p.events)).collect())),
         ("stable", of(&|p| unknown(p.stability.map(|s| truth(s.stable))))),
         ("largest_multiplier", of(&|p| unknown(p.stability.map(|s| s.magnitude())))),
         ("multiplier_angle_deg", of(&|p| unknown(p.stability.filter(|s| !s.stable).map(|s| s.angle_deg())))),

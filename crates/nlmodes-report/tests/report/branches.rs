@@ -1,5 +1,5 @@
 use crate::{checked, of_class, points, samples, texts};
-use nlmodes_modal::{ModalBranch, Stability};
+use nlmodes_modal::{Event, ModalBranch, Stability};
 use nlmodes_report::{Abscissa, BranchFigure, ReportError};
 
 const BOTH: [Abscissa; 2] = [Abscissa::Energy, Abscissa::ModalAmplitude];
@@ -56,7 +56,7 @@ fn each_event_has_a_symbol_and_linear_mode_ends_at_grazing() {
 fn branch_that_begins_below_grazing_needs_no_line() {
     let mut branch = samples::rod(10, 1);
     branch.points[0].events.clear();
-    branch.points[3].events.push("grazing".into());
+    branch.points[3].events.push(Event::Grazing);
     let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
     assert!(of_class(&checked(&figure), "linear-mode").is_empty());
 }
@@ -146,7 +146,6 @@ fn extreme_values_neither_panic_nor_leave_the_picture_undefined() {
 fn long_names_and_control_characters_stay_within_a_well_formed_picture() {
     let mut branch = samples::rod(3, 1);
     branch.label = "a \u{0} \u{b} \u{ffff} \"quoted\" <label> & ".repeat(20);
-    branch.points[1].events.push("odd \"event\" <&>".into());
     let title = "very long title ".repeat(20);
     let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).title(&title).render().unwrap();
     let document = checked(&figure);

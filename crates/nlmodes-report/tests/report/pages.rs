@@ -1,5 +1,5 @@
 use crate::samples;
-use nlmodes_modal::{ModalBranch, Participation};
+use nlmodes_modal::{Event, ModalBranch, Participation};
 use nlmodes_report::{DataTable, HtmlReport, ReportError};
 use roxmltree::Document;
 
@@ -27,7 +27,6 @@ fn hostile() -> ModalBranch {
     let mut branch = samples::rod(12, 3);
     branch.label = HOSTILE.into();
     branch.end.message = HOSTILE.into();
-    branch.points[3].events.push(HOSTILE.into());
     branch
 }
 
@@ -98,7 +97,7 @@ fn motion_on_the_page_is_that_of_the_branch_to_a_ten_thousandth() {
 #[test]
 fn long_branch_keeps_points_with_events_and_a_sensible_size() {
     let mut branch = samples::rod(3000, 8);
-    branch.points[1234].events.push("fold".into());
+    branch.points[1234].events.push(Event::Fold);
     let page = HtmlReport::new("rod", &[&branch]).mark(0, 1777, "P1").render().unwrap();
     let data = data(&page);
     let moving = data["branches"][0]["motion"]["points"].as_array().unwrap();

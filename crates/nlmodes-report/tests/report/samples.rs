@@ -1,7 +1,7 @@
 //! Motions against a stop in closed form, for tests and for the gallery.
 
 use nlmodes_modal::{
-    BranchEnd, ContactInstant, Coordinate, HarmonicCoefficients, ModalBranch, ModalPoint, TimeHistory,
+    BranchEnd, ContactInstant, Coordinate, Event, HarmonicCoefficients, ModalBranch, ModalPoint, TimeHistory,
 };
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -64,7 +64,7 @@ pub fn rod(n: usize, n_harmonics: usize) -> ModalBranch {
     let amplitude = |k: usize| STOP * (1.0 + 2.0 * (k as f64 / n.max(2) as f64).powi(2));
     let mut points: Vec<ModalPoint> = (0..n).map(|k| point(amplitude(k), &coordinates, n_harmonics)).collect();
     if let Some(first) = points.first_mut() {
-        first.events.push("grazing".into());
+        first.events.push(Event::Grazing);
     }
     branch("exact", coordinates, Some(78), points)
 }
@@ -75,7 +75,7 @@ fn branch(
     contact_coordinate: Option<usize>,
     points: Vec<ModalPoint>,
 ) -> ModalBranch {
-    let end = BranchEnd { reason: "max-points".into(), message: "enough points".into(), complete: true };
+    let end = BranchEnd::given("enough points");
     ModalBranch { label: label.into(), coordinates, contact_coordinate, stop: Some(STOP), points, end }
 }
 
@@ -90,10 +90,11 @@ pub fn looped(n: usize) -> ModalBranch {
         point.omega -= TAU * 2.5 * backwards;
         point.kinetic_energy *= 1.0 + 0.25 * (TAU * 2.0 * (s - 0.36) / 0.3).sin() * bump;
     }
-    let marks = [(36, "fold"), (43, "fold"), (46, "branch-point"), (60, "kink"), (70, "energy-fold")];
+    let marks =
+        [(36, Event::Fold), (43, Event::Fold), (46, Event::BranchPoint), (60, Event::Kink), (70, Event::FrequencyFold)];
     for (percent, event) in marks {
         if let Some(point) = branch.points.get_mut(percent * n / 100) {
-            point.events.push(event.into());
+            point.events.push(event);
         }
     }
     branch

@@ -1,5 +1,5 @@
 use crate::samples;
-use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_modal::{Event, HarmonicCoefficients};
 use nlmodes_report::{BRANCH_COLUMNS, BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
 use npyz::npz::NpzArchive;
 use num_complex::Complex64;
@@ -19,7 +19,7 @@ fn branch_reads_back_bit_for_bit() {
     let mut branch = samples::looped(57);
     branch.points[3].residual = 5e-324;
     branch.points[4].fundamental = -0.0;
-    branch.points[5].events = vec!["fold".into(), "kink".into()];
+    branch.points[5].events = vec![Event::Fold, Event::Kink];
     write_branch(&path, &branch).unwrap();
     let mut table = csv::Reader::from_path(&path).unwrap();
     let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
@@ -41,7 +41,7 @@ fn branch_reads_back_bit_for_bit() {
         }
         assert_eq!(row[0].parse::<usize>().unwrap(), index);
         assert_eq!(row[8].parse::<usize>().unwrap(), point.contact_intervals);
-        assert_eq!(row[11], point.events.join(" "));
+        assert_eq!(row[11], Event::names(&point.events));
     }
     assert_eq!(&rows[5][11], "fold kink");
 }

@@ -8,7 +8,7 @@ use nlmodes_hbm::{ContactMotion, OperatingPoint, PeriodicMotion, PeriodicSystem}
 use num_complex::Complex64;
 
 use super::forced::{curve_over_frequency, over_frequency};
-use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseEvent, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::{CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Amplitudes of the disturbance, over the size of the motion, with which the way onto a doubled branch is tried.
 const OFF: [f64; 4] = [1e-2, 3e-2, 3e-3, 1e-1];
@@ -45,7 +45,7 @@ pub(super) fn doubled_responses(
 /// Whether a multiplier is −1 here.
 fn is_located(point: &ResponsePoint) -> bool {
     let at_minus_one = |s: &crate::Stability| (s.largest + 1.0).norm() < 1e-3;
-    point.events.contains(&ResponseEvent::PeriodDoubling) && point.stability.as_ref().is_some_and(at_minus_one)
+    point.events.contains(&Event::PeriodDoubling) && point.stability.as_ref().is_some_and(at_minus_one)
 }
 
 fn has_arrived(branch: &ResponseCurve, point: &ResponsePoint) -> bool {

@@ -70,7 +70,7 @@ mod tests {
             contact_coordinate: None,
             stop: None,
             points: points.iter().map(point).collect(),
-            end: BranchEnd { reason: String::new(), message: String::new(), complete: true },
+            end: BranchEnd::given(""),
         }
     }
 

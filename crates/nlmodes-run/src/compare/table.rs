@@ -111,7 +111,7 @@ fn record(row: &Row) -> [String; 10] {
         format!("{:e}", run.violation),
         difference,
         of.to_owned(),
-        run.end.reason.clone(),
+        run.end.names(),
         run.end.message.clone(),
     ]
 }

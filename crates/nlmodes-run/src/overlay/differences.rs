@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::io;
 use std::path::Path;
 
-use nlmodes::modal::{ModalBranch, ModalPoint};
+use nlmodes::modal::{Event, ModalBranch, ModalPoint};
 use nlmodes::report::{DataTable, ReportError, write_file};
 
 use super::Laid;
@@ -46,7 +46,7 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
     let by_amplitude = point.modal_amplitude.is_finite();
     let size = |point: &ModalPoint| if by_amplitude { point.modal_amplitude } else { point.kinetic_energy };
     let wanted = size(point);
-    let crossings = own.points.windows(2).filter(|pair| !pair[1].has_event(ModalPoint::RESUMED)).filter_map(|pair| {
+    let crossings = own.points.windows(2).filter(|pair| !pair[1].has_event(Event::Resumed)).filter_map(|pair| {
         let (a, b) = (size(&pair[0]), size(&pair[1]));
         let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
         let within = (a.min(b)..=a.max(b)).contains(&wanted);

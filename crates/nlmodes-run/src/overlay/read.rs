@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use nlmodes::modal::{BranchEnd, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::modal::{BranchEnd, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
 use nlmodes_scene::scene::Overlay;
 use thiserror::Error;
 
@@ -86,7 +86,7 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         contact_coordinate: None,
         stop: None,
         points,
-        end: BranchEnd { reason: "overlay".into(), message, complete: true },
+        end: BranchEnd::given(message),
     };
     Ok(Laid { branch, is_scattered })
 }
@@ -135,7 +135,7 @@ impl Columns {
             contacts: Vec::new(),
             residual: f64::NAN,
             error_estimate: None,
-            events: text(self.event).split_whitespace().map(str::to_owned).collect(),
+            events: text(self.event).split_whitespace().filter_map(Event::from_name).collect(),
         })
     }
 }

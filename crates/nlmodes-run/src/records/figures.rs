@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes::modal::{BranchEnd, Coordinate, ModalBranch, TimeHistory, contact_intervals};
+use nlmodes::modal::{BranchEnd, Coordinate, Event, ModalBranch, TimeHistory, contact_intervals};
 use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::Outcome;
@@ -69,7 +69,7 @@ fn frequency(title: &str, found: &[&RecordExtraction], computed: &[&ModalBranch]
         // Without its event the axis does not go down to the linear mode at amplitude zero.
         let mut close: Vec<ModalBranch> = computed.iter().map(|branch| (*branch).clone()).collect();
         let starts = close.iter_mut().filter_map(|branch| branch.points.first_mut());
-        starts.for_each(|point| point.events.retain(|event| event != "grazing"));
+        starts.for_each(|point| point.events.retain(|event| *event != Event::Grazing));
         let figure = frequency_figure(title, &in_contact, &close.iter().collect::<Vec<_>>())?;
         all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
     }
@@ -86,7 +86,7 @@ pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
         contact_coordinate: None,
         stop: None,
         points: found.iter().filter_map(|found| found.modal_point()).collect(),
-        end: BranchEnd { reason: "records".into(), message: "all records".into(), complete: true },
+        end: BranchEnd::given("all records"),
     })
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::hbm::{ContactMotion, ResponseRow};
-use nlmodes::modal::{BranchEnd, ContactPeriod, HarmonicCoefficients, ModalBranch, ModalPoint, Stability};
+use nlmodes::modal::{BranchEnd, ContactPeriod, EndReason, HarmonicCoefficients, ModalBranch, ModalPoint, Stability};
 use nlmodes::response::{ResponseError, ResponsePoint};
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
@@ -30,14 +30,14 @@ impl<'a> Converter<'a> {
         let subharmonic = scene.responses[computed.response].subharmonic;
         let point = |point: &ResponsePoint| self.point(point, computed.is_forced(), subharmonic);
         let complete = computed.is_complete();
-        let reason = computed.curve.as_ref().map_or("no-start", |curve| curve.end.name()).to_owned();
+        let reason = computed.curve.as_ref().map_or(EndReason::NoStart, |curve| curve.end.reason());
         ModalBranch {
             label: computed.name.clone(),
             coordinates: self.model.coordinates.clone(),
             contact_coordinate: self.model.contact_coordinates.first().copied().flatten(),
             stop: self.model.sides.first().zip(self.model.gaps.first()).map(|(side, gap)| side * gap),
             points: computed.points().iter().map(point).collect(),
-            end: BranchEnd { reason, message: computed.message.clone(), complete },
+            end: BranchEnd::new(reason, computed.message.clone(), complete),
         }
     }
 
@@ -73,7 +73,7 @@ impl<'a> Converter<'a> {
             contacts: motion.contacts.iter().map(|c| period(c, motion.at.omega)).collect(),
             residual: point.residual,
             error_estimate: None,
-            events: point.events.iter().map(|event| event.name().to_owned()).collect(),
+            events: point.events.clone(),
         }
     }
 

@@ -86,7 +86,7 @@ fn curve(computed: &ComputedResponse, first: usize) -> Value {
         "phase_resonances": at_levels.collect::<Vec<Value>>(),
         "points_of_uncertain_stability": unknown,
         "end": {
-            "reason": computed.curve.as_ref().map_or("no-start", |curve| curve.end.name()),
+            "reason": computed.curve.as_ref().map_or("no-start", |curve| curve.end.reason().name()),
             "message": computed.message,
             "complete": computed.is_complete(),
         },

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{EndReason, ModalPoint};
 use nlmodes::model::MasslessContactModel;
 use nlmodes::report::ReportError;
 use nlmodes::study::{BranchProgress, BranchSettings, BranchStart, compute_tree_with_log};
@@ -119,7 +119,7 @@ impl Interrupted {
             };
             let tree = compute_tree_with_log(self.model.clone(), &settings, log, observe);
             let tree = tree.map_err(|error| chain(&error))?;
-            ended = tree.branches.iter().any(|computed| computed.branch.end.reason == "stopped");
+            ended = tree.branches.iter().any(|computed| computed.branch.end.has(EndReason::Stopped));
         }
         Ok(())
     }

@@ -128,7 +128,7 @@ impl Branch {
             label: branch.label.clone(),
             directory: part.folder.clone(),
             points: branch.points.len(),
-            reason: branch.end.reason.clone(),
+            reason: branch.end.names(),
             message: branch.end.message.clone(),
             complete: branch.end.complete,
         }

@@ -30,7 +30,7 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<AccuracyUsed>,
     points: usize,
-    events: Vec<EventAt<'a>>,
+    events: Vec<EventAt>,
     internal_resonances: Vec<Resonance>,
     stability: Stability,
     end: End<'a>,
@@ -119,9 +119,9 @@ impl AccuracyUsed {
 }
 
 #[derive(Serialize)]
-struct EventAt<'a> {
+struct EventAt {
     point: usize,
-    event: &'a str,
+    event: &'static str,
     frequency_hz: f64,
     energy_j: f64,
     energy_over_grazing: f64,
@@ -164,7 +164,7 @@ impl Stability {
 
 #[derive(Serialize)]
 struct End<'a> {
-    reason: &'a str,
+    reason: String,
     message: &'a str,
     complete: bool,
 }
@@ -213,7 +213,7 @@ impl<'a> OtherBranch<'a> {
             from_branch: origin.map(|o| o.branch),
             from_point: origin.map(|o| o.point),
             points: branch.points.len(),
-            reason: branch.end.reason.clone(),
+            reason: branch.end.names(),
             message: branch.end.message.clone(),
             complete: branch.end.complete,
             largest_residual: largest_residual(computed),
@@ -258,7 +258,7 @@ pub fn write(
     let events = points.iter().enumerate().flat_map(|(i, point)| {
         point.events.iter().map(move |event| EventAt {
             point: i,
-            event,
+            event: event.name(),
             frequency_hz: point.omega / TAU,
             energy_j: point.kinetic_energy,
             energy_over_grazing: point.kinetic_energy / computed.grazing.energy,
@@ -285,7 +285,7 @@ pub fn write(
         events: events.collect(),
         internal_resonances: resonances(computed),
         stability: Stability::new(computed),
-        end: End { reason: &end.reason, message: &end.message, complete: end.complete },
+        end: End { reason: end.names(), message: &end.message, complete: end.complete },
         largest_residual: largest_residual(computed),
         certificate: certificates.first(),
         evaluations: computed.evaluations,

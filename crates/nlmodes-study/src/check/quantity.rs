@@ -1,5 +1,6 @@
 //! What is wanted of each case.
 
+use nlmodes::modal::Event;
 use nlmodes::report::BRANCH_COLUMNS;
 use nlmodes_scene::{Findings, Problem, nearest};
 use serde_json::Value;
@@ -9,19 +10,6 @@ use crate::raw::RawQuantity;
 use crate::study::{Place, Quantity};
 
 const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or the name of an event";
-/// Names of events that runs are known to have; others may come.
-const EVENTS: [&str; 9] = [
-    "grazing",
-    "start",
-    "fold",
-    "frequency-fold",
-    "branch-point",
-    "kink",
-    "contact-change",
-    "stability-change",
-    "other-mode",
-];
-
 /// The quantities of all tables.
 pub fn quantities(raw: &[RawQuantity], findings: &mut Findings<'_>) -> Vec<Quantity> {
     raw.iter().enumerate().filter_map(|(k, raw)| quantity(raw, k, findings)).collect()
@@ -85,13 +73,15 @@ fn named(text: &str, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
         "last" => return Some(Place::Last),
         "max" => return Some(Place::Max),
         "min" => return Some(Place::Min),
-        event if EVENTS.contains(&event) => return Some(Place::Event(event.to_owned())),
         _ => {}
     }
+    if let Some(event) = Event::from_name(text) {
+        return Some(Place::Event(event));
+    }
     let problem = Problem::error(format!("`{path}` cannot be \"{text}\""));
-    let problem = match nearest(text, EVENTS.into_iter().chain(["first", "last", "max", "min"])) {
+    let problem = match nearest(text, Event::ALL.map(Event::name).into_iter().chain(["first", "last", "max", "min"])) {
         Some(known) => problem.help(format!("did you mean \"{known}\"?")),
-        None => problem.help(format!("events: {}", EVENTS.join(", "))),
+        None => problem.help(format!("events: {}", Event::ALL.map(Event::name).join(", "))),
     };
     findings.put(path, problem, EXPECTED);
     None

@@ -1,9 +1,11 @@
 //! Values between the points of a branch.
 
+use nlmodes::modal::Event;
+
 use super::Curve;
 
 /// Events at which a branch has a corner: no smooth curve goes through them.
-const CORNERS: [&str; 4] = ["kink", "branch-point", "contact-change", "grazing"];
+const CORNERS: [Event; 4] = [Event::Kink, Event::BranchPoint, Event::ContactChange, Event::Grazing];
 
 /// A value between points, with what a curve of lower order makes of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +55,7 @@ fn interpolate(curve: &Curve, x: &[f64], y: &[f64], target: f64, before: usize) 
 
 /// First and last of up to four points around the interval behind `before`, none beyond a corner.
 fn smooth_range(curve: &Curve, before: usize) -> (usize, usize) {
-    let is_corner = |point: usize| curve.events()[point].iter().any(|event| CORNERS.contains(&event.as_str()));
+    let is_corner = |point: usize| curve.events()[point].iter().any(|event| CORNERS.contains(event));
     let from = if before > 0 && !is_corner(before) { before - 1 } else { before };
     let to = if before + 2 < curve.len() && !is_corner(before + 1) { before + 2 } else { before + 1 };
     (from, to)

@@ -1,5 +1,6 @@
 //! A branch as `branch.csv` and `summary.json` have it.
 
+use nlmodes::modal::Event;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -47,8 +48,8 @@ pub struct Curve {
     names: Vec<String>,
     /// Each column; empty cells are not numbers.
     columns: Vec<Vec<f64>>,
-    /// Names of the events of each point.
-    events: Vec<Vec<String>>,
+    /// The events of each point.
+    events: Vec<Vec<Event>>,
 }
 
 impl Curve {
@@ -79,7 +80,7 @@ impl Curve {
                 column.push(cell.parse().unwrap_or(f64::NAN));
             }
             let events = event.and_then(|k| row.get(k)).unwrap_or_default();
-            curve.events.push(events.split_whitespace().map(str::to_owned).collect());
+            curve.events.push(events.split_whitespace().filter_map(Event::from_name).collect());
         }
         let energy = curve.column(ENERGY).ok_or_else(|| format!("there is no column {ENERGY}"))?;
         let ratio = energy.iter().map(|energy| energy / grazing_energy).collect();
@@ -104,8 +105,8 @@ impl Curve {
         self.columns.get(k).map(Vec::as_slice)
     }
 
-    /// Names of the events of each point.
-    pub fn events(&self) -> &[Vec<String>] {
+    /// The events of each point.
+    pub fn events(&self) -> &[Vec<Event>] {
         &self.events
     }
 }

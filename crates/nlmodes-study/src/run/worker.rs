@@ -1,5 +1,6 @@
 //! One case, from its scene to its record.
 
+use nlmodes::modal::EndReason;
 use std::any::Any;
 use std::error::Error;
 use std::fs;
@@ -126,7 +127,7 @@ fn is_of_disk(error: &(dyn Error + 'static)) -> bool {
 
 fn was_stopped(outcome: &RunOutcome) -> bool {
     let ends = || outcome.parts.iter().flat_map(|part| &part.tree.branches).map(|computed| &computed.branch.end);
-    outcome.is_cut_off || ends().any(|end| end.reason == "stopped")
+    outcome.is_cut_off || ends().any(|end| end.has(EndReason::Stopped))
 }
 
 /// Whether the branches ended where they were meant to, and why.
@@ -140,7 +141,7 @@ fn judged(outcome: RunOutcome) -> Result<(Status, String), RunError> {
         for computed in &part.tree.branches {
             is_complete &= computed.branch.end.complete;
             let end = &computed.branch.end;
-            reasons.push(if end.complete { end.reason.clone() } else { end.message.clone() });
+            reasons.push(if end.complete { end.names() } else { end.message.clone() });
         }
     }
     reasons.dedup();

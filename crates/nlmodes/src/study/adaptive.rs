@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, BranchPoint, EventKind, ParametricSystem, StopReason};
 use nlmodes_hbm::{RealSeries, TruncationError};
+use nlmodes_modal::Event;
 
 use self::carry::{LIKE, Place, same_way};
 use super::StudyError;
@@ -14,18 +15,6 @@ use super::prepare::continuation;
 use super::stability::length;
 use super::start::Seed;
 use super::trace::{First, Found, Shown, Tracer, Viewer};
-
-/// Event of the first point with another number of harmonics; it lies where the one before it lies.
-pub(super) const HARMONICS: &str = "harmonics";
-
-/// Event of a point with another number of harmonics of which it could not be shown that the branch is the same.
-pub(super) const UNPROVEN: &str = "harmonics-unproven";
-
-/// Event of the first point from which on the most harmonics do not reach the accuracy.
-pub(super) const LIMIT: &str = "accuracy-limit";
-
-/// Event of the point from which on more harmonics do not help: the branch goes on with those that it has.
-pub(super) const IN_VAIN: &str = "harmonics-no-help";
 
 /// Points that are gone back where none is found.
 const BACK: [usize; 4] = [1, 3, 6, 10];
@@ -47,9 +36,9 @@ struct Stretch {
     base_is_shown: bool,
     /// Whether its error is as small as was asked for: then the branch with more harmonics is near.
     base_is_accurate: bool,
-    waiting: Vec<(BranchPoint, Option<TruncationError>, Vec<String>)>,
+    waiting: Vec<(BranchPoint, Option<TruncationError>, Vec<Event>)>,
     /// Events of the first point of the next run.
-    first: Vec<String>,
+    first: Vec<Event>,
     /// Points without events that were shown with this accuracy, each with the number of points shown by then.
     passed: Vec<Passed>,
     /// Most points that were shown when some were taken back. Only a branch that has come further is taken back again, or there would be
@@ -84,7 +73,7 @@ struct Trial {
     base: (BranchPoint, RealSeries),
     base_is_shown: bool,
     base_is_accurate: bool,
-    first: Vec<String>,
+    first: Vec<Event>,
     known: bool,
     taken_back: Option<(Found, Vec<Passed>)>,
 }
@@ -125,14 +114,14 @@ impl Tracer<'_> {
             waiting: Vec::new(),
             passed: Vec::new(),
             furthest: 0,
-            first: if let First::Named(name) = first { vec![name.to_owned()] } else { Vec::new() },
+            first: if let First::Named(event) = first { vec![event] } else { Vec::new() },
             known: matches!(first, First::Known),
             at_limit: false,
             tried_from: None,
             in_vain: false,
             changes: Vec::new(),
             back: 0,
-            from_grazing: matches!(first, First::Named("grazing")),
+            from_grazing: matches!(first, First::Named(Event::Grazing)),
         };
         let mut from = seed.clone();
         self.set_harmonics(from.harmonics)?;
@@ -282,8 +271,8 @@ impl Tracer<'_> {
             if std::mem::take(&mut is_first) {
                 names.clone_from(&stretch.first);
                 let proven = stretch.base_is_accurate && same_way(&point.tangent, &from.direction);
-                if names.iter().any(|n| n == HARMONICS) && !proven {
-                    names.push(UNPROVEN.to_owned());
+                if names.contains(&Event::Harmonics) && !proven {
+                    names.push(Event::HarmonicsUnproven);
                 }
             }
             let Some(error) = error.filter(|_| point.events.is_empty()) else {
@@ -313,10 +302,10 @@ impl Tracer<'_> {
                 }
                 Decision::Limit => {
                     if !std::mem::replace(&mut stretch.at_limit, true) {
-                        names.push(LIMIT.to_owned());
+                        names.push(Event::AccuracyLimit);
                     }
                     if std::mem::take(&mut stretch.in_vain) {
-                        names.push(IN_VAIN.to_owned());
+                        names.push(Event::HarmonicsNoHelp);
                     }
                 }
                 Decision::Keep | Decision::Fewer(_) => stretch.at_limit = false,
@@ -383,7 +372,7 @@ impl Tracer<'_> {
                 }
                 found.changes += 1;
                 (stretch.base, stretch.base_is_shown, stretch.base_is_accurate) = (Some((base, series)), true, true);
-                (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+                (stretch.first, stretch.known) = (vec![Event::Harmonics], false);
                 return Ok(Some(seed));
             }
         }
@@ -429,7 +418,7 @@ impl Stretch {
 /// The beginning at the base with another number of harmonics, which counts as a change where the base is shown.
 fn taken_over(control: &mut Control, stretch: &mut Stretch, found: &mut Found, seed: Seed) -> Seed {
     if stretch.base_is_shown {
-        (stretch.first, stretch.known) = (vec![HARMONICS.to_owned()], false);
+        (stretch.first, stretch.known) = (vec![Event::Harmonics], false);
         found.changes += 1;
     }
     control.changed(seed.harmonics);

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
-use nlmodes_modal::{BranchEnd, Coordinate, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
+use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
@@ -97,7 +97,7 @@ impl ComputedBranch {
         (self.branch.points, self.unknowns) = (points, unknowns);
         let (first, last) = (other.branch.end, &self.branch.end);
         self.branch.end = BranchEnd {
-            reason: format!("{} {}", first.reason, last.reason),
+            reasons: [first.reasons.as_slice(), &last.reasons].concat(),
             message: format!("one way, {}; the other way, {}", first.message, last.message),
             complete: first.complete && last.complete,
         };
@@ -244,27 +244,35 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
     let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
     let (reason, message, complete) = match stop {
         StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
-            ("max-energy", format!("the energy reached {:.6} times that at {reference}", value.exp()), true)
+            (EndReason::MaxEnergy, format!("the energy reached {:.6} times that at {reference}", value.exp()), true)
         }
         StopReason::Bound { coordinate, value } if *coordinate == dim => {
-            ("min-energy", format!("the energy fell to {:.1e} of that at {reference}", value.exp()), true)
+            (EndReason::MinEnergy, format!("the energy fell to {:.1e} of that at {reference}", value.exp()), true)
         }
         StopReason::Bound { coordinate, value } if *coordinate == frequency => {
-            ("frequency-window", format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
+            (EndReason::FrequencyWindow, format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
         }
-        StopReason::Bound { coordinate, value } => ("bound", format!("unknown {coordinate} reached {value}"), true),
-        StopReason::Closed => ("closed", "the branch came back to where it began".to_owned(), true),
-        StopReason::Joined => {
-            ("joined", "it came to a branch point from which its way on had been followed already".to_owned(), true)
+        StopReason::Bound { coordinate, value } => {
+            (EndReason::Bound, format!("unknown {coordinate} reached {value}"), true)
         }
-        StopReason::Stopped if n_points < settings.max_points => ("stopped", "it was asked to stop".to_owned(), false),
+        StopReason::Closed => (EndReason::Closed, "the branch came back to where it began".to_owned(), true),
+        StopReason::Joined => (
+            EndReason::Joined,
+            "it came to a branch point from which its way on had been followed already".to_owned(),
+            true,
+        ),
+        StopReason::Stopped if n_points < settings.max_points => {
+            (EndReason::Stopped, "it was asked to stop".to_owned(), false)
+        }
         StopReason::Stopped | StopReason::MaxPoints => {
-            ("max-points", format!("the limit of {} points was reached", settings.max_points), false)
+            (EndReason::MaxPoints, format!("the limit of {} points was reached", settings.max_points), false)
         }
-        StopReason::StepTooSmall { step, refusal } => {
-            ("no-step", format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"), false)
-        }
-        _ => ("unknown", format!("{stop:?}"), false),
+        StopReason::StepTooSmall { step, refusal } => (
+            EndReason::NoStep,
+            format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"),
+            false,
+        ),
+        _ => (EndReason::Unknown, format!("{stop:?}"), false),
     };
-    BranchEnd { reason: reason.to_owned(), message, complete }
+    BranchEnd::new(reason, message, complete)
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nlmodes_continuation::{RunLog, TreeBranch};
 use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
-use nlmodes_modal::{BranchEnd, ModalPoint};
+use nlmodes_modal::{BranchEnd, Event, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
 use super::accuracy::first_harmonics;
@@ -110,7 +110,7 @@ fn with_modes(
     let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
     let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
-    let start_event = if from_grazing { "grazing" } else { "start" };
+    let start_event = if from_grazing { Event::Grazing } else { Event::Start };
     settings.watch.begins(Doing::Branch)?;
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
@@ -183,7 +183,7 @@ struct Traced {
 fn one(
     tracer: &mut Tracer,
     seed: &Seed,
-    start_event: &str,
+    start_event: Event,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<Traced, StudyError> {
     let (mut count, limit) = (0, tracer.settings.max_points);
@@ -208,7 +208,7 @@ fn one(
 fn all(
     tracer: &mut Tracer,
     seed: &Seed,
-    start_event: &str,
+    start_event: Event,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<(Vec<Traced>, usize), StudyError> {
     let (mut count, limit) = (0, tracer.settings.max_points);

@@ -1,7 +1,7 @@
 //! Points of a branch that have the modal amplitude of another's, to compare their motions.
 
 use nlmodes_hbm::RealSeries;
-use nlmodes_modal::{ModalPoint, TimeHistory};
+use nlmodes_modal::{Event, ModalPoint, TimeHistory};
 
 use super::prepare::periodic;
 use super::start::one_point;
@@ -31,9 +31,8 @@ impl ComputedBranch {
     pub fn at_amplitude(&self, amplitude: f64, near: f64) -> Result<Option<PointBetween>, StudyError> {
         let points = &self.branch.points;
         let off = |k: usize| points[k].modal_amplitude / amplitude - 1.0;
-        let brackets = (1..points.len()).filter(|&k| {
-            off(k - 1) * off(k) <= 0.0 && off(k - 1) != off(k) && !points[k].has_event(ModalPoint::RESUMED)
-        });
+        let brackets = (1..points.len())
+            .filter(|&k| off(k - 1) * off(k) <= 0.0 && off(k - 1) != off(k) && !points[k].has_event(Event::Resumed));
         let distance = |k: usize| (0.5 * (points[k - 1].omega + points[k].omega) - near).abs();
         match brackets.min_by(|&a, &b| distance(a).total_cmp(&distance(b))) {
             Some(k) => self.between(k - 1, amplitude, [off(k - 1), off(k)]),

@@ -3,13 +3,10 @@
 use std::f64::consts::TAU;
 
 use nlmodes_hbm::Switching;
-use nlmodes_modal::{BranchEnd, ModalPoint};
+use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint};
 
 use super::BranchPointRule;
 use super::branch::ComputedBranch;
-
-/// Event of the first point of which it is sure that the branch has gone over to another nonlinear mode.
-pub(super) const OTHER_MODE: &str = "other-mode";
 
 /// Relative distance in energy from a corner within which nothing is said: there the motions on all of its arms are alike.
 const NEAR: f64 = 0.01;
@@ -57,7 +54,7 @@ impl Departure {
 }
 
 fn is_corner(point: &ModalPoint) -> bool {
-    point.has_event("kink") || point.has_event("branch-point")
+    point.has_event(Event::Kink) || point.has_event(Event::BranchPoint)
 }
 
 /// The harmonic whose multiples move alone at a point, seen from a corner with this energy.
@@ -75,11 +72,11 @@ impl ComputedBranch {
     /// Where the branch left its nonlinear mode for good, if it did.
     pub fn left_mode(&self) -> Option<LeftMode> {
         let points = &self.branch.points;
-        let sure = points.iter().rposition(|point| point.has_event(OTHER_MODE))?;
+        let sure = points.iter().rposition(|point| point.has_event(Event::OtherMode))?;
         let point = points[..sure].iter().rposition(is_corner)?;
         let harmonic = is_alone(points.last()?, points[point].kinetic_energy)?;
         let resonance = points[point..].iter().filter_map(|p| p.resonance).find(|found| found.harmonic == harmonic);
-        let at_branch_point = points[point].has_event("branch-point");
+        let at_branch_point = points[point].has_event(Event::BranchPoint);
         Some(LeftMode { point, at_branch_point, harmonic, mode: resonance.map(|found| found.mode) })
     }
 
@@ -94,7 +91,7 @@ impl ComputedBranch {
             }
             _ => String::new(),
         };
-        let BranchEnd { reason, message, complete } = &mut self.branch.end;
+        let BranchEnd { reasons, message, complete } = &mut self.branch.end;
         *message += &format!(
             ", but not on the nonlinear mode {own}: at point {point} ({hz:.4} Hz, {energy:.4} grazing energies) the branch left it for {other}, \
              {harmonic} periods of which fill one here{advice}",
@@ -107,7 +104,7 @@ impl ComputedBranch {
         let chosen = left.at_branch_point || self.settings.at_branch_point != BranchPointRule::Stay;
         let sampled = matches!(self.settings.switching, Switching::Sampled { .. });
         if *complete && !chosen && sampled {
-            (*reason, *complete) = (OTHER_MODE.to_owned(), false);
+            (*reasons, *complete) = (vec![EndReason::OtherMode], false);
         }
     }
 }
@@ -118,7 +115,7 @@ mod tests {
     use nlmodes_modal::HarmonicCoefficients;
 
     /// A point whose third harmonic has all of the energy but this share, `away` from an energy of `unit`.
-    fn point(away: f64, others: f64, unit: f64, event: Option<&str>) -> ModalPoint {
+    fn point(away: f64, others: f64, unit: f64, event: Option<Event>) -> ModalPoint {
         let energy = unit * (1.0 + away);
         ModalPoint {
             omega: 1.0,
@@ -137,14 +134,14 @@ mod tests {
             contacts: Vec::new(),
             residual: 0.0,
             error_estimate: None,
-            events: event.into_iter().map(str::to_owned).collect(),
+            events: event.into_iter().collect(),
         }
     }
 
     #[test]
     fn the_other_side_of_a_tongue_is_no_departure_and_the_mode_itself_is_one_in_any_unit() {
         for unit in [1.0, 1e-9, 1e9] {
-            for event in ["kink", "branch-point"] {
+            for event in [Event::Kink, Event::BranchPoint] {
                 let (mut back, mut on) = (Departure::default(), Departure::default());
                 assert!(!back.is_seen(&point(0.0, 0.0, unit, Some(event))));
                 assert!(!on.is_seen(&point(0.0, 0.0, unit, Some(event))));

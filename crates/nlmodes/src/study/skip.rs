@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, StopReason};
-use nlmodes_modal::{BranchEnd, InternalResonance, ModalPoint};
+use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint};
 
 use super::branch::branch_end;
 use super::start::{Seed, Target, heading, refined};
@@ -31,7 +31,7 @@ const FURTHEST: f64 = 0.2;
 pub(super) fn follow(
     tracer: &mut Tracer,
     mut seed: Seed,
-    start_event: &str,
+    start_event: Event,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<(Found, BranchEnd), StudyError> {
     let upward = heading(tracer, &seed)?;
@@ -77,7 +77,7 @@ pub(super) fn follow(
             return Ok((all, lost(resonance, "it begins on the tongue")));
         };
         all.truncate(foot + 1);
-        mark(&mut all.points[foot], resonance, ModalPoint::TONGUE_FOOT);
+        mark(&mut all.points[foot], resonance, Event::TongueFoot);
         let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: foot });
         let marked = BranchProgress::Found { branch: 0, point: &all.points[foot] };
         if withdrawn.is_break() || observe(marked).is_break() {
@@ -172,7 +172,7 @@ fn back_to_foot(
     let (mut found, _) = tracer.trace(&back, Some(bound), First::Plain, |shown| {
         let Shown::Point(point) = shown else { return ControlFlow::Continue(()) };
         resonant = point.resonance.is_some();
-        let turned = point.events.iter().any(|e| e == "frequency-fold");
+        let turned = point.has_event(Event::FrequencyFold);
         if resonant || turned { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     if resonant {
@@ -185,7 +185,7 @@ fn back_to_foot(
         return Ok(None);
     }
     found.truncate(foot + 1);
-    mark(&mut found.points[foot], resonance, ModalPoint::RESUMED);
+    mark(&mut found.points[foot], resonance, Event::Resumed);
     found.reverse();
     Ok(Some(found))
 }
@@ -201,23 +201,17 @@ fn foot(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Op
     (0..=last).max_by(|&i, &j| (sense * points[i].omega).total_cmp(&(sense * points[j].omega)))
 }
 
-fn mark(point: &mut ModalPoint, resonance: InternalResonance, event: &str) {
-    point.events.push(event.to_owned());
+fn mark(point: &mut ModalPoint, resonance: InternalResonance, event: Event) {
+    point.events.push(event);
     point.resonance = Some(resonance);
 }
 
 fn window(resonance: InternalResonance) -> BranchEnd {
-    BranchEnd {
-        reason: "frequency-window".to_owned(),
-        message: format!("the frequency window ends within the tongue {resonance}, which is skipped"),
-        complete: true,
-    }
+    let message = format!("the frequency window ends within the tongue {resonance}, which is skipped");
+    BranchEnd::new(EndReason::FrequencyWindow, message, true)
 }
 
 fn lost(resonance: InternalResonance, why: &str) -> BranchEnd {
-    BranchEnd {
-        reason: "tongue".to_owned(),
-        message: format!("the branch reached the foot of the tongue {resonance}, and {why}"),
-        complete: false,
-    }
+    let message = format!("the branch reached the foot of the tongue {resonance}, and {why}");
+    BranchEnd::new(EndReason::Tongue, message, false)
 }

@@ -6,11 +6,11 @@ use nlmodes_continuation::{
     Bound, Branch, BranchPoint, BranchTree, Continuation, ParametricSystem, RunLog, StopReason,
 };
 use nlmodes_hbm::{CondensedStructure, Grazing, TruncationError, TruncationEstimator};
-use nlmodes_modal::ModalPoint;
+use nlmodes_modal::{Event, ModalPoint};
 
 use super::accuracy::Control;
-use super::events::event_name;
-use super::left::{Departure, OTHER_MODE};
+use super::events::event_of;
+use super::left::Departure;
 use super::periodic::Periodic;
 use super::prepare::{continuation, estimator, periodic};
 use super::resonances::Resonances;
@@ -100,9 +100,9 @@ pub(super) enum Shown<'p> {
 }
 
 /// The beginning of a run.
-pub(super) enum First<'n> {
+pub(super) enum First {
     /// Its first point has this event.
-    Named(&'n str),
+    Named(Event),
     /// Its first point is known already and is not found again.
     Known,
     /// Nothing happens there.
@@ -193,7 +193,7 @@ impl<'s> Tracer<'s> {
     pub fn trace_tree(
         &mut self,
         seed: &Seed,
-        start_event: &str,
+        start_event: Event,
         mut each: impl FnMut(usize, &ModalPoint) -> ControlFlow<()>,
     ) -> Result<(Vec<Found>, BranchTree), StudyError> {
         let method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
@@ -248,7 +248,7 @@ pub(super) struct Found {
     pub largest_held_modes_error: f64,
     /// Points kept when each point of the continuation had been seen.
     seen: Vec<usize>,
-    start_event: Option<String>,
+    start_event: Option<Event>,
     /// Where the branch leaves its nonlinear mode.
     departure: Departure,
     /// The solution kept last, with its parameter.
@@ -260,7 +260,7 @@ pub(super) struct Found {
 
 impl Found {
     pub(super) fn new(first: &First) -> Self {
-        let start_event = if let First::Named(name) = first { Some((*name).to_owned()) } else { None };
+        let start_event = if let First::Named(event) = first { Some(*event) } else { None };
         Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
     }
 
@@ -312,18 +312,18 @@ impl Found {
         &mut self,
         viewer: &mut Viewer,
         point: &BranchPoint,
-        names: Vec<String>,
+        names: Vec<Event>,
         error: Option<TruncationError>,
     ) -> Option<()> {
         let mut modal = viewer.see(&point.x, point.residual)?;
-        modal.events = names.into_iter().chain(point.events.iter().map(|e| event_name(*e).to_owned())).collect();
+        modal.events = names.into_iter().chain(point.events.iter().map(|e| event_of(*e))).collect();
         modal.error_estimate = error.map(|e| e.frequency);
         self.largest_held_modes_error = error.map_or(0.0, |e| e.held_modes).max(self.largest_held_modes_error);
         if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
             self.push(change, x);
         }
         if self.departure.is_seen(&modal) {
-            modal.events.push(OTHER_MODE.to_owned());
+            modal.events.push(Event::OtherMode);
         }
         viewer.probe.accepted(&modal);
         self.last = Some(point.z());
@@ -347,7 +347,7 @@ impl Found {
         // A change of the number of harmonics is no way along which to look.
         let from = self.last.as_ref().filter(|last| before != now && last.len() == point.x.len() + 1)?;
         let (x, mut change) = viewer.change(from, &point.z(), now)?;
-        change.events.push(ModalPoint::STABILITY_CHANGE.to_owned());
+        change.events.push(Event::StabilityChange);
         Some((x, change))
     }
 
@@ -371,7 +371,7 @@ impl Found {
         &mut self,
         viewer: &mut Viewer,
         point: &BranchPoint,
-        names: Vec<String>,
+        names: Vec<Event>,
         error: Option<TruncationError>,
     ) -> &[ModalPoint] {
         let before = self.points.len();

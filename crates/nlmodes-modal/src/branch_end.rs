@@ -1,0 +1,104 @@
+use std::fmt;
+
+/// Why a branch ended.
+///
+/// Tables and summaries name reasons by [`EndReason::name`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum EndReason {
+    /// The largest energy that was asked for is reached.
+    MaxEnergy,
+    /// The least energy that was asked for is reached.
+    MinEnergy,
+    /// The frequency left the window that was asked for.
+    FrequencyWindow,
+    /// The largest level that was asked for is reached.
+    Limit,
+    /// Another bound of the unknowns is reached.
+    Bound,
+    /// The branch came back to where it began.
+    Closed,
+    /// The branch came to a point from which its way on is known already.
+    Joined,
+    /// The branch has as many points as were allowed.
+    MaxPoints,
+    /// Somebody asked for the end.
+    Stopped,
+    /// No step could be shown to stay on the branch.
+    NoStep,
+    /// Newton's method found no further point.
+    NoConvergence,
+    /// There was no point to begin with.
+    NoStart,
+    /// The way on behind a tongue of an internal resonance was not found.
+    Tongue,
+    /// The branch had left its nonlinear mode for another.
+    OtherMode,
+    /// These points were measured, read or given: nothing was followed.
+    Given,
+    /// A reason that has no name yet; the message tells it.
+    Unknown,
+}
+
+impl EndReason {
+    /// Its name in tables, in lower case with hyphens.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::MaxEnergy => "max-energy",
+            Self::MinEnergy => "min-energy",
+            Self::FrequencyWindow => "frequency-window",
+            Self::Limit => "limit",
+            Self::Bound => "bound",
+            Self::Closed => "closed",
+            Self::Joined => "joined",
+            Self::MaxPoints => "max-points",
+            Self::Stopped => "stopped",
+            Self::NoStep => "no-step",
+            Self::NoConvergence => "no-convergence",
+            Self::NoStart => "no-start",
+            Self::Tongue => "tongue",
+            Self::OtherMode => "other-mode",
+            Self::Given => "given",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+impl fmt::Display for EndReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Why a branch ended, and whether that is where it was meant to end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchEnd {
+    /// The reason at its last point, behind that at its first point where it was followed both ways.
+    pub reasons: Vec<EndReason>,
+    /// The sentence for a person.
+    pub message: String,
+    /// False if the computation ended before one of the limits that were asked for.
+    pub complete: bool,
+}
+
+impl BranchEnd {
+    /// The end of a branch that was followed one way.
+    pub fn new(reason: EndReason, message: impl Into<String>, complete: bool) -> Self {
+        Self { reasons: vec![reason], message: message.into(), complete }
+    }
+
+    /// The end of points that were measured, read or given, with the sentence that says so.
+    pub fn given(message: impl Into<String>) -> Self {
+        Self::new(EndReason::Given, message, true)
+    }
+
+    /// Whether this is the reason at one of its ends.
+    pub fn has(&self, reason: EndReason) -> bool {
+        self.reasons.contains(&reason)
+    }
+
+    /// Names of the reasons, separated by spaces.
+    pub fn names(&self) -> String {
+        self.reasons.iter().map(|reason| reason.name()).collect::<Vec<_>>().join(" ")
+    }
+}
