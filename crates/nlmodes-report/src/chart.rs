@@ -3,7 +3,10 @@
 mod draw;
 mod inset;
 mod legend;
+mod names;
+mod panel;
 mod scale;
+mod smooth;
 mod symbol;
 mod ticks;
 
@@ -24,6 +27,10 @@ pub(crate) struct Chart {
     /// Height of each panel, pixels.
     pub panel_height: f64,
     pub legend: Vec<LegendEntry>,
+    /// Small letters below the figure.
+    pub note: Option<String>,
+    /// A part of the first panel, drawn larger.
+    pub inset: Option<Inset>,
 }
 
 /// An axis: its label with the unit, and what it spans.
@@ -43,13 +50,34 @@ pub(crate) struct Panel {
     pub verticals: Vec<(f64, Stroke)>,
 }
 
-/// A polyline; it is interrupted where a value is not finite.
+/// A curve; it is interrupted where a value is not finite.
 #[derive(Debug)]
 pub(crate) struct Curve {
     /// What it is, in the `class` attribute: `branch`, `stop`, …
     pub class: &'static str,
     pub points: Vec<(f64, f64)>,
     pub stroke: Stroke,
+    form: Form,
+}
+
+/// How a curve goes from point to point.
+#[derive(Debug)]
+enum Form {
+    Straight,
+    /// By cubic pieces, with corners at the points with these indices.
+    Smooth(Vec<usize>),
+}
+
+impl Curve {
+    /// Straight from point to point.
+    pub fn new(class: &'static str, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
+        Self { class, points, stroke, form: Form::Straight }
+    }
+
+    /// Smooth between its points, but for `corners`, the indices of points at which it may turn.
+    pub fn smooth(self, corners: Vec<usize>) -> Self {
+        Self { form: Form::Smooth(corners), ..self }
+    }
 }
 
 /// A symbol at a point, with a short name beside it where it has one.
@@ -61,5 +89,20 @@ pub(crate) struct Symbol {
     pub fill: &'static str,
     /// Whether `fill` is the colour of its outline.
     pub is_open: bool,
-    pub name: Option<String>,
+    pub name: Option<Name>,
+}
+
+/// A name beside a symbol.
+#[derive(Debug)]
+pub(crate) struct Name {
+    pub text: String,
+    /// Whether it is left out where there is no room for it.
+    pub may_go: bool,
+}
+
+impl Name {
+    /// A name that is always there.
+    pub fn fixed(text: impl Into<String>) -> Self {
+        Self { text: text.into(), may_go: false }
+    }
 }

@@ -5,6 +5,7 @@ mod contacts;
 mod convergence;
 mod events;
 mod history;
+mod history_look;
 mod measured;
 mod motion;
 mod participation;
@@ -18,6 +19,7 @@ pub use contacts::ContactFigure;
 pub use convergence::ConvergenceFigure;
 pub(crate) use events::EventSymbols;
 pub use history::HistoryFigure;
+pub(crate) use history_look::HistoryLook;
 pub use measured::MeasuredFigure;
 pub use motion::MotionFigure;
 pub use participation::ParticipationFigure;
@@ -27,21 +29,70 @@ pub use stiffness::StiffnessFigure;
 pub(crate) use stroboscope::stroboscope;
 
 use crate::ReportError;
+use crate::chart::Chart;
 use crate::output::replace_file;
+use crate::style::FigureStyle;
+use crate::surface::Surface;
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A finished figure: a self-contained SVG document on white.
 ///
 /// It has neither `id` attributes nor styles, so several of them may stand in one HTML page.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Figure {
+    drawing: Arc<Drawing>,
     svg: String,
 }
 
+/// Figures are equal when they look equal.
+impl PartialEq for Figure {
+    fn eq(&self, other: &Self) -> bool {
+        self.svg == other.svg
+    }
+}
+
+/// What a figure shows.
+#[derive(Debug)]
+enum Drawing {
+    Chart(Chart),
+    Surface(Surface),
+}
+
+impl Drawing {
+    fn draw(&self, style: &FigureStyle) -> String {
+        match self {
+            Self::Chart(chart) => chart.draw(style),
+            Self::Surface(surface) => surface.draw(style),
+        }
+    }
+}
+
+impl From<Chart> for Figure {
+    fn from(chart: Chart) -> Self {
+        Self::new(Drawing::Chart(chart))
+    }
+}
+
+impl From<Surface> for Figure {
+    fn from(surface: Surface) -> Self {
+        Self::new(Drawing::Surface(surface))
+    }
+}
+
 impl Figure {
-    pub(crate) fn new(svg: String) -> Self {
-        Self { svg }
+    fn new(drawing: Drawing) -> Self {
+        let svg = drawing.draw(&FigureStyle::default());
+        Self { drawing: Arc::new(drawing), svg }
+    }
+
+    /// The same figure in another style.
+    pub fn styled(&self, style: &FigureStyle) -> Self {
+        if *style == FigureStyle::default() {
+            return self.clone();
+        }
+        Self { drawing: Arc::clone(&self.drawing), svg: self.drawing.draw(style) }
     }
 
     /// The document as text.

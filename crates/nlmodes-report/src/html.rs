@@ -18,8 +18,9 @@ pub use table::DataTable;
 
 use crate::ReportError;
 use crate::StopLine;
-use crate::figure::Figure;
+use crate::figure::{Figure, HistoryLook, LineKind};
 use crate::output::replace_file;
+use crate::palette;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
 use serde::Serialize;
 use serde_json::Value;
@@ -55,10 +56,11 @@ pub struct HtmlReport<'a> {
     clamped: Vec<f64>,
     stops: Vec<StopLine>,
     contact_motion: Option<&'a ContactMotion<'a>>,
-    histories: Vec<(String, Vec<&'a TimeHistory>)>,
+    histories: Vec<(String, Vec<&'a TimeHistory>, HistoryLook)>,
     participation: &'a [&'a [Participation]],
     leading: Vec<(String, Figure)>,
     scattered: Vec<usize>,
+    kinds: Vec<LineKind>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
     closing: Vec<DataTable>,
@@ -80,6 +82,7 @@ impl<'a> HtmlReport<'a> {
             participation: &[],
             leading: Vec::new(),
             scattered: Vec::new(),
+            kinds: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),
             closing: Vec::new(),
@@ -126,9 +129,14 @@ impl<'a> HtmlReport<'a> {
     }
 
     /// With time histories over each other, named by their labels; the stop is that of the first.
-    pub fn histories(mut self, name: impl Into<String>, histories: &[&'a TimeHistory]) -> Self {
+    pub fn histories(self, name: impl Into<String>, histories: &[&'a TimeHistory]) -> Self {
+        self.histories_at(name, histories, &[])
+    }
+
+    /// As [`HtmlReport::histories`], at the stops with these numbers, one for each history.
+    pub fn histories_at(mut self, name: impl Into<String>, histories: &[&'a TimeHistory], stops: &[usize]) -> Self {
         if !histories.is_empty() {
-            self.histories.push((name.into(), histories.to_vec()));
+            self.histories.push((name.into(), histories.to_vec(), HistoryLook::at(stops)));
         }
         self
     }
@@ -155,6 +163,18 @@ impl<'a> HtmlReport<'a> {
     pub fn scattered(mut self, branches: &[usize]) -> Self {
         self.scattered = branches.to_vec();
         self
+    }
+
+    /// With branches that are curves of these kinds, in the colours of [`ResponseFigure`](crate::ResponseFigure).
+    pub fn kinds(mut self, kinds: &[LineKind]) -> Self {
+        self.kinds = kinds.to_vec();
+        self
+    }
+
+    /// Colour of the branch with this number.
+    fn color(&self, branch: usize) -> &'static str {
+        let before = || self.kinds.iter().take(branch).filter(|kind| **kind == LineKind::Response).count();
+        self.kinds.get(branch).map_or_else(|| palette::curve(branch), |kind| kind.color(before()))
     }
 
     /// With a figure more, which stands still.

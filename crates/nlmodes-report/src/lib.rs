@@ -89,6 +89,7 @@ mod output;
 mod palette;
 mod stations;
 mod stop;
+mod style;
 mod surface;
 mod svg;
 mod table;
@@ -102,6 +103,7 @@ pub use figure::{
 pub use html::{DataTable, HtmlReport, Page, explore};
 pub use output::write_file;
 pub use stop::StopLine;
+pub use style::FigureStyle;
 pub use table::{
     APPROPRIATION_COLUMNS, BRANCH_COLUMNS, BranchWriter, PointHistories, RESPONSE_COLUMNS, write_branch,
     write_contacts, write_harmonics, write_histories, write_matlab, write_participation, write_starts, write_summary,

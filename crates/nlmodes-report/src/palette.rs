@@ -6,14 +6,15 @@ pub(crate) const INK: &str = "#222222";
 pub(crate) const GRID: &str = "#dddddd";
 /// Grid between the labelled ticks.
 pub(crate) const FINE_GRID: &str = "#f0f0f0";
-/// The stop.
-pub(crate) const STOP: &str = "#0050d0";
 /// Touching begins.
 pub(crate) const TOUCHING: &str = "#d62728";
 /// The body leaves.
 pub(crate) const LEAVING: &str = "#2ca02c";
 
 pub(crate) const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+
+/// Stops, their walls and what happens at them: the muted set of Tol, none of which is a colour of a branch.
+pub(crate) const STOPS: [&str; 7] = ["#332288", "#882255", "#117733", "#999933", "#aa4499", "#44aa99", "#661100"];
 
 const VIRIDIS: [[f64; 3]; 9] = [
     [68.0, 1.0, 84.0],
@@ -30,6 +31,16 @@ const VIRIDIS: [[f64; 3]; 9] = [
 /// Colour of the curve number `index`; the colours repeat after the seventh.
 pub(crate) fn curve(index: usize) -> &'static str {
     CURVES[index % CURVES.len()]
+}
+
+/// Colour of the stop number `index`; the colours repeat after the seventh.
+pub(crate) fn stop(index: usize) -> &'static str {
+    STOPS[index % STOPS.len()]
+}
+
+/// Whether no stop with a lower number has the same colour.
+pub(crate) fn is_first_round(index: usize) -> bool {
+    index < STOPS.len()
 }
 
 /// Viridis from 0 (dark violet) to 1 (yellow).

@@ -30,6 +30,8 @@ pub(crate) struct SurfaceAxis {
 /// A line along time at this position and height.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Line {
+    /// Number of the stop.
+    pub number: usize,
     pub x: f64,
     pub z: f64,
 }

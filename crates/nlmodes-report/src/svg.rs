@@ -64,6 +64,30 @@ impl Svg {
         self.push(&format!(r#"<polyline class="{class}" points="{points}" {join} {stroke}/>"#));
     }
 
+    /// Cubic pieces from point to point, each with its two inner control points.
+    pub fn path(&mut self, class: &str, points: &[(f64, f64)], controls: &[[(f64, f64); 2]], stroke: &Stroke) {
+        let (class, stroke) = (escape(class), stroke.attributes());
+        let Some(first) = points.first() else { return };
+        let mut course = format!("M{}", joined(&[*first]));
+        for ([a, b], end) in controls.iter().zip(&points[1..]) {
+            course.push('C');
+            course.push_str(&joined(&[*a, *b, *end]));
+        }
+        let join = r#"fill="none" stroke-linejoin="round" stroke-linecap="butt""#;
+        self.push(&format!(r#"<path class="{class}" d="{course}" {join} {stroke}/>"#));
+    }
+
+    /// What follows is drawn within this rectangle (left, top, width, height), from whose corner its places count, until [`Svg::end_part`].
+    pub fn begin_part(&mut self, (left, top, width, height): (f64, f64, f64, f64)) {
+        let (x, y, w, h) = (px(left), px(top), px(width), px(height));
+        self.push(&format!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}">"#));
+    }
+
+    /// Ends what [`Svg::begin_part`] began.
+    pub fn end_part(&mut self) {
+        self.push("</svg>");
+    }
+
     pub fn polygon(&mut self, class: &str, points: &[(f64, f64)], fill: &str, stroke: &Stroke) {
         let (class, points, stroke) = (escape(class), joined(points), stroke.attributes());
         self.push(&format!(r#"<polygon class="{class}" points="{points}" fill="{fill}" {stroke}/>"#));
@@ -112,10 +136,14 @@ impl Svg {
         self.body.push('\n');
     }
 
-    /// The whole document.
-    pub fn finish(self) -> String {
+    /// The whole document, so wide in print where that is given.
+    pub fn finish(self, width_mm: Option<f64>) -> String {
         let (width, height, body) = (px(self.width), px(self.height), self.body);
-        let size = format!(r#"width="{width}" height="{height}" viewBox="0 0 {width} {height}""#);
+        let shown = match width_mm {
+            Some(mm) => format!(r#"width="{}mm" height="{}mm""#, px(mm), px(mm * self.height / self.width)),
+            None => format!(r#"width="{width}" height="{height}""#),
+        };
+        let size = format!(r#"{shown} viewBox="0 0 {width} {height}""#);
         let open = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="{FONTS}" fill="black">"#);
         let background = format!(r#"<rect width="{width}" height="{height}" fill="white"/>"#);
         format!("{open}\n{background}\n{body}</svg>\n")

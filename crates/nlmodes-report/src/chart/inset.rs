@@ -1,4 +1,5 @@
-use super::{Axis, Chart, Curve, Symbol};
+use super::panel::draw_curve;
+use super::{Axis, Panel};
 use crate::palette;
 use crate::svg::{Anchor, Stroke, Svg};
 
@@ -16,39 +17,60 @@ const ROOM: (f64, f64) = (52.0, 18.0);
 pub(crate) struct Inset {
     pub x: Axis,
     pub y: Axis,
-    pub curves: Vec<Curve>,
-    pub symbols: Vec<Symbol>,
 }
 
 /// A rectangle: left, top, width, height, pixels.
 pub(super) type Rectangle = (f64, f64, f64, f64);
 
 impl Inset {
-    /// Draws it into the panel that fills `frame`; `taken` are places of the picture that should not be covered.
-    pub(super) fn draw(&self, svg: &mut Svg, frame: Rectangle, taken: &[(f64, f64)], marked: Option<Rectangle>) {
-        let (left, top, width, height) = corner(frame, taken);
+    /// Draws it into the panel that fills `frame` and returns where it is; `taken` are places of the picture that should not be covered, and
+    /// `outside` is where the panel shows a point.
+    pub(super) fn draw(
+        &self,
+        svg: &mut Svg,
+        panel: &Panel,
+        frame: Rectangle,
+        taken: &[(f64, f64)],
+        outside: impl Fn((f64, f64)) -> Option<(f64, f64)>,
+    ) -> Rectangle {
+        let own @ (left, top, width, height) = corner(frame, taken);
         svg.rectangle((left, top), (width, height), "#ffffff", &Stroke::solid("#ffffff", 0.0));
         let inner = (left + ROOM.0, top + 6.0, width - ROOM.0 - 8.0, height - ROOM.1 - 8.0);
-        if let Some((x, y, w, h)) = marked {
+        if let Some((x, y, w, h)) = self.marked(frame, outside) {
             svg.rectangle((x, y), (w, h), "none", &MARK);
         }
+        self.draw_ticks(svg, inner);
+        // A document within the document, which shows nothing outside its frame.
         let place = |(x, y): (f64, f64)| {
             let (u, v) = self.x.scale.place(x).zip(self.y.scale.place(y))?;
-            Some((inner.0 + u * inner.2, inner.1 + (1.0 - v) * inner.3))
+            // Coordinates far outside need no precision, and some viewers have none.
+            Some(((u * inner.2).clamp(-1e5, 1e5), ((1.0 - v) * inner.3).clamp(-1e5, 1e5)))
         };
-        self.draw_ticks(svg, inner);
-        svg.rectangle((inner.0, inner.1), (inner.2, inner.3), "none", &FRAME);
-        for curve in &self.curves {
-            let points: Vec<(f64, f64)> = curve.points.iter().filter_map(|point| place(*point)).collect();
-            if points.len() > 1 {
-                svg.polyline(curve.class, &points, &curve.stroke);
-            }
+        svg.begin_part(inner);
+        for curve in &panel.curves {
+            draw_curve(svg, curve, place, None);
         }
-        for symbol in &self.symbols {
+        for symbol in &panel.symbols {
             if let Some(at) = place(symbol.at) {
                 symbol.draw(svg, at);
             }
         }
+        svg.end_part();
+        svg.rectangle((inner.0, inner.1), (inner.2, inner.3), "none", &FRAME);
+        own
+    }
+
+    /// The rectangle around what the inset shows, within the frame.
+    fn marked(
+        &self,
+        (left, top, width, height): Rectangle,
+        outside: impl Fn((f64, f64)) -> Option<(f64, f64)>,
+    ) -> Option<Rectangle> {
+        let ((x0, x1), (y0, y1)) = (self.x.scale.ends(), self.y.scale.ends());
+        let ((a, b), (c, d)) = outside((x0, y0)).zip(outside((x1, y1)))?;
+        let (a, c) = ((a - 2.0).max(left), (c + 2.0).min(left + width));
+        let (d, b) = ((d - 7.0).max(top), (b + 7.0).min(top + height));
+        Some((a, d, c - a, b - d))
     }
 
     fn draw_ticks(&self, svg: &mut Svg, (left, top, width, height): Rectangle) {
@@ -77,11 +99,4 @@ fn corner((left, top, width, height): Rectangle, taken: &[(f64, f64)]) -> Rectan
     };
     let (x, y) = corners.into_iter().min_by_key(covered).unwrap_or(corners[0]);
     (x, y, w, h)
-}
-
-impl Chart {
-    /// The chart with a part of its first panel drawn larger.
-    pub fn draw_with(&self, inset: &Inset) -> String {
-        self.draw_all(Some(inset))
-    }
 }

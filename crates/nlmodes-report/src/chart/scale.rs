@@ -60,12 +60,14 @@ impl Scale {
         share.is_finite().then_some(share)
     }
 
-    /// Ticks within the ends, about `target` of them with a label.
+    /// Ticks within the ends, about `target` of them with a label, and three at least wherever the doubles between the ends allow it.
     pub fn ticks(self, target: usize) -> Vec<Tick> {
-        match self {
+        let of = |target: usize| match self {
             Self::Linear { low, high } => linear_ticks(low, high, target),
             Self::Logarithmic { low, high } => logarithmic_ticks(low, high, target),
-        }
+        };
+        let labelled = |ticks: &Vec<Tick>| ticks.iter().filter(|tick| tick.label.is_some()).count() >= 3;
+        (target..target + 6).map(of).find(labelled).unwrap_or_else(|| of(target))
     }
 }
 
@@ -94,6 +96,24 @@ mod tests {
             assert!((scale.place(value).unwrap() - 0.5).abs() < 1e-6, "{value}: {scale:?}");
         }
         assert!((Scale::logarithmic([8.0e8], 0.05).unwrap().place(8.0e8).unwrap() - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn every_axis_has_three_labels() {
+        for k in 0..200 {
+            let low = 0.013 * f64::from(k) - 1.0;
+            for width in [1e-3, 0.37, 0.41, 1.9, 5.3] {
+                for scale in [
+                    Scale::Linear { low, high: low + width },
+                    Scale::Logarithmic { low: low.exp(), high: (low + 2.0 * width).exp() },
+                ] {
+                    for target in [2, 3, 7] {
+                        let n = scale.ticks(target).iter().filter(|tick| tick.label.is_some()).count();
+                        assert!((3..=2 * target + 4).contains(&n), "{scale:?}: {n} for {target}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub(crate) enum Shape {
     Diamond,
     Pentagon,
     Star,
+    Plus,
+    Cross,
 }
 
 impl Shape {
@@ -29,6 +31,8 @@ impl Shape {
             Self::Diamond => "diamond",
             Self::Pentagon => "pentagon",
             Self::Star => "star",
+            Self::Plus => "plus",
+            Self::Cross => "cross",
         }
     }
 
@@ -52,6 +56,8 @@ impl Shape {
             Self::Diamond => svg.polygon(class, &corners(at, 4, 6.0, 0.0), fill, &outline),
             Self::Pentagon => svg.polygon(class, &corners(at, 5, 5.4, 0.0), fill, &outline),
             Self::Star => svg.polygon(class, &star(at), fill, &outline),
+            Self::Plus => svg.polygon(class, &plus(at, 0.0), fill, &outline),
+            Self::Cross => svg.polygon(class, &plus(at, 0.5), fill, &outline),
         }
     }
 }
@@ -63,6 +69,14 @@ fn corners(at: (f64, f64), n: usize, radius: f64, turn: f64) -> Vec<(f64, f64)> 
 
 fn star(at: (f64, f64)) -> Vec<(f64, f64)> {
     (0..10).map(|k| on_circle(at, if k % 2 == 0 { 6.6 } else { 2.8 }, TAU * k as f64 / 10.0)).collect()
+}
+
+/// Four arms; `turn` in quarters of a turn.
+fn plus(at: (f64, f64), turn: f64) -> Vec<(f64, f64)> {
+    let arm = [(-0.32, 6.0), (0.32, 6.0), (0.5 * FRAC_PI_2, 2.7)];
+    (0..4)
+        .flat_map(|k| arm.map(|(angle, radius)| on_circle(at, radius, angle + FRAC_PI_2 * (f64::from(k) + turn))))
+        .collect()
 }
 
 /// Point at `angle`, clockwise from above.

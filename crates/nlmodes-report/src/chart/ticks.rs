@@ -1,5 +1,8 @@
 use crate::unit::superscript;
 
+/// A thin space, which stands on both sides of a multiplication sign.
+const THIN: char = '\u{2009}';
+
 /// A mark on an axis; without a label between the labelled ones.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
@@ -43,7 +46,7 @@ fn power_tick(m: u32, n: i32, set: &[u32], every: i32, (low, high): (f64, f64)) 
     let label = match m {
         _ if low >= 0.999e-3 && high < 1e5 => fixed(value, 10f64.powi(n)),
         1 => format!("10{}", superscript(n)),
-        _ => format!("{m}×10{}", superscript(n)),
+        _ => format!("{m}{THIN}×{THIN}10{}", superscript(n)),
     };
     Tick { value, label: (set.contains(&m) && n % every == 0).then_some(label) }
 }
@@ -91,7 +94,7 @@ fn power(value: f64, step: f64, size: f64) -> String {
     if value == 0.0 {
         "0".into()
     } else {
-        format!("{}×10{}", fixed(value / scale, step / scale), superscript(exponent as i32))
+        format!("{}{THIN}×{THIN}10{}", fixed(value / scale, step / scale), superscript(exponent as i32))
     }
 }
 
@@ -121,7 +124,7 @@ mod tests {
 
     #[test]
     fn less_than_a_decade_is_labelled_between() {
-        assert_eq!(labels(&logarithmic_ticks(8e8, 6e9, 6)), ["10⁹", "2×10⁹", "5×10⁹"]);
+        assert_eq!(labels(&logarithmic_ticks(8e8, 6e9, 6)), ["10⁹", "2\u{2009}×\u{2009}10⁹", "5\u{2009}×\u{2009}10⁹"]);
         assert_eq!(labels(&logarithmic_ticks(0.15, 2.5, 6)), ["0.2", "0.5", "1", "2"]);
         assert!(labels(&logarithmic_ticks(8.1e8, 8.6e8, 5)).len() >= 3);
     }
@@ -141,7 +144,7 @@ mod tests {
 
     #[test]
     fn three_digits_are_enough_for_a_title() {
-        assert_eq!(scientific(8.150_553e8), "8.15×10⁸");
+        assert_eq!(scientific(8.150_553e8), "8.15\u{2009}×\u{2009}10⁸");
         assert_eq!(scientific(2.076), "2.08");
         assert_eq!(scientific(0.0), "0");
         assert_eq!(scientific(f64::NAN), "NaN");

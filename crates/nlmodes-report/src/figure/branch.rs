@@ -1,10 +1,16 @@
+mod inset;
+mod pieces;
+
 use super::Figure;
 use super::events::EventSymbols;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Inset, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Name, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
+pub(super) use pieces::corners;
+
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, Tongue, tongues};
+use pieces::{State, branch_stroke, pieces};
 use std::f64::consts::TAU;
 
 /// Over what the frequency of a nonlinear mode is drawn.
@@ -16,13 +22,6 @@ pub enum Abscissa {
     /// Nonlinear modal amplitude, m·√kg, on a linear axis, as in Fig. 8 a.
     ModalAmplitude,
 }
-
-/// Width and height of the name of a tongue, over those of the figure.
-const NAME_SIZE: (f64, f64) = (0.12, 0.035);
-
-/// Share of the height of the figure below which a tongue is a line, and share of its width from which on it is worth a look.
-const FLAT: f64 = 0.04;
-const WIDE: f64 = 0.08;
 
 /// Frequency of nonlinear modes over energy or amplitude: several branches in one figure.
 ///
@@ -73,7 +72,7 @@ impl<'a> BranchFigure<'a> {
         // Dots that only carry names lie below what happens there.
         let mut symbols = self.mark_symbols()?;
         symbols.extend(self.points());
-        symbols.extend(self.tongue_symbols(x, y));
+        symbols.extend(self.tongue_symbols());
         symbols.extend(self.event_symbols(&mut events));
         let lines = self.linear_modes(x.ends().0);
         let legend = self.legend(!lines.is_empty(), &events);
@@ -82,50 +81,8 @@ impl<'a> BranchFigure<'a> {
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
         let x = Axis { label: self.abscissa.label().into(), scale: x };
         let inset = self.inset(x.scale, panel.y.scale);
-        let chart = Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 360.0, legend };
-        Ok(Figure::new(inset.map_or_else(|| chart.draw(), |inset| chart.draw_with(&inset))))
-    }
-
-    /// The widest tongue that is too flat to be seen, drawn larger.
-    fn inset(&self, x: Scale, y: Scale) -> Option<Inset> {
-        let of_branch = |branch: &&'a ModalBranch| {
-            let with_ends = |tongue: Tongue| {
-                let end = tongue.end.unwrap_or(branch.points.len() - 1);
-                &branch.points[tongue.start.saturating_sub(1)..=(end + 1).min(branch.points.len() - 1)]
-            };
-            tongues(&branch.points).into_iter().filter(|tongue| !tongue.skipped).map(with_ends).collect::<Vec<_>>()
-        };
-        let extent = |piece: &[ModalPoint], place: &dyn Fn(&ModalPoint) -> Option<f64>| {
-            let places = piece.iter().filter_map(place);
-            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-            high - low
-        };
-        let width = |piece: &[ModalPoint]| extent(piece, &|point| x.place(self.place(point).0));
-        let height = |piece: &[ModalPoint]| extent(piece, &|point| y.place(self.place(point).1));
-        let flat = self.branches.iter().flat_map(of_branch).filter(|piece| height(piece) < FLAT && width(piece) > WIDE);
-        let shown = flat.max_by(|a, b| width(a).total_cmp(&width(b)))?;
-        let points = || shown.iter().filter(|point| self.is_visible(point));
-        let mut symbols = Vec::new();
-        let mut events = EventSymbols::default();
-        for (point, event) in points().flat_map(|point| point.events.iter().map(move |event| (point, event))) {
-            let (shape, fill) = events.of(*event);
-            let class = format!("inset-event {event}");
-            symbols.push(Symbol { class, at: self.place(point), shape, fill, is_open: true, name: None });
-        }
-        let index = self.branches.iter().position(|branch| branch.points.as_ptr_range().contains(&shown.as_ptr()))?;
-        Some(Inset {
-            x: Axis {
-                label: String::new(),
-                scale: self.abscissa.scale(points().map(|p| self.abscissa.value(p)), None)?,
-            },
-            y: Axis { label: String::new(), scale: Scale::linear(points().map(|p| p.omega / TAU), 0.12)? },
-            curves: vec![Curve {
-                class: "inset",
-                points: points().map(|point| self.place(point)).collect(),
-                stroke: Stroke::solid(palette::curve(index), 1.6),
-            }],
-            symbols,
-        })
+        let (title, panel_height) = (self.title.clone(), 360.0);
+        Ok(Figure::from(Chart { title, x, panels: vec![panel], panel_height, legend, note: None, inset }))
     }
 
     fn place(&self, point: &ModalPoint) -> (f64, f64) {
@@ -159,19 +116,20 @@ impl<'a> BranchFigure<'a> {
         let lines = self.branches.iter().enumerate().filter_map(|(index, branch)| {
             let (x, y) = self.place(self.grazing_start(branch)?);
             let stroke = Stroke::dashed(palette::curve(index), 1.6);
-            Some(Curve { class: "linear-mode", points: vec![(start, y), (x, y)], stroke })
+            Some(Curve::new("linear-mode", vec![(start, y), (x, y)], stroke))
         });
         lines.collect()
     }
 
+    /// The lines of all branches, what lies behind first.
     fn curves(&self) -> impl Iterator<Item = Curve> {
         let branches = self.branches.iter().enumerate().filter(|(index, _)| !self.scattered.contains(index));
-        branches.flat_map(move |(index, branch)| {
-            pieces(&branch.points).map(move |(piece, state)| Curve {
-                class: state.class(),
-                points: piece.iter().map(|point| self.place(point)).collect(),
-                stroke: state.stroke(index),
-            })
+        let all =
+            branches.flat_map(|(index, branch)| pieces(&branch.points).into_iter().map(move |piece| (index, piece)));
+        let (behind, front): (Vec<_>, Vec<_>) = all.partition(|(_, piece)| piece.is_behind);
+        behind.into_iter().chain(front).map(|(index, piece)| {
+            let points = piece.points.iter().map(|point| self.place(point)).collect();
+            Curve::new(piece.state.class(), points, piece.stroke(index)).smooth(corners(piece.points))
         })
     }
 
@@ -195,28 +153,25 @@ impl<'a> BranchFigure<'a> {
     fn skipped(&self) -> impl Iterator<Item = Curve> {
         self.branches.iter().enumerate().flat_map(move |(index, branch)| {
             let feet = branch.points.windows(2).filter(|pair| pair[1].has_event(Event::Resumed));
-            feet.map(move |pair| Curve {
-                class: "skipped-tongue",
-                points: pair.iter().map(|point| self.place(point)).collect(),
-                stroke: Stroke::dashed(palette::curve(index), 1.2),
+            feet.map(move |pair| {
+                let points = pair.iter().map(|point| self.place(point)).collect();
+                Curve::new("skipped-tongue", points, Stroke::dashed(palette::curve(index), 1.2))
             })
         })
     }
 
-    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, and none where it
-    /// would cover another one.
-    fn tongue_symbols(&self, x: Scale, y: Scale) -> Vec<Symbol> {
+    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, for some have no room.
+    fn tongue_symbols(&self) -> Vec<Symbol> {
         let of_branch = |branch: &&ModalBranch| {
             let symbol = |tongue: Tongue| {
                 let point = &branch.points[if tongue.skipped { tongue.start } else { tongue.tip }];
-                let name = Some(tongue.resonance.to_string());
                 Symbol {
                     class: "tongue".into(),
                     at: self.place(point),
                     shape: Shape::Dot,
                     fill: palette::INK,
                     is_open: false,
-                    name,
+                    name: Some(Name { text: tongue.resonance.to_string(), may_go: true }),
                 }
             };
             let shown = tongues(&branch.points).into_iter().filter(|t| self.is_visible(&branch.points[t.tip]));
@@ -224,17 +179,6 @@ impl<'a> BranchFigure<'a> {
         };
         let mut found: Vec<Symbol> = self.branches.iter().flat_map(of_branch).collect();
         found.sort_by(|a, b| b.at.0.total_cmp(&a.at.0));
-        let mut named: Vec<(f64, f64)> = Vec::new();
-        for symbol in &mut found {
-            let at = x.place(symbol.at.0).zip(y.place(symbol.at.1));
-            let free = |(u, v): &(f64, f64)| {
-                named.iter().all(|(a, b)| (u - a).abs() > NAME_SIZE.0 || (v - b).abs() > NAME_SIZE.1)
-            };
-            match at.filter(free) {
-                Some(at) => named.push(at),
-                None => symbol.name = None,
-            }
-        }
         found
     }
 
@@ -263,7 +207,7 @@ impl<'a> BranchFigure<'a> {
         let symbol = |(branch, point, name): &(usize, usize, String)| {
             let found = self.branches.get(*branch).and_then(|branch| branch.points.get(*point));
             let found = found.ok_or_else(|| self.no_such_point(*branch, *point))?;
-            let (at, name) = (self.place(found), Some(name.clone()));
+            let (at, name) = (self.place(found), Some(Name::fixed(name)));
             Ok(Symbol { class: "mark".into(), at, shape: Shape::Dot, fill: palette::INK, is_open: false, name })
         };
         self.marks.iter().map(symbol).collect()
@@ -291,69 +235,6 @@ impl<'a> BranchFigure<'a> {
         let unknown = unknown.then(|| entry(Stroke::solid(palette::INK, 0.9), "stability unknown"));
         branches.chain(linear).chain(unstable).chain(unknown).chain(events.legend()).collect()
     }
-}
-
-/// What is known about the stability of a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    Stable,
-    Unstable,
-    Unknown,
-    /// Of no point of the branch anything is known.
-    NotJudged,
-}
-
-impl State {
-    fn of(point: &ModalPoint) -> Self {
-        match point.stability {
-            Some(stability) if stability.stable => Self::Stable,
-            Some(_) => Self::Unstable,
-            None => Self::Unknown,
-        }
-    }
-
-    fn class(self) -> &'static str {
-        match self {
-            Self::Stable | Self::NotJudged => "branch",
-            Self::Unstable => "branch unstable",
-            Self::Unknown => "branch stability-unknown",
-        }
-    }
-
-    /// Solid where stable, dotted where unstable; thin where unknown beside points that are known.
-    fn stroke(self, index: usize) -> Stroke {
-        match self {
-            Self::Stable | Self::NotJudged => branch_stroke(index),
-            Self::Unstable => Stroke::short_dashed(palette::curve(index), 2.0),
-            Self::Unknown => Stroke::solid(palette::curve(index), 0.9),
-        }
-    }
-}
-
-/// Stretches of a branch of the same stability, without gaps between them but for those that were left out.
-///
-/// The stretch up to a change ends at its point, with which the next one begins.
-fn pieces(points: &[ModalPoint]) -> impl Iterator<Item = (&[ModalPoint], State)> {
-    let judged = points.iter().any(|point| point.stability.is_some());
-    let state = move |point: &ModalPoint| if judged { State::of(point) } else { State::NotJudged };
-    let (mut found, mut start) = (Vec::new(), 0);
-    for (i, pair) in points.windows(2).enumerate() {
-        let end = i + 1;
-        if pair[1].has_event(Event::Resumed) {
-            found.push((&points[start..end], state(&points[start])));
-            start = end;
-        } else if state(&pair[0]) != state(&pair[1]) {
-            // A curve of one state reaches to the point at which the other begins.
-            found.push((&points[start..=end], state(&points[start])));
-            start = end;
-        }
-    }
-    found.extend(points.get(start).map(|first| (&points[start..], state(first))));
-    found.into_iter()
-}
-
-fn branch_stroke(index: usize) -> Stroke {
-    Stroke::solid(palette::curve(index), 2.0)
 }
 
 fn entry(stroke: Stroke, name: &str) -> LegendEntry {

@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use super::Figure;
+use super::branch::corners;
 use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
 use crate::palette;
@@ -8,12 +9,12 @@ use crate::svg::Stroke;
 use crate::unit::Unit;
 use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
-/// Most stops that are told apart by colour.
-const MAX_STOPS: usize = 8;
+/// Most stops in one figure.
+const MAX_STOPS: usize = 10;
 
 /// Share of the period, impulse a period and largest force of each stop over the frequency: a panel each, a curve a stop.
 ///
-/// Of more than eight stops those with the largest impulses are shown.
+/// Of more than ten stops those with the largest impulses are shown.
 #[derive(Debug, Clone)]
 pub struct ContactFigure<'a> {
     branch: &'a ModalBranch,
@@ -60,21 +61,36 @@ impl<'a> ContactFigure<'a> {
         let frequencies = self.branch.points.iter().map(|point| point.omega / TAU);
         let scale = Scale::linear(frequencies, 0.04).filter(|_| !shown.is_empty()).ok_or_else(nothing)?;
         let panels = QUANTITIES.iter().map(|quantity| self.panel(quantity, &shown)).collect::<Result<Vec<_>, _>>()?;
-        let entry = |(place, stop): (usize, &usize)| LegendEntry {
-            key: Key::Line(stroke(place)),
+        let entry = |stop: &usize| LegendEntry {
+            key: Key::Line(stroke(*stop)),
             name: self.names.get(*stop).cloned().unwrap_or_else(|| format!("stop {stop}")),
         };
-        let legend = shown.iter().enumerate().map(entry).collect();
-        let x = Axis { label: "frequency in Hz (* largest force: of short blows it need not converge)".into(), scale };
-        Ok(Figure::new(Chart { title: self.title.clone(), x, panels, panel_height: 150.0, legend }.draw()))
+        let legend = shown.iter().map(entry).collect();
+        let x = Axis { label: "frequency in Hz".into(), scale };
+        let (title, panel_height, note) = (self.title.clone(), 150.0, Some(self.note(shown.len())));
+        Ok(Figure::from(Chart { title, x, panels, panel_height, legend, note, inset: None }))
+    }
+
+    /// What stands below the figure.
+    fn note(&self, shown: usize) -> String {
+        let more = self.n_stops().saturating_sub(shown);
+        let more = if more > 0 {
+            format!("; {more} more stops, with smaller impulses, are in contacts.csv")
+        } else {
+            String::new()
+        };
+        format!("* of short blows the largest force need not converge with harmonics, the impulse does{more}")
+    }
+
+    fn n_stops(&self) -> usize {
+        self.branch.points.iter().map(|point| point.contacts.len()).min().unwrap_or(0)
     }
 
     /// The stops that are shown, ascending.
     fn shown(&self) -> Vec<usize> {
         let points = &self.branch.points;
-        let count = points.iter().map(|point| point.contacts.len()).min().unwrap_or(0);
         let most = |stop: usize| points.iter().map(|point| point.contacts[stop].impulse).fold(0.0, f64::max);
-        let mut order: Vec<usize> = (0..count).collect();
+        let mut order: Vec<usize> = (0..self.n_stops()).collect();
         order.sort_by(|a, b| most(*b).total_cmp(&most(*a)));
         order.truncate(MAX_STOPS);
         order.sort_unstable();
@@ -89,12 +105,11 @@ impl<'a> ContactFigure<'a> {
         let unit = (quantity.unit)(largest);
         let scale = Scale::linear(values().map(|value| value * unit.per_si), 0.08).ok_or_else(nothing)?;
         let mut curves = Vec::new();
-        for (place, stop) in shown.iter().enumerate() {
+        for stop in shown {
             let goes_on = |_: &ModalPoint, next: &ModalPoint| !next.has_event(Event::Resumed);
-            curves.extend(points.chunk_by(goes_on).map(|piece| Curve {
-                class: "contact",
-                points: piece.iter().map(|p| (p.omega / TAU, value(p, *stop) * unit.per_si)).collect(),
-                stroke: stroke(place),
+            curves.extend(points.chunk_by(goes_on).map(|piece| {
+                let points = piece.iter().map(|p| (p.omega / TAU, value(p, *stop) * unit.per_si)).collect();
+                Curve::new("contact", points, stroke(*stop)).smooth(corners(piece))
             }));
         }
         let label =
@@ -103,11 +118,12 @@ impl<'a> ContactFigure<'a> {
     }
 }
 
-/// Line of the stop at this place among those shown.
-fn stroke(place: usize) -> Stroke {
-    match place {
-        7.. => Stroke::dashed(palette::curve(place), 1.8),
-        _ => Stroke::solid(palette::curve(place), 1.8),
+/// Line of the stop with this number.
+fn stroke(stop: usize) -> Stroke {
+    if palette::is_first_round(stop) {
+        Stroke::solid(palette::stop(stop), 1.8)
+    } else {
+        Stroke::dashed(palette::stop(stop), 1.8)
     }
 }
 

@@ -61,8 +61,16 @@ impl<'a> ConvergenceFigure<'a> {
         let x = Axis { label: self.x_label.to_owned(), scale: x };
         let legend = self.strokes().map(|(s, stroke)| LegendEntry { key: Key::Line(stroke), name: s.name.to_owned() });
         let legend = legend.collect();
-        let chart = Chart { title: self.title.to_owned(), x, panels: vec![panel], panel_height: 360.0, legend };
-        Ok(Figure::new(chart.draw()))
+        let chart = Chart {
+            title: self.title.to_owned(),
+            x,
+            panels: vec![panel],
+            panel_height: 360.0,
+            legend,
+            note: None,
+            inset: None,
+        };
+        Ok(Figure::from(chart))
     }
 
     /// The series with their strokes; references are grey and take no colour away.
@@ -78,10 +86,8 @@ impl<'a> ConvergenceFigure<'a> {
     }
 
     fn curves(&self) -> Vec<Curve> {
-        let curve = |(series, stroke): (&Series, Stroke)| Curve {
-            class: if series.is_reference { "reference" } else { "series" },
-            points: series.points.to_vec(),
-            stroke,
+        let curve = |(series, stroke): (&Series, Stroke)| {
+            Curve::new(if series.is_reference { "reference" } else { "series" }, series.points.to_vec(), stroke)
         };
         self.strokes().map(curve).collect()
     }

@@ -4,19 +4,21 @@ use nlmodes_modal::Event;
 
 use crate::chart::{Key, LegendEntry, Shape};
 
-const KNOWN: [(Event, Shape, &str); 7] = [
+const KNOWN: [(Event, Shape, &str); 9] = [
     (Event::Grazing, Shape::Circle, "#222222"),
     (Event::Fold, Shape::Triangle, "#222222"),
-    (Event::BranchPoint, Shape::Square, "#0072b2"),
+    (Event::BranchPoint, Shape::Square, "#222222"),
     (Event::Kink, Shape::Diamond, "#aa3377"),
     (Event::FrequencyFold, Shape::Pentagon, "#222222"),
     (Event::ContactChange, Shape::TriangleDown, "#b87700"),
-    (Event::StabilityChange, Shape::Star, "#d55e00"),
+    (Event::StabilityChange, Shape::Star, "#222222"),
+    (Event::TongueFoot, Shape::Cross, "#222222"),
+    (Event::Resumed, Shape::Plus, "#222222"),
 ];
 /// Events that are drawn above all others, the last one on top.
 const TOPMOST: [Event; 3] = [Event::Grazing, Event::Kink, Event::BranchPoint];
 const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
-const FURTHER_COLORS: [&str; 2] = ["#009e73", "#777777"];
+const FURTHER_COLORS: [&str; 2] = ["#777777", "#b87700"];
 
 /// Events in the order in which they first occur, each with its symbol.
 #[derive(Debug, Default)]
@@ -41,6 +43,34 @@ impl EventSymbols {
         let index = self.n_further;
         self.n_further += 1;
         (FURTHER[index % FURTHER.len()], FURTHER_COLORS[index / FURTHER.len() % FURTHER_COLORS.len()])
+    }
+
+    /// What an event means, in a sentence without its full stop; empty for one without a meaning of its own.
+    pub fn meaning(event: Event) -> &'static str {
+        match event {
+            Event::Grazing => "the motion just touches a stop; below it the mode is the linear one",
+            Event::Start => "the branch was begun here",
+            Event::Fold => "the averaged energy of a mode, or what a response is drawn over, has a maximum or minimum",
+            Event::FrequencyFold => {
+                "the frequency has a maximum or minimum along the branch: it turns from stiffening to softening or back"
+            }
+            Event::BranchPoint => "another branch of periodic motions crosses here",
+            Event::Kink => "the branch turns by an angle, because a contact begins to close or to stay closed",
+            Event::ContactChange => "the number or order of the intervals in which stops are closed changes",
+            Event::StabilityChange => "small disturbances grow on one side and die away on the other",
+            Event::PeriodDoubling => "motions of twice the period begin here",
+            Event::NeimarkSacker => "motions with a second frequency begin here",
+            Event::OtherMode => "the branch has gone over to another mode",
+            Event::Harmonics => "the point before once more, with another number of harmonics",
+            Event::HarmonicsUnproven => {
+                "another number of harmonics, of which it is not shown that the branch is the same"
+            }
+            Event::HarmonicsNoHelp => "more harmonics were tried here and did not help",
+            Event::AccuracyLimit => "from here on the accuracy that was asked for is not reached",
+            Event::TongueFoot => "a tongue of an internal resonance begins here and is left out",
+            Event::Resumed => "the branch goes on here behind a tongue that was left out",
+            _ => "",
+        }
     }
 
     /// Where an event is drawn: what is rarer and says more lies above what may hide it.

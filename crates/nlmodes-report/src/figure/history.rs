@@ -1,4 +1,5 @@
 use super::Figure;
+use super::history_look::HistoryLook;
 use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
 use crate::palette;
@@ -6,18 +7,19 @@ use crate::svg::Stroke;
 use crate::unit::Unit;
 use nlmodes_modal::{ContactInstant, TimeHistory};
 
-const STOP: Stroke = Stroke::solid(palette::STOP, 2.0);
 const TOUCHING: (Shape, &str) = (Shape::Circle, palette::TOUCHING);
 const LEAVING: (Shape, &str) = (Shape::Square, palette::LEAVING);
 const INSTANT: Stroke = Stroke { color: "#999999", width: 0.8, dash: Some("2 3") };
 
 /// Displacement, velocity and contact force over time, as in Fig. 9: a panel each, several histories in each.
 ///
-/// The stops are blue lines; touching is marked red, leaving green, with different symbols. Of several histories each has these symbols in
-/// the colour of its curve.
+/// Histories at several stops have the colours of these stops, those of several branches at one stop the colours of the branches; the
+/// stops themselves are lines of their colours. Touching is marked red, leaving green, with different symbols, of several histories in the
+/// colour of the curve.
 #[derive(Debug, Clone)]
 pub struct HistoryFigure<'a> {
     histories: &'a [&'a TimeHistory],
+    look: HistoryLook,
     title: String,
     has_acceleration: bool,
 }
@@ -41,12 +43,24 @@ const FORCE: Quantity =
 impl<'a> HistoryFigure<'a> {
     /// A figure of these histories, named in the legend by their labels.
     pub fn new(histories: &'a [&'a TimeHistory]) -> Self {
-        Self { histories, title: String::new(), has_acceleration: false }
+        Self { histories, look: HistoryLook::default(), title: String::new(), has_acceleration: false }
     }
 
     /// With a title; without one otherwise.
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
+        self
+    }
+
+    /// At the stops with these numbers, one for each history; otherwise all are at stop 0.
+    pub fn at_stops(mut self, stops: &[usize]) -> Self {
+        self.look = HistoryLook::at(stops);
+        self
+    }
+
+    /// In these colours.
+    pub(crate) fn look(mut self, look: &HistoryLook) -> Self {
+        self.look = look.clone();
         self
     }
 
@@ -72,8 +86,16 @@ impl<'a> HistoryFigure<'a> {
         let panels = quantities.iter().map(|quantity| self.panel(quantity, unit.per_si));
         let panels = panels.collect::<Result<Vec<_>, _>>()?;
         let x = Axis { label: format!("time in {}", unit.symbol), scale };
-        let chart = Chart { title: self.title.clone(), x, panels, panel_height: 150.0, legend: self.legend() };
-        Ok(Figure::new(chart.draw()))
+        let chart = Chart {
+            title: self.title.clone(),
+            x,
+            panels,
+            panel_height: 150.0,
+            legend: self.legend(),
+            note: None,
+            inset: None,
+        };
+        Ok(Figure::from(chart))
     }
 
     fn quantities(&self) -> Vec<Quantity> {
@@ -88,14 +110,19 @@ impl<'a> HistoryFigure<'a> {
         let unit = (quantity.unit)(largest(values()));
         let scale = Scale::linear(values().map(|value| value * unit.per_si), 0.08);
         let scale = scale.ok_or_else(|| nothing("a panel has no finite value"))?;
-        let mut places: Vec<f64> = stops.clone().copied().filter(|stop| stop.is_finite()).collect();
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let lines: Vec<Curve> = places.into_iter().map(|stop| self.stop_line(stop * unit.per_si, per_second)).collect();
+        let mut walls: Vec<(f64, &'static str)> = Vec::new();
+        for (index, stop) in stops.clone().enumerate().filter(|(_, stop)| stop.is_finite()) {
+            let wall = (*stop, self.look.wall(index));
+            if !walls.contains(&wall) {
+                walls.push(wall);
+            }
+        }
+        let lines: Vec<Curve> =
+            walls.into_iter().map(|(stop, color)| self.stop_line(stop * unit.per_si, per_second, color)).collect();
         let curves = self.histories.iter().enumerate().map(|(index, history)| {
             let pairs = history.time.iter().zip((quantity.values)(history));
             let points = pairs.map(|(time, value)| (time * per_second, value * unit.per_si)).collect();
-            Curve { class: "history", points, stroke: curve_stroke(index) }
+            Curve::new("history", points, self.stroke(index))
         });
         let symbols = self.symbols(quantity, per_second, unit.per_si);
         let verticals = self.instants().map(|(.., instant)| (instant.time * per_second, INSTANT)).collect();
@@ -104,10 +131,10 @@ impl<'a> HistoryFigure<'a> {
     }
 
     /// A stop over the time of all histories.
-    fn stop_line(&self, stop: f64, per_second: f64) -> Curve {
+    fn stop_line(&self, stop: f64, per_second: f64, color: &'static str) -> Curve {
         let times = || self.histories.iter().flat_map(|history| &history.time).copied();
         let ends = [times().fold(f64::NAN, f64::min), times().fold(f64::NAN, f64::max)];
-        Curve { class: "stop", points: ends.map(|time| (time * per_second, stop)).to_vec(), stroke: STOP }
+        Curve::new("stop", ends.map(|time| (time * per_second, stop)).to_vec(), Stroke::solid(color, 2.4))
     }
 
     fn instants(&self) -> impl Iterator<Item = (usize, &TimeHistory, &ContactInstant)> {
@@ -121,7 +148,7 @@ impl<'a> HistoryFigure<'a> {
         let symbols = instants.filter_map(|(index, history, instant)| {
             let value = interpolate(&history.time, &history.displacement, instant.time)?;
             let (shape, fill) = if instant.touching { TOUCHING } else { LEAVING };
-            let fill = if self.histories.len() > 1 { curve_stroke(index).color } else { fill };
+            let fill = if self.histories.len() > 1 { self.stroke(index).color } else { fill };
             let class = if instant.touching { "touching" } else { "leaving" };
             Some(Symbol {
                 class: class.into(),
@@ -138,8 +165,7 @@ impl<'a> HistoryFigure<'a> {
     fn legend(&self) -> Vec<LegendEntry> {
         let histories = self.histories.iter().enumerate();
         let histories = histories
-            .map(|(index, history)| LegendEntry { key: Key::Line(curve_stroke(index)), name: history.label.clone() });
-        let stop = LegendEntry { key: Key::Line(STOP), name: "stop".into() };
+            .map(|(index, history)| LegendEntry { key: Key::Line(self.stroke(index)), name: history.label.clone() });
         let instants = [(TOUCHING, true, "touching"), (LEAVING, false, "leaving")].into_iter();
         let instants = instants.filter(|(_, touching, _)| self.instants().any(|(.., i)| i.touching == *touching));
         let several = self.histories.len() > 1;
@@ -147,7 +173,17 @@ impl<'a> HistoryFigure<'a> {
             key: Key::Symbol(shape, if several { "#ffffff" } else { fill }),
             name: name.into(),
         });
-        histories.chain([stop]).chain(instants).collect()
+        // Curves in the colours of their stops name these already.
+        let is_named = (0..self.histories.len()).any(|index| self.look.wall(index) == self.stroke(index).color);
+        let wall = Key::Line(Stroke::solid(self.look.wall(0), 2.4));
+        let stop = (!is_named).then(|| LegendEntry { key: wall, name: "stop".into() });
+        histories.chain(stop).chain(instants).collect()
+    }
+
+    fn stroke(&self, index: usize) -> Stroke {
+        let count = self.histories.len();
+        let color = self.look.curve(index, count);
+        if self.look.is_dashed(index, count) { Stroke::dashed(color, 1.8) } else { Stroke::solid(color, 1.8) }
     }
 }
 
@@ -162,11 +198,6 @@ fn check_lengths(history: &TimeHistory, quantities: &[Quantity]) -> Result<(), R
 
 fn nothing(reason: &'static str) -> ReportError {
     ReportError::NothingToDraw { figure: "time history", reason }
-}
-
-/// The first curve is black, so that the stop alone is blue.
-fn curve_stroke(index: usize) -> Stroke {
-    Stroke::solid(if index == 0 { "#000000" } else { palette::curve(index) }, 1.8)
 }
 
 fn largest<'v>(values: impl IntoIterator<Item = &'v f64>) -> f64 {

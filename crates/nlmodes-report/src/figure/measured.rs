@@ -15,6 +15,7 @@ pub struct MeasuredFigure<'a> {
     title: &'a str,
     panels: Vec<(&'a str, &'a [(f64, f64)])>,
     is_scattered: bool,
+    bars: Option<&'a str>,
 }
 
 impl<'a> MeasuredFigure<'a> {
@@ -26,6 +27,7 @@ impl<'a> MeasuredFigure<'a> {
             title: "",
             panels: Vec::new(),
             is_scattered: false,
+            bars: None,
         }
     }
 
@@ -47,6 +49,12 @@ impl<'a> MeasuredFigure<'a> {
         self
     }
 
+    /// With what the bars mean, below the figure.
+    pub fn bars(mut self, meaning: &'a str) -> Self {
+        self.bars = Some(meaning);
+        self
+    }
+
     /// With a panel of values and their standard errors, one pair a record; `label` holds the unit.
     pub fn panel(mut self, label: &'a str, values: &'a [(f64, f64)]) -> Self {
         self.panels.push((label, values));
@@ -65,8 +73,10 @@ impl<'a> MeasuredFigure<'a> {
         let panels: Option<Vec<Panel>> = panels.collect();
         let panels = panels.ok_or_else(|| nothing("a panel has no finite value"))?;
         let x = Axis { label: self.x_label.to_owned(), scale };
-        let chart = Chart { title: self.title.to_owned(), x, panels, panel_height: 240.0, legend: Vec::new() };
-        Ok(Figure::new(chart.draw()))
+        let (title, note) = (self.title.to_owned(), self.bars.map(str::to_owned));
+        let legend = Vec::new();
+        let chart = Chart { title, x, panels, panel_height: 240.0, legend, note, inset: None };
+        Ok(Figure::from(chart))
     }
 
     fn draw(&self, label: &str, values: &[(f64, f64)]) -> Option<Panel> {
@@ -75,15 +85,13 @@ impl<'a> MeasuredFigure<'a> {
         let bar = |(_, y, error): &(f64, f64, f64)| if error.is_finite() { [y - error, y + error] } else { [*y, *y] };
         let scale = Scale::linear(visible.iter().flat_map(bar), 0.08)?;
         let colour = palette::curve(0);
-        let line = (!self.is_scattered).then(|| Curve {
-            class: "measured",
-            points: visible.iter().map(|(x, y, _)| (*x, *y)).collect(),
-            stroke: Stroke::solid(colour, 1.2),
+        let line = (!self.is_scattered).then(|| {
+            let points = visible.iter().map(|(x, y, _)| (*x, *y)).collect();
+            Curve::new("measured", points, Stroke::solid(colour, 1.2))
         });
-        let bars = visible.iter().map(|value| Curve {
-            class: "uncertainty",
-            points: bar(value).map(|y| (value.0, y)).to_vec(),
-            stroke: Stroke::solid(colour, 2.4),
+        let bars = visible.iter().map(|value| {
+            let points = bar(value).map(|y| (value.0, y)).to_vec();
+            Curve::new("uncertainty", points, Stroke::solid(colour, 2.4))
         });
         let dot = |(x, y, _): &(f64, f64, f64)| Symbol {
             class: "record".into(),

@@ -12,7 +12,7 @@ const N_TIMES: usize = 64;
 /// More positions than these would hide the surface under its own lines.
 const MAX_POSITIONS: usize = 41;
 
-/// Motion of the structure over one period as a surface over position and time, as in Fig. 4, with the stop in blue.
+/// Motion of the structure over one period as a surface over position and time, as in Fig. 4, with a line at each stop.
 ///
 /// It shows the coordinates of the kind (`axial`, `deflection`) of the contact, or of the first coordinate where there
 /// is no contact.
@@ -52,7 +52,8 @@ impl<'a> MotionFigure<'a> {
         let kind = stations::kind(self.branch);
         let all = stations::stations(self.branch, kind, &self.clamped);
         let stops = self.shown_stops(kind);
-        let kept: Vec<f64> = stops.iter().map(|(at, _)| *at).chain(stations::contact_position(self.branch)).collect();
+        let kept: Vec<f64> =
+            stops.iter().map(|(_, at, _)| *at).chain(stations::contact_position(self.branch)).collect();
         let stations = stations::thinned(all, MAX_POSITIONS, &kept);
         if stations.len() < 2 {
             return Err(ReportError::TooFewPositions { kind: kind.into(), found: stations.len() });
@@ -63,7 +64,7 @@ impl<'a> MotionFigure<'a> {
             let reason = "the motion or its frequency is not finite";
             return Err(ReportError::NothingToDraw { figure: "motion over a period", reason });
         }
-        Ok(Figure::new(self.surface(point, kind, (&stations, &heights), &stops).draw()))
+        Ok(Figure::from(self.surface(point, kind, (&stations, &heights), &stops)))
     }
 
     fn checked_point(&self) -> Result<&ModalPoint, ReportError> {
@@ -78,11 +79,11 @@ impl<'a> MotionFigure<'a> {
         Err(ReportError::CoefficientShape { point: self.point, found: (found, width), expected: (expected, width) })
     }
 
-    /// Place along the structure and height of the stops that limit motions of this kind.
-    fn shown_stops(&self, kind: &str) -> Vec<(f64, f64)> {
+    /// Number, place along the structure and height of the stops that limit motions of this kind.
+    fn shown_stops(&self, kind: &str) -> Vec<(usize, f64, f64)> {
         let coordinate = |stop: &StopLine| self.branch.coordinates.get(stop.coordinate).filter(|c| c.kind == kind);
-        let finite = self.stops.iter().filter(|stop| stop.position.is_finite());
-        finite.filter_map(|stop| Some((coordinate(stop)?.position, stop.position))).collect()
+        let finite = self.stops.iter().enumerate().filter(|(_, stop)| stop.position.is_finite());
+        finite.filter_map(|(number, stop)| Some((number, coordinate(stop)?.position, stop.position))).collect()
     }
 
     fn surface(
@@ -90,7 +91,7 @@ impl<'a> MotionFigure<'a> {
         point: &ModalPoint,
         kind: &str,
         (stations, heights): (&[Station], &[Vec<f64>]),
-        stops: &[(f64, f64)],
+        stops: &[(usize, f64, f64)],
     ) -> Surface {
         let period = TAU / point.omega;
         let positions: Vec<f64> = stations.iter().map(|(position, _)| *position).collect();
@@ -98,21 +99,24 @@ impl<'a> MotionFigure<'a> {
         let largest = heights
             .iter()
             .flatten()
-            .chain(stops.iter().map(|(_, height)| height))
+            .chain(stops.iter().map(|(.., height)| height))
             .fold(0.0, |m: f64, value| m.max(value.abs()));
         let (name, z) = quantity(kind, largest);
         let x = Unit::fine("m", positions.iter().fold(0.0, |m: f64, value| m.max(value.abs())));
         let t = Unit::fine("s", period);
         let scaled = |values: &[f64], unit: &Unit| values.iter().map(|value| value * unit.per_si).collect::<Vec<_>>();
         let first = stations::contact_position(self.branch);
-        let is_contact = |position: f64| Some(position) == first || stops.iter().any(|(at, _)| *at == position);
+        let is_contact = |position: f64| Some(position) == first || stops.iter().any(|(_, at, _)| *at == position);
         Surface {
             title: self.title(point),
             x: SurfaceAxis { label: format!("position in {}", x.symbol), values: scaled(&positions, &x) },
             y: SurfaceAxis { label: format!("time in {}", t.symbol), values: scaled(&times, &t) },
             z_label: format!("{name} in {}", z.symbol),
             z: heights.iter().map(|row| scaled(row, &z)).collect(),
-            stops: stops.iter().map(|(at, height)| Line { x: at * x.per_si, z: height * z.per_si }).collect(),
+            stops: stops
+                .iter()
+                .map(|(number, at, height)| Line { number: *number, x: at * x.per_si, z: height * z.per_si })
+                .collect(),
             contacts: (0..stations.len()).filter(|i| is_contact(stations[*i].0)).collect(),
         }
     }

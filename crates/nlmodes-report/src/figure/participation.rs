@@ -1,4 +1,5 @@
 use super::Figure;
+use super::branch::corners;
 use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
 use crate::palette;
@@ -50,7 +51,8 @@ impl<'a> ParticipationFigure<'a> {
             name: branch.label.clone(),
         };
         let legend = self.branches.iter().enumerate().map(entry).collect();
-        Ok(Figure::new(Chart { title: self.title.clone(), x, panels, panel_height: 180.0, legend }.draw()))
+        let (title, panel_height) = (self.title.clone(), 180.0);
+        Ok(Figure::from(Chart { title, x, panels, panel_height, legend, note: None, inset: None }))
     }
 
     fn panel(&self, mode: usize) -> Result<Panel, ReportError> {
@@ -63,10 +65,10 @@ impl<'a> ParticipationFigure<'a> {
             let resumed = |_: &(&ModalPoint, &Participation), next: &(&ModalPoint, &Participation)| {
                 !next.0.has_event(Event::Resumed)
             };
-            curves.extend(pairs.chunk_by(resumed).map(|piece| Curve {
-                class: "participation",
-                points: piece.iter().map(|(point, p)| (point.modal_amplitude, share(p))).collect(),
-                stroke: stroke(index),
+            curves.extend(pairs.chunk_by(resumed).map(|piece| {
+                let points = piece.iter().map(|(point, p)| (point.modal_amplitude, share(p))).collect();
+                let corners = corners(piece.iter().map(|(point, _)| *point));
+                Curve::new("participation", points, stroke(index)).smooth(corners)
             }));
         }
         let y = Axis { label: format!("energy share, mode {}", mode + 1), scale };

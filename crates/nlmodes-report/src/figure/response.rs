@@ -1,6 +1,6 @@
 use super::Figure;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Name, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 use crate::unit::Unit;
@@ -14,8 +14,20 @@ pub enum LineKind {
     Mode,
     /// A damped nonlinear mode: a black line.
     DampedMode,
-    /// Phase resonance: a thin red line.
+    /// Phase resonance: a thin brown line.
     Resonance,
+}
+
+impl LineKind {
+    /// Its colour; of a response that of the response with this number.
+    pub(crate) fn color(self, response: usize) -> &'static str {
+        match self {
+            Self::Response => palette::curve(response),
+            Self::Mode => MODE,
+            Self::DampedMode => palette::INK,
+            Self::Resonance => RESONANCE,
+        }
+    }
 }
 
 /// A curve of damped or forced motions.
@@ -81,7 +93,7 @@ pub struct ResponseFigure<'a> {
     marks: Vec<(f64, f64, String)>,
 }
 
-const RESONANCE: &str = "#d62728";
+const RESONANCE: &str = "#8c510a";
 const MODE: &str = "#b0b0b0";
 
 impl<'a> ResponseFigure<'a> {
@@ -126,13 +138,20 @@ impl<'a> ResponseFigure<'a> {
             shape: Shape::Dot,
             fill: palette::INK,
             is_open: false,
-            name: (!name.is_empty()).then(|| name.clone()),
+            name: (!name.is_empty()).then(|| Name::fixed(name)),
         };
         let symbols = self.marks.iter().map(symbol).collect();
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
-        let chart =
-            Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 420.0, legend: self.legend() };
-        Ok(Figure::new(chart.draw()))
+        let chart = Chart {
+            title: self.title.clone(),
+            x,
+            panels: vec![panel],
+            panel_height: 420.0,
+            legend: self.legend(),
+            note: None,
+            inset: None,
+        };
+        Ok(Figure::from(chart))
     }
 
     fn names(&self) -> Vec<&ResponseLine> {
@@ -158,12 +177,13 @@ impl<'a> ResponseFigure<'a> {
     fn stroke(&self, line: &ResponseLine) -> Stroke {
         let responses = self.names().into_iter().filter(|l| l.kind == LineKind::Response);
         let index = responses.take_while(|l| l.name != line.name).count();
-        match line.kind {
-            LineKind::Response => Stroke::solid(palette::curve(index), 1.8),
-            LineKind::Mode => Stroke::solid(MODE, 5.0),
-            LineKind::DampedMode => Stroke::solid(palette::INK, 2.4),
-            LineKind::Resonance => Stroke::solid(RESONANCE, 1.2),
-        }
+        let width = match line.kind {
+            LineKind::Response => 1.8,
+            LineKind::Mode => 5.0,
+            LineKind::DampedMode => 2.4,
+            LineKind::Resonance => 1.2,
+        };
+        Stroke::solid(line.kind.color(index), width)
     }
 }
 
@@ -207,7 +227,7 @@ fn pieces(line: &ResponseLine, stroke: Stroke, per_si: [f64; 2]) -> Vec<Curve> {
             last.points.push(at(first));
         }
         let stroke = line.state(first).stroke(stroke);
-        curves.push(Curve { class: "response", points: piece.iter().map(at).collect(), stroke });
+        curves.push(Curve::new("response", piece.iter().map(at).collect(), stroke).smooth(Vec::new()));
     }
     curves
 }

@@ -63,7 +63,7 @@ impl<'a> SpreadFigure<'a> {
             name: None,
         };
         let symbols = visible().map(dot).collect();
-        let curve = |line: &Line<'_>| Curve { class: "quantile", points: line.points.to_vec(), stroke: stroke(line) };
+        let curve = |line: &Line<'_>| Curve::new("quantile", line.points.to_vec(), stroke(line));
         let lines = self.lines.iter();
         let panel = Panel {
             y: Axis { label: self.y_label.to_owned(), scale: y },
@@ -75,8 +75,16 @@ impl<'a> SpreadFigure<'a> {
         let legend = named.map(|line| LegendEntry { key: Key::Line(stroke(line)), name: line.name.to_owned() });
         let legend = legend.collect();
         let x = Axis { label: self.x_label.to_owned(), scale: x };
-        let chart = Chart { title: self.title.to_owned(), x, panels: vec![panel], panel_height: 360.0, legend };
-        Ok(Figure::new(chart.draw()))
+        let chart = Chart {
+            title: self.title.to_owned(),
+            x,
+            panels: vec![panel],
+            panel_height: 360.0,
+            legend,
+            note: None,
+            inset: None,
+        };
+        Ok(Figure::from(chart))
     }
 }
 

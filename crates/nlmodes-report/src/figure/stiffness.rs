@@ -59,15 +59,23 @@ impl<'a> StiffnessFigure<'a> {
         let stroke = Stroke::solid("#000000", 1.8);
         let panel = Panel {
             y: Axis { label: format!("contact force in {}", force.symbol), scale: y },
-            curves: vec![Curve { class: "stiffness", points: line, stroke }],
+            curves: vec![Curve::new("stiffness", line, stroke)],
             symbols: points.iter().map(symbol).collect(),
             verticals: Vec::new(),
         };
         let name = format!("{:.4e} N/m ± {:.1e} N/m", self.fit.stiffness, self.fit.stiffness_error);
         let legend = vec![LegendEntry { key: Key::Line(stroke), name }];
         let x = Axis { label: format!("displacement in {}", length.symbol), scale: x };
-        let chart = Chart { title: self.title.clone(), x, panels: vec![panel], panel_height: 360.0, legend };
-        Ok(Figure::new(chart.draw()))
+        let chart = Chart {
+            title: self.title.clone(),
+            x,
+            panels: vec![panel],
+            panel_height: 360.0,
+            legend,
+            note: None,
+            inset: None,
+        };
+        Ok(Figure::from(chart))
     }
 
     /// +1 for a stop on the positive side.

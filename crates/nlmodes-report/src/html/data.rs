@@ -30,10 +30,14 @@ struct EventSymbol {
     fill: &'static str,
     /// Place among those drawn over each other; the highest is on top.
     layer: usize,
+    /// What it means; empty where that is not known.
+    meaning: &'static str,
 }
 
 #[derive(Serialize)]
 struct Colors {
+    /// Of the branches, repeated after the last.
+    branches: Vec<&'static str>,
     touching: &'static str,
     leaving: &'static str,
     /// Of the stops, repeated after the last.
@@ -106,6 +110,7 @@ impl Data {
         let symbol = |(event, shape, fill): (Event, crate::chart::Shape, _)| EventSymbol {
             name: event.name().into(),
             layer: EventSymbols::layer(event),
+            meaning: EventSymbols::meaning(event),
             shape: shape.name(),
             fill,
         };
@@ -113,8 +118,17 @@ impl Data {
             branches: (0..report.branches.len()).map(|index| BranchData::new(report, index)).collect(),
             marks: report.marks.clone(),
             event_symbols: symbols.all().map(symbol).collect(),
-            histories: report.histories.iter().filter_map(|(name, all)| HistoryData::of_all(name, all)).collect(),
-            colors: Colors { touching: palette::TOUCHING, leaving: palette::LEAVING, stops: palette::CURVES.to_vec() },
+            histories: report
+                .histories
+                .iter()
+                .filter_map(|(name, all, look)| HistoryData::of_all(name, all, look))
+                .collect(),
+            colors: Colors {
+                branches: palette::CURVES.to_vec(),
+                touching: palette::TOUCHING,
+                leaving: palette::LEAVING,
+                stops: palette::STOPS.to_vec(),
+            },
         }
     }
 
@@ -141,7 +155,7 @@ impl BranchData {
         let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
         Self {
             label: branch.label.clone(),
-            color: palette::curve(index),
+            color: report.color(index),
             scattered: report.scattered.contains(&index),
             // Tips of tongues are narrow: ten digits.
             frequency: column(10, &|point| point.omega / TAU),

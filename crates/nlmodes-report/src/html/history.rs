@@ -2,7 +2,7 @@
 
 use super::knots::knots;
 use super::number::rounded;
-use crate::palette;
+use crate::figure::HistoryLook;
 use nlmodes_modal::TimeHistory;
 use serde::Serialize;
 
@@ -18,24 +18,34 @@ pub(super) struct HistoryData {
     acceleration: Vec<f64>,
     force: Vec<f64>,
     stop: f64,
+    /// Colour of the stop.
+    wall: &'static str,
     /// Time, and whether touching begins.
     instants: Vec<(f64, bool)>,
     label: String,
-    color: Option<&'static str>,
+    color: &'static str,
+    dash: Option<&'static str>,
     /// Those drawn over it.
     others: Vec<HistoryData>,
 }
 
 impl HistoryData {
     /// The first of these histories, with the others drawn over it; none of none.
-    pub fn of_all(name: &str, all: &[&TimeHistory]) -> Option<Self> {
-        let mut curves = all.iter().enumerate().map(|(index, history)| Self::new(name, history, index));
+    pub fn of_all(name: &str, all: &[&TimeHistory], look: &HistoryLook) -> Option<Self> {
+        let colors = |index: usize| {
+            let dash = look.is_dashed(index, all.len()).then_some("6 3");
+            (look.curve(index, all.len()), look.wall(index), dash)
+        };
+        let mut curves = all.iter().enumerate().map(|(index, history)| Self::new(name, history, colors(index)));
         let first = curves.next()?;
         Some(Self { others: curves.collect(), ..first })
     }
 
-    /// As the curve number `index` of a figure; the first has the colour of the text.
-    fn new(name: &str, history: &TimeHistory, index: usize) -> Self {
+    fn new(
+        name: &str,
+        history: &TimeHistory,
+        (color, wall, dash): (&'static str, &'static str, Option<&'static str>),
+    ) -> Self {
         let thin = thinned(history);
         let short = |values: Vec<f64>| values.into_iter().map(|value| rounded(value, 6)).collect();
         Self {
@@ -46,9 +56,11 @@ impl HistoryData {
             acceleration: short(thin.acceleration),
             force: short(thin.force),
             stop: thin.stop,
+            wall,
             instants: thin.instants.iter().map(|instant| (rounded(instant.time, 8), instant.touching)).collect(),
             label: history.label.clone(),
-            color: (index > 0).then(|| palette::curve(index)),
+            color,
+            dash,
             others: Vec::new(),
         }
     }

@@ -6,9 +6,6 @@ use crate::svg::escape;
 use crate::unit::Unit;
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, tongues};
 
-/// Most branches whose range has a place in the head.
-const MOST_RANGES: usize = 6;
-
 impl HtmlReport<'_> {
     pub(super) fn overview(&self) -> String {
         let lines: String =
@@ -21,7 +18,7 @@ impl HtmlReport<'_> {
     fn cards(&self, branch: &ModalBranch) -> Vec<(String, String)> {
         let mut cards = match self.branches {
             [_] => ends(branch),
-            all => all.iter().filter_map(|branch| range(branch)).take(MOST_RANGES).collect(),
+            _ => Vec::new(),
         };
         let points = || self.branches.iter().flat_map(|branch| &branch.points).filter(|point| point.omega.is_finite());
         if points().next().is_none() {
@@ -41,7 +38,10 @@ impl HtmlReport<'_> {
             let unit = Unit::both("N s", most);
             let text = format!("{} {}", significant(most * unit.per_si, 4), unit.symbol);
             cards.push((text, "largest impulse of a stop a period".into()));
-            cards.push((force(points()), "largest contact force (of short blows it need not converge)".into()));
+            cards.push((
+                force(points()),
+                "largest contact force* (of short blows it need not converge with harmonics)".into(),
+            ));
         } else {
             cards.push((force(points()), "largest contact force".into()));
         }
@@ -80,11 +80,11 @@ fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
     ]
 }
 
-/// Lowest and highest frequency of one of several: a test may go up and come down again.
-fn range(branch: &ModalBranch) -> Option<(String, String)> {
+/// Lowest and highest frequency of one of several, as a test may go up and come down again; empty where there is none.
+fn range(branch: &ModalBranch) -> String {
     let frequencies = || branch.points.iter().map(|point| point.omega).filter(|omega| omega.is_finite());
-    let (lowest, highest) = (frequencies().reduce(f64::min)?, frequencies().reduce(f64::max)?);
-    Some((format!("{} … {} Hz", hertz(lowest), hertz(highest)), branch.label.clone()))
+    let ends = frequencies().reduce(f64::min).zip(frequencies().reduce(f64::max));
+    ends.map_or_else(String::new, |(lowest, highest)| format!(", {} … {} Hz", hertz(lowest), hertz(highest)))
 }
 
 fn card(value: &str, name: &str) -> String {
@@ -123,8 +123,12 @@ fn outcome(branches: &[&ModalBranch]) -> String {
     let text = match branches {
         [only] => format!(": {}.", said(only)),
         all => {
-            let lines = all.iter().map(|branch| format!("<br/>{}: {}", escape(&branch.label), said(branch)));
-            lines.collect::<String>()
+            let line = |branch: &&ModalBranch| {
+                let (label, n, range) = (escape(&branch.label), branch.points.len(), range(branch));
+                let early = if branch.end.complete { "" } else { "⚠ " };
+                format!("<br/>{early}{label}: {n} points{range}; {}", said(branch))
+            };
+            all.iter().map(line).collect::<String>()
         }
     };
     format!("<p class=\"outcome {class}\">{word}{of}{text}</p>\n")

@@ -1,5 +1,7 @@
 //! The sections of the page, each with the still figures that stand there without the script.
 
+use std::collections::BTreeSet;
+
 use super::history::thinned;
 use super::motion::{shown, word};
 use super::number::{hertz, significant};
@@ -7,13 +9,13 @@ use super::overview::tongue_at_end;
 use super::table::{DataTable, cell, point_cell};
 use super::{HtmlReport, data, document};
 use crate::ReportError;
-use crate::figure::{Abscissa, BranchFigure, Figure, HistoryFigure, ParticipationFigure, stroboscope};
+use crate::figure::{Abscissa, BranchFigure, EventSymbols, Figure, HistoryFigure, ParticipationFigure, stroboscope};
 use crate::stations;
 use crate::svg::escape;
-use nlmodes_modal::{ModalPoint, TimeHistory, tongues};
+use nlmodes_modal::{Event, ModalPoint, TimeHistory, tongues};
 
 const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve for its values; \
-    click to see that motion. With the keyboard: arrows, Enter, + − 0.";
+    click to see that motion beside it. With the keyboard: arrows, Enter, + − 0.";
 
 /// A section: its name in the page's address, its title, its content.
 pub(super) struct Section {
@@ -31,7 +33,6 @@ impl HtmlReport<'_> {
             section("responses", "Responses", given(&self.leading)),
             section("branches", self.name_of_branches(), self.branch_figures()),
             section("participations", "Participation of linear modes", self.participation_figure()?),
-            section("moving", "Motion", self.motion_figure()),
             section("histories", "Time histories", self.history_figures()?),
             section("figures", "Figures", given(&self.figures)),
             section("tables", "Tables", self.all_tables()),
@@ -47,8 +48,11 @@ impl HtmlReport<'_> {
         if energy.is_empty() && amplitude.is_empty() {
             return String::new();
         }
+        let motion = self.motion_figure();
+        let (class, beside) = if motion.is_empty() { ("pair", motion) } else { ("stage", motion) };
         format!(
-            "<p class=\"hint needs-script control\">{HINT}</p>\n<div id=\"legend\"></div>\n<div class=\"pair\">{energy}{amplitude}</div>\n"
+            "<p class=\"hint needs-script control\">{HINT}</p>\n<div id=\"legend\"></div>\n<div class=\"{class}\">\
+             <div class=\"curves\">{energy}{amplitude}</div>{beside}</div>\n<div id=\"lay\" class=\"controls needs-script control\"></div>\n"
         )
     }
 
@@ -78,18 +82,20 @@ impl HtmlReport<'_> {
     fn motion_figure(&self) -> String {
         let Some((branch, point)) = self.first_moving() else { return String::new() };
         let (stations, stops) = shown(self, self.branches[branch], &data::stops(self, self.branches[branch]));
-        let lines: Vec<(f64, f64)> = stops.iter().map(|(_, stop, at)| (stations[*at].0, stop.position)).collect();
+        let lines: Vec<(usize, f64, f64)> =
+            stops.iter().map(|(number, stop, at)| (*number, stations[*at].0, stop.position)).collect();
         let name = word(stations::kind(self.branches[branch]));
         let point = &self.branches[branch].points[point];
         let still = stroboscope(point, name, &stations, &lines).filter(|_| stations.len() > 1);
         let Some(still) = still else { return String::new() };
         let contact = if self.contact_motion.is_some() && !stops.is_empty() {
-            "<h3 class=\"needs-script\">Contacts over the period</h3><div id=\"contact\"></div>"
+            "<h4 class=\"needs-script\">Contacts over the period</h4><div id=\"contact\"></div>"
         } else {
             ""
         };
         format!(
-            "<div id=\"walk\" class=\"controls\"></div>\n<div class=\"stage\"><div class=\"box\"><div id=\"controls\" class=\"controls\"></div>\
+            "<div class=\"beside\"><div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div id=\"walk\" class=\"controls\"></div>\
+             <div id=\"controls\" class=\"controls\"></div>\
              <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>\
              <div id=\"details\" class=\"box needs-script\"></div></div>\n",
             still.as_svg()
@@ -107,9 +113,9 @@ impl HtmlReport<'_> {
 
     fn history_figures(&self) -> Result<String, ReportError> {
         let mut boxes = String::new();
-        for (index, (name, histories)) in self.histories.iter().enumerate() {
+        for (index, (name, histories, look)) in self.histories.iter().enumerate() {
             let thin: Vec<TimeHistory> = histories.iter().map(|history| thinned(history)).collect();
-            match HistoryFigure::new(&thin.iter().collect::<Vec<_>>()).with_acceleration().render() {
+            match HistoryFigure::new(&thin.iter().collect::<Vec<_>>()).look(look).with_acceleration().render() {
                 Ok(figure) => boxes += &boxed(name, &figure, &format!("data-history=\"{index}\"")),
                 Err(ReportError::NothingToDraw { .. }) => {}
                 Err(error) => return Err(error),
@@ -124,7 +130,7 @@ impl HtmlReport<'_> {
     }
 
     fn all_tables(&self) -> String {
-        let own = [self.key_points(), self.events(), self.resonances(), self.ends()].concat();
+        let own = [self.key_points(), self.events(), self.meanings(), self.resonances(), self.ends()].concat();
         let further: String = self.tables.iter().map(DataTable::html).collect();
         if own.is_empty() && further.is_empty() {
             return String::new();
@@ -157,8 +163,15 @@ impl HtmlReport<'_> {
             let cells = cells.chain(more.map(|text| cell(&text, &text)));
             self.branch_cells(*branch).into_iter().chain(cells).collect()
         };
-        let head =
-            ["name", "point", "frequency, Hz", "energy, J", "amplitude, m√kg", "contact, % of period", "force, N"];
+        let head = [
+            "name",
+            "point",
+            "frequency, Hz",
+            "energy, J",
+            "amplitude, m√kg",
+            "contact, % of period",
+            "largest force*, N",
+        ];
         self.own_table("Key points", &head, self.marks.iter().map(row).collect())
     }
 
@@ -172,6 +185,17 @@ impl HtmlReport<'_> {
             }
         }
         self.own_table("Events", &["point", "event", "frequency, Hz", "energy, J", "amplitude, m√kg"], rows)
+    }
+
+    /// What the events that occur mean.
+    fn meanings(&self) -> String {
+        let points = self.branches.iter().flat_map(|branch| &branch.points);
+        let met: BTreeSet<Event> = points.flat_map(|point| point.events.iter().copied()).collect();
+        let known = met.into_iter().map(|event| (event.name(), EventSymbols::meaning(event)));
+        let mut table = DataTable::new("What the events mean", &["event", "meaning"]);
+        let known = known.filter(|(_, meaning)| !meaning.is_empty());
+        table.rows = known.map(|(name, meaning)| vec![name.replace('-', " "), meaning.into()]).collect();
+        table.html()
     }
 
     fn resonances(&self) -> String {
@@ -207,7 +231,7 @@ impl HtmlReport<'_> {
     fn all_documents(&self) -> String {
         let one = |(title, value): &(String, serde_json::Value)| {
             let (title, tree) = (escape(title), document::tree(value));
-            format!("<details class=\"box\" open=\"\"><summary>{title}</summary>{tree}</details>\n")
+            format!("<details class=\"box scene\" open=\"\"><summary>{title}</summary>{tree}</details>\n")
         };
         let all: String = self.documents.iter().map(one).collect();
         if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }

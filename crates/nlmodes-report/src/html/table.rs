@@ -38,7 +38,7 @@ impl DataTable {
         let body: String = rows.iter().map(|cells| format!("<tr>{}</tr>\n", cells.concat())).collect();
         let title = escape(&self.title);
         format!(
-            "<section><h3>{title}</h3><div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
+            "<section><h3>{title}</h3><div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{title}\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
         )
     }
 }

@@ -2,6 +2,7 @@ use super::view::View;
 use super::{Line, Surface};
 use crate::chart::{Scale, linear_ticks};
 use crate::palette;
+use crate::style::FigureStyle;
 use crate::svg::{Anchor, Stroke, Svg, fitting_size, text_width};
 
 const SIZE: (f64, f64) = (720.0, 520.0);
@@ -10,7 +11,8 @@ const FONT: f64 = 13.0;
 const LABEL: f64 = 15.0;
 const EDGE: Stroke = Stroke::solid(palette::INK, 1.0);
 const GRID: Stroke = Stroke::solid(palette::GRID, 0.8);
-const STOP: Stroke = Stroke::solid(palette::STOP, 2.6);
+/// Width of the stops.
+const STOP: f64 = 2.6;
 const CONTACT: Stroke = Stroke::solid("#000000", 2.0);
 const MESH: Stroke = Stroke::solid("#3c4a5a", 0.35);
 
@@ -22,19 +24,21 @@ enum Piece {
 
 impl Surface {
     /// The surface as an SVG document.
-    pub fn draw(&self) -> String {
+    pub fn draw(&self, style: &FigureStyle) -> String {
         let mut svg = Svg::new(SIZE.0, SIZE.1);
         let ends = self.ends();
         let view = View::new(ends, (96.0, 44.0), (SIZE.0 - 160.0, SIZE.1 - 100.0));
         let size = fitting_size(&self.title, TITLE, SIZE.0 - 40.0);
-        svg.text((0.5 * SIZE.0, 26.0), Anchor::Middle, size, &self.title);
+        if style.has_title {
+            svg.text((0.5 * SIZE.0, 26.0), Anchor::Middle, size, &self.title);
+        }
         draw_walls(&mut svg, &view, ends);
         self.draw_labels(&mut svg, &view, ends);
         let mut pieces: Vec<(f64, Piece)> =
             self.cells(ends[2]).chain(self.lines()).map(|p| (p.nearness(&view), p)).collect();
         pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
         pieces.iter().for_each(|(_, piece)| piece.draw(&mut svg, &view));
-        svg.finish()
+        svg.finish(style.width_mm)
     }
 
     fn ends(&self) -> [(f64, f64); 3] {
@@ -65,7 +69,10 @@ impl Surface {
         let spans = self.y.values.windows(2).enumerate();
         spans.flat_map(move |(j, span)| {
             let motion = move |i: &usize| segment("contact", [self.corner(*i, j), self.corner(*i, j + 1)], CONTACT);
-            let stop = move |line: &Line| segment("stop", [[line.x, span[0], line.z], [line.x, span[1], line.z]], STOP);
+            let stop = move |line: &Line| {
+                let stroke = Stroke::solid(palette::stop(line.number), STOP);
+                segment("stop", [[line.x, span[0], line.z], [line.x, span[1], line.z]], stroke)
+            };
             self.contacts.iter().map(motion).chain(self.stops.iter().map(stop))
         })
     }

@@ -139,7 +139,7 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
     }
     // Two branches in each of two panels; two histories in each of four.
     for (figure, curves) in [("#participation", 4.0), ("[data-history]", 8.0)] {
-        let lines = format!("return document.querySelectorAll('{figure} svg polyline.curve').length");
+        let lines = format!("return document.querySelectorAll('{figure} svg .curve').length");
         assert!(browser.number(&lines) >= curves, "{figure}");
     }
     // The still figures give way to those that move.
@@ -191,7 +191,11 @@ fn hovering_tells_the_values_of_the_point() {
             format!("frequency: {frequency:.5} Hz"),
             format!(
                 "averaged kinetic energy: {} J",
-                if energy < 1e5 { format!("{energy:.0}") } else { format!("{:.4}×10⁵", energy / 1e5) }
+                if energy < 1e5 {
+                    format!("{energy:.0}")
+                } else {
+                    format!("{:.4}\u{2009}×\u{2009}10⁵", energy / 1e5)
+                }
             ),
             format!("modal amplitude: {:.5}", point.modal_amplitude),
             "contact fraction: 0 %".into(),
@@ -253,7 +257,7 @@ fn structure_moves_as_computed_and_stops_when_asked() {
     // Home, then 36 steps of one degree.
     browser.keys(&format!("\u{e011}{}", "\u{e014}".repeat(36)));
     assert_eq!(browser.text(shape), browser.text(shape));
-    let reading = browser.text("return document.querySelector('.reading').textContent");
+    let reading = browser.text("return document.querySelector('#controls .reading').textContent");
     let value = reading.trim_start_matches("36°, contact node at ").trim_end_matches(" m").replace('−', "-");
     let (found, expected): (f64, f64) = (value.parse().expect(&reading), tip(80, 0.1));
     // Between samples of a 128th of a period the page draws straight lines, an error of (2π/128)²/8 of the amplitude at most; it leaves
@@ -273,4 +277,66 @@ fn structure_moves_as_computed_and_stops_when_asked() {
         heights[index] - heights[0],
         of_tip * middle
     );
+}
+
+/// What a script returns as soon as it is true, two seconds at most.
+fn wait_for(browser: &Browser, script: &str) -> bool {
+    (0..40).any(|_| {
+        let found = browser.run(script).as_bool() == Some(true);
+        if !found {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        found
+    })
+}
+
+#[test]
+fn a_click_moves_the_structure_beside_the_curve() {
+    let (_folder, path) = page();
+    let Some(browser) = Browser::open(&path, WINDOW, &[]) else { return };
+    let [exact, _] = branches();
+    show(&browser, "#energy");
+    browser.click(pixels(&browser, &exact, 80));
+    let place = |selector: &str, side: &str| {
+        browser.number(&format!("return document.querySelector('{selector}').getBoundingClientRect().{side}"))
+    };
+    assert!(place("#motion svg", "left") >= place("#energy svg", "right"));
+    assert!(place("#motion svg", "top") >= 0.0 && place("#motion svg", "bottom") <= f64::from(WINDOW.1));
+    assert_eq!(browser.text("return document.querySelector('#details h3').textContent"), "Point 80");
+}
+
+#[test]
+fn axes_show_any_column_and_other_results_lie_over_the_curves() {
+    let (_folder, path) = page();
+    let Some(browser) = Browser::open(&path, WINDOW, &[]) else { return };
+    let [exact, _] = branches();
+    // Ordinate first.
+    browser.run(
+        "const s = document.querySelectorAll('.axes')[0].querySelectorAll('select'); s[0].value = 'amplitude'; s[0].dispatchEvent(new Event('change'))",
+    );
+    let title = "return document.querySelector('#energy').closest('.box').querySelector('h3').textContent";
+    assert_eq!(browser.text(title), "Modal amplitude over averaged kinetic energy");
+    let y = axis(&browser, "energy", "y");
+    let drawn = browser.text("return document.querySelector('#energy path.curve').getAttribute('d')");
+    let first: f64 = drawn[1..].split([',', 'C']).nth(1).unwrap().parse().unwrap();
+    let top = browser.number("return document.querySelector('#energy svg').getBoundingClientRect().top");
+    assert!((y(exact.points[0].modal_amplitude) - top - first).abs() < 1.5, "{drawn:.60}");
+    // A test that is one per cent softer.
+    let rows: Vec<String> = [20, 60, 100]
+        .map(|k| format!("r{k},{:e},{:e}", 0.99 * exact.points[k].omega / TAU, exact.points[k].modal_amplitude))
+        .to_vec();
+    let drop = |name: &str, text: &str| {
+        browser.run(&format!(
+            "const d = new DataTransfer(); d.items.add(new File([{}], '{name}')); \
+             document.dispatchEvent(new DragEvent('drop', {{ dataTransfer: d, cancelable: true }}))",
+            serde_json::Value::from(text)
+        ))
+    };
+    drop("test.csv", &format!("record,frequency_hz,modal_amplitude\n{}\n", rows.join("\n")));
+    assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('softer than exact <b>')"));
+    assert!(browser.text("return document.querySelector('#lay').innerText").contains("−1.00 % on average"));
+    assert!(browser.text("return document.querySelector('#legend').innerText").contains("test.csv"));
+    drop("other.csv", "a,b\n1,2\n");
+    assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('no column frequency_hz')"));
+    assert_eq!(browser.console(), Vec::<Value>::new());
 }

@@ -29,10 +29,14 @@ fn of_class<'d>(document: &'d Document<'_>, class: &str) -> Vec<Node<'d, 'd>> {
     document.descendants().filter(|node| node.attribute("class") == Some(class)).collect()
 }
 
-/// Points of a polyline, pixels.
+/// Points of a polyline or of a path of cubic pieces, without the control points between them, pixels.
 fn points(node: Node<'_, '_>) -> Vec<(f64, f64)> {
-    let pair = |text: &str| text.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap()));
-    node.attribute("points").unwrap().split(' ').map(|text| pair(text).unwrap()).collect()
+    let pair = |text: &str| text.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap();
+    if let Some(points) = node.attribute("points") {
+        return points.split(' ').map(pair).collect();
+    }
+    let course = node.attribute("d").unwrap().trim_start_matches('M');
+    course.split('C').map(|piece| pair(piece.rsplit(' ').next().unwrap())).collect()
 }
 
 fn texts(document: &Document<'_>) -> Vec<String> {

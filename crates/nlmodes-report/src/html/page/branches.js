@@ -1,7 +1,7 @@
-// Frequency over energy and over amplitude, all branches in each.
+// The branches over each other: frequency over energy, or any column over any other.
 
-const ENERGY = { name: "Frequency over averaged kinetic energy", label: "averaged kinetic energy in J", kind: "log", column: "energy" };
-const AMPLITUDE = { name: "Frequency over modal amplitude", label: "modal amplitude in m √kg", kind: "linear", column: "amplitude" };
+const AMPLITUDE_LABEL = "modal amplitude in m √kg";
+const CORNERS_AT = ["kink", "contact-change", "branch-point"];
 
 /// What there is to say about a point: pairs of name and value.
 function facts(branch, index) {
@@ -10,25 +10,33 @@ function facts(branch, index) {
     ["averaged kinetic energy", significant(branch.energy[index], 5) + " J"],
     ["modal amplitude", significant(branch.amplitude[index], 5) + " m √kg"],
     ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " %"],
-    ["largest contact force", withUnit(branch.force[index], "N", prefixed)],
+    ["largest contact force*", withUnit(branch.force[index], "N", prefixed)],
     ["largest displacement", withUnit(branch.peak[index], "m", fine)],
     ["total energy", significant(branch.totalEnergy[index], 5) + " J"],
     ["contacts a period", String(branch.contactIntervals[index])],
     ["residual", significant(branch.residual[index], 2)],
   ];
-  branch.stops.forEach((stop, number) => {
-    const name = branch.stops.length > 1 ? `stop ${number}` : "stop";
+  // The impulse converges with harmonics, the largest force of a short blow need not.
+  const impulses = branch.stops.map((stop, number) => {
     const impulse = withUnit(stop.impulse[index], "N s", prefixed);
-    if (branch.stops.length === 1) rows.push(["impulse a period", impulse]);
-    else rows.push([name, `${significant(100 * stop.closed[index], 3)} %, impulse ${impulse}, force up to ${withUnit(stop.force[index], "N", prefixed)}`]);
+    if (branch.stops.length === 1) return ["impulse a period", impulse];
+    const closed = significant(100 * stop.closed[index], 3);
+    return [`stop ${number}`, stop.closed[index] > 0 ? `impulse ${impulse}, closed ${closed} %, force* up to ${withUnit(stop.force[index], "N", prefixed)}` : "open"];
   });
-  if (branch.events[index]) rows.push(["event", branch.events[index].join(", ").replaceAll("-", " ")]);
+  rows.splice(3, 0, ...impulses);
+  for (const event of branch.events[index] || []) rows.push(["event", eventText(event)]);
   if (branch.resonance[index]) rows.push(["internal resonance", branch.resonance[index]]);
   if (branch.multiplier[index] !== undefined) {
     const state = branch.unstable.includes(index) ? "unstable" : "stable";
     rows.push(["stability", `${state}, largest Floquet multiplier ${significant(branch.multiplier[index], 7)}`]);
   }
   return rows;
+}
+
+/// Name of an event and what it means.
+function eventText(event) {
+  const known = typeof DATA === "undefined" ? null : DATA.eventSymbols.find(entry => entry.name === event);
+  return event.replaceAll("-", " ") + (known && known.meaning ? `: ${known.meaning}` : "");
 }
 
 function withUnit(value, name, choice) {
@@ -45,46 +53,61 @@ function describePoint(curve, index) {
   return [`${branch.label}: point ${index}`, ...rows.map(([name, value]) => `${name}: ${value}`)];
 }
 
-function branchSpec({ name, label, kind, column }, onHover, onChoose) {
+/// Indices of the points at which a branch may turn.
+const cornersOf = branch => new Set(Object.keys(branch.events).map(Number).filter(k => branch.events[k].some(event => CORNERS_AT.includes(event))));
+
+function branchSpec(columns, kinds, onHover, onChoose) {
   const curves = [], symbols = [];
   const happening = [];
   const shapes = Object.fromEntries(DATA.eventSymbols.map(entry => [entry.name, entry]));
   DATA.branches.forEach((branch, key) => {
-    const [x, y] = [branch[column], branch.frequency];
-    // What leaves an unstable point is drawn by itself, dashed.
+    const [x, y] = columns.map(column => valuesOf(column, branch));
     if (branch.scattered) {
       // Nothing was measured between the points.
       curves.push({ key, x, y, color: branch.color, width: 0.01, breaks: new Set(x.keys()) });
-      x.forEach((value, index) => symbols.push({ key, x: value, y: y[index], shape: "dot", fill: branch.color }));
+      x.forEach((value, index) => symbols.push({ key, x: value, y: y[index], shape: "circle", fill: branch.color, open: true }));
       return;
     }
+    // What leaves an unstable point is drawn by itself, dashed.
     const unstable = branch.unstable.filter(index => index + 1 < x.length && !branch.resumed.includes(index + 1));
-    curves.push({ key, x, y, color: branch.color, breaks: new Set([...branch.resumed, ...unstable.map(index => index + 1)]) });
+    const corners = cornersOf(branch);
+    curves.push({ key, x, y, corners, color: branch.color, breaks: new Set([...branch.resumed, ...unstable.map(index => index + 1)]) });
     for (const [from, to] of stretches(unstable)) {
-      curves.push({ key, x: x.slice(from, to + 2), y: y.slice(from, to + 2), color: branch.color, dash: "3 3", describes: false });
+      const own = new Set([...corners].map(k => k - from));
+      curves.push({ key, x: x.slice(from, to + 2), y: y.slice(from, to + 2), corners: own, color: branch.color, dash: "3 3", describes: false });
     }
     const thin = { key, color: branch.color, width: 1.2, dash: "6 4", describes: false };
     for (const index of branch.resumed) if (index > 0) curves.push({ ...thin, x: [x[index - 1], x[index]], y: [y[index - 1], y[index]] });
     for (const [index, names] of Object.entries(branch.events)) {
       for (const event of names) {
-        const entry = shapes[event];
+        const entry = shapes[event] || { shape: "pentagon", fill: "#777777", layer: 0 };
         happening.push({ key, x: x[index], y: y[index], shape: entry.shape, fill: entry.fill, open: true, layer: entry.layer });
       }
     }
-    for (const [index, text] of branch.tongues) symbols.push({ key, x: x[index], y: y[index], shape: "dot", fill: "currentColor", name: text });
+    for (const [index, text] of branch.tongues) {
+      symbols.push({ key, x: x[index], y: y[index], shape: "dot", fill: "currentColor", name: text, optional: true });
+    }
   });
   for (const [key, index, text] of DATA.marks) {
-    const branch = DATA.branches[key];
-    symbols.push({ key, x: branch[column][index], y: branch.frequency[index], shape: "dot", fill: "currentColor", name: text });
+    const [x, y] = columns.map(column => valuesOf(column, DATA.branches[key]));
+    symbols.push({ key, x: x[index], y: y[index], shape: "dot", fill: "currentColor", name: text });
   }
   // What happens lies above the dots that only carry names, and what is rare above what may hide it.
   symbols.push(...happening.sort((a, b) => a.layer - b.layer));
-  const view = span(curves.flatMap(curve => curve.x.map(value => toPlace(kind, value))), 0.04);
-  DATA.branches.forEach((branch, key) => addLinearMode(curves, branch, key, branch[column], kind, view));
+  const view = span(curves.flatMap(curve => curve.x.map(value => toPlace(kinds[0], value))), 0.04);
+  if (columns[1].id === "frequency" && ["energy", "amplitude"].includes(columns[0].id)) {
+    DATA.branches.forEach((branch, key) => addLinearMode(curves, branch, key, branch[columns[0].id], kinds[0], view));
+  }
+  const name = titleOf(columns);
   return {
-    name, x: { label, kind, view }, panels: [{ label: "frequency in Hz", kind: "linear", curves, symbols }], height: 330, zoomY: true,
-    describe: describePoint, onHover, onChoose,
+    name, x: { label: columns[0].label, kind: kinds[0], view }, panels: [{ label: columns[1].label, kind: kinds[1], curves, symbols }],
+    height: 330, zoomY: true, describe: describePoint, onHover, onChoose, table: () => tableOf(DATA.branches),
   };
+}
+
+function titleOf(columns) {
+  const [x, y] = columns.map(column => withoutUnit(column.label));
+  return `${y[0].toUpperCase()}${y.slice(1)} over ${x}`;
 }
 
 /// First and last of each run of numbers that follow each other.
@@ -111,52 +134,83 @@ function addLinearMode(curves, branch, key, x, kind, view) {
 
 /// Names of curves and symbols; a branch can be hidden where there are several.
 function legend(box, charts) {
+  box.replaceChildren();
   const list = html(box, "div", { class: "legend" });
   const sample = parent => svg(parent, "svg", { width: 28, height: 14, viewBox: "0 0 28 14", "aria-hidden": "true" });
   const line = (parent, color, dash) =>
     svg(sample(parent), "line", { x1: 2, x2: 26, y1: 7, y2: 7, stroke: color, "stroke-width": 2.4, "stroke-dasharray": dash });
-  DATA.branches.forEach((branch, key) => {
-    if (DATA.branches.length === 1) {
-      const entry = html(list, "span");
-      line(entry, branch.color);
-      html(entry, "span", {}, branch.label);
-      return;
-    }
-    const entry = html(list, "button", { type: "button", "aria-pressed": "true", title: "Show or hide this branch" });
-    line(entry, branch.color);
+  const key = (parent, branch) => (branch.scattered ? symbol(sample(parent), "circle", 14, 7, branch.color, undefined, true) : line(parent, branch.color));
+  DATA.branches.forEach((branch, number) => {
+    const several = DATA.branches.length > 1;
+    const entry = several ? html(list, "button", { type: "button", "aria-pressed": "true", title: "Show or hide this branch" }) : html(list, "span");
+    key(entry, branch);
     html(entry, "span", {}, branch.label);
-    entry.addEventListener("click", () => {
+    if (several) entry.addEventListener("click", () => {
       const shown = entry.getAttribute("aria-pressed") === "true";
       entry.setAttribute("aria-pressed", String(!shown));
-      charts.forEach(chart => chart.hide(key, shown));
+      charts().forEach(chart => chart.hide(number, shown));
     });
   });
-  if (DATA.branches.some(branch => branch.grazing !== null)) {
-    const entry = html(list, "span");
-    line(entry, "currentColor", "6 4");
-    html(entry, "span", {}, "linear mode");
-  }
-  if (DATA.branches.some(branch => branch.unstable.length > 0)) {
-    const entry = html(list, "span");
-    line(entry, "currentColor", "3 3");
-    html(entry, "span", {}, "unstable");
-  }
-  for (const { name, shape, fill: color } of DATA.eventSymbols) {
-    const entry = html(list, "span");
+  const note = (dash, text) => { const entry = html(list, "span"); line(entry, "currentColor", dash); html(entry, "span", {}, text); };
+  if (DATA.branches.some(branch => branch.grazing !== null)) note("6 4", "linear mode");
+  if (DATA.branches.some(branch => branch.unstable.length > 0)) note("3 3", "unstable");
+  for (const { name, shape, fill: color, meaning } of DATA.eventSymbols) {
+    const entry = html(list, "span", { title: meaning });
     symbol(sample(entry), shape, 14, 7, color, undefined, true);
     html(entry, "span", {}, name.replaceAll("-", " "));
   }
 }
 
+/// A figure whose axes are chosen: `ids` and `kinds` of abscissa and ordinate at first.
+class Choice {
+  constructor(box, ids, onHover, onChoose) {
+    Object.assign(this, { box, ids, onHover, onChoose, chart: null });
+    this.title = box.closest(".box").querySelector("h3");
+    this.bar = html(null, "div", { class: "controls axes" });
+    box.before(this.bar);
+    this.draw();
+  }
+
+  draw() {
+    const all = allColumns(), columns = this.ids.map(id => all.find(column => column.id === id) || all[0]);
+    this.kinds = this.kinds || columns.map(column => column.kind);
+    const chosen = this.chart && this.chart.chosen, hidden = this.chart ? this.chart.hidden : new Set();
+    if (this.chart) this.chart.end();
+    this.title.textContent = titleOf(columns);
+    this.bar.replaceChildren();
+    [1, 0].forEach(axis => this.selector(all, columns, axis));
+    this.chart = new Chart(this.box, branchSpec(columns, this.kinds, this.onHover, this.onChoose));
+    hidden.forEach(key => this.chart.hide(key, true));
+    if (chosen) this.chart.choose(chosen.key, chosen.index);
+  }
+
+  selector(all, columns, axis) {
+    const label = html(this.bar, "label", {}, axis ? "vertical " : "horizontal ");
+    const select = html(label, "select");
+    all.forEach(column => html(select, "option", { value: column.id, selected: column === columns[axis] ? "" : null }, column.label));
+    const change = act => { act(); this.draw(); this.bar.querySelectorAll("select")[1 - axis].focus(); };
+    select.addEventListener("change", () => change(() => {
+      this.ids[axis] = select.value;
+      this.kinds[axis] = all.find(column => column.id === select.value).kind;
+    }));
+    const scale = html(this.bar, "label"), box = html(scale, "input", { type: "checkbox" });
+    box.checked = this.kinds[axis] === "log";
+    scale.append(" log");
+    box.addEventListener("change", () => change(() => { this.kinds[axis] = box.checked ? "log" : "linear"; }));
+  }
+}
+
 /// Both figures, and that of the participation if there is one; what is hovered or chosen in one is so in the others.
 function branchFigures(boxes, participationBox, legendBox, onChoose) {
-  const charts = [];
-  const onHover = found => charts.forEach(chart => {
+  const choices = [], fixed = [];
+  const charts = () => [...choices.map(choice => choice.chart), ...fixed];
+  const onHover = found => charts().forEach(chart => {
     if (!chart.tip.hidden && found) return;
     chart.hover(found && { key: found.key, index: found.index }, false);
   });
-  boxes.forEach((box, k) => charts.push(new Chart(box, branchSpec(k ? AMPLITUDE : ENERGY, onHover, onChoose))));
-  if (participationBox) charts.push(new Chart(participationBox, participationSpec(onHover, onChoose)));
+  boxes.forEach(([box, id]) => choices.push(new Choice(box, [id, "frequency"], onHover, onChoose)));
+  if (participationBox) fixed.push(new Chart(participationBox, participationSpec(onHover, onChoose)));
   legend(legendBox, charts);
-  return charts;
+  const redraw = () => { choices.forEach(choice => choice.draw()); legend(legendBox, charts); };
+  return { charts, redraw };
 }

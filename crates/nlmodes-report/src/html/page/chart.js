@@ -1,8 +1,9 @@
 // A figure to zoom and to hover: panels above each other over one abscissa.
 //
 // spec: { name, x: {label, kind, view?}, panels: [{label, kind, curves, symbols, levels, view?}], height,
-//         wheelY, describe(curve, index) -> lines, onHover(curve, index), onChoose(curve, index) }
-// curve: { key, x, y, color, dash, width, breaks: Set of indices at which the curve does not come from the one before }
+//         zoomY, describe(curve, index) -> lines, onHover(curve, index), onChoose(curve, index), table() -> [names, rows] }
+// curve: { key, x, y, color, dash, width, breaks: Set of indices at which the curve does not come from the one before,
+//          corners: Set of indices at which it may turn; without it the curve is straight from point to point }
 
 const MARGIN = { left: 74, right: 16, top: 10, bottom: 46, gap: 14 };
 const REACH = 40;
@@ -20,9 +21,14 @@ class Chart {
     this.tip = html(box, "div", { class: "tip", hidden: "" });
     this.said = html(box, "div", { class: "unseen", "aria-live": "polite" });
     this.listen();
-    new ResizeObserver(() => this.draw()).observe(box);
+    // The first report comes at once, about what is drawn already.
+    this.observer = new ResizeObserver(() => Math.max(280, this.box.clientWidth || 640) !== this.size.width && this.draw());
+    this.observer.observe(box);
     this.draw();
   }
+
+  /// Takes the figure away.
+  end() { this.observer.disconnect(); this.box.replaceChildren(); }
 
   extent(axis, p) {
     const panels = p === undefined ? this.spec.panels : [this.spec.panels[p]];
@@ -38,7 +44,9 @@ class Chart {
       .addEventListener("click", act);
     button("+", "Zoom in", () => this.zoom(0.6));
     button("−", "Zoom out", () => this.zoom(1 / 0.6));
-    button("All", "Show all again (double click)", () => this.reset());
+    button("All", "All: show everything again (double click)", () => this.reset());
+    button("SVG", "SVG: save this figure", () => saveFigure(this.svg, this.spec.name));
+    if (this.spec.table) button("CSV", "CSV: save the numbers of this figure", () => saveTable(this.spec.table(), this.spec.name));
   }
 
   reset(draw = true) {
@@ -88,7 +96,7 @@ class Chart {
     const f = this.frames[p], lowest = p === this.frames.length - 1, bottom = f.top + f.height;
     const id = `${this.clip}-${p}`;
     svg(svg(this.svg, "clipPath", { id }), "rect", { x: f.left, y: f.top - 4, width: f.width, height: f.height + 8 });
-    for (const tick of ticks(this.spec.x.kind, this.view.x, Math.max(2, Math.round(f.width / 95)))) {
+    for (const tick of roomyTicks(this.spec.x.kind, this.view.x, f.width)) {
       const x = this.px(tick.place);
       svg(this.svg, "line", { x1: x, x2: x, y1: f.top, y2: bottom, class: tick.label ? "grid" : "grid fine" });
       const label = { x, y: bottom + 18, "text-anchor": "middle", class: "tick x", "data-value": tick.value };
@@ -106,56 +114,60 @@ class Chart {
     const inside = svg(this.svg, "g", { "clip-path": `url(#${id})` });
     for (const level of panel.levels || []) {
       const y = this.py(p, level.y);
-      svg(inside, "line", { x1: f.left, x2: f.left + f.width, y1: y, y2: y, class: level.class });
+      svg(inside, "line", { x1: f.left, x2: f.left + f.width, y1: y, y2: y, class: level.class, stroke: level.stroke });
     }
-    for (const curve of panel.curves) if (!this.hidden.has(curve.key)) this.drawCurve(inside, p, curve);
+    const taken = { places: [], symbols: [], boxes: [] };
+    for (const curve of panel.curves) if (!this.hidden.has(curve.key)) this.drawCurve(inside, p, curve, taken);
     const marks = (panel.symbols || []).filter(mark => !this.hidden.has(mark.key));
-    const named = marks.filter(mark => this.drawSymbol(inside, p, mark) && mark.name);
-    const taken = [];
-    named.forEach(mark => this.drawName(inside, p, mark, taken));
+    const named = marks.filter(mark => this.drawSymbol(inside, p, mark, taken) && mark.name);
+    // What must be there takes its place first.
+    for (const optional of [false, true]) {
+      named.filter(mark => Boolean(mark.optional) === optional).forEach(mark => this.drawName(inside, p, mark, taken));
+    }
   }
 
-  drawCurve(parent, p, curve) {
-    let piece = [];
+  drawCurve(parent, p, curve, taken) {
+    let piece = [], corners = [];
     const finish = () => {
       const look = { class: "curve", stroke: curve.color, "stroke-dasharray": curve.dash, "stroke-width": curve.width || 2 };
-      if (piece.length) svg(parent, "polyline", { points: piece.join(" "), ...look });
-      piece = [];
+      if (piece.length && curve.corners) svg(parent, "path", { d: smoothCourse(piece, corners), ...look });
+      else if (piece.length) svg(parent, "polyline", { points: piece.map(at => at.map(v => v.toFixed(2)).join(",")).join(" "), ...look });
+      // Of a cloud of many curves the names need not keep clear.
+      if (taken.places.length < 8e3) for (const place of along(piece)) taken.places.push(place);
+      [piece, corners] = [[], []];
     };
     curve.x.forEach((_, index) => {
       const [x, y] = this.at(p, curve, index);
       if (!Number.isFinite(x + y) || (curve.breaks && curve.breaks.has(index))) finish();
       // Browsers lose precision in coordinates that are millions of pixels away.
-      const near = value => Math.max(-1e5, Math.min(1e5, value)).toFixed(2);
-      if (Number.isFinite(x + y)) piece.push(near(x) + "," + near(y));
+      const near = value => Math.max(-1e5, Math.min(1e5, value));
+      if (!Number.isFinite(x + y)) return;
+      if (curve.corners && curve.corners.has(index)) corners.push(piece.length);
+      piece.push([near(x), near(y)]);
     });
     finish();
   }
 
-  drawSymbol(parent, p, mark) {
+  drawSymbol(parent, p, mark, taken) {
     const [x, y] = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
     const f = this.frames[p];
     if (!(x > f.left - 20 && x < f.left + f.width + 20 && y > f.top - 20 && y < f.top + f.height + 20)) return false;
     symbol(parent, mark.shape, x, y, mark.fill, mark.title, mark.open);
+    taken.symbols.push([x, y]);
     return true;
   }
 
-  /// The name of a symbol where it covers no other name: beside it, or further away with a line to it.
+  /// The name of a symbol where it covers least.
   drawName(parent, p, mark, taken) {
-    const [x, y] = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
-    const f = this.frames[p], width = 7.6 * mark.name.length + 4, height = 15;
-    const free = box => box.x > f.left && box.x + width < f.left + f.width && box.y > f.top && box.y + height < f.top + f.height
-      && !taken.some(other => box.x < other.x + other.width && other.x < box.x + width && Math.abs(box.y - other.y) < height);
-    const rows = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, 6];
-    const places = rows.flatMap(row => [7, -7 - width].map(dx => ({ x: x + dx, y: y - 18 - 16 * row + (row < 0 ? 6 : 0), width, row })));
-    const box = places.find(free);
+    const at = [this.px(toPlace(this.spec.x.kind, mark.x)), this.py(p, toPlace(this.spec.panels[p].kind, mark.y))];
+    const box = namePlace(at, { width: 7.4 * mark.name.length + 4, height: 15 }, this.frames[p], taken, !mark.optional);
     if (!box) return;
-    taken.push(box);
-    if (box.row > 0 || box.row < -1) {
-      const end = { x2: box.x > x ? box.x : box.x + width, y2: box.y + height / 2 + 2 };
-      svg(parent, "line", { x1: x, y1: y, ...end, class: "leader" });
+    taken.boxes.push(box);
+    if (box.far) {
+      const end = { x2: Math.max(box.x, Math.min(box.x + box.width, at[0])), y2: Math.max(box.y, Math.min(box.y + box.height, at[1])) };
+      svg(parent, "line", { x1: at[0], y1: at[1], ...end, class: "leader" });
     }
-    svg(parent, "text", { x: box.x + 2, y: box.y + 12, class: "name" }, mark.name);
+    svg(parent, "text", { x: box.x + box.width / 2, y: box.y + 12, "text-anchor": "middle", class: "name" }, mark.name);
   }
 
   drawOverlay() {
@@ -199,7 +211,7 @@ class Chart {
         }
       }
     });
-    return best;
+    return best && { ...best, at: [x, y] };
   }
 
   hover(found, tell = true) {
@@ -216,10 +228,12 @@ class Chart {
     this.tip.replaceChildren();
     lines.forEach((line, k) => html(this.tip, "div", { class: k ? "" : "head" }, line));
     this.said.textContent = lines.join(", ");
-    const [x, y] = this.at(found.panel || 0, curve, found.index);
+    // At the pointer, or at the point where the keyboard chose it.
+    const [x, y] = found.at || this.at(found.panel || 0, curve, found.index);
     const offset = this.svg.offsetTop, room = this.tip.offsetWidth + 18;
     this.tip.style.left = (x + room > this.size.width ? Math.max(0, x - room) : x + 16) + "px";
-    this.tip.style.top = Math.max(0, offset + y - this.tip.offsetHeight - 12) + "px";
+    const above = offset + y - this.tip.offsetHeight - 12;
+    this.tip.style.top = (above < offset ? offset + y + 18 : above) + "px";
   }
 
   // --- zooming

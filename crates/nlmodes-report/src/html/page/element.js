@@ -17,6 +17,7 @@ const html = (parent, name, attributes, text) => fill(document.createElement(nam
 
 const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 const raised = exponent => [...String(exponent)].map(character => RAISED[character]).join("");
+const TIMES_TEN = "\u2009×\u200910";
 const minus = text => text.replace(/-/g, "−");
 
 /// A number with so many significant digits: 4.97, 1.24×10⁹.
@@ -28,7 +29,7 @@ function significant(value, digits) {
     return minus(value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))));
   }
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-  return minus(mantissa) + "×10" + raised(Number(exponent));
+  return minus(mantissa) + TIMES_TEN + raised(Number(exponent));
 }
 
 const hertz = value => significant(value, 7) + " Hz";

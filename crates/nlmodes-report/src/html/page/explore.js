@@ -4,6 +4,12 @@ const SETTINGS = JSON.parse(document.getElementById("settings").textContent);
 const place = location.pathname.replace(/[^/]*$/, "");
 const byId = id => document.getElementById(id);
 const KEPT = 6;
+// A response answers a load of a frequency; a mode has its frequency at an energy.
+const IS_FORCED = SETTINGS.some(slider => /^(response|force|base_motion)\b/.test(slider.key));
+const AXES = IS_FORCED
+  ? [{ id: "frequency", label: "frequency in Hz", kind: "linear" }, { id: "peak", label: "largest displacement at the first stop in m", kind: "linear" }]
+  : [{ id: "energy", label: "averaged kinetic energy in J", kind: "log" }, { id: "frequency", label: "frequency in Hz", kind: "linear" }];
+const TITLE = IS_FORCED ? "Response over frequency" : "Frequency over averaged kinetic energy";
 
 const live = { values: {}, kept: [], branch: null, share: 0.6, running: null, latest: 0 };
 
@@ -84,13 +90,15 @@ async function save() {
 function show(branch) {
   if (live.branch) live.kept = [live.branch, ...live.kept].slice(0, KEPT);
   live.branch = branch;
-  const faint = live.kept.map((old, k) => ({ key: `kept ${k}`, x: old.energy, y: old.frequency, color: "#999999", width: 0.9, describes: false }));
-  const own = { key: 0, x: branch.energy, y: branch.frequency, color: branch.color, width: 2.2, breaks: new Set(branch.resumed) };
-  byId("curve").replaceChildren();
+  const [x, y] = AXES;
+  const faint = live.kept.map((old, k) => ({ key: `kept ${k}`, x: old[x.id], y: old[y.id], color: "#999999", width: 0.9, describes: false }));
+  const breaks = new Set(branch.resumed);
+  const own = { key: 0, x: branch[x.id], y: branch[y.id], color: branch.color, width: 2.2, breaks, corners: cornersOf(branch) };
+  if (live.chart) live.chart.end();
   live.chart = new Chart(byId("curve"), {
-    name: "Frequency over averaged kinetic energy", height: 330, zoomY: true,
-    x: { label: "averaged kinetic energy in J", kind: "log" },
-    panels: [{ label: "frequency in Hz", kind: "linear", curves: [...faint, own], symbols: [] }],
+    name: TITLE, height: 330, zoomY: true,
+    x: { label: x.label, kind: x.kind },
+    panels: [{ label: y.label, kind: y.kind, curves: [...faint, own], symbols: [] }],
     describe: (_, index) => [`point ${index}`, `frequency: ${hertz(branch.frequency[index])}`],
     onChoose: (_, index) => choose(index),
   });
@@ -114,5 +122,6 @@ function choose(index) {
 }
 
 live.motion = new Motion(byId("motion"), byId("controls"));
+byId("curve").closest(".box").querySelector("h2").textContent = TITLE;
 addSliders(byId("sliders"));
 compute();

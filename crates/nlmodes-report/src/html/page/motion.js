@@ -1,7 +1,7 @@
 // The structure as it moves over one period.
 
 const TRAIL = 16;
-const SIZE = { width: 760, height: 350, left: 74, right: 26, top: 16, bottom: 46, bar: 64 };
+const SIZE = { width: 620, height: 320, left: 74, right: 26, top: 16, bottom: 46, bar: 64 };
 
 const unpacked = ([scale, whole]) => whole.map(value => (value === null ? null : value * scale));
 
@@ -121,9 +121,9 @@ class Motion {
     for (const stop of this.motion.stops) {
       const [x, y] = [this.px(this.motion.x[stop.station]), this.py(stop.at)], away = stop.side > 0 ? -1 : 1;
       const right = Math.min(SIZE.width - 4, x + 22), left = x - 22;
-      svg(this.svg, "line", { x1: left, x2: right, y1: y, y2: y, class: "stop" });
+      svg(this.svg, "line", { x1: left, x2: right, y1: y, y2: y, class: "stop", stroke: stopColor(stop.number) });
       for (let at = left + 4; at <= right; at += 8) {
-        svg(this.svg, "line", { x1: at, y1: y, x2: Math.min(right, at + 6), y2: y + away * 8, class: "hatch" });
+        svg(this.svg, "line", { x1: at, y1: y, x2: Math.min(right, at + 6), y2: y + away * 8, class: "hatch", stroke: stopColor(stop.number) });
       }
     }
   }
@@ -147,8 +147,8 @@ class Motion {
     this.barEnds = [top, bottom];
     for (const stop of stops) {
       const at = this.bx(x[stop.station] + room * stop.at), away = stop.side > 0 ? 1 : -1;
-      svg(this.svg, "line", { x1: at, x2: at, y1: top - 8, y2: bottom + 8, class: "stop" });
-      for (let y = top - 6; y <= bottom + 4; y += 8) svg(this.svg, "line", { x1: at, y1: y, x2: at + away * 8, y2: y + 6, class: "hatch" });
+      svg(this.svg, "line", { x1: at, x2: at, y1: top - 8, y2: bottom + 8, class: "stop", stroke: stopColor(stop.number) });
+      for (let y = top - 6; y <= bottom + 4; y += 8) svg(this.svg, "line", { x1: at, y1: y, x2: at + away * 8, y2: y + 6, class: "hatch", stroke: stopColor(stop.number) });
     }
     for (const d of this.motion.held) {
       svg(this.svg, "rect", { x: this.bx(x[d]) - (d === 0 ? 6 : 0), y: top - 8, width: 6, height: bottom - top + 16, class: "clamp" });
@@ -211,6 +211,11 @@ class Motion {
     requestAnimationFrame(next => this.tick(next));
   }
 }
+
+const STOP_COLORS = ["#332288", "#882255", "#117733", "#999933", "#aa4499", "#44aa99", "#661100"];
+/// The colours repeat; what has one again is dashed.
+const stopDash = number => (number >= STOP_COLORS.length ? "6 3" : undefined);
+const stopColor = number => STOP_COLORS[number % STOP_COLORS.length];
 
 /// Value of a series over one period, given at ascending phases from 0 to 1.
 function between(phases, values, phase) {

@@ -4,9 +4,9 @@ function participationSpec(onHover, onChoose) {
   const modes = DATA.branches[0].participation.map((_, mode) => mode);
   const panels = modes.map(mode => ({
     label: `energy share, mode ${mode + 1}`, kind: "linear", symbols: [],
-    curves: DATA.branches.map((branch, key) => (
-      { key, x: branch.amplitude, y: branch.participation[mode], color: branch.color, breaks: new Set(branch.resumed) }
-    )),
+    curves: DATA.branches.map((branch, key) => ({
+      key, x: branch.amplitude, y: branch.participation[mode] || [], color: branch.color, breaks: new Set(branch.resumed), corners: cornersOf(branch),
+    })).filter(curve => curve.y.length),
   }));
   const describe = ({ key }, index) => {
     const branch = DATA.branches[key];
@@ -18,6 +18,6 @@ function participationSpec(onHover, onChoose) {
     ];
   };
   return {
-    name: "Shares in the kinetic energy over modal amplitude", x: { label: AMPLITUDE.label, kind: "linear" }, panels, height: 200, describe, onHover, onChoose,
+    name: "Shares in the kinetic energy over modal amplitude", x: { label: AMPLITUDE_LABEL, kind: "linear" }, panels, height: 200, describe, onHover, onChoose,
   };
 }

@@ -14,9 +14,25 @@ function span(places, share) {
   return [low - room, high + room];
 }
 
-/// Ticks between two places: `{place, label}`, without a label between the labelled ones.
+/// Ticks between two places: `{place, label}`, without a label between the labelled ones; three labels at least.
 function ticks(kind, [low, high], target) {
-  return (kind === "log" && logarithmicTicks(low, high, target)) || linearTicks(kind, low, high, target);
+  const of = n => (kind === "log" && logarithmicTicks(low, high, n)) || linearTicks(kind, low, high, n);
+  for (let n = target; n < target + 6; n++) {
+    const found = of(n);
+    if (found.filter(tick => tick.label).length >= 3) return found;
+  }
+  return of(target);
+}
+
+/// Ticks of an axis of so many pixels, as many as there is room for their labels.
+function roomyTicks(kind, view, pixels) {
+  const px = pixels / (view[1] - view[0]);
+  for (let target = Math.max(3, Math.round(pixels / 75)); target > 2; target--) {
+    const found = ticks(kind, view, target), labelled = found.filter(tick => tick.label);
+    const fits = (tick, k) => k === 0 || (tick.place - labelled[k - 1].place) * px > 3.7 * (tick.label.length + labelled[k - 1].label.length) + 10;
+    if (labelled.every(fits)) return found;
+  }
+  return ticks(kind, view, 2);
 }
 
 function linearTicks(kind, low, high, target) {
@@ -31,7 +47,7 @@ function linearTicks(kind, low, high, target) {
   const found = [];
   for (let k = Math.ceil(from / step - 1e-9); k * step <= to + 1e-9 * step; k++) {
     const number = minus((k * step / 10 ** exponent).toFixed(Math.min(decimals, 20)));
-    const label = exponent === 0 || k === 0 ? number : number + "×10" + raised(exponent);
+    const label = exponent === 0 || k === 0 ? number : number + TIMES_TEN + raised(exponent);
     found.push({ place: toPlace(kind, k * step), value: k * step, label });
   }
   return found;
@@ -52,6 +68,6 @@ function logarithmicTicks(low, high, target) {
   if (!set) return null;
   const plain = low >= -3.001 && high < 5;
   const text = ({ m, n, value }) =>
-    plain ? value.toFixed(Math.max(0, -n)) : (m === 1 ? "" : m + "×") + "10" + raised(n);
+    plain ? value.toFixed(Math.max(0, -n)) : (m === 1 ? "10" : m + TIMES_TEN) + raised(n);
   return all.map(tick => ({ ...tick, label: set.includes(tick.m) && tick.n % every === 0 ? text(tick) : null }));
 }

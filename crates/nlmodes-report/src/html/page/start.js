@@ -5,20 +5,21 @@ const DATA = JSON.parse(document.getElementById("data").textContent);
 function begin() {
   const byId = id => document.getElementById(id);
   document.documentElement.classList.add("live");
-  const boxes = [byId("energy"), byId("amplitude")].filter(Boolean);
+  const boxes = ["energy", "amplitude"].map(id => [byId(id), id]).filter(([box]) => box);
   let chosen = null;
-  const charts = boxes.length ? branchFigures(boxes, byId("participation"), byId("legend"), (key, index) => choose(key, index)) : [];
+  const figures = boxes.length ? branchFigures(boxes, byId("participation"), byId("legend"), (key, index) => choose(key, index)) : null;
   const motion = byId("motion") && new Motion(byId("motion"), byId("controls"));
 
   function choose(key, index) {
     const branch = DATA.branches[key];
     if (!branch || !(index in branch.frequency)) return;
     chosen = { key, index };
-    charts.forEach(chart => chart.choose(key, index));
+    if (figures) figures.charts().forEach(chart => chart.choose(key, index));
     const shown = motion ? motion.show(branch, index) : null;
     showDetails(byId("details"), branch, index, shown);
     if (byId("point")) { byId("point").max = branch.frequency.length - 1; byId("point").value = index; }
     if (byId("branch")) byId("branch").value = key;
+    byId("walk")?.querySelector("output")?.replaceChildren(`${index} of ${branch.frequency.length - 1}`);
     showContact(branch, shown);
   }
 
@@ -36,7 +37,9 @@ function begin() {
     };
     const all = motion.frame.contacts.map(one).filter(Boolean);
     if (!all.length) return;
-    all.forEach((history, place) => { history.color = all.length > 1 ? DATA.colors.stops[place % DATA.colors.stops.length] : undefined; });
+    motion.frame.contacts.map((contact, k) => contact && branch.motion.stops[k].number).filter(number => number !== null).forEach((number, k) => {
+      Object.assign(all[k], { wall: stopColor(number), color: all.length > 1 ? stopColor(number) : "#222222", dash: stopDash(number) });
+    });
     const history = { ...all[0], others: all.slice(1) };
     if (history.others.length) curveNames(box, history);
     const spec = historySpec(`Contacts at point ${shown}`, history, 130);
@@ -46,6 +49,12 @@ function begin() {
   }
 
   walk(byId("walk"), () => chosen, choose);
+  if (figures && byId("lay")) layOver(byId("lay"), branch => {
+    DATA.branches.push(branch);
+    figures.redraw();
+    const select = byId("branch");
+    if (select) html(select, "option", { value: DATA.branches.length - 1 }, branch.label);
+  });
   for (const box of document.querySelectorAll("[data-history]")) {
     const history = DATA.histories[Number(box.dataset.history)];
     if (history.others.length) curveNames(box, history);
@@ -79,6 +88,7 @@ function walk(box, chosen, choose) {
   arrow("◀", "Previous point", -1);
   const label = html(box, "label", { class: "grow" }, "point along the branch ");
   const slider = html(label, "input", { type: "range", min: 0, value: 0, step: 1, id: "point" });
+  html(label, "output", { class: "reading" });
   slider.addEventListener("input", () => chosen() && choose(chosen().key, Number(slider.value)));
   arrow("▶", "Next point", 1);
 }
@@ -95,6 +105,7 @@ function showDetails(box, branch, index, shown) {
     html(row, "th", { scope: "row" }, name);
     html(row, "td", {}, value);
   }
+  if (branch.force.some(force => force > 0)) html(box, "p", { class: "hint" }, "* of short blows the largest force need not converge with harmonics; the impulse does.");
   const shares = branch.shares[index];
   if (shares && shares.length > 1) showShares(box, shares);
 }
@@ -109,11 +120,9 @@ function showShares(box, shares) {
     html(row, "span", {}, String(n));
     const length = share > 0 ? Math.max(0, 1 + Math.log10(share) / 8) : 0;
     const picture = svg(row, "svg", { viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" });
-    svg(picture, "rect", { width: (100 * length).toFixed(2), height: 8, fill: branchColor(0) });
+    svg(picture, "rect", { width: (100 * length).toFixed(2), height: 8, fill: DATA.branches[0].color });
     html(row, "span", {}, share > 0 ? significant(100 * share, 3) + " %" : "0");
   });
 }
-
-const branchColor = index => DATA.branches[index].color;
 
 begin();

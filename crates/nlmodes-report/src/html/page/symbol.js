@@ -7,7 +7,14 @@ const CORNERS = {
 function symbol(parent, shape, x, y, color, name, open) {
   const attributes = open ? { class: "symbol open", stroke: color } : { class: "symbol", fill: color };
   let node;
-  if (shape === "star" || CORNERS[shape]) {
+  if (shape === "plus" || shape === "cross") {
+    const arm = [[-0.32, 6], [0.32, 6], [Math.PI / 4, 2.7]], turn = shape === "cross" ? 0.5 : 0;
+    const corner = (k, [angle, r]) => {
+      const at = angle + Math.PI / 2 * (k + turn - 1);
+      return (x + r * Math.cos(at)).toFixed(2) + "," + (y + r * Math.sin(at)).toFixed(2);
+    };
+    node = svg(parent, "polygon", { ...attributes, points: [0, 1, 2, 3].flatMap(k => arm.map(end => corner(k, end))).join(" ") });
+  } else if (shape === "star" || CORNERS[shape]) {
     const [n, radius, turn] = CORNERS[shape] || [10, 6.6, 0];
     const corner = k => {
       const angle = 2 * Math.PI * (k + turn) / n - Math.PI / 2;

@@ -1,0 +1,109 @@
+//! Stretches of a branch that are drawn alike.
+
+use crate::palette;
+use crate::svg::Stroke;
+use nlmodes_modal::{Event, ModalPoint, tongues};
+
+/// Events at which a branch may have a corner: the set of closed contacts changes, or branches cross.
+const CORNERS: [Event; 3] = [Event::Kink, Event::ContactChange, Event::BranchPoint];
+
+/// Most tongues that are drawn as strongly as the backbone.
+const FEW_TONGUES: usize = 3;
+
+/// The indices of the points at which a curve through them may have a corner.
+pub(in crate::figure) fn corners<'p>(points: impl IntoIterator<Item = &'p ModalPoint>) -> Vec<usize> {
+    let is_corner = |point: &ModalPoint| CORNERS.iter().any(|event| point.has_event(*event));
+    points.into_iter().enumerate().filter(|(_, point)| is_corner(point)).map(|(index, _)| index).collect()
+}
+
+/// What is known about the stability of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum State {
+    Stable,
+    Unstable,
+    Unknown,
+    /// Of no point of the branch anything is known.
+    NotJudged,
+}
+
+impl State {
+    pub fn of(point: &ModalPoint) -> Self {
+        match point.stability {
+            Some(stability) if stability.stable => Self::Stable,
+            Some(_) => Self::Unstable,
+            None => Self::Unknown,
+        }
+    }
+
+    pub fn class(self) -> &'static str {
+        match self {
+            Self::Stable | Self::NotJudged => "branch",
+            Self::Unstable => "branch unstable",
+            Self::Unknown => "branch stability-unknown",
+        }
+    }
+
+    /// Solid where stable, dotted where unstable; thin where unknown beside points that are known.
+    fn stroke(self, index: usize) -> Stroke {
+        match self {
+            Self::Stable | Self::NotJudged => branch_stroke(index),
+            Self::Unstable => Stroke::short_dashed(palette::curve(index), 2.0),
+            Self::Unknown => Stroke::solid(palette::curve(index), 0.9),
+        }
+    }
+}
+
+/// A stretch without gaps.
+pub(super) struct Piece<'p> {
+    pub points: &'p [ModalPoint],
+    pub state: State,
+    /// Whether it belongs to one of many tongues, above which the backbone is drawn.
+    pub is_behind: bool,
+}
+
+impl Piece<'_> {
+    /// How it is drawn as a part of the branch with this number.
+    pub fn stroke(&self, index: usize) -> Stroke {
+        let stroke = self.state.stroke(index);
+        if self.is_behind { Stroke { width: 0.5 * stroke.width, ..stroke } } else { stroke }
+    }
+}
+
+/// Stretches of a branch that are drawn alike, without gaps between them but for those that were left out; those that lie behind come first.
+///
+/// The stretch up to a change ends at its point, with which the next one begins.
+pub(super) fn pieces(points: &[ModalPoint]) -> Vec<Piece<'_>> {
+    let judged = points.iter().any(|point| point.stability.is_some());
+    let tongues = tongues(points);
+    let many = tongues.iter().filter(|tongue| !tongue.skipped).count() > FEW_TONGUES;
+    let on_tongue = |index: usize| {
+        let holds = |start: usize, end: Option<usize>| start <= index && end.is_none_or(|end| index <= end);
+        many && tongues.iter().any(|tongue| !tongue.skipped && holds(tongue.start, tongue.end))
+    };
+    let look = |index: usize| (if judged { State::of(&points[index]) } else { State::NotJudged }, on_tongue(index));
+    let (mut found, mut start) = (Vec::new(), 0);
+    let piece = |start: usize, end: usize| {
+        let (state, is_behind) = look(start);
+        Piece { points: &points[start..end], state, is_behind }
+    };
+    for end in 1..points.len() {
+        if points[end].has_event(Event::Resumed) {
+            found.push(piece(start, end));
+            start = end;
+        } else if look(end - 1) != look(end) {
+            // A curve of one state reaches to the point at which the other begins.
+            found.push(piece(start, end + 1));
+            start = end;
+        }
+    }
+    if start < points.len() {
+        found.push(piece(start, points.len()));
+    }
+    found.sort_by_key(|piece| !piece.is_behind);
+    found
+}
+
+/// The line of the branch with this number.
+pub(super) fn branch_stroke(index: usize) -> Stroke {
+    Stroke::solid(palette::curve(index), 2.0)
+}

@@ -1,0 +1,101 @@
+// Other results over those of the page: a table of a run or of a test, or the page of another run.
+
+/// The branches that a file holds; throws what is wrong with it.
+function branchesOf(name, text) {
+  if (/^\s*<!doctype html/i.test(text)) {
+    const found = new DOMParser().parseFromString(text, "text/html").getElementById("data");
+    const data = found && JSON.parse(found.textContent);
+    if (!data || !Array.isArray(data.branches)) throw new Error(`${name} is not a page of results.`);
+    data.branches.forEach(branch => nameEvents(branch, data.eventSymbols || []));
+    return data.branches.map(branch => ({ ...branch, label: `${branch.label} (${name})`, motion: null, participation: [] }));
+  }
+  return [branchOfTable(name, text)];
+}
+
+function rowsOf(text) {
+  const cells = line => [...line.matchAll(/("([^"]|"")*"|[^,]*)(,|$)/g)].map(match => match[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim());
+  return text.split(/\r?\n/).filter(line => line.trim()).map(cells);
+}
+
+function branchOfTable(name, text) {
+  const [head, ...rows] = rowsOf(text);
+  const place = column => (head || []).indexOf(column);
+  if (place("frequency_hz") < 0) throw new Error(`${name} has no column frequency_hz.`);
+  if (place("modal_amplitude") < 0 && place("energy_j") < 0) throw new Error(`${name} has neither a column modal_amplitude nor energy_j.`);
+  const number = (row, column) => {
+    const value = place(column) < 0 || !row[place(column)] ? NaN : Number(row[place(column)]);
+    return Number.isFinite(value) ? value : null;
+  };
+  const used = rows.filter(row => number(row, "frequency_hz") > 0);
+  if (!used.length) throw new Error(`${name} has no row with a frequency.`);
+  const column = id => used.map(row => number(row, id));
+  const events = {};
+  used.forEach((row, k) => { const text = row[place("event")]; if (place("event") >= 0 && text) events[k] = text.split(" "); });
+  return {
+    label: name, scattered: place("record") >= 0, frequency: column("frequency_hz"), energy: column("energy_j"), totalEnergy: column("total_energy_j"),
+    amplitude: column("modal_amplitude"), peak: column("peak_m"), contactFraction: column("contact_fraction"),
+    contactIntervals: column("contact_intervals"), force: column("peak_contact_force_n"), residual: column("residual"), stops: [], shares: [],
+    events, resonance: {}, unstable: [], multiplier: {}, tongues: [], participation: [], grazing: null, motion: null,
+    resumed: Object.keys(events).map(Number).filter(k => events[k].includes("resumed")),
+  };
+}
+
+/// By how much the frequency of what is laid over differs from that of a branch at equal modal amplitude, or energy where there is none.
+function difference(laid, own) {
+  const id = laid.amplitude.some(value => value !== null) ? "amplitude" : "energy";
+  const found = [];
+  laid[id].forEach((wanted, k) => {
+    if (wanted === null) return;
+    let best = null;
+    for (let j = 1; j < own[id].length; j++) {
+      const [a, b] = [own[id][j - 1], own[id][j]];
+      if (own.resumed.includes(j) || a === null || b === null || wanted < Math.min(a, b) || wanted > Math.max(a, b)) continue;
+      const there = own.frequency[j - 1] + (own.frequency[j] - own.frequency[j - 1]) * (a === b ? 0 : (wanted - a) / (b - a));
+      if (best === null || Math.abs(there - laid.frequency[k]) < Math.abs(best - laid.frequency[k])) best = there;
+    }
+    if (best !== null) found.push(100 * (laid.frequency[k] / best - 1));
+  });
+  const what = id === "amplitude" ? "modal amplitude" : "energy";
+  if (!found.length) return `${laid.label}: no point within the ${what} of ${own.label}.`;
+  const [least, most] = [Math.min(...found), Math.max(...found)], mean = found.reduce((sum, value) => sum + value, 0) / found.length;
+  const word = least > 0 ? "stiffer than" : most < 0 ? "softer than" : "softer here and stiffer there than";
+  const percent = value => (value > 0 ? "+" : "") + significant(value, 3) + " %";
+  return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${percent(mean)} on average `
+    + `(${percent(least)} to ${percent(most)}, ${found.length} points).`;
+}
+
+/// Events that this page does not know yet get a symbol in its legend.
+function nameEvents(branch, known) {
+  for (const name of Object.values(branch.events).flat()) {
+    if (DATA.eventSymbols.some(entry => entry.name === name)) continue;
+    DATA.eventSymbols.push(known.find(entry => entry.name === name) || { name, shape: "pentagon", fill: "#777777", layer: 0, meaning: "" });
+  }
+}
+
+/// A button for files, and the page as a place to drop them; `add` takes each branch.
+function layOver(box, add) {
+  const label = html(box, "label", { class: "file" }, "Lay over: branch.csv, modal_points.csv or report.html of another run, chosen or dropped here ");
+  const input = html(label, "input", { type: "file", multiple: "", accept: ".csv,.html" });
+  const said = html(box, "div", { role: "status" });
+  const read = async file => {
+    try {
+      for (const branch of branchesOf(file.name, await file.text())) {
+        nameEvents(branch, []);
+        branch.color = DATA.colors.branches[DATA.branches.length % DATA.colors.branches.length];
+        add(branch);
+        html(said, "p", {}, difference(branch, DATA.branches[0]));
+      }
+    } catch (error) {
+      html(said, "p", { class: "outcome early" }, error.message);
+    }
+  };
+  const all = async files => { for (const file of files) await read(file); };
+  input.addEventListener("change", () => all(input.files));
+  document.addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });
+  document.addEventListener("dragleave", event => { if (!event.relatedTarget) document.body.classList.remove("dropping"); });
+  document.addEventListener("drop", event => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    all(event.dataTransfer.files);
+  });
+}
