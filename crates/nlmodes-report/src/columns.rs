@@ -37,7 +37,7 @@ impl Column {
 }
 
 /// Columns of `overlay.csv`.
-pub const DIFFERENCE_COLUMNS: [Column; 9] = [
+pub const DIFFERENCE_COLUMNS: [Column; 11] = [
     Column::new("overlay", "", "name of what is laid over"),
     Column::new("point", "", "its point, from 0"),
     Column::new("modal_amplitude", "m √kg", "modal amplitude of both; NaN where energies are equal"),
@@ -51,6 +51,12 @@ pub const DIFFERENCE_COLUMNS: [Column; 9] = [
     ),
     Column::new("peak_contact_force_n", "N", "largest contact force of the point; NaN where it is not known"),
     Column::new("branch_peak_contact_force_n", "N", "that of the branch there"),
+    Column::new(
+        "impulse_ns",
+        "N·s",
+        "integral of all contact forces over a period at the point; NaN where it is not known",
+    ),
+    Column::new("branch_impulse_ns", "N·s", "that of the branch there"),
 ];
 
 /// A file of results.

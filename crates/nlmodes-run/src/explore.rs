@@ -16,7 +16,8 @@ const MOST_POINTS: usize = 600;
 /// Instants of a period of the contacts.
 const SAMPLES: usize = 120;
 
-/// Computes the branch of a scene from its start; one way where it goes both ways, without stability.
+/// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with responses the first
+/// curve of the first one.
 ///
 /// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it.
 ///
@@ -24,8 +25,7 @@ const SAMPLES: usize = 120;
 /// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.
 pub fn picture(file: &SceneFile, watch: Watch) -> Result<String, RunError> {
     if !file.scene.responses.is_empty() {
-        let help = ["leave out [[response]] for the nonlinear mode"];
-        return Err(file.error_at("response", "responses are not explored yet", "here", &help).into());
+        return crate::responses::picture(file, &watch);
     }
     let Models { model: _, massless, .. } = models(file)?;
     let plain = branch_settings(&file.scene);

@@ -42,6 +42,7 @@ pub fn remove_figures(directory: &Path) {
         "frequency_amplitude.svg",
         "contacts.svg",
         "overlay.csv",
+        "methods.csv",
         "participation.svg",
         "participation.csv",
         "report.html",

@@ -77,6 +77,7 @@ mod refusal;
 pub mod responses;
 mod settings;
 pub mod study;
+mod style;
 pub mod updating;
 pub mod verify;
 pub mod virtual_test;

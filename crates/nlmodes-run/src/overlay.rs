@@ -1,5 +1,6 @@
 //! Results of other runs, and of tests, laid over those of a scene, with the differences in numbers.
 
+mod contacts;
 mod differences;
 mod read;
 

@@ -7,6 +7,7 @@ mod figures;
 mod histories;
 mod model;
 mod page;
+mod picture;
 mod structure;
 mod summary;
 mod tables;
@@ -19,11 +20,13 @@ use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
 use crate::claim::{Claim, identity};
+use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
+pub(crate) use picture::picture;
 
 /// What came out of the responses of a scene.
 #[derive(Debug)]
@@ -125,7 +128,8 @@ fn files(scene: &Scene, model: &Model, curves: &[ComputedResponse], began: Insta
     summary::write(directory, scene, model, curves, began)?;
     let figures = figures::all(scene, model, curves)?;
     if scene.files.figures {
-        figures.iter().try_for_each(|(name, _, figure)| figure.write(directory.join(name)))?;
+        let style = style_of(&scene.files);
+        figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
     }
     if scene.files.page { page::write(directory, scene, model, curves, figures) } else { Ok(()) }
 }

@@ -250,7 +250,7 @@ fn write(
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
     let laid = Overlaid::new(laid, &first.branch);
-    laid.write(directory)?;
+    laid.write(directory, "overlay.csv")?;
     if !(scene.files.figures || scene.files.page) {
         return Ok(());
     }
@@ -264,7 +264,14 @@ fn write(
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let certified: Vec<&Certificate> = certificates.iter().collect();
-    page::write(directory, &[scene], linear, (&branches, &certified), &participation, (&references, &laid))
+    page::write(
+        directory,
+        &[scene],
+        linear,
+        (&branches, &certified),
+        &participation,
+        (&references, &laid, &Overlaid::others(&[])),
+    )
 }
 
 /// Writes the motions of the contacts at some points, and the results for MATLAB.

@@ -128,5 +128,7 @@ fn files(raw: Option<&RawResults>) -> OutputFiles {
         page: raw.page.unwrap_or(default.page),
         matlab: raw.matlab.unwrap_or(default.matlab),
         histories,
+        figure_width_mm: raw.figure_width_mm,
+        figure_titles: raw.figure_titles.unwrap_or(default.figure_titles),
     }
 }

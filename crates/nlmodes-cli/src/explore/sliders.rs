@@ -70,9 +70,31 @@ pub fn sliders(file: &SceneFile) -> Vec<Slider> {
     for (key, label, unit, kind, factors) in plain {
         found.extend(positive(file, key, label.to_owned(), unit, kind, factors));
     }
+    // Without responses nothing is damped or driven.
+    if !file.scene.responses.is_empty() {
+        found.extend(loads(file));
+    }
     found.extend(whole(file, "method.harmonics", "harmonics", 20.0));
     found.extend(whole(file, "method.mode", "mode", 6.0));
     found
+}
+
+/// Damping and what drives the structure.
+fn loads(file: &SceneFile) -> Vec<Slider> {
+    let mut keys = vec![
+        ("damping.ratio".to_owned(), "damping ratio".to_owned(), ""),
+        ("damping.ratios.0".to_owned(), "damping ratio of mode 1".to_owned(), ""),
+        ("response.0.levels_n.0".to_owned(), "force".to_owned(), "N"),
+        ("response.0.levels_m_s2.0".to_owned(), "acceleration of the base".to_owned(), "m/s²"),
+        ("base_motion.acceleration_m_s2".to_owned(), "acceleration of the base".to_owned(), "m/s²"),
+    ];
+    let forces = file.scene.forces.len();
+    let name = |k: usize| if forces > 1 { format!("force {k}") } else { "force".to_owned() };
+    keys.extend((0..forces).map(|k| (format!("force.{k}.amplitude_n"), name(k), "N")));
+    let slider = |(key, label, unit): (String, String, &'static str)| {
+        positive(file, &key, label, unit, Kind::Logarithmic, [0.2, 5.0])
+    };
+    keys.into_iter().filter_map(slider).collect()
 }
 
 /// The number that stands at a key.

@@ -5,7 +5,7 @@ use crate::table::{
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 17] = [
+pub const FILES: [FileMeaning; 18] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -45,6 +45,11 @@ pub const FILES: [FileMeaning; 17] = [
     FileMeaning {
         name: "overlay.csv",
         meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy where they have no amplitude",
+        columns: &[&DIFFERENCE_COLUMNS],
+    },
+    FileMeaning {
+        name: "methods.csv",
+        meaning: "Where a scene has several methods or numbers of harmonics: each point of the others against the first one at equal modal amplitude",
         columns: &[&DIFFERENCE_COLUMNS],
     },
     FileMeaning {

@@ -23,6 +23,10 @@ pub struct Difference {
     pub frequency: f64,
     /// Frequency of the branch there, Hz.
     pub own_frequency: f64,
+    /// Integral of all contact forces over a period at the point, N·s, NaN where it is not known.
+    pub impulse: f64,
+    /// That of the branch there, N·s.
+    pub own_impulse: f64,
     /// Largest contact force of the point, N, NaN where it is not known.
     pub force: f64,
     /// That of the branch there, N.
@@ -51,19 +55,50 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
         let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
         let within = (a.min(b)..=a.max(b)).contains(&wanted);
         let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
-        within.then(|| (at(|p| p.omega), at(|p| p.peak_contact_force)))
+        within.then(|| (at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)))
     });
-    let off = |(omega, _): &(f64, f64)| (omega - point.omega).abs();
-    let (omega, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let off = |(omega, ..): &(f64, f64, f64)| (omega - point.omega).abs();
+    let (omega, own_impulse, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;
     Some(Difference {
         point: number,
         amplitude: if by_amplitude { wanted } else { f64::NAN },
         energy: if by_amplitude { f64::NAN } else { wanted },
         frequency: point.omega / TAU,
         own_frequency: omega / TAU,
+        impulse: impulse(point),
+        own_impulse,
         force: point.peak_contact_force,
         own_force: force,
     })
+}
+
+/// The integral of all contact forces over a period, N·s; NaN where no contact is known.
+fn impulse(point: &ModalPoint) -> f64 {
+    if point.contacts.is_empty() { f64::NAN } else { point.contacts.iter().map(|contact| contact.impulse).sum() }
+}
+
+/// Mean, least and largest of the relative differences in per cent; none without a pair of values.
+fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 3]> {
+    let all: Vec<f64> = pairs
+        .filter(|(_, own)| *own != 0.0)
+        .map(|(value, own)| 100.0 * (value / own - 1.0))
+        .filter(|p| p.is_finite())
+        .collect();
+    let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    (!all.is_empty()).then(|| [all.iter().sum::<f64>() / all.len() as f64, least, most])
+}
+
+/// By how much the impulse differs, and the largest force, which need not converge; nothing where neither is known.
+fn of_forces(found: &[Difference]) -> String {
+    let text = |name: &str, note: &str, range: Option<[f64; 3]>| {
+        range.map_or_else(String::new, |[mean, least, most]| {
+            format!("; {name} by {mean:+.3} % ({least:+.3} to {most:+.3} %){note}")
+        })
+    };
+    let impulse = percent(found.iter().map(|d| (d.impulse, d.own_impulse)));
+    let force = percent(found.iter().map(|d| (d.force, d.own_force)));
+    let note = ", which of short blows need not converge with harmonics";
+    text("its impulse a period", "", impulse) + &text("its largest force", note, force)
 }
 
 /// Whether what is laid over is softer or stiffer than the branch, in a sentence.
@@ -72,9 +107,8 @@ pub fn sentence(laid: &Laid, found: &[Difference]) -> String {
     if found.is_empty() {
         return format!("{name}: no point within the amplitudes of the branch");
     }
-    let percent: Vec<f64> = found.iter().map(|difference| 100.0 * difference.relative()).collect();
-    let mean = percent.iter().sum::<f64>() / percent.len() as f64;
-    let (least, most) = percent.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    let range = percent(found.iter().map(|difference| (difference.frequency, difference.own_frequency)));
+    let [mean, least, most] = range.unwrap_or([f64::NAN; 3]);
     let word = match (least > 0.0, most < 0.0) {
         (true, _) => "stiffer than",
         (_, true) => "softer than",
@@ -82,8 +116,9 @@ pub fn sentence(laid: &Laid, found: &[Difference]) -> String {
     };
     let what = if found[0].amplitude.is_finite() { "modal amplitude" } else { "energy" };
     format!(
-        "{name}: {word} this branch; its frequency at equal {what} differs by {mean:+.3} % on average ({least:+.3} to {most:+.3} %, {} points)",
-        found.len()
+        "{name}: {word} this branch; its frequency at equal {what} differs by {mean:+.3} % on average ({least:+.3} to {most:+.3} %, {} points){}",
+        found.len(),
+        of_forces(found)
     )
 }
 
@@ -97,6 +132,8 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
         "frequency, Hz",
         "this branch, Hz",
         "difference, %",
+        "impulse, N s",
+        "this branch, N s",
         "force, N",
         "this branch, N",
     ];
@@ -114,6 +151,8 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
             text(difference.frequency),
             text(difference.own_frequency),
             format!("{:.4}", 100.0 * difference.relative()).replace('-', "−"),
+            short(difference.impulse),
+            short(difference.own_impulse),
             short(difference.force),
             short(difference.own_force),
         ]);
@@ -122,7 +161,7 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
 }
 
 /// Writes the differences of all that is laid over, a row a point: `overlay`, `point`, `modal_amplitude`, `energy_j`, `frequency_hz`,
-/// `branch_frequency_hz`, `relative_difference`, `peak_contact_force_n`, `branch_peak_contact_force_n`.
+/// `branch_frequency_hz`, `relative_difference`, `peak_contact_force_n`, `branch_peak_contact_force_n`, `impulse_ns`, `branch_impulse_ns`.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
@@ -141,6 +180,8 @@ pub fn write(path: &Path, all: &[(Laid, Vec<Difference>)]) -> Result<(), ReportE
                 difference.relative(),
                 difference.force,
                 difference.own_force,
+                difference.impulse,
+                difference.own_impulse,
             ];
             let row = [laid.branch.label.clone(), difference.point.to_string()].into_iter().chain(values.map(number));
             table.write_record(row).map_err(failed)?;
@@ -156,6 +197,7 @@ pub fn write(path: &Path, all: &[(Laid, Vec<Difference>)]) -> Result<(), ReportE
 mod tests {
     use super::super::read;
     use super::*;
+    use nlmodes::modal::ContactPeriod;
     use nlmodes_scene::scene::Overlay;
     use std::fs;
 
@@ -192,6 +234,27 @@ mod tests {
             let said = sentence(&test, &found);
             assert!(said.contains("softer than") && said.contains("-2.000 %"), "{said}");
         }
+    }
+
+    #[test]
+    fn impulses_are_compared_where_both_are_known() {
+        let contact = |impulse: f64| ContactPeriod { impulse, ..ContactPeriod::default() };
+        let table = "frequency_hz,modal_amplitude,peak_contact_force_n\n10,1,100\n11,2,300\n12,3,500\n";
+        let (mut own, mut other) =
+            (laid(table), laid("frequency_hz,modal_amplitude,peak_contact_force_n\n11.5,2.5,800\n"));
+        assert!(differences(&other, &own.branch)[0].impulse.is_nan());
+        for (k, point) in own.branch.points.iter_mut().enumerate() {
+            point.contacts = vec![contact(k as f64), contact(2.0 * k as f64)];
+        }
+        other.branch.points[0].contacts = vec![contact(1.5), contact(3.6)];
+        let found = differences(&other, &own.branch);
+        // Half-way between 3 and 6 N s, and between 300 and 500 N.
+        assert!((found[0].impulse - 5.1).abs() < 1e-12 && (found[0].own_impulse - 4.5).abs() < 1e-12);
+        let said = sentence(&other, &found);
+        assert!(
+            said.contains("impulse a period by +13.333 %") && said.contains("largest force by +100.000 %"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -1,12 +1,17 @@
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use nlmodes::modal::{BranchEnd, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::modal::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
 use nlmodes_scene::scene::Overlay;
 use thiserror::Error;
 
+use super::contacts;
+
 /// Tables of a folder of results that hold modal points: of a branch, of records.
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
+/// Table of the contacts beside that of a branch.
+const CONTACTS: &str = "contacts.csv";
 /// Most rows that are read.
 const MOST_ROWS: usize = 1_000_000;
 
@@ -68,12 +73,17 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
     }
     let columns =
         Columns { frequency, energy, amplitude, force: column("peak_contact_force_n"), event: column("event") };
+    let number = column("point");
+    let mut contacts = contacts_beside(&path)?;
     let mut points = Vec::new();
     for (count, row) in table.records().enumerate() {
         if count == MOST_ROWS {
             return Err(OverlayError::TooManyRows(path));
         }
-        points.extend(columns.point(&row.map_err(failed)?));
+        let row = row.map_err(failed)?;
+        let beside = number.and_then(|number| row.get(number)?.trim().parse::<usize>().ok());
+        let beside = beside.and_then(|number| contacts.remove(&number)).unwrap_or_default();
+        points.extend(columns.point(&row).map(|point| ModalPoint { contacts: beside, ..point }));
     }
     if points.is_empty() {
         return Err(OverlayError::NoPoint(path));
@@ -89,6 +99,15 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         end: BranchEnd::given(message),
     };
     Ok(Laid { branch, is_scattered })
+}
+
+/// What the contacts do at each point of a branch, by its number, if a table beside it says so.
+fn contacts_beside(path: &Path) -> Result<HashMap<usize, Vec<ContactPeriod>>, OverlayError> {
+    let table = path.with_file_name(CONTACTS);
+    if !path.ends_with(TABLES[0]) || !table.is_file() {
+        return Ok(HashMap::new());
+    }
+    contacts::read(&table).map_err(|source| OverlayError::Table { path: table, source })
 }
 
 /// The table of a folder, or the table itself.

@@ -92,11 +92,11 @@ pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
 
 fn frequency_figure(title: &str, measured: &ModalBranch, computed: &[&ModalBranch]) -> Result<Figure, Failure> {
     let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(computed.iter().copied()).collect();
-    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title);
-    for k in 0..measured.points.len() {
-        // More numbers than these would cover each other.
-        let name = if measured.points.len() <= NAMED { (k + 1).to_string() } else { String::new() };
-        figure = figure.mark(0, k, name);
+    // Nothing was measured between the records.
+    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title).scattered(&[0]);
+    // More numbers than these would cover each other.
+    for k in (0..measured.points.len()).filter(|_| measured.points.len() <= NAMED) {
+        figure = figure.mark(0, k, (k + 1).to_string());
     }
     Ok(figure.render()?)
 }
@@ -119,7 +119,11 @@ fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Fa
     let amplitudes: Vec<f64> = usable.iter().map(|(amplitude, ..)| *amplitude).collect();
     let damping: Vec<(f64, f64)> = usable.iter().map(|(_, damping, ..)| *damping).collect();
     let pbmif: Vec<(f64, f64)> = usable.iter().map(|(_, _, pbmif, _)| *pbmif).collect();
-    let figure = MeasuredFigure::new(&amplitudes).title(title).panel("damping", &damping).panel(&label, &pbmif);
+    let figure = MeasuredFigure::new(&amplitudes)
+        .title(title)
+        .scattered()
+        .bars("bars: uncertainty from the scatter of the record");
+    let figure = figure.panel("damping ratio", &damping).panel(&label, &pbmif);
     Ok(Some(drawn("damping_amplitude.svg", "Damping and mode indicator", figure.render()?)))
 }
 
@@ -131,7 +135,10 @@ fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>
         return Ok(None);
     }
     let figure = MeasuredFigure::new(&speeds).over("approach speed in m/s").title(title).scattered();
-    let figure = figure.panel("coefficient of restitution", &values).render()?;
+    let figure = figure
+        .bars("bars: standard deviation of the impacts of a record")
+        .panel("coefficient of restitution", &values)
+        .render()?;
     Ok(Some(drawn("restitution.svg", "Coefficient of restitution", figure)))
 }
 

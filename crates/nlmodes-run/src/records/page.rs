@@ -41,7 +41,8 @@ pub fn write(
         };
     }
     let branches: Vec<&ModalBranch> = own.iter().chain(computed.iter().copied()).collect();
-    let mut report = HtmlReport::new(title, &branches);
+    let scattered: &[usize] = if own.is_some() { &[0] } else { &[] };
+    let mut report = HtmlReport::new(title, &branches).scattered(scattered);
     for line in lines {
         report = report.line(line);
     }

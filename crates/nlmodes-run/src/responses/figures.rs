@@ -151,7 +151,8 @@ impl Draw<'_> {
     }
 }
 
-fn kind(kind: ResponseKind) -> LineKind {
+/// How curves of this kind are drawn.
+pub fn kind(kind: ResponseKind) -> LineKind {
     match kind {
         ResponseKind::Frequency | ResponseKind::Force => LineKind::Response,
         ResponseKind::PhaseResonance => LineKind::Resonance,

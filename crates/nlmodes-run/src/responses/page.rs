@@ -11,7 +11,7 @@ use nlmodes_scene::scene::Scene;
 use super::certified::certificate;
 use super::convert::Converter;
 use super::curves::ComputedResponse;
-use super::figures::Named;
+use super::figures::{Named, kind};
 use super::histories;
 use super::model::Model;
 use crate::Failure;
@@ -37,19 +37,12 @@ pub fn write(
         let subharmonic = scene.responses[computed.response].subharmonic;
         histories::of_point(model, computed.points().get(point)?, subharmonic, SAMPLES, &computed.name).ok()
     };
-    let line = |(i, gap): (usize, &f64)| {
-        Some(StopLine {
-            coordinate: model.contact_coordinates.get(i).copied().flatten()?,
-            position: model.sides[i] * gap,
-            positive: model.sides[i] > 0.0,
-        })
-    };
-    let stops: Vec<StopLine> = model.gaps.iter().enumerate().filter_map(line).collect();
     let harmonics = scene.method.harmonics;
     let mut report = HtmlReport::new(&scene.title, &references)
         .line(format!("Damped and forced motions; {harmonics} harmonics, {} modes", model.open_modes().n_modes()))
         .clamped_at(&model.held_ends)
-        .stops(&stops)
+        .stops(&stops(model))
+        .kinds(&shown.iter().map(|computed| kind(computed.kind)).collect::<Vec<_>>())
         .contact_motion(&motion)
         .table(resonances(model, curves))
         .document("Scene as read, in SI units", scene)?;
@@ -66,6 +59,18 @@ pub fn write(
         report = if k == 0 { report.leading_figure(title, figure) } else { report.figure(title, figure) };
     }
     Ok(report.write(directory.join("report.html"))?)
+}
+
+/// The stops that have a coordinate.
+pub fn stops(model: &Model) -> Vec<StopLine> {
+    let line = |(i, gap): (usize, &f64)| {
+        Some(StopLine {
+            coordinate: model.contact_coordinates.get(i).copied().flatten()?,
+            position: model.sides[i] * gap,
+            positive: model.sides[i] > 0.0,
+        })
+    };
+    model.gaps.iter().enumerate().filter_map(line).collect()
 }
 
 /// Phase resonances at the levels of the scene.

@@ -12,6 +12,7 @@ use super::overlaid::Overlaid;
 use super::sink::branch_directory;
 use super::stops;
 use crate::Failure;
+use crate::style::style_of;
 use nlmodes_scene::scene::Scene;
 
 /// Linear modes whose participation is written.
@@ -29,7 +30,7 @@ pub fn write(
     (references, laid): (&[Reference], &Overlaid),
 ) -> Result<(), Failure> {
     let Some(computed) = all.first() else { return Ok(()) };
-    let branch = &computed.branch;
+    let (branch, style) = (&computed.branch, style_of(&scene.files));
     let branches: Vec<&ModalBranch> = all.iter().map(|computed| &computed.branch).collect();
     let motions = figure_points(branch);
     let shown: Vec<&ModalBranch> = branches.iter().copied().chain(laid.branches()).collect();
@@ -38,22 +39,22 @@ pub fn write(
     for (k, point) in motions.iter().enumerate() {
         energy = energy.mark(0, *point, (k + 1).to_string());
     }
-    energy.render()?.write(directory.join("frequency_energy.svg"))?;
+    energy.render()?.styled(&style).write(directory.join("frequency_energy.svg"))?;
     let mut amplitude = BranchFigure::new(Abscissa::ModalAmplitude, &shown).title(&scene.title).scattered(&scattered);
     for reference in references {
         amplitude = amplitude.mark(0, reference.point, &reference.name);
     }
-    amplitude.render()?.write(directory.join("frequency_amplitude.svg"))?;
+    amplitude.render()?.styled(&style).write(directory.join("frequency_amplitude.svg"))?;
     let contacts = ContactFigure::new(branch, &stops::names(computed)).title(&scene.title);
-    contacts.render()?.write(directory.join("contacts.svg"))?;
+    contacts.render()?.styled(&style).write(directory.join("contacts.svg"))?;
     participation(directory, scene, &branches, &found.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     let (clamped, stops) = (held_ends(scene, computed), stops::lines(computed));
     // A structure in open modes moves in modal coordinates, which are nowhere.
     for (k, point) in motions.iter().enumerate().filter(|_| !scene.is_in_open_modes()) {
         let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).stops(&stops).render()?;
-        figure.write(directory.join(format!("motion_{}.svg", k + 1)))?;
+        figure.styled(&style).write(directory.join(format!("motion_{}.svg", k + 1)))?;
     }
-    histories::write(directory, references)
+    histories::write(directory, references, &style)
 }
 
 /// Writes the participation of the lowest linear modes as tables.
@@ -78,7 +79,7 @@ pub fn participation(
     let pairs: Vec<(&ModalBranch, &[Participation])> = branches.iter().copied().zip(found.iter().copied()).collect();
     let modes = found.first().and_then(|p| p.first()).map_or(0, |p| p.energy_shares.len()).min(SHOWN_MODES);
     let figure = ParticipationFigure::new(&pairs, modes).title(&scene.title).render()?;
-    Ok(figure.write(directory.join("participation.svg"))?)
+    Ok(figure.styled(&style_of(&scene.files)).write(directory.join("participation.svg"))?)
 }
 
 /// Ends of the structure at which the direction of the first contact is held.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::modal::TimeHistory;
-use nlmodes::report::{HistoryFigure, PointHistories};
+use nlmodes::report::{FigureStyle, HistoryFigure, PointHistories};
 use nlmodes::study::{ComputedBranch, Histories, StudyError, figure_points, reference_points};
 use nlmodes_scene::scene::OutputFiles;
 
@@ -41,6 +41,8 @@ pub struct Curves<'r> {
     pub title: String,
     /// The curves.
     pub histories: Vec<&'r TimeHistory>,
+    /// Number of the stop of each.
+    pub stops: Vec<usize>,
 }
 
 impl Reference {
@@ -56,8 +58,9 @@ impl Reference {
                 } else {
                     String::new()
                 };
-                let histories = shown.into_iter().map(|stop| &only[stop]).collect();
-                vec![Curves { file: format!("history_{}", self.name), title: format!("{}{of}", self.title), histories }]
+                let histories = shown.iter().map(|stop| &only[*stop]).collect();
+                let (file, title) = (format!("history_{}", self.name), format!("{}{of}", self.title));
+                vec![Curves { file, title, histories, stops: shown }]
             }
             several => {
                 let stops = several.first().map_or(&[] as &[_], Vec::as_slice);
@@ -69,6 +72,7 @@ impl Reference {
                         file: format!("history_{}{ending}", self.name),
                         title: format!("{}{named}", self.title),
                         histories: several.iter().filter_map(|motion| motion.get(stop)).collect(),
+                        stops: vec![stop; several.len()],
                     }
                 };
                 shown.into_iter().enumerate().map(curves).collect()
@@ -149,10 +153,10 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
 ///
 /// # Errors
 /// If one cannot be drawn or written.
-pub fn write(directory: &Path, references: &[Reference]) -> Result<(), Failure> {
+pub fn write(directory: &Path, references: &[Reference], style: &FigureStyle) -> Result<(), Failure> {
     for curves in references.iter().flat_map(Reference::curves) {
-        let figure = HistoryFigure::new(&curves.histories).title(&curves.title).with_acceleration().render()?;
-        figure.write(directory.join(format!("{}.svg", curves.file)))?;
+        let figure = HistoryFigure::new(&curves.histories).at_stops(&curves.stops).title(&curves.title);
+        figure.with_acceleration().render()?.styled(style).write(directory.join(format!("{}.svg", curves.file)))?;
     }
     Ok(())
 }

@@ -16,12 +16,19 @@ impl Overlaid {
         Self(laid.iter().map(|laid| (laid.clone(), differences(laid, first))).collect())
     }
 
+    /// The other branches of a run against its first one.
+    pub fn others(all: &[&ModalBranch]) -> Self {
+        let Some((first, others)) = all.split_first() else { return Self(Vec::new()) };
+        let laid = |branch: &&ModalBranch| Laid { branch: (*branch).clone(), is_scattered: false };
+        Self::new(&others.iter().map(laid).collect::<Vec<_>>(), first)
+    }
+
     /// Writes the differences, where there is anything laid over.
     ///
     /// # Errors
     /// [`ReportError::Io`].
-    pub fn write(&self, directory: &Path) -> Result<(), ReportError> {
-        if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), &self.0) }
+    pub fn write(&self, directory: &Path, name: &str) -> Result<(), ReportError> {
+        if self.0.is_empty() { Ok(()) } else { write(&directory.join(name), &self.0) }
     }
 
     /// The branches that are laid over.

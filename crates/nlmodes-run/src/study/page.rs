@@ -23,14 +23,14 @@ use nlmodes_scene::scene::Scene;
 const MOTION_SAMPLES: usize = 400;
 
 /// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch,
-/// and `references`, whose time histories it shows.
+/// and `references`, whose time histories it shows; `methods` are the differences of the other methods from the first.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
     (all, certificates): (&[&ComputedBranch], &[&Certificate]),
     participation: &[&[Participation]],
-    (references, laid): (&[Reference], &Overlaid),
+    (references, laid, methods): (&[Reference], &Overlaid, &Overlaid),
 ) -> Result<(), Failure> {
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
     let computed = all.iter().map(|computed| &computed.branch);
@@ -58,10 +58,10 @@ pub fn write(
     if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);
     }
-    for text in laid.sentences() {
+    for text in methods.sentences().chain(laid.sentences()) {
         report = report.line(text);
     }
-    for table in laid.tables() {
+    for table in methods.tables().chain(laid.tables()) {
         report = report.table(table);
     }
     for computed in all {
@@ -84,7 +84,7 @@ pub fn write(
     for reference in references {
         report = report.mark(0, reference.point, &reference.name);
         for curves in reference.curves() {
-            report = report.histories(curves.title, &curves.histories);
+            report = report.histories_at(curves.title, &curves.histories, &curves.stops);
         }
     }
     Ok(report.write(directory.join("report.html"))?)

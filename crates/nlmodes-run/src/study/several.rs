@@ -13,6 +13,7 @@ use crate::certificate::Certificate;
 use crate::claim::Claim;
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
+use crate::style::style_of;
 use crate::{Event, Failure, Observer, RunError, overlay};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
@@ -167,8 +168,11 @@ fn write_figures(
         _ => return Ok(()),
     };
     let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();
-    laid.write(directory)?;
+    laid.write(directory, "overlay.csv")?;
+    let methods = Overlaid::others(all);
+    methods.write(directory, "methods.csv")?;
     if scene.files.figures {
+        let style = style_of(&scene.files);
         for (abscissa, name) in
             [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
         {
@@ -177,14 +181,21 @@ fn write_figures(
             for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
                 figure = figure.mark(0, reference.point, &reference.name);
             }
-            figure.render()?.write(directory.join(name))?;
+            figure.render()?.styled(&style).write(directory.join(name))?;
         }
         figures::participation(directory, scene, all, participation)?;
-        histories::write(directory, &references)?;
+        histories::write(directory, &references, &style)?;
     }
     if !scene.files.page {
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(directory, &scenes, &first.linear, (branches, certificates), participation, (&references, &laid))
+    page::write(
+        directory,
+        &scenes,
+        &first.linear,
+        (branches, certificates),
+        participation,
+        (&references, &laid, &methods),
+    )
 }
