@@ -17,13 +17,13 @@ fn surface_covers_the_structure_from_the_clamp_to_the_tip_over_one_period() {
 }
 
 #[test]
-fn tip_touches_the_blue_line_of_the_stop_and_stays_below() {
+fn tip_touches_the_line_of_the_stop_and_stays_below() {
     let branch = samples::rod(20, 60);
     let figure = MotionFigure::new(&branch, 12).clamped_at(&[0.0]).render().unwrap();
     let document = checked(&figure);
     let (stop, tip) = (of_class(&document, "stop"), of_class(&document, "contact"));
     assert_eq!((stop.len(), tip.len()), (64, 64));
-    assert!(stop.iter().all(|piece| piece.attribute("stroke") == Some("#0050d0")));
+    assert!(stop.iter().all(|piece| piece.attribute("stroke") == Some("#332288")));
     let sorted = |pieces: Vec<roxmltree::Node<'_, '_>>| {
         let mut starts: Vec<(f64, f64)> = pieces.into_iter().map(|piece| points(piece)[0]).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
