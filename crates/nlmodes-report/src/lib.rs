@@ -32,7 +32,7 @@
 //! `ω = π ω₀ / (π − arccos(g₀/a))`.
 //!
 //! ```
-//! use nlmodes_modal::{BranchEnd, Coordinate, HarmonicCoefficients, ModalBranch, ModalPoint};
+//! use nlmodes_modal::{BranchEnd, Coordinate, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
 //! use nlmodes_report::{Abscissa, BranchFigure, write_branch};
 //! use std::f64::consts::PI;
 //!
@@ -54,7 +54,7 @@
 //!     contacts: Vec::new(),
 //!     residual: 0.0,
 //!     error_estimate: None,
-//!     events: if amplitude == stop { vec!["grazing".into()] } else { Vec::new() },
+//!     events: if amplitude == stop { vec![Event::Grazing] } else { Vec::new() },
 //! };
 //! let branch = ModalBranch {
 //!     label: "exact".into(),

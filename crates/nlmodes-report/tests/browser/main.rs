@@ -129,7 +129,7 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
     assert_eq!(browser.number("return document.querySelectorAll('img, iframe, link, object').length"), 0.0);
     assert_eq!(browser.number("return document.querySelectorAll('script').length"), 2.0);
     for figure in ["#energy", "#amplitude", "#participation", "#motion", "#contact", "[data-history]"] {
-        let lines = format!("return document.querySelectorAll('{figure} svg polyline').length");
+        let lines = format!("return document.querySelectorAll('{figure} svg :is(polyline, path)').length");
         assert!(browser.number(&lines) >= 1.0, "{figure}");
         let area = format!(
             "return Math.max(...[...document.querySelectorAll('{figure} svg')].map(s => {{ \

@@ -44,7 +44,7 @@ fn each_event_has_a_symbol_and_linear_mode_ends_at_grazing() {
     let branch = samples::looped(100);
     let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
     let document = checked(&figure);
-    for (event, count) in [("grazing", 1), ("fold", 2), ("branch-point", 1), ("kink", 1), ("energy-fold", 1)] {
+    for (event, count) in [("grazing", 1), ("fold", 2), ("branch-point", 1), ("kink", 1), ("frequency-fold", 1)] {
         assert_eq!(of_class(&document, &format!("event {event}")).len(), count, "{event}");
     }
     let line = points(of_class(&document, "linear-mode")[0]);
