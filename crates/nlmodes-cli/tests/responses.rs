@@ -204,3 +204,56 @@ fn a_curve_that_ends_early_is_said_and_the_rest_is_there() -> Outcome {
     assert_eq!(summary(folder.path())?["curves"][0]["end"]["reason"], "max-points");
     Ok(())
 }
+
+/// NLvib's third example with less damping, the spring before the first mass as a stop whose node has no mass.
+const MASSES: &str = r#"
+[structure]
+kind = "matrices"
+stiffness = "k.mtx"
+mass = "m.mtx"
+dofs = "dofs.csv"
+[[contact]]
+node = 3
+normal = [1.0, 0.0, 0.0]
+gap_m = 1.0
+[reduction]
+modes = 2
+[damping]
+rayleigh = { stiffness_s = 0.01 }
+[[force]]
+node = 2
+direction = [1.0, 0.0, 0.0]
+[[response]]
+kind = "phase-resonance"
+frequency_hz = [0.06, 0.19]
+levels_n = [0.35]
+[[response]]
+kind = "frequency"
+frequency_hz = [0.06, 0.19]
+levels_n = [0.2]
+[method]
+harmonics = 8
+[output]
+stability = "never"
+"#;
+
+#[test]
+fn a_detached_curve_is_followed_from_a_phase_resonance_and_named() -> Outcome {
+    let folder = tempdir()?;
+    let header = "%%MatrixMarket matrix coordinate real symmetric\n";
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text);
+    write("k.mtx", &format!("{header}3 3 5\n1 1 101\n2 1 -1\n2 2 2\n3 1 -100\n3 3 100\n"))?;
+    write("m.mtx", &format!("{header}3 3 2\n1 1 1\n2 2 1\n"))?;
+    write("dofs.csv", "1,1,ux\n2,2,ux\n3,3,ux\n")?;
+    let output = run(folder.path(), MASSES, &[])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let rows = rows(folder.path().join("out/branch.csv"))?;
+    let detached: Vec<_> = rows.iter().filter(|row| row["detached"] == "true").collect();
+    assert!(detached.len() > 20 && detached.iter().all(|row| row["name"] == "0.2 N, detached"));
+    // Around the two resonances that the curve from the ends of the window does not reach.
+    let frequencies = detached.iter().map(|row| std::f64::consts::TAU * number(row, "frequency_hz"));
+    let (low, high) = frequencies.fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(w), high.max(w)));
+    assert!((low - 0.783).abs() < 0.004 && (high - 0.8136).abs() < 0.004, "{low} {high}");
+    assert!(summary(folder.path())?.to_string().contains("the curve is closed"));
+    Ok(())
+}

@@ -24,8 +24,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A rod of `n` equal elements, clamped at its start: E A = 2.1e7 N, ρ A = 0.78 kg/m, 1 m long.
-fn rod(n: usize) -> (Matrix, Matrix) {
+/// A rod of `n` equal elements without supports: E A = 2.1e7 N, ρ A = 0.78 kg/m, 1 m long.
+fn free_rod(n: usize) -> (Matrix, Matrix) {
     let h = 1.0 / n as f64;
     let (mut k, mut m) = (vec![vec![0.0; n + 1]; n + 1], vec![vec![0.0; n + 1]; n + 1]);
     for e in 0..n {
@@ -34,6 +34,12 @@ fn rod(n: usize) -> (Matrix, Matrix) {
             m[e + i][e + j] += 0.78 * h / 6.0 * if i == j { 2.0 } else { 1.0 };
         }
     }
+    (k, m)
+}
+
+/// The same, clamped at its start.
+fn rod(n: usize) -> (Matrix, Matrix) {
+    let (k, m) = free_rod(n);
     let free = |a: Matrix| a[1..].iter().map(|row| row[1..].to_vec()).collect();
     (free(k), free(m))
 }
@@ -128,6 +134,45 @@ fn two_rods_that_face_each_other_are_one_before_a_wall_at_half_the_gap() -> Outc
     let rest = format!("[[contact]]\npairs = \"pairs.csv\"\n[reduction]\nmodes = 20\n{METHOD}");
     let two = branch(&folder, (&beside(&k, &k), &beside(&m, &m)), &rows, &rest)?;
     assert_same(&two, &one, 2.0, 1e-10);
+    Ok(())
+}
+
+/// A base that shakes, and the response over the frequency across the first resonance, by 1 %.
+fn shaken(direction: &str, stop: &str) -> String {
+    format!(
+        "[damping]\nratio = 0.01\n[base_motion]\n{direction}stop = \"{stop}\"\n\
+         [response]\nkind = \"frequency\"\nfrequency_hz = [1250.0, 1350.0]\nlevels_m_s2 = [200.0]\n"
+    )
+}
+
+#[test]
+fn a_base_that_shakes_a_rod_from_files_shakes_it_as_that_of_elements() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = free_rod(12);
+    for stop in ["moves", "fixed"] {
+        // The rows of the free rod; its first node is held, and the mass between it and the second one counts.
+        let more = format!("fixed = [100]\n{}{}", wall(1e-4), shaken("direction = [2.0, 0.0, 0.0]\n", stop));
+        let rows: Vec<(usize, &str)> = [(100, "ux")].into_iter().chain(along_x(1, 12)).collect();
+        let files = branch(&folder, (&k, &m), &rows, &more)?;
+        let elements = rod_of_elements(&folder, &format!("kind = \"open-modes\"\nmodes = 10\n{}", shaken("", stop)))?;
+        assert!(files.len() > 20);
+        assert_same(&files, &elements, 1.0, 1e-9);
+    }
+    Ok(())
+}
+
+#[test]
+fn mass_beside_supports_that_the_files_hold_already_is_missed_aloud() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = rod(12);
+    let more = format!("{}{}", wall(1e-4), shaken("direction = [1.0, 0.0, 0.0]\n", "moves"));
+    branch(&folder, (&k, &m), &along_x(1, 12), &more)?;
+    let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("again"));
+    let output = call(&["run", &scene.to_string_lossy(), "--out", &out.to_string_lossy()])?;
+    assert!(text(&output.stderr).contains("between supported nodes and their neighbours"), "{}", text(&output.stderr));
+    fs::write(&scene, fs::read_to_string(&scene)?.replace("direction = [1.0, 0.0, 0.0]\nstop", "stop"))?;
+    let output = call(&["check", &scene.to_string_lossy()])?;
+    assert!(text(&output.stderr).contains("`base_motion.direction` must be a vector"), "{}", text(&output.stderr));
     Ok(())
 }
 

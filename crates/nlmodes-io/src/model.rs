@@ -28,6 +28,8 @@ pub struct FeModel {
     pub mesh: Option<Mesh>,
     /// Degrees of freedom that the files or `fixed` hold, which have no row.
     pub held: Vec<DofLabel>,
+    /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m². What the files hold has none.
+    pub held_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
 }
@@ -91,6 +93,27 @@ impl FeModel {
             }
         }
         sums
+    }
+
+    /// The motion `r` of each row while the structure with its supports is displaced by one unit along a direction (n). Rotations, and nodes within
+    /// elements that have no place, do not move.
+    pub fn rigid_displacement(&self, direction: [f64; 3]) -> Vec<f64> {
+        let inner: HashSet<u64> = self.nodes_without_place().into_iter().collect();
+        let of = |label: &DofLabel| match label.component.translation() {
+            Some(axis) if !inner.contains(&label.node) => direction[axis],
+            _ => 0.0,
+        };
+        self.labels.iter().map(of).collect()
+    }
+
+    /// `M r` of all rows, with the mass between them and what `fixed` holds, in that motion (n, kg): what an acceleration of the base meets.
+    pub fn inertia_along(&self, direction: [f64; 3]) -> Vec<f64> {
+        let mut inertia = vec![0.0; self.n_dofs()];
+        self.mass.multiply(&self.rigid_displacement(direction), &mut inertia);
+        for (row, held, mass) in &self.held_mass {
+            inertia[*row] += held.component.translation().map_or(0.0, |axis| direction[axis] * mass);
+        }
+        inertia
     }
 
     /// Nodes of a set of the mesh that have rows.

@@ -20,7 +20,7 @@ pub use output::{OutputFiles, Overlay};
 pub use parts::{GroundSpring, MassPoint};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
-pub use response::{BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
+pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use supports::{free_dofs, holds};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 

@@ -30,7 +30,8 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     }
     let rows = rows_of(&labels);
     let held = stiffness.fixed;
-    let mut model = FeModel { stiffness: stiffness.lower, mass, labels, mesh, held, places, rows };
+    let mut model =
+        FeModel { stiffness: stiffness.lower, mass, labels, mesh, held, held_mass: Vec::new(), places, rows };
     hold(&mut model, files)?;
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
@@ -118,6 +119,13 @@ fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
         to.push((!held).then_some(free));
         free += usize::from(!held);
     }
+    // Of an entry between a row that stays and one that is held, either may be the row of the lower triangle.
+    let across = model.mass.entries().filter_map(|(i, j, mass)| match (to[i], to[j]) {
+        (Some(row), None) => Some((row, model.labels[j], mass)),
+        (None, Some(row)) => Some((row, model.labels[i], mass)),
+        _ => None,
+    });
+    model.held_mass = across.collect();
     model.stiffness = model.stiffness.placed(&to, free);
     model.mass = model.mass.placed(&to, free);
     let (held, labels): (Vec<_>, Vec<_>) = model.labels.iter().copied().partition(|label| nodes.contains(&label.node));
@@ -134,6 +142,9 @@ fn into_si(model: &mut FeModel, files: &FeFiles) {
     let component = |row: usize| model.labels[row].component;
     model.stiffness.scale(|i, j| files.units.stiffness(component(i), component(j)));
     model.mass.scale(|i, j| files.units.mass(component(i), component(j)));
+    for (row, held, mass) in &mut model.held_mass {
+        *mass *= files.units.mass(model.labels[*row].component, held.component);
+    }
 }
 
 /// A row without stiffness belongs to nothing, and a file that was cut off ends before its last diagonal.

@@ -120,6 +120,19 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
         }
     }
     assert_eq!(held.nodes_without_place(), [40, 50, 60, 70]);
+    // Where all nodes have places, or none is known, the base moves all of them; the rows of the whole mass tell the inertia.
+    files.mesh = None;
+    files.fixed = vec![NodeChoice::Node(10), NodeChoice::Node(80)];
+    let (free, held) =
+        (FeModel::read(&FeFiles { fixed: Vec::new(), ..files.clone() }).unwrap(), FeModel::read(&files).unwrap());
+    let along = [0.6, 0.0, -0.8];
+    let whole = free.inertia_along(along);
+    for (label, inertia) in held.labels.iter().zip(held.inertia_along(along)) {
+        let expected = whole[free.row_of(label.node, label.component).unwrap()];
+        assert!((inertia - expected).abs() < 1e-15, "{label}: {inertia} {expected}");
+    }
+    assert!(!held.held_mass.is_empty());
+    files.mesh = Some(directory.path().join("x.inp"));
     for (choice, says) in [
         (NodeChoice::Node(7), "found node 7, which is to be held and has none; expected nodes with rows"),
         (NodeChoice::Set("TOP".into()), "there is no node set `TOP`; expected one of `CLAMP`, `NONE`"),

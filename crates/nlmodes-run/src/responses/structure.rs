@@ -9,7 +9,7 @@ use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, element_model, redistribution};
-use nlmodes_scene::scene::{Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
+use nlmodes_scene::scene::{BaseDirection, Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
 
 use crate::{RunError, chain, mass, refusal};
 
@@ -62,7 +62,8 @@ pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
         };
         let (recorded, coordinates) = recorded(&reduction.dofs, &reduction.modes);
         let (open, source) = (reduction.modes.clone(), Source::Files(reduction.dofs.clone()));
-        return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
+        let warning = scene.base_motion.and_then(|base| missing_mass(&reduction, base.direction));
+        return Ok(Reduced { open, recorded, coordinates, warning, reduction: Some(reduction), source });
     };
     let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
     let kind = straight.kind();
@@ -84,6 +85,27 @@ pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
     let source = Source::Straight { elements, kind, model: Box::new(model), massless: massless.map(Box::new) };
     Ok(Reduced { open, recorded, coordinates, warning, reduction: None, source })
 }
+
+/// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were held before they were written.
+fn missing_mass(reduction: &OpenStructure, direction: BaseDirection) -> Option<String> {
+    let (BaseDirection::Vector(direction), Some((files, _))) = (direction, &reduction.files) else { return None };
+    if !files.held_mass.is_empty() {
+        return None;
+    }
+    let mut force = vec![0.0; files.n_dofs()];
+    files.stiffness.multiply(&files.rigid_displacement(direction), &mut force);
+    let diagonal = files.stiffness.diagonal();
+    // A free structure would follow without any force.
+    let next_to_supports = force.iter().zip(&diagonal).filter(|(f, k)| f.abs() > FOLLOWS * **k).count();
+    (next_to_supports > 0).then(|| {
+        "the base moves the mass that is in the files; that between supported nodes and their neighbours is not, where the files hold the supports \
+         already (write matrices of the free structure and name its supports in `fixed` to have it)"
+            .to_owned()
+    })
+}
+
+/// Force in a rigid motion, over the stiffness of the row, up to which it is rounding.
+const FOLLOWS: f64 = 1e-6;
 
 fn modes(
     scene: &Scene,
@@ -188,19 +210,28 @@ fn axial_of_a_beam(elements: &Elements, model: &StructuralModel, at: f64) -> Res
 /// Why there is none, in words.
 pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String> {
     let base = scene.base_motion.ok_or("there is no base motion")?;
+    let unit = if base.is_acceleration { BaseUnit::Acceleration } else { BaseUnit::Displacement };
+    let stop_is_fixed = base.stop == StopOfBase::Fixed;
+    let direction = match base.direction {
+        BaseDirection::Along(direction) => direction,
+        BaseDirection::Vector(direction) => {
+            let (files, _) =
+                parts.reduction.as_ref().and_then(|r| r.files.as_ref()).ok_or("the structure has an axis")?;
+            let (inertia, rigid) = (files.inertia_along(direction), files.rigid_displacement(direction));
+            return Ok(BaseMotion { inertia, rigid, unit, stop_is_fixed });
+        }
+    };
     let (Source::Straight { kind, model, massless, .. }, Some(straight)) = (&parts.source, scene.structure.straight())
     else {
-        return Err("a base cannot shake a structure from files".to_owned());
+        return Err("a structure from files has no axis".to_owned());
     };
     let loose = Structure { start: Support::Free, end: Support::Free, modes: None, ..straight.clone() };
     let free = Elements::new(&loose).and_then(|elements| elements.assemble(&[])).map_err(|error| chain(&error))?;
-    let moving = match (kind, base.direction) {
+    let moving = match (kind, direction) {
         (StructureKind::Beam, Direction::Transverse) => DofKind::Deflection,
         _ => DofKind::Axial,
     };
-    let unit = if base.is_acceleration { BaseUnit::Acceleration } else { BaseUnit::Displacement };
-    let fixed = base.stop == StopOfBase::Fixed;
-    let mut motion = BaseMotion::of_supports(model, &free, moving, &[], unit, fixed)
+    let mut motion = BaseMotion::of_supports(model, &free, moving, &[], unit, stop_is_fixed)
         .ok_or("the nodes of the structure are not those of its elements")?;
     let Some(massless) = massless else { return Ok(motion) };
     // The mass as it is computed with, and none of the contact nodes at all.

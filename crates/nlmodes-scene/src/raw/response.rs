@@ -98,8 +98,10 @@ pub struct RawForce {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBaseMotion {
-    /// Direction; default along a rod, across a beam
-    pub direction: Option<Direction>,
+    /// Direction; default along a rod, across a beam. Of a structure from files three numbers
+    #[serde(default)]
+    #[schemars(schema_with = "word_or_vector")]
+    pub direction: Option<RawDirection>,
     /// Amplitude of the acceleration
     #[schemars(extend("unit" = "m/s^2", "exclusiveMinimum" = 0.0))]
     pub acceleration_m_s2: Option<f64>,

@@ -73,11 +73,21 @@ pub struct Force {
     pub phase_deg: f64,
 }
 
+/// The direction in which a base shakes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum BaseDirection {
+    /// Along or across the axis of a rod or beam.
+    Along(Direction),
+    /// A unit vector, of a structure from files.
+    Vector([f64; 3]),
+}
+
 /// A base that shakes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BaseMotion {
     /// Direction.
-    pub direction: Direction,
+    pub direction: BaseDirection,
     /// Amplitude, m/s² or m; zero where only the levels of the responses say it.
     pub amplitude: f64,
     /// Whether levels are those of the acceleration, and not of the displacement.

@@ -1,7 +1,7 @@
 //! Damping, forces, and a base that shakes.
 
 use super::place::Places;
-use crate::raw::{RawDamping, RawDashpot, RawDirection, RawForce, RawScene};
+use crate::raw::{RawDamping, RawDashpot, RawForce, RawScene};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
 use crate::{Findings, Problem};
 
@@ -60,15 +60,7 @@ fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<
 
 pub fn base_motion(raw: &RawScene, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
-    if matches!(places, Places::Nodes) {
-        let problem = Problem::error("a base cannot shake a structure from files");
-        let help =
-            "the mass between supported nodes and free ones, which counts, is not in the files; [[force]] can be used";
-        findings.put("base_motion", problem.help(help), "expected [[force]]");
-        return None;
-    }
-    let written = base.direction.map(RawDirection::Word);
-    let direction = places.direction("base_motion.direction", written.as_ref(), findings)?;
+    let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), findings)?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
         let problem = Problem::error("the scene has forces and a base that shakes");
         findings.put("base_motion", problem, "expected either this table or [[force]]");

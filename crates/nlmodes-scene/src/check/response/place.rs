@@ -6,7 +6,7 @@ use crate::check::contact::perhaps_millimetres;
 use crate::check::nodes::node_at;
 use crate::raw::{RawDirection, RawStructure};
 use crate::rule::number;
-use crate::scene::{Direction, Place, StructureKind, Support, holds};
+use crate::scene::{BaseDirection, Direction, Place, StructureKind, Support, holds};
 use crate::{Findings, Problem};
 
 /// What the structure of a scene has as places.
@@ -52,6 +52,19 @@ impl<'a> Places<'a> {
                 None
             }
         }
+    }
+
+    /// The direction in which a base shakes.
+    pub fn base_direction(
+        &self,
+        path: &str,
+        written: Option<&RawDirection>,
+        findings: &mut Findings<'_>,
+    ) -> Option<BaseDirection> {
+        if matches!(self, Self::Nodes) {
+            return vector(path, written, findings).map(BaseDirection::Vector);
+        }
+        self.direction(path, written, findings).map(BaseDirection::Along)
     }
 
     /// The place that the keys of position, node and direction say.
@@ -127,16 +140,22 @@ fn of_node(
         let problem = Problem::error(format!("`{node_key}` is missing"));
         findings.put(node_key, problem, "expected the number of a node of the files");
     }
-    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    match direction {
-        Some(RawDirection::Vector(v)) if v.len() == 3 && length(v) > 0.0 => {
-            let unit = length(v);
-            Some(Place::Node { node: node?, direction: [v[0] / unit, v[1] / unit, v[2] / unit] })
-        }
-        _ => {
-            let problem = Problem::error(format!("`{direction_key}` must be a vector"));
-            findings.put(direction_key, problem, "expected 3 numbers in square brackets, not all 0");
-            None
-        }
+    let direction = vector(direction_key, direction, findings)?;
+    Some(Place::Node { node: node?, direction })
+}
+
+/// Three numbers as a unit vector.
+fn vector(path: &str, written: Option<&RawDirection>, findings: &mut Findings<'_>) -> Option<[f64; 3]> {
+    if let Some(RawDirection::Vector(v)) = written
+        && let [x, y, z] = v[..]
+        && let length = (x * x + y * y + z * z).sqrt()
+        && length > 0.0
+    {
+        return Some([x / length, y / length, z / length]);
     }
+    if !findings.has(path) {
+        let problem = Problem::error(format!("`{path}` must be a vector"));
+        findings.put(path, problem, "expected 3 numbers in square brackets, not all 0");
+    }
+    None
 }
