@@ -16,6 +16,10 @@ use nlmodes_scene::Document;
 /// Most differences between two scenes that are shown.
 const MAX_SHOWN: usize = 5;
 
+/// What a virtual test computes beside its levels.
+const BACKBONES: [&str; 4] =
+    ["backbone.csv", "backbone_ms-hbm.csv", "backbone_damped-mode.csv", "backbone_phase-resonance.csv"];
+
 /// What may be overwritten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Over {
@@ -103,8 +107,8 @@ impl Claim {
         remove_figures_of_records(directory);
         remove_temporary(directory);
         if !self.resumes() {
-            let tables = ["branch.csv", "modal_points.csv", "backbone.csv", "backbone_ms-hbm.csv", STEPS];
-            remove_all(directory, &tables);
+            remove_all(directory, &["branch.csv", "modal_points.csv", STEPS]);
+            remove_all(directory, &BACKBONES);
         }
         write_summary(directory.join(RUN), &self.content)
     }

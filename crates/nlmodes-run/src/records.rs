@@ -175,5 +175,5 @@ fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Failure> {
     summary::write(directory, scene, outcomes)?;
     let drawn = figures::write(directory, &scene.title, outcomes, &[])?;
     let line = format!("Records: {}", scene.files.join(", "));
-    page::write(directory, &scene.title, &[line], outcomes, &[], &drawn, &[])
+    page::write(directory, &scene.title, &[line], outcomes, (&[], &[]), &drawn, &[])
 }

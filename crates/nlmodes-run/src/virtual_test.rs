@@ -1,7 +1,9 @@
 //! A virtual test: a rig with its loop, level by level, and what its records give.
 
+mod against;
 mod backbone;
 mod bench;
+mod damped;
 mod results;
 mod summary;
 
@@ -65,8 +67,11 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
             wrong.push(format!("the test ended after {done} of {all} levels: {}", chain(&error)));
         }
     }
-    let computed =
-        if observer.is_cancelled() { Vec::new() } else { backbones(scene, &rig, &observer.watch(), &mut wrong) };
+    let computed = if observer.is_cancelled() {
+        Vec::new()
+    } else {
+        backbones(scene, &rig, &levels, &observer.watch(), &mut wrong)
+    };
     let (n, settled) = (levels.len(), levels.iter().filter(|level| is_good(level)).count());
     if settled < n {
         wrong.push(format!("{} of {n} levels did not settle, or gave no modal point; the table says why", n - settled));
@@ -102,16 +107,24 @@ fn claim(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer) -
 fn backbones(
     scene: &TestScene,
     rig: &Rig,
+    levels: &[TestLevel],
     watch: &Watch,
     wrong: &mut Vec<String>,
 ) -> Vec<(BackboneMethod, ModalBranch)> {
     let Some(wanted) = &scene.backbone else { return Vec::new() };
+    let force = levels.iter().map(|level| level.outcome.steady.force).fold(0.0, f64::max);
     let mut computed = Vec::new();
     for &method in &wanted.methods {
         if watch.has_ended() {
             break;
         }
-        match backbone::compute(scene, rig, wanted, method, watch) {
+        let found = match method {
+            BackboneMethod::Hbm | BackboneMethod::MsHbm => backbone::compute(scene, rig, wanted, method, watch),
+            BackboneMethod::DampedMode | BackboneMethod::PhaseResonance => {
+                damped::compute(scene, rig, wanted, method, force, watch)
+            }
+        };
+        match found {
             Ok(branch) => {
                 if !branch.end.complete {
                     wrong.push(format!("the backbone ({}) ended early: {}", branch.label, branch.end.message));

@@ -24,7 +24,7 @@ pub fn write(
     title: &str,
     lines: &[String],
     outcomes: &[Outcome],
-    computed: &[&ModalBranch],
+    (computed, differences): (&[&ModalBranch], &[DataTable]),
     figures: &[Drawn],
     wrong: &[String],
 ) -> Result<(), Failure> {
@@ -53,7 +53,11 @@ pub fn write(
             report = report.figure(&drawn.heading, drawn.figure.clone());
         }
     }
-    report = report.table(points(outcomes)).table(findings(outcomes));
+    report = report.table(points(outcomes));
+    for table in differences {
+        report = report.table(table.clone());
+    }
+    report = report.table(findings(outcomes));
     Ok(report.write(directory.join("report.html"))?)
 }
 

@@ -33,7 +33,7 @@ pub fn compute(
     let mode = (scene.settings.mode - 1).min(rig.bench.omega.len() - 1);
     let (found, name) = match method {
         BackboneMethod::Hbm => (rig.bench.backbone_model(&rig.reduction)?.map(|model| (model, mode + 1)), "HBM"),
-        BackboneMethod::MsHbm => (rigid(scene, mode)?, "MS-HBM, rigid stop"),
+        _ => (rigid(scene, mode)?, "MS-HBM, rigid stop"),
     };
     let (model, number) = found.ok_or("there is no stop")?;
     let settings = BranchSettings {

@@ -10,6 +10,7 @@ use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::json;
 
+use super::against::Against;
 use super::bench::Rig;
 use super::summary;
 use crate::Failure;
@@ -26,6 +27,8 @@ fn backbone_file(method: BackboneMethod) -> &'static str {
     match method {
         BackboneMethod::Hbm => "backbone.csv",
         BackboneMethod::MsHbm => "backbone_ms-hbm.csv",
+        BackboneMethod::DampedMode => "backbone_damped-mode.csv",
+        BackboneMethod::PhaseResonance => "backbone_phase-resonance.csv",
     }
 }
 
@@ -75,11 +78,14 @@ pub fn write(
         .zip(&outcomes)
         .map(|(level, outcome)| json!({ "level": level, "extraction": crate::records::summary::record(outcome) }))
         .collect();
-    let text = summary::json(scene, rig, told, &backbones, wrong, wall_time);
+    let against = Against::new(&outcomes, &backbones);
+    against.write(directory)?;
+    let text = summary::json(scene, rig, told, (&backbones, &against), wrong, wall_time);
     write_summary(directory.join("summary.json"), &text)?;
     let drawn = figures::write(directory, &scene.title, &outcomes, &backbones)?;
     let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
-    page::write(directory, &scene.title, &lines, &outcomes, &backbones, &drawn, wrong)
+    let lines: Vec<String> = lines.into_iter().chain(against.sentences()).collect();
+    page::write(directory, &scene.title, &lines, &outcomes, (&backbones, &against.tables()), &drawn, wrong)
 }
 
 /// The table of the levels.

@@ -8,6 +8,7 @@ use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::{Value, json};
 
+use super::against::Against;
 use super::bench::Rig;
 use nlmodes_scene::scene::TestScene;
 
@@ -59,7 +60,7 @@ pub fn json(
     scene: &TestScene,
     rig: &Rig,
     levels: Vec<Value>,
-    backbones: &[&ModalBranch],
+    (backbones, against): (&[&ModalBranch], &Against),
     wrong: &[String],
     wall_time: Duration,
 ) -> Value {
@@ -102,6 +103,7 @@ pub fn json(
         "levels": levels,
         "backbone": backbones.first(),
         "backbones": backbones,
+        "differences": against.in_numbers(),
         "complete": wrong.is_empty(),
         "incomplete_because": wrong,
         "wall_time_s": wall_time.as_secs_f64(),

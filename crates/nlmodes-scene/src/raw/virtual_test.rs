@@ -212,8 +212,9 @@ pub struct RawKeptRecords {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBackbone {
-    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements before a rigid stop
-    #[schemars(length(min = 1, max = 2), extend("default" = ["hbm"]))]
+    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements before a rigid stop; with the rig's
+    /// damping too its "damped-mode", and the "phase-resonance" that its loop holds
+    #[schemars(length(min = 1, max = 4), extend("default" = ["hbm"]))]
     pub methods: Option<Vec<BackboneMethod>>,
     /// Number of harmonics
     #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = 20))]

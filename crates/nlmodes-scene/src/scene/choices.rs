@@ -151,6 +151,10 @@ choices! {
         MsHbm = "ms-hbm",
         /// Harmonic balance of the rig's modes and stop
         Hbm = "hbm",
+        /// The damped nonlinear mode of the rig's modes and stop
+        DampedMode = "damped-mode",
+        /// What the loop holds: motions of the rig's modes and stop whose drive point lags the force as it should
+        PhaseResonance = "phase-resonance",
     }
     /// For which points Floquet multipliers are computed.
     StabilityChoice {

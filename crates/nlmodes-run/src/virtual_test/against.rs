@@ -1,0 +1,61 @@
+//! The points of a test against what was computed beside it, at equal modal amplitude.
+
+use std::path::Path;
+
+use nlmodes::experiment::extraction::RecordExtraction;
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{DataTable, ReportError};
+use serde_json::{Value, json};
+
+use crate::overlay::{Difference, Laid, differences, sentence, table, write};
+use crate::records::{Outcome, figures};
+
+/// The points of the test, and their differences from each computed branch.
+pub struct Against(Vec<(Laid, Vec<Difference>)>);
+
+impl Against {
+    /// Compares the points that records gave.
+    pub fn new(outcomes: &[Outcome], computed: &[&ModalBranch]) -> Self {
+        let found: Vec<&RecordExtraction> =
+            outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
+        let Some(test) = figures::measured(&found) else { return Self(Vec::new()) };
+        let one = |branch: &&ModalBranch| {
+            let label = format!("test over {}", branch.label.trim_start_matches("computed: "));
+            let laid = Laid { branch: ModalBranch { label, ..test.clone() }, is_scattered: true };
+            let found = differences(&laid, branch);
+            (laid, found)
+        };
+        Self(computed.iter().map(one).collect())
+    }
+
+    /// Writes `overlay.csv`, where there is anything to compare.
+    ///
+    /// # Errors
+    /// [`ReportError::Io`].
+    pub fn write(&self, directory: &Path) -> Result<(), ReportError> {
+        if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), &self.0) }
+    }
+
+    /// Softer or stiffer, a sentence for each branch.
+    pub fn sentences(&self) -> impl Iterator<Item = String> {
+        self.0.iter().map(|(laid, found)| sentence(laid, found))
+    }
+
+    /// The differences, a table for each branch.
+    pub fn tables(&self) -> Vec<DataTable> {
+        self.0.iter().map(|(laid, found)| table(laid, found)).collect()
+    }
+
+    /// Number of points and largest difference in Hz, for each branch.
+    pub fn in_numbers(&self) -> Value {
+        let off = |d: &Difference| (d.frequency - d.own_frequency).abs();
+        let one = |(laid, found): &(Laid, Vec<Difference>)| {
+            json!({
+                "label": laid.branch.label,
+                "points": found.len(),
+                "largest_difference_hz": found.iter().map(off).reduce(f64::max),
+            })
+        };
+        self.0.iter().map(one).collect()
+    }
+}
