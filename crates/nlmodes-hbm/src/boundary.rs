@@ -152,9 +152,7 @@ fn only_difference(sets: &SetTable, a: usize, b: usize) -> Option<usize> {
 }
 
 fn guard(sets: &SetTable, set: usize, contact: usize) -> Vec<f64> {
-    let guard = &sets.get(set).guard;
-    let c = sets.get(set).closed.len();
-    guard[contact * c..(contact + 1) * c].to_vec()
+    sets.get(set).whole_guard(contact)
 }
 
 /// The zero of a function (`order` 0) near an instant, or its minimum (`order` 1): Newton's method, downhill where the function is not convex.

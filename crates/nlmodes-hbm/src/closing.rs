@@ -46,7 +46,7 @@ impl<'s> MixedShooting<'s> {
         for (set, averages) in &self.sweep.spectra {
             let set = self.sweep.sets.get(*set);
             series.coefficients_of(averages, &mut constant);
-            let forces: Vec<f64> = (0..c).map(|i| (0..c).map(|j| set.s[i * c + j] * opening.full[j]).sum()).collect();
+            let forces: Vec<f64> = (0..c).map(|i| set.force(i, &opening.full)).collect();
             for (d, dq) in opening.dq.chunks_exact_mut(series.width()).enumerate() {
                 let offset: f64 = (0..c).map(|i| structure.body.compliance_w()[(d, i)] * forces[i]).sum();
                 dq.iter_mut().zip(&constant).for_each(|(dq, constant)| *dq += offset * constant);

@@ -140,19 +140,22 @@ impl ContactOperator {
     /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the forces.
     pub fn apply(&self, dy: &[f64], out: &mut [f64]) {
         let (c, width) = (self.n_contacts(), self.series.width());
-        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; width]);
+        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; c * width]);
         out.fill(0.0);
         for (set, averages) in &self.spectra {
             let set = self.sets.get(*set);
             self.series.multiplication(averages, &mut product);
-            for (j, dy) in dy.chunks(width).enumerate().take(c) {
-                let weights = || (0..c).map(|i| set.s[i * c + j]);
-                if weights().all(|s| s == 0.0) {
-                    continue;
-                }
-                part.iter_mut().zip(product.chunks(width)).for_each(|(p, row)| *p = inner(row, dy));
-                for (out, s) in out.chunks_mut(width).zip(weights()).filter(|(_, s)| *s != 0.0) {
-                    out.iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
+            for &j in &set.active {
+                let dy = &dy[j * width..(j + 1) * width];
+                part[j * width..(j + 1) * width]
+                    .iter_mut()
+                    .zip(product.chunks(width))
+                    .for_each(|(p, row)| *p = inner(row, dy));
+            }
+            for &i in &set.active {
+                let out = &mut out[i * width..(i + 1) * width];
+                for (j, s) in set.force_row(i) {
+                    out.iter_mut().zip(&part[j * width..]).for_each(|(out, part)| *out += s * part);
                 }
             }
         }
@@ -160,23 +163,23 @@ impl ContactOperator {
 
     /// `(dλ/dy)ᵀ df`: what weights `df` (c × width) of the forces are as weights of the gaps.
     pub(crate) fn apply_transposed(&self, df: &[f64], out: &mut [f64]) {
-        let (c, width) = (self.n_contacts(), self.series.width());
+        let width = self.series.width();
         let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; width]);
         out.fill(0.0);
         for (set, averages) in &self.spectra {
             let set = self.sets.get(*set);
             self.series.multiplication(averages, &mut product);
-            for (i, df) in df.chunks(width).enumerate().take(c) {
-                let weights = &set.s[i * c..(i + 1) * c];
-                if weights.iter().all(|s| *s == 0.0) || df.iter().all(|f| *f == 0.0) {
+            for &i in &set.active {
+                let df = &df[i * width..(i + 1) * width];
+                if df.iter().all(|f| *f == 0.0) {
                     continue;
                 }
                 part.fill(0.0);
                 for (row, f) in product.chunks(width).zip(df) {
                     part.iter_mut().zip(row).for_each(|(p, r)| *p += f * r);
                 }
-                for (out, s) in out.chunks_mut(width).zip(weights).filter(|(_, s)| **s != 0.0) {
-                    out.iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
+                for (j, s) in set.force_row(i) {
+                    out[j * width..(j + 1) * width].iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
                 }
             }
         }

@@ -24,10 +24,8 @@ impl ContactOperator {
 
     /// Largest rate by phase (m/rad) at which the gap of a contact closes as it is touched; zero without a touch.
     pub(crate) fn approach(&self, contact: usize) -> f64 {
-        let c = self.n_contacts();
         let slope = |interval: &PatternInterval, tau: f64| {
-            let guard = &self.sets.get(interval.set).guard[contact * c..(contact + 1) * c];
-            self.combination(guard).evaluate(tau)[1]
+            self.combination(self.sets.get(interval.set).guard_row(contact)).evaluate(tau)[1]
         };
         let is_even = self.series.symmetry == Symmetry::Even;
         let rate = |before: &PatternInterval, after: &PatternInterval| {
@@ -48,12 +46,11 @@ impl ContactOperator {
         let mut mean = vec![0.0; self.n_contacts()];
         for (set, averages) in &self.spectra {
             let set = self.sets.get(*set);
-            for (i, mean) in mean.iter_mut().enumerate() {
-                for (j, y) in self.y.iter().enumerate() {
-                    // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
-                    let weighted: f64 = y.iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum();
-                    *mean += set.s[i * self.y.len() + j] * weighted;
-                }
+            // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
+            let weighted = |j: usize| self.y[j].iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum::<f64>();
+            let weighted: Vec<f64> = set.active.iter().map(|j| weighted(*j)).collect();
+            for &i in &set.active {
+                mean[i] += set.force_row(i).zip(&weighted).map(|((_, s), weighted)| s * weighted).sum::<f64>();
             }
         }
         mean
@@ -87,12 +84,11 @@ impl ContactOperator {
 
     /// Largest force of a contact, N.
     pub fn peak_force(&self, contact: usize) -> f64 {
-        let c = self.n_contacts();
         let mut peak = 0.0_f64;
         for interval in &self.intervals {
             let set = self.sets.get(interval.set);
             if set.closed[contact] {
-                let force = self.combination(&set.s[contact * c..(contact + 1) * c]);
+                let force = self.combination(set.force_row(contact));
                 peak = peak.max(largest(&force, interval.from, interval.to));
             }
         }
@@ -101,23 +97,22 @@ impl ContactOperator {
 
     /// Smallest gap of a contact over the period, m; zero or less where it closes.
     pub(crate) fn smallest_gap(&self, contact: usize) -> f64 {
-        let c = self.n_contacts();
         let gaps = self.intervals.iter().map(|interval| {
             let set = self.sets.get(interval.set);
             if set.closed[contact] {
                 return 0.0;
             }
-            let opposite: Vec<f64> = set.guard[contact * c..(contact + 1) * c].iter().map(|g| -g).collect();
-            -largest(&self.combination(&opposite), interval.from, interval.to)
+            let opposite = set.guard_row(contact).map(|(j, g)| (j, -g));
+            -largest(&self.combination(opposite), interval.from, interval.to)
         });
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// `Σ_j weight_j y_j(τ)`.
-    pub(crate) fn combination(&self, weights: &[f64]) -> Trigonometric {
+    /// `Σ_j weight_j y_j(τ)`, of the contacts with a weight.
+    pub(crate) fn combination(&self, weights: impl Iterator<Item = (usize, f64)>) -> Trigonometric {
         let mut sum = Trigonometric { z: vec![Complex64::default(); self.series.n_harmonics + 1] };
-        for (y, weight) in self.y.iter().zip(weights) {
-            sum.z.iter_mut().zip(y).for_each(|(s, y)| *s += y * *weight);
+        for (j, weight) in weights {
+            sum.z.iter_mut().zip(&self.y[j]).for_each(|(s, y)| *s += y * weight);
         }
         sum
     }

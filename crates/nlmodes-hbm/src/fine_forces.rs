@@ -18,17 +18,14 @@ impl ContactOperator {
         let mut sums = vec![vec![DoubleComplex::ZERO; h + 1]; c];
         for set in self.closed_sets() {
             let averages = self.fine_averages(set);
-            let s = &self.sets.get(set).s;
+            let closed = self.sets.get(set);
             let of = |m: isize| {
                 let average = averages[m.unsigned_abs()];
                 if m < 0 { average.conj() } else { average }
             };
-            for i in 0..c {
-                if s[i * c..(i + 1) * c].iter().all(|s| *s == 0.0) {
-                    continue;
-                }
+            for &i in &closed.active {
                 let pressed: Vec<DoubleComplex> =
-                    (0..=2 * h).map(|k| combined(&s[i * c..(i + 1) * c], &gaps, k)).collect();
+                    (0..=2 * h).map(|k| combined(closed.force_row(i), &gaps, k)).collect();
                 for (n, sum) in sums[i].iter_mut().enumerate() {
                     for (k, z) in pressed.iter().enumerate() {
                         *sum = *sum + of(n as isize - (k as isize - h as isize)) * *z;
@@ -85,7 +82,6 @@ impl ContactOperator {
 }
 
 /// `Σ_j s_j y_j` of amplitude `k`.
-fn combined(s: &[f64], gaps: &[Vec<DoubleComplex>], k: usize) -> DoubleComplex {
-    let used = s.iter().zip(gaps).filter(|(s, _)| **s != 0.0);
-    used.fold(DoubleComplex::ZERO, |sum, (s, y)| sum + y[k].scaled(Double::of(*s)))
+fn combined(row: impl Iterator<Item = (usize, f64)>, gaps: &[Vec<DoubleComplex>], k: usize) -> DoubleComplex {
+    row.fold(DoubleComplex::ZERO, |sum, (j, s)| sum + gaps[j][k].scaled(Double::of(s)))
 }

@@ -175,8 +175,8 @@ impl MixedShooting<'_> {
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min g; other contacts may be closed meanwhile.
         let toward = self.sweep.intervals.iter().map(|interval| {
             let set = self.sweep.sets.get(interval.set);
-            let opposite: Vec<f64> = set.guard[..self.sweep.y.len()].iter().map(|g| -g).collect();
-            largest(&self.sweep.combination(&opposite), interval.from, interval.to)
+            let opposite = set.guard_row(0).map(|(j, g)| (j, -g));
+            largest(&self.sweep.combination(opposite), interval.from, interval.to)
         });
         contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
     }

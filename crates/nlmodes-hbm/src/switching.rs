@@ -17,6 +17,9 @@ const FINEST: f64 = 1e-14;
 /// Shortest stretch that is searched for more than one extremum, rad: on it a dip is lost in rounding.
 const SHORTEST: f64 = 1e-6;
 
+/// Over what the curvature of a guard allows, so that rounding of bounds decides nothing.
+const FAR: f64 = 1.0 + 1e-9;
+
 /// Finds the instants at which contacts close and open, cell by cell along the period.
 ///
 /// While a set of contacts is closed, gaps and forces are trigonometric polynomials (the guards of [`ClosedSet`]); the first one
@@ -57,23 +60,22 @@ impl<'a> Tracer<'a> {
             return false;
         }
         let set = sets.get(from);
-        let c = self.y.len();
-        if let ([guard], [curvature], [y], [slope]) =
-            (set.guard.as_slice(), self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice())
+        if let ([curvature], [y], [slope], Some((_, guard))) =
+            (self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice(), set.guard_row(0).next())
         {
             let low = (guard * y[left.2]).min(guard * y[right.2]);
             let bound = width * guard.abs() * curvature;
             let slopes = guard * (slope[left.2] + slope[right.2]);
             return low > 0.0 && (low > 0.125 * width * bound || slopes.abs() > bound);
         }
-        let sum = |row: &[f64], (t, j): (&[Vec<f64>], usize)| row.iter().zip(t).map(|(g, y)| g * y[j]).sum::<f64>();
-        set.guard.chunks_exact(c).all(|row| {
-            let low = sum(row, (left.0, left.2)).min(sum(row, (right.0, right.2)));
+        (0..self.y.len()).all(|i| {
+            let sum = |(t, at): (&[Vec<f64>], usize)| set.guard_row(i).map(|(j, g)| g * t[j][at]).sum::<f64>();
+            let low = sum((left.0, left.2)).min(sum((right.0, right.2)));
             if low <= 0.0 {
                 return false;
             }
-            let bound = width * row.iter().zip(&self.curvature).map(|(g, k)| g.abs() * k).sum::<f64>();
-            low > 0.125 * width * bound || (sum(row, (left.1, left.2)) + sum(row, (right.1, right.2))).abs() > bound
+            let bound = width * self.curvature_of(set, i);
+            low > 0.125 * width * bound || (sum((left.1, left.2)) + sum((right.1, right.2))).abs() > bound
         })
     }
 
@@ -126,8 +128,17 @@ impl<'a> Tracer<'a> {
         self.cell(sets, solve, [middle, ends[1]], [set, at_ends[1]])
     }
 
+    /// Largest second derivative of a guard.
+    fn curvature_of(&self, set: &ClosedSet, contact: usize) -> f64 {
+        set.guard_row(contact).map(|(j, g)| g.abs() * self.curvature[j]).sum()
+    }
+
     fn y_at(&self, tau: f64) -> Vec<f64> {
-        self.y.iter().map(|z| Trigonometric { z: z.clone() }.evaluate(tau)[0]).collect()
+        let step = Complex64::cis(tau);
+        let harmonics = self.y.first().map_or(0, Vec::len);
+        let turns: Vec<Complex64> =
+            std::iter::successors(Some(Complex64::ONE), |turn| Some(turn * step)).take(harmonics).collect();
+        self.y.iter().map(|z| z.iter().zip(&turns).map(|(z, turn)| (z * turn).re).sum()).collect()
     }
 
     /// Whether no guard of `set` is negative at `tau`, but for rounding.
@@ -137,15 +148,19 @@ impl<'a> Tracer<'a> {
     }
 
     fn noise_of(&self, set: &ClosedSet, contact: usize) -> f64 {
-        let c = self.y.len();
-        let row = &set.guard[contact * c..(contact + 1) * c];
-        NOISE * row.iter().zip(&self.sizes).map(|(g, size)| g.abs() * size).sum::<f64>()
+        NOISE * set.guard_row(contact).map(|(j, g)| g.abs() * self.sizes[j]).sum::<f64>()
     }
 
     /// The first guard of `set` that turns negative after `from`, and its contact.
     fn first_event(&mut self, set: &ClosedSet, from: f64, to: f64) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
+        let (at_from, at_to) = (self.y_at(from), self.y_at(to));
         for contact in 0..self.y.len() {
+            // Most are so far from zero that their curvature cannot bring them there: they need not be formed.
+            let low = set.guard_value(contact, &at_from).min(set.guard_value(contact, &at_to));
+            if low > FAR * (to - from).powi(2) / 8.0 * self.curvature_of(set, contact) + self.noise_of(set, contact) {
+                continue;
+            }
             self.form_guard(set, contact);
             let end = first.map_or(to, |(tau, _)| tau);
             if let Some(tau) = falls_below_zero(&self.guard, self.noise, from, end) {
@@ -156,14 +171,11 @@ impl<'a> Tracer<'a> {
     }
 
     fn form_guard(&mut self, set: &ClosedSet, contact: usize) {
-        let c = self.y.len();
         self.noise = self.noise_of(set, contact);
         self.guard.z.clear();
         self.guard.z.resize(self.y[0].len(), Complex64::default());
-        for (weight, y) in set.guard[contact * c..(contact + 1) * c].iter().zip(self.y) {
-            if *weight != 0.0 {
-                self.guard.z.iter_mut().zip(y).for_each(|(g, y)| *g += y * *weight);
-            }
+        for (j, weight) in set.guard_row(contact).filter(|(_, weight)| *weight != 0.0) {
+            self.guard.z.iter_mut().zip(&self.y[j]).for_each(|(g, y)| *g += y * weight);
         }
     }
 }

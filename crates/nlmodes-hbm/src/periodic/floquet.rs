@@ -131,12 +131,12 @@ impl PeriodicSystem {
         omega: f64,
         xi: f64,
     ) -> Mat<f64> {
-        let (m, c) = (self.structure.n_modes(), self.structure.n_contacts());
-        let (rows, s) = (self.structure.rows(), &operator.sets.get(interval.set).s);
+        let m = self.structure.n_modes();
+        let (rows, set) = (self.structure.rows(), operator.sets.get(interval.set));
         let width = (interval.to - interval.from).clamp(0.0, TAU);
         let contact = |k: usize, l: usize| -> f64 {
-            let pairs = (0..c).flat_map(|i| (0..c).map(move |j| (i, j))).filter(|(i, j)| s[i * c + j] != 0.0);
-            pairs.map(|(i, j)| rows[(i, k)] * s[i * c + j] * rows[(j, l)]).sum()
+            let pressed = |i: usize| set.force_row(i).map(|(j, s)| s * rows[(j, l)]).sum::<f64>();
+            set.active.iter().map(|&i| rows[(i, k)] * pressed(i)).sum()
         };
         Mat::from_fn(2 * m, 2 * m, |i, j| {
             let (k, l) = (i % m, j % m);

@@ -224,18 +224,22 @@ impl PeriodicSystem {
 
     /// `Pᵀ (dλ/dy) P` over a period, kept in the assembly.
     fn differentiate_forces(&mut self) {
-        let (c, d) = (self.structure.n_contacts(), self.response.n_coordinates());
+        let d = self.response.n_coordinates();
         self.maps.resize(self.operator.sets.len(), None);
         self.assembly.clear_forces();
         for (set, averages) in &self.operator.spectra {
             let map = self.maps[*set].get_or_insert_with(|| {
-                let s = &self.operator.sets.get(*set).s;
-                let p = &self.gap_map;
+                let (set, p) = (self.operator.sets.get(*set), &self.gap_map);
                 let mut map = vec![0.0; d * d];
-                for (i, j) in (0..c).flat_map(|i| (0..c).map(move |j| (i, j))).filter(|(i, j)| s[i * c + j] != 0.0) {
+                let mut pressed = vec![0.0; d];
+                for &i in &set.active {
+                    // Row i of S P.
+                    pressed.fill(0.0);
+                    for (j, s) in set.force_row(i) {
+                        pressed.iter_mut().zip(&p[j * d..(j + 1) * d]).for_each(|(to, p)| *to += s * p);
+                    }
                     for (k, row) in map.chunks_mut(d).enumerate().filter(|(k, _)| p[i * d + k] != 0.0) {
-                        let factor = p[i * d + k] * s[i * c + j];
-                        row.iter_mut().zip(&p[j * d..(j + 1) * d]).for_each(|(m, p)| *m += factor * p);
+                        row.iter_mut().zip(&pressed).for_each(|(m, pressed)| *m += p[i * d + k] * pressed);
                     }
                 }
                 map
