@@ -3,6 +3,9 @@ use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 
 use crate::{ModalLoad, OpenModes, ReductionError};
 
+/// Modes that move the closed contacts by less than this share of the others leave them at rest.
+const PRESSES: f64 = 1e-6;
+
 /// A structure at rest against its stops, pressed by interference or by static loads.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -111,18 +114,31 @@ impl OpenModes {
         Ok(ClosedModes { omega_squared: values.iter().map(|v| v.max(0.0)).collect(), eta })
     }
 
-    /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed` closed: the relative change from m/2 to
-    /// m modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
+    /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed` closed, or of the next one that presses
+    /// these: the relative change from m/2 to m modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
     ///
     /// # Errors
     /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do not reach `mode`.
     pub fn truncation_error(&self, closed: &[bool], mode: usize) -> Result<f64, ReductionError> {
         let frequency = |open: &Self| {
             let modes = open.closed_modes(closed)?;
-            modes.omega_squared.get(mode).map(|w| w.sqrt()).ok_or(ReductionError::NoMode { wanted: mode + 1 })
+            let pressing = open.pressing(&modes, closed);
+            // Modes that leave the contacts at rest, as two equal bodies have, know nothing of what is left out.
+            let largest = pressing.iter().copied().fold(0.0, f64::max);
+            let found = (mode..pressing.len()).find(|r| pressing[*r] > PRESSES * largest);
+            found.map(|r| modes.omega_squared[r].sqrt()).ok_or(ReductionError::NoMode { wanted: mode + 1 })
         };
         let (half, whole) = (frequency(&self.truncated(self.n_modes() / 2)?)?, frequency(self)?);
         Ok((half / whole - 1.0).abs())
+    }
+
+    /// How far each of the modes with closed contacts would move these if they were open, `|Y_S η_r|`.
+    fn pressing(&self, modes: &ClosedModes, closed: &[bool]) -> Vec<f64> {
+        let moved = |i: usize, r: usize| -> f64 {
+            (0..self.n_modes()).map(|s| self.contact_rows()[(i, s)] * modes.eta[(s, r)]).sum()
+        };
+        let of = |r: usize| (0..closed.len()).filter(|i| closed[*i]).map(|i| moved(i, r).abs()).fold(0.0, f64::max);
+        (0..modes.omega_squared.len()).map(of).collect()
     }
 
     /// `F + C = A + Y Ω⁻² Yᵀ + C`, of a structure that does not float.

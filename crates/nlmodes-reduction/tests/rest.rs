@@ -118,3 +118,23 @@ fn a_floating_structure_rests_only_where_nothing_presses() {
     assert!(closed.omega_squared[0].sqrt() > 0.5);
     assert!(matches!(apart.closed_modes(&[true]).unwrap_err(), ReductionError::Dimension { .. }));
 }
+
+#[test]
+fn the_estimate_for_two_equal_bodies_is_that_of_one_before_a_wall() {
+    let (model, n) = (rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0), ELEMENTS);
+    let twice = |a: &nlmodes_linalg::SparseMatrix| {
+        let both = nlmodes_linalg::triplets(a).flat_map(|(i, j, v)| [(i, j, v), (n + i, n + j, v)]);
+        nlmodes_linalg::sparse_from_triplets(2 * n, 2 * n, &both.collect::<Vec<_>>()).unwrap()
+    };
+    let directions =
+        |rows: usize, entries: &[(usize, usize, f64)]| nlmodes_linalg::sparse_from_triplets(rows, 1, entries).unwrap();
+    let wall = directions(n, &[(n - 1, 0, -1.0)]);
+    let pair = directions(2 * n, &[(n - 1, 0, -1.0), (2 * n - 1, 0, 1.0)]);
+    let estimate = |mass, stiffness, w, modes| {
+        let open = OpenModes::new(mass, stiffness, w, vec![0.1], vec![0.0], ModeCount::Lowest(modes)).unwrap();
+        open.truncation_error(&[true], 0).unwrap()
+    };
+    let one = estimate(model.mass().clone(), model.stiffness().clone(), wall, 8);
+    let two = estimate(twice(model.mass()), twice(model.stiffness()), pair, 16);
+    assert!(one > 1e-6 && (two / one - 1.0).abs() < 1e-5, "{one:e} {two:e}");
+}
