@@ -12,9 +12,11 @@ mod overview;
 mod report_page;
 mod sections;
 mod table;
+mod wire;
 
 pub use frame::Page;
 pub use table::DataTable;
+pub use wire::Wireframe;
 
 use crate::ReportError;
 use crate::StopLine;
@@ -56,6 +58,7 @@ pub struct HtmlReport<'a> {
     clamped: Vec<f64>,
     stops: Vec<StopLine>,
     contact_motion: Option<&'a ContactMotion<'a>>,
+    wireframe: Option<Wireframe>,
     histories: Vec<(String, Vec<&'a TimeHistory>, HistoryLook)>,
     participation: &'a [&'a [Participation]],
     leading: Vec<(String, Figure)>,
@@ -78,6 +81,7 @@ impl<'a> HtmlReport<'a> {
             clamped: Vec::new(),
             stops: Vec::new(),
             contact_motion: None,
+            wireframe: None,
             histories: Vec::new(),
             participation: &[],
             leading: Vec::new(),
@@ -120,6 +124,12 @@ impl<'a> HtmlReport<'a> {
     /// the page.
     pub fn contact_motion(mut self, motion: &'a ContactMotion<'a>) -> Self {
         self.contact_motion = Some(motion);
+        self
+    }
+
+    /// With the motion of a structure in space, which can be turned; left out where it cannot be drawn.
+    pub fn wireframe(mut self, wireframe: Wireframe) -> Self {
+        self.wireframe = Some(wireframe).filter(Wireframe::is_sound);
         self
     }
 

@@ -100,7 +100,7 @@ pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
     MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
 };
-pub use html::{DataTable, HtmlReport, Page, explore};
+pub use html::{DataTable, HtmlReport, Page, Wireframe, explore};
 pub use output::write_file;
 pub use stop::StopLine;
 pub use style::FigureStyle;

@@ -4,6 +4,7 @@ use super::HtmlReport;
 use super::history::HistoryData;
 use super::motion::MotionData;
 use super::number::rounded;
+use super::wire::WireData;
 use crate::StopLine;
 use crate::figure::EventSymbols;
 use crate::palette;
@@ -20,6 +21,8 @@ pub(super) struct Data {
     marks: Vec<(usize, usize, String)>,
     event_symbols: Vec<EventSymbol>,
     histories: Vec<HistoryData>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wire: Option<WireData>,
     colors: Colors,
 }
 
@@ -123,6 +126,7 @@ impl Data {
                 .iter()
                 .filter_map(|(name, all, look)| HistoryData::of_all(name, all, look))
                 .collect(),
+            wire: report.wireframe.as_ref().map(super::wire::Wireframe::data),
             colors: Colors {
                 branches: palette::CURVES.to_vec(),
                 touching: palette::TOUCHING,

@@ -18,6 +18,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/participation.js"),
     include_str!("page/histories.js"),
     include_str!("page/motion.js"),
+    include_str!("page/wire.js"),
     include_str!("page/start.js"),
 );
 

@@ -33,6 +33,7 @@ impl HtmlReport<'_> {
             section("responses", "Responses", given(&self.leading)),
             section("branches", self.name_of_branches(), self.branch_figures()),
             section("participations", "Participation of linear modes", self.participation_figure()?),
+            section("space", "Motion in space", self.wire_figure()),
             section("histories", "Time histories", self.history_figures()?),
             section("figures", "Figures", given(&self.figures)),
             section("tables", "Tables", self.all_tables()),
@@ -99,6 +100,15 @@ impl HtmlReport<'_> {
              <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>\
              <div id=\"details\" class=\"box needs-script\"></div></div>\n",
             still.as_svg()
+        )
+    }
+
+    fn wire_figure(&self) -> String {
+        let Some(wireframe) = &self.wireframe else { return String::new() };
+        let (title, still) = (escape(&wireframe.name), wireframe.still());
+        format!(
+            "<p class=\"hint needs-script control\">Drag or use the arrows to turn it, wheel to zoom, double click to see it as at first.</p>\n\
+             <figure class=\"box\"><h3>{title}</h3><div class=\"still\">{still}</div><div id=\"wire\" class=\"needs-script\"></div></figure>\n"
         )
     }
 

@@ -48,6 +48,7 @@ function begin() {
     motion.onPhase(motion.phase);
   }
 
+  if (byId("wire") && DATA.wire) new Wire(byId("wire"), DATA.wire);
   walk(byId("walk"), () => chosen, choose);
   if (figures && byId("lay")) layOver(byId("lay"), branch => {
     DATA.branches.push(branch);

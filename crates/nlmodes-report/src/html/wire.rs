@@ -1,0 +1,195 @@
+//! The motion of a structure in space: its edges, and the force at each contact.
+
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::number::rounded;
+
+/// Largest whole number in which a coordinate is expressed.
+const FULL_SCALE: f64 = 9999.0;
+/// Most harmonics of the motion that the page holds.
+const HARMONICS: usize = 6;
+/// Width and height of the figure that stands still.
+const STILL: [f64; 2] = [760.0, 400.0];
+
+/// The motion of a structure in space over one period, to be drawn as a wireframe.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Wireframe {
+    /// What moves, for instance `point 12`.
+    pub name: String,
+    /// Places of its corners at rest, m.
+    pub places: Vec<[f64; 3]>,
+    /// Pairs of corners that are joined.
+    pub edges: Vec<[usize; 2]>,
+    /// Displacement of each corner (m) at equal steps of a period: steps × corners.
+    pub displacements: Vec<Vec<[f64; 3]>>,
+    /// Corners at which something can be touched, with the force on the structure there (N) at the same steps.
+    pub forces: Vec<(usize, Vec<[f64; 3]>)>,
+}
+
+/// A factor and the whole numbers that it turns into SI units.
+type Packed = (f64, Vec<i32>);
+
+/// What the script knows of it.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct WireData {
+    name: String,
+    places: Packed,
+    edges: Vec<usize>,
+    /// Cosine and sine coefficients of the displacements, x, y, z of one corner after the other; the mean first, without a sine.
+    cosines: (f64, Vec<Vec<i32>>),
+    sines: (f64, Vec<Vec<i32>>),
+    contacts: Vec<usize>,
+    /// Forces over the steps, x, y, z of one contact after the other.
+    forces: (f64, Vec<Vec<i32>>),
+}
+
+impl Wireframe {
+    /// Whether there is something to be drawn, with all numbers finite and all corners there.
+    pub(super) fn is_sound(&self) -> bool {
+        let n = self.places.len();
+        let finite = |all: &[[f64; 3]]| all.iter().flatten().all(|v| v.is_finite());
+        let is_corner = |i: &usize| *i < n;
+        !self.edges.is_empty()
+            && !self.displacements.is_empty()
+            && finite(&self.places)
+            && self.edges.iter().flatten().all(is_corner)
+            && self.displacements.iter().all(|step| step.len() == n && finite(step))
+            && self.forces.iter().all(|(i, f)| *i < n && f.len() == self.displacements.len() && finite(f))
+    }
+
+    pub(super) fn data(&self) -> WireData {
+        let steps = self.displacements.len();
+        let harmonics = HARMONICS.min(steps.saturating_sub(1) / 2);
+        let part = |n: usize, turn: fn(f64) -> f64| -> Vec<f64> {
+            let weight = if n == 0 { 1.0 } else { 2.0 } / steps as f64;
+            let mut sum = vec![0.0; 3 * self.places.len()];
+            for (k, step) in self.displacements.iter().enumerate() {
+                let factor = weight * turn(TAU * (n * k) as f64 / steps as f64);
+                sum.iter_mut().zip(step.iter().flatten()).for_each(|(sum, u)| *sum += factor * u);
+            }
+            sum
+        };
+        let cosines: Vec<Vec<f64>> = (0..=harmonics).map(|n| part(n, f64::cos)).collect();
+        let mut sines: Vec<Vec<f64>> = (1..=harmonics).map(|n| part(n, f64::sin)).collect();
+        let largest = |all: &[Vec<f64>]| all.iter().flatten().fold(0.0_f64, |l, v| l.max(v.abs()));
+        if largest(&sines) <= 1e-6 * largest(&cosines) {
+            sines.clear();
+        }
+        let forces: Vec<Vec<f64>> =
+            (0..steps).map(|k| self.forces.iter().flat_map(|(_, over)| over[k]).collect()).collect();
+        let places: Vec<f64> = self.places.iter().flatten().copied().collect();
+        let (scale, mut packed_places) = packed(&[places]);
+        WireData {
+            name: self.name.clone(),
+            places: (scale, packed_places.pop().unwrap_or_default()),
+            edges: self.edges.iter().flatten().copied().collect(),
+            cosines: packed(&cosines),
+            sines: packed(&sines),
+            contacts: self.forces.iter().map(|(corner, _)| *corner).collect(),
+            forces: packed(&forces),
+        }
+    }
+
+    /// The structure at the step of its largest displacement, drawn larger, over that at rest, as an SVG picture.
+    pub(super) fn still(&self) -> String {
+        let size = |step: &[[f64; 3]]| step.iter().flatten().fold(0.0_f64, |l, v| l.max(v.abs()));
+        let sizes = self.displacements.iter().map(|step| size(step));
+        let (at, largest) = sizes.enumerate().fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
+        let extent = (0..3).map(|a| spread(self.places.iter().map(|x| x[a]))).fold(0.0, f64::max);
+        let factor = if largest > 0.0 { 0.15 * extent / largest } else { 0.0 };
+        let moved = |k: f64| -> Vec<[f64; 2]> {
+            let places = self.places.iter().zip(&self.displacements[at]);
+            places.map(|(x, u)| projected(std::array::from_fn(|a| x[a] + k * u[a]))).collect()
+        };
+        let (rest, now) = (moved(0.0), moved(factor));
+        let bounds = [0, 1].map(|a| {
+            let values = || rest.iter().chain(&now).map(|p| p[a]);
+            (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max))
+        });
+        let [width, height] = STILL;
+        let room = |(low, high): (f64, f64), pixels: f64| (pixels - 40.0) / (high - low).max(f64::MIN_POSITIVE);
+        let scale = room(bounds[0], width).min(room(bounds[1], height));
+        let middle = bounds.map(|(low, high)| 0.5 * (low + high));
+        let pixel =
+            |p: &[f64; 2]| [width / 2.0 + scale * (p[0] - middle[0]), height / 2.0 - scale * (p[1] - middle[1])];
+        let lines = |points: &[[f64; 2]]| {
+            let mut path = String::new();
+            for [a, b] in &self.edges {
+                let ([x, y], [u, v]) = (pixel(&points[*a]), pixel(&points[*b]));
+                // A string takes all that is written to it.
+                _ = write!(path, "M{x:.1} {y:.1}L{u:.1} {v:.1}");
+            }
+            path
+        };
+        format!(
+            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"Wireframe of the structure, at rest and displaced\">\
+             <path d=\"{}\" class=\"trail\"/><path d=\"{}\" class=\"wire\"/></svg>",
+            lines(&rest),
+            lines(&now)
+        )
+    }
+}
+
+/// From above and from the side.
+fn projected([x, y, z]: [f64; 3]) -> [f64; 2] {
+    let (turn, lift) = (0.6_f64, 0.45_f64);
+    let (along, deep) = (x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos());
+    [along, z * lift.cos() + deep * lift.sin()]
+}
+
+fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+}
+
+/// One factor for all, and the whole numbers, without rows of zeros at the end.
+fn packed(rows: &[Vec<f64>]) -> (f64, Vec<Vec<i32>>) {
+    let largest = rows.iter().flatten().fold(0.0_f64, |l, v| l.max(v.abs()));
+    let scale = if largest > 0.0 { rounded(largest / FULL_SCALE, 8) } else { 1.0 };
+    let whole = |row: &Vec<f64>| row.iter().map(|v| (v / scale).round() as i32).collect::<Vec<_>>();
+    let mut all: Vec<Vec<i32>> = rows.iter().map(whole).collect();
+    let last = all.iter().rposition(|row| row.iter().any(|v| *v != 0)).map_or(1, |last| last + 1);
+    all.truncate(last.max(1));
+    (scale, all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bar of which one end moves by `0.3 + 2 cos τ + 0.5 sin 2τ` along z and is pushed while it is below.
+    fn bar(steps: usize) -> Wireframe {
+        let tau = |k: usize| TAU * k as f64 / steps as f64;
+        let z = |k: usize| 1e-3 * (0.3 + 2.0 * tau(k).cos() + 0.5 * (2.0 * tau(k)).sin());
+        Wireframe {
+            name: "point 3".into(),
+            places: vec![[0.0; 3], [2.0, 0.0, 0.0]],
+            edges: vec![[0, 1]],
+            displacements: (0..steps).map(|k| vec![[0.0; 3], [0.0, 0.0, z(k)]]).collect(),
+            forces: vec![(1, (0..steps).map(|k| [0.0, 0.0, (-z(k)).max(0.0)]).collect())],
+        }
+    }
+
+    #[test]
+    fn coefficients_are_those_of_the_motion() {
+        let data = bar(24).data();
+        let at =
+            |(scale, rows): &(f64, Vec<Vec<i32>>), n: usize| rows.get(n).map_or(0.0, |row| scale * f64::from(row[5]));
+        for (n, cosine, sine) in [(0, 0.3e-3, 0.0), (1, 2e-3, 0.0), (2, 0.0, 0.5e-3)] {
+            assert!((at(&data.cosines, n) - cosine).abs() < 1e-6, "{n}");
+            assert!(n == 0 || (at(&data.sines, n - 1) - sine).abs() < 1e-6, "{n}");
+        }
+        assert_eq!((data.places.1[3], data.edges.as_slice(), data.contacts.as_slice()), (9999, &[0, 1][..], &[1][..]));
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_not_sound() {
+        assert!(bar(24).is_sound() && bar(24).still().contains("<path"));
+        assert!(!Wireframe { edges: vec![[0, 2]], ..bar(24) }.is_sound());
+        assert!(!Wireframe { edges: Vec::new(), ..bar(24) }.is_sound());
+        assert!(!Wireframe { places: vec![[f64::NAN; 3]; 2], ..bar(24) }.is_sound());
+        assert!(!Wireframe { forces: vec![(1, Vec::new())], ..bar(24) }.is_sound());
+    }
+}
