@@ -8,7 +8,7 @@ pub mod test;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{
-    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Start,
+    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment, Start,
     Structure, Updating,
 };
 
@@ -17,7 +17,12 @@ use nlmodes_scene::scene::{
 /// `warned` says that something stands above it which is to be read first.
 pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> String {
     let mut lines = vec![scene.title.clone(), String::new()];
-    lines.extend(scene.structure.straight().into_iter().flat_map(straight));
+    let bodies = scene.structure.bodies();
+    for (i, body) in bodies.iter().enumerate() {
+        let name =
+            if scene.structure.straight().is_some() { "structure".to_owned() } else { format!("structure {}", i + 1) };
+        lines.extend(straight(&name, body));
+    }
     lines.extend(matrices::rows(scene, open));
     for (i, contact) in scene.contacts.iter().enumerate() {
         lines.push(row(&format!("contact {i}"), &stop(contact)));
@@ -36,8 +41,9 @@ pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> Str
     lines.join("\n")
 }
 
-fn straight(of: &Structure) -> Vec<String> {
-    let mut lines = vec![row("structure", &structure(of))];
+fn straight(name: &str, of: &Structure) -> Vec<String> {
+    let mut lines = vec![row(name, &structure(of))];
+    lines.extend(of.segments.iter().map(|segment| row("segment", &self::segment(segment))));
     lines.extend(of.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
     lines.push(row("supports", &format!("start {}, end {}", of.start.name(), of.end.name())));
     lines.push(row("mesh", &mesh(of)));
@@ -53,14 +59,34 @@ fn structure(structure: &Structure) -> String {
     let length = number(structure.length);
     match structure.section {
         Section::Rod { area } => {
-            format!("rod, {length} m long, {} m² of {modulus} Pa and {density} kg/m³", number(area))
+            let added = added(structure.added_mass);
+            format!("rod, {length} m long, {} m² of {modulus} Pa and {density} kg/m³{added}", number(area))
         }
         Section::Beam { area, second_moment, .. } => format!(
-            "beam, {length} m long, {} m² and {} m⁴ of {modulus} Pa and {density} kg/m³",
+            "beam, {length} m long, {} m² and {} m⁴ of {modulus} Pa and {density} kg/m³{}",
             number(area),
-            number(second_moment)
+            number(second_moment),
+            added(structure.added_mass)
         ),
     }
+}
+
+fn segment(segment: &Segment) -> String {
+    let (modulus, density) = (number(segment.youngs_modulus), number(segment.density));
+    let section = match segment.section {
+        Section::Rod { area } => format!("{} m²", number(area)),
+        Section::Beam { area, second_moment, .. } => format!("{} m² and {} m⁴", number(area), number(second_moment)),
+    };
+    let to = number(segment.to);
+    format!(
+        "to {to} m (node {}), {section} of {modulus} Pa and {density} kg/m³{}",
+        segment.to_node,
+        added(segment.added_mass)
+    )
+}
+
+fn added(mass: f64) -> String {
+    if mass > 0.0 { format!(", {} kg/m added", number(mass)) } else { String::new() }
 }
 
 fn imposed(modes: &ImposedModes) -> String {
@@ -76,7 +102,7 @@ fn imposed(modes: &ImposedModes) -> String {
 }
 
 fn mesh(structure: &Structure) -> String {
-    let elements = match structure.elements {
+    let elements = match structure.all_elements() {
         1 => "1 element,".into(),
         n => format!("{n} elements,"),
     };
@@ -85,11 +111,26 @@ fn mesh(structure: &Structure) -> String {
         grading => format!("the first {} times as long as the last", number(grading)),
     };
     let dofs = structure.free_dofs();
-    format!("{elements} {grading}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
+    let refined = structure.refined.as_ref().map_or_else(String::new, |refined| {
+        format!(", but {} times shorter beside {} nodes with stops", number(refined.factor), refined.beside.len())
+    });
+    format!("{elements} {grading}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
 }
 
 fn stop(contact: &Contact) -> String {
     let law = contact.stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)));
+    if let Some(other) = contact.against {
+        return format!(
+            "structure {} at {} m before structure {} at {} m, {}, on the {} side, gap {} m, {law}",
+            contact.structure + 1,
+            number(contact.at),
+            other.structure + 1,
+            number(other.at),
+            contact.direction.name(),
+            contact.side.name(),
+            number(contact.gap)
+        );
+    }
     format!(
         "{} m (node {}), {}, on the {} side, gap {} m, {law}",
         number(contact.at),

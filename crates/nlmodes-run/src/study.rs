@@ -36,6 +36,7 @@ use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, r
 use figures::LINEAR_MODES;
 pub(crate) use figures::held_ends;
 use journal::Journal;
+use motion::Period;
 use overlaid::Overlaid;
 use sink::{Sink, branch_directory};
 pub(crate) use stops::lines as stop_lines;
@@ -132,8 +133,12 @@ fn one_branch(
     let certificates: Vec<Certificate> = tree.branches.iter().map(|b| Certificate::of(b, sources)).collect();
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
-            let written = write(scene, &linear, &participation, (&tree, &certificates, &laid), began);
-            (written.and_then(|()| motion::write(scene, open.as_ref(), &tree)), linear, participation)
+            let is_shown = scene.files.figures || scene.files.page;
+            let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
+            let found = period.as_ref().ok().and_then(Option::as_ref);
+            let about = About { linear: &linear, participation: &participation, period: found };
+            let written = write(scene, &about, (&tree, &certificates, &laid), began).and(period.map(drop));
+            (written, linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
     };
@@ -233,19 +238,21 @@ fn whole(
 /// Writes all files that are made of whole branches.
 fn write(
     scene: &Scene,
-    linear: &LinearFrequencies,
-    participation: &[Vec<Participation>],
+    about: &About<'_>,
     (tree, certificates, laid): (&ComputedTree, &[Certificate], &[overlay::Laid]),
     began: Instant,
 ) -> Result<(), Failure> {
-    let directory = &scene.output_directory;
+    let (directory, participation) = (&scene.output_directory, about.participation);
+    if let Some(period) = about.period {
+        period.write(scene)?;
+    }
     for (number, computed) in tree.branches.iter().enumerate() {
         let folder = branch_directory(directory, number);
         write_contacts(folder.join("contacts.csv"), &computed.branch)?;
         write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
     }
     starts::write(directory, &tree.branches)?;
-    summary::write(directory, scene, linear, (tree, certificates), began.elapsed())?;
+    summary::write(directory, scene, about.linear, (tree, certificates), began.elapsed())?;
     figures::write_participations(directory, &tree.branches, participation)?;
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
@@ -264,14 +271,16 @@ fn write(
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let certified: Vec<&Certificate> = certificates.iter().collect();
-    page::write(
-        directory,
-        &[scene],
-        linear,
-        (&branches, &certified),
-        &participation,
-        (&references, &laid, &Overlaid::others(&[])),
-    )
+    let methods = Overlaid::others(&[]);
+    let shown = page::Shown { references: &references, laid: &laid, methods: &methods, period: about.period };
+    page::write(directory, &[scene], about.linear, (&branches, &certified), &participation, &shown)
+}
+
+/// What is known about the branches beside their points.
+struct About<'a> {
+    linear: &'a LinearFrequencies,
+    participation: &'a [Vec<Participation>],
+    period: Option<&'a Period>,
 }
 
 /// Writes the motions of the contacts at some points, and the results for MATLAB.

@@ -2,11 +2,13 @@
 
 mod open;
 mod parts;
+mod several;
 mod shared;
+mod steps;
 
 use std::f64::consts::TAU;
 
-use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
+use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, Support};
 use nlmodes::model::{
     Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
     ModelError, Move, Side, StructuralModel,
@@ -32,9 +34,9 @@ pub struct Elements {
 #[derive(Debug, Clone)]
 enum Theory {
     /// A rod, which moves along itself.
-    Rod(Rod),
+    Rod(Rod, Vec<Step<f64>>),
     /// A beam, which bends and moves along itself.
-    Beam(Beam),
+    Beam(Beam, Vec<Step<Section>>),
 }
 
 impl Elements {
@@ -43,11 +45,7 @@ impl Elements {
     /// # Errors
     /// What the element library has against it; a checked scene gives no reason for that.
     pub fn new(structure: &scene::Structure) -> Result<Self, FemError> {
-        let mesh = if structure.grading == 1.0 {
-            Mesh::uniform(structure.length, structure.elements)?
-        } else {
-            Mesh::graded(structure.length, structure.elements, structure.grading)?
-        };
+        let mesh = structure.mesh()?;
         let material = Material::new(structure.youngs_modulus, structure.density)?;
         let mass_matrix = match structure.mass_matrix {
             scene::MassMatrix::Consistent => MassMatrix::Consistent,
@@ -55,15 +53,15 @@ impl Elements {
         };
         let [start, end] = [structure.start, structure.end].map(support);
         let theory = match structure.section {
-            scene::Section::Rod { area } => Theory::Rod(Rod { material, area, mesh, mass_matrix, start, end }),
-            scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } => Theory::Beam(Beam {
-                material: material.with_poissons_ratio(poissons_ratio)?,
-                section: Section::new(area, second_moment)?.with_shear_factor(shear_factor)?,
-                mesh,
-                mass_matrix,
-                start,
-                end,
-            }),
+            scene::Section::Rod { area } => {
+                let steps = steps::of_rod(structure, &mesh)?;
+                Theory::Rod(Rod { material, area, mesh, mass_matrix, start, end }, steps)
+            }
+            scene::Section::Beam { .. } => {
+                let steps = steps::of_beam(structure, &mesh)?;
+                let (material, section) = steps::material_and_section(material, structure.section)?;
+                Theory::Beam(Beam { material, section, mesh, mass_matrix, start, end }, steps)
+            }
         };
         Ok(Self { theory, masses: structure.mass_points.clone(), springs: structure.springs.clone() })
     }
@@ -74,8 +72,8 @@ impl Elements {
     /// [`FemError`].
     pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
         let model = match &self.theory {
-            Theory::Rod(rod) => rod.assemble(stops),
-            Theory::Beam(beam) => beam.assemble(stops),
+            Theory::Rod(rod, steps) => rod.assemble_stepped(steps, stops),
+            Theory::Beam(beam, steps) => beam.assemble_stepped(steps, stops),
         }?;
         parts::fixed_to(model, &self.masses, &self.springs)
     }
@@ -83,8 +81,8 @@ impl Elements {
     /// The nodes.
     pub fn mesh(&self) -> &Mesh {
         match &self.theory {
-            Theory::Rod(rod) => &rod.mesh,
-            Theory::Beam(beam) => &beam.mesh,
+            Theory::Rod(rod, _) => &rod.mesh,
+            Theory::Beam(beam, _) => &beam.mesh,
         }
     }
 
@@ -94,8 +92,8 @@ impl Elements {
     /// [`FemError::OutsideMesh`].
     pub fn displacement_at(&self, model: &StructuralModel, position: f64) -> Result<Vec<(usize, f64)>, FemError> {
         match &self.theory {
-            Theory::Rod(rod) => rod.displacement_at(model.dofs(), position),
-            Theory::Beam(beam) => beam.deflection_at(model.dofs(), position),
+            Theory::Rod(rod, _) => rod.displacement_at(model.dofs(), position),
+            Theory::Beam(beam, steps) => steps::beam_there(beam, steps, position).deflection_at(model.dofs(), position),
         }
     }
 }
@@ -110,8 +108,21 @@ pub enum StructureError {
     #[error(transparent)]
     Imposed(#[from] ModelError),
     /// A file of a finite-element program is not what it should be.
-    #[error(transparent)]
-    Read(#[from] ReadError),
+    #[error("{source}")]
+    Read {
+        /// The key below `structure` that names the file.
+        key: &'static str,
+        /// What is wrong with it.
+        source: ReadError,
+    },
+    /// More modes are asked for than there are.
+    #[error("`reduction.modes` asks for {asked} modes of a structure with {dofs} degrees of freedom")]
+    TooManyModes {
+        /// What the scene asks for.
+        asked: usize,
+        /// Degrees of freedom of the structure.
+        dofs: usize,
+    },
     /// A contact does not fit the model of the files.
     #[error(transparent)]
     Contact(#[from] ContactError),
@@ -127,7 +138,9 @@ impl StructureError {
     /// The key of the scene that it is about.
     pub fn path(&self) -> String {
         match self {
-            Self::Elements(_) | Self::Read(_) | Self::Matrices(_) => "structure".into(),
+            Self::Elements(_) | Self::Matrices(_) => "structure".into(),
+            Self::Read { key, .. } => format!("structure.{key}"),
+            Self::TooManyModes { .. } => "reduction.modes".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {
@@ -188,6 +201,7 @@ fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel,
                 None => Ok(model),
             }
         }
+        SceneStructure::Several(structures) => several::model(structures, &scene.contacts),
         SceneStructure::Matrices(matrices) => {
             let files = structures.model(&matrices.files)?;
             let found = find_contacts(&files, &matrices.files, &matrices.contacts)?;
@@ -282,10 +296,13 @@ fn stop(contact: &scene::Contact) -> Stop {
         scene::Direction::Axial => nlmodes::fem::Direction::Axial,
         scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
     };
-    let side = match contact.side {
+    let stop = Stop::rigid(contact.at, direction, side(contact.side), contact.gap);
+    contact.stiffness.map_or(stop, |stiffness| stop.on_spring(stiffness))
+}
+
+fn side(side: scene::Side) -> Side {
+    match side {
         scene::Side::Positive => Side::Positive,
         scene::Side::Negative => Side::Negative,
-    };
-    let stop = Stop::rigid(contact.at, direction, side, contact.gap);
-    contact.stiffness.map_or(stop, |stiffness| stop.on_spring(stiffness))
+    }
 }

@@ -12,6 +12,7 @@ mod plausible;
 mod records;
 mod reduction;
 mod response;
+mod section;
 mod shooting;
 mod structure;
 mod updating;
@@ -22,64 +23,108 @@ pub use virtual_test::scene as test_scene;
 
 use std::path::{Path, PathBuf};
 
+use nodes::Nodes;
+use parts::Fixed;
+
 use crate::Findings;
+use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{RawContact, RawMatrixScene, RawOverlay, RawResults, RawScene};
-use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice};
+use crate::raw::{RawBodiesScene, RawMatrixScene, RawOverlay, RawResults, RawScene, RawStructure, RawStudy};
+use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure};
+
+/// What a scene computes with, as far as its other tables have to fit it.
+pub struct Subject<'a> {
+    /// Where loads act.
+    places: Places<'a>,
+    /// Number of `[[contact]]` tables.
+    contact_tables: usize,
+}
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
-    let mesh = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, findings));
-    let structure = raw.structure.as_ref().and_then(|raw| structure::check(raw, findings));
-    let contacts = contact::check(raw, mesh.as_ref(), findings);
+    let tables = raw.contact.as_deref().unwrap_or_default();
+    let stops: Vec<f64> = tables.iter().filter_map(|contact| contact.at_m).collect();
+    let nodes = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, &stops, findings));
+    let structure = raw.structure.as_ref().and_then(|raw| {
+        let fixed = Fixed::of_one(raw, findings);
+        structure::check(raw, nodes.as_ref(), &fixed, findings)
+    });
+    let mesh = nodes.as_ref().map(|nodes| &nodes.mesh);
+    let contacts = contact::check(tables, &[Body { raw: raw.structure.as_ref(), mesh }], findings);
     let structure = structure.map(SceneStructure::Straight);
-    let places = Places::along(raw.structure.as_ref(), mesh.as_ref());
-    let scene = rest(raw, (stem, base), structure, contacts, (ReductionKind::HeldModes, &places), findings)?;
+    let places = Places::along(raw.structure.as_ref(), mesh);
+    let subject = Subject { places, contact_tables: tables.len() };
+    let scene = rest(&raw.study, (stem, base), structure, contacts, &subject, findings)?;
     plausible::warn(&scene, findings);
     Some(scene)
 }
 
+/// The checked scene of several rods and beams, in the same way.
+pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
+    let (raws, tables) = (raw.structure.as_deref().unwrap_or_default(), raw.contact.as_deref().unwrap_or_default());
+    let fixed = Fixed::of_several(raws, findings);
+    let (mut nodes, mut structures) = (Vec::new(), Vec::new());
+    for (i, (raw, fixed)) in raws.iter().zip(&fixed).enumerate() {
+        findings.about_structure(Some(i));
+        let own = nodes::mesh(raw, &contact::stops_of(i, tables), findings);
+        structures.push(structure::check(raw, own.as_ref(), fixed, findings));
+        nodes.push(own);
+    }
+    let bodies = raws.iter().zip(&nodes);
+    let bodies: Vec<Body<'_>> =
+        bodies.map(|(raw, nodes)| Body { raw: Some(raw), mesh: nodes.as_ref().map(|nodes| &nodes.mesh) }).collect();
+    findings.about_structure(None);
+    let contacts = contact::check(tables, &bodies, findings);
+    let structures = structures.into_iter().collect::<Option<Vec<Structure>>>().map(SceneStructure::Several);
+    let subject = Subject { places: Places::Bodies, contact_tables: tables.len() };
+    let scene = rest(&raw.study, (stem, base), structures, contacts, &subject, findings)?;
+    for (i, structure) in scene.structure.bodies().iter().enumerate() {
+        findings.about_structure(Some(i));
+        plausible::structure(structure, findings);
+    }
+    findings.about_structure(None);
+    Some(scene)
+}
+
 /// The checked scene of a structure from files, in the same way; paths count from `base`.
-pub fn matrix_scene(raw: RawMatrixScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
-    let matrices = matrices::check(&raw, base, findings).map(SceneStructure::Matrices);
-    let plain = RawScene {
-        title: raw.title,
-        contact: raw.contact.map(|tables| tables.iter().map(|_| RawContact::default()).collect()),
-        reduction: raw.reduction,
-        damping: raw.damping,
-        force: raw.force,
-        base_motion: raw.base_motion,
-        response: raw.response,
-        method: raw.method,
-        continuation: raw.continuation,
-        overlay: raw.overlay,
-        output: raw.output,
-        ..RawScene::default()
-    };
-    rest(&plain, (stem, base), matrices, Vec::new(), (ReductionKind::OpenModes, &Places::Nodes), findings)
+pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
+    let matrices = matrices::check(raw, base, findings).map(SceneStructure::Matrices);
+    let contact_tables = raw.contact.as_ref().map_or(0, Vec::len);
+    let subject = Subject { places: Places::Nodes, contact_tables };
+    rest(&raw.study, (stem, base), matrices, Vec::new(), &subject, findings)
+}
+
+/// A rod or beam of a scene that has its stops elsewhere, at these positions.
+fn one_structure(raw: &RawStructure, stops: &[f64], findings: &mut Findings<'_>) -> Option<Structure> {
+    let nodes: Option<Nodes> = nodes::mesh(raw, stops, findings);
+    let fixed = Fixed::of_one(raw, findings);
+    structure::check(raw, nodes.as_ref(), &fixed, findings)
 }
 
 /// What all structures share.
 fn rest(
-    raw: &RawScene,
+    raw: &RawStudy,
     (stem, base): (&str, &Path),
     mut structure: Option<SceneStructure>,
     mut contacts: Vec<Contact>,
-    (default, places): (ReductionKind, &Places<'_>),
+    subject: &Subject<'_>,
     findings: &mut Findings<'_>,
 ) -> Option<Scene> {
-    let method = raw.method.as_ref().and_then(|method| method::check(method, raw, &contacts, findings));
+    let method = raw.method.as_ref().and_then(|method| method::check(method, raw, subject, &contacts, findings));
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         if let Some(SceneStructure::Matrices(matrices)) = &mut structure {
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
     }
-    let reduction = reduction::check(raw.reduction.as_ref(), raw, default, findings);
+    let is_along = matches!(subject.places, Places::Along(_));
+    let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
+    let reduction = reduction::check(raw.reduction.as_ref(), raw, (default, &subject.places), findings);
     let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, findings));
-    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, findings));
-    let of_responses = response::check(raw, places, method.as_ref(), findings);
+    let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
+    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, uniform, findings));
+    let of_responses = response::check(raw, &subject.places, method.as_ref(), findings);
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
@@ -109,7 +154,7 @@ fn output_directory(written: Option<&String>, stem: &str) -> PathBuf {
 }
 
 /// What is laid over the results; paths count from `base`.
-fn overlays(raw: &RawScene, base: &Path) -> Vec<Overlay> {
+fn overlays(raw: &RawStudy, base: &Path) -> Vec<Overlay> {
     let overlay = |raw: &RawOverlay| {
         let path = base.join(raw.path.as_ref()?);
         let name = path.file_stem().map(|name| name.to_string_lossy().into_owned());

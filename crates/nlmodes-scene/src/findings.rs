@@ -1,5 +1,6 @@
 //! The problems of one scene, as they are found.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use crate::{Document, Problem, Severity, problem};
@@ -10,17 +11,51 @@ pub struct Findings<'a> {
     document: &'a Document,
     problems: Vec<Problem>,
     meant: BTreeSet<String>,
+    body: Option<usize>,
 }
 
 impl<'a> Findings<'a> {
     /// Begins with what was found before.
     pub fn new(document: &'a Document, problems: Vec<Problem>) -> Self {
-        Self { document, problems, meant: BTreeSet::new() }
+        Self { document, problems, meant: BTreeSet::new(), body: None }
     }
 
     /// The texts.
     pub fn document(&self) -> &'a Document {
         self.document
+    }
+
+    /// Says which structure of several (from 0) the key `structure` and those below it are about from here on; none where there is one.
+    pub fn about_structure(&mut self, body: Option<usize>) {
+        self.body = body;
+    }
+
+    /// The structure of several that is being looked at.
+    pub fn structure(&self) -> Option<usize> {
+        self.body
+    }
+
+    /// The path of a key in the file.
+    fn in_file<'p>(&self, path: &'p str) -> Cow<'p, str> {
+        match (self.body, path.strip_prefix("structure")) {
+            (Some(body), Some(rest)) if rest.is_empty() || rest.starts_with('.') => {
+                Cow::Owned(format!("structure.{body}{rest}"))
+            }
+            _ => Cow::Borrowed(path),
+        }
+    }
+
+    /// The text with the paths that it names as they are in the file.
+    fn named(&self, text: String) -> String {
+        match self.body {
+            Some(body) => text.replace("`structure.", &format!("`structure.{body}.")),
+            None => text,
+        }
+    }
+
+    /// Where the key of the path stands.
+    pub fn place(&self, path: &str) -> Option<&'a crate::Place> {
+        self.document.place(&self.in_file(path))
     }
 
     /// Adds a problem at its place or nowhere.
@@ -30,12 +65,14 @@ impl<'a> Findings<'a> {
 
     /// Adds a problem at the value of a key.
     pub fn put(&mut self, path: &str, problem: Problem, label: impl Into<String>) {
-        self.problems.push(self.document.put(problem, path, label));
+        let problem = Problem { title: self.named(problem.title), ..problem };
+        self.problems.push(self.document.put(problem, &self.in_file(path), label));
     }
 
     /// Whether the scene writes this key, or one that was probably meant to be it.
     pub fn has(&self, path: &str) -> bool {
-        self.document.place(path).is_some() || self.meant.contains(path)
+        let path = self.in_file(path);
+        self.document.place(&path).is_some() || self.meant.contains(path.as_ref())
     }
 
     /// Whether a key at this path was misspelt.
@@ -66,7 +103,7 @@ impl<'a> Findings<'a> {
 
     /// The value of a key as the scene writes it.
     pub fn written(&self, path: &str) -> String {
-        self.document.written(path)
+        self.document.written(&self.in_file(path))
     }
 
     /// Whether the scene is refused.

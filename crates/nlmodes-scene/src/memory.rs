@@ -118,6 +118,9 @@ impl Needs {
         let method = &scene.method;
         let (full, dofs) = match &scene.structure {
             SceneStructure::Straight(structure) => (0.0, structure.free_dofs() as f64),
+            SceneStructure::Several(structures) => {
+                (structures.iter().map(|body| BYTES_OF_A_DOF * body.free_dofs() as f64).sum(), REDUCED_DOFS)
+            }
             // Reading and factorising the files comes before the reduced problem.
             SceneStructure::Matrices(matrices) => (of_files(&matrices.files), REDUCED_DOFS),
         };
@@ -155,6 +158,38 @@ pub(crate) fn of_files(files: &FeFiles) -> f64 {
     // A factor of a solid grows with the 4/3rd power of its size.
     let unknowns = entries / ENTRIES_OF_A_ROW;
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
+}
+
+/// What reducing a solid takes on one core of a usual machine: factorisation, modes, and one solution for each contact, after figures of tetrahedra with
+/// 10⁵ to 10⁶ degrees of freedom; thinner structures take less.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Most memory, bytes.
+    pub bytes: f64,
+    /// CPU time, s.
+    pub seconds: f64,
+}
+
+impl Effort {
+    /// Of a structure with so many degrees of freedom, contacts and open modes.
+    pub fn of_reduction(dofs: usize, contacts: usize, modes: usize) -> Self {
+        let millions = dofs as f64 / 1e6;
+        let factor = 13.6e9 * millions.powf(1.45);
+        let tables = 8.0 * dofs as f64 * (3 * modes + 64) as f64;
+        let solutions = factor / 13.6e9;
+        let seconds = 112.0 * millions.powi(2) + solutions * (4.0 * modes as f64 + 0.3 * contacts as f64);
+        Self { bytes: PROGRAM + 1.2 * factor + tables, seconds }
+    }
+
+    /// Both in words.
+    pub fn text(&self) -> String {
+        let seconds = match self.seconds {
+            s if s < 1.0 => "under a second".to_owned(),
+            s if s < 120.0 => format!("some {s:.0} s"),
+            s => format!("some {:.0} min", s / 60.0),
+        };
+        format!("{seconds} of one core and {} of memory", text(self.bytes))
+    }
 }
 
 /// What the branch of a scene with so many points as most branches have takes at most, bytes.
@@ -261,6 +296,17 @@ mod tests {
             assert!(wrong.parse::<Limit>().is_err(), "{wrong}");
         }
         assert_eq!(total("MemTotal:       16318712 kB\nMemFree: 1 kB\n"), Some(16318712.0 * 1024.0));
+    }
+
+    #[test]
+    fn the_effort_grows_as_it_was_measured() {
+        // Degrees of freedom, seconds of factorisation and 20 modes, GB.
+        for (dofs, seconds, gigabytes) in [(101_988, 11.0, 0.95), (306_741, 61.0, 4.75)] {
+            let found = Effort::of_reduction(dofs, 1, 20);
+            assert!((0.3..3.0).contains(&(found.seconds / seconds)), "{found:?}");
+            assert!((0.4..2.0).contains(&(found.bytes / 1e9 / gigabytes)), "{found:?}");
+        }
+        assert!(Effort::of_reduction(2000, 40, 20).text().starts_with("under a second"));
     }
 
     #[test]

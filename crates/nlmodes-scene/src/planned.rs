@@ -18,6 +18,12 @@ pub fn is_of_matrices(root: &DeTable<'_>) -> bool {
     matches!(structure.get("kind").map(|kind| kind.get_ref()), Some(DeValue::String(kind)) if kind == "matrices")
 }
 
+/// Whether the scene describes several structures under headings `[[structure]]`.
+pub fn is_of_bodies(root: &DeTable<'_>) -> bool {
+    let Some(DeValue::Array(items)) = root.get("structure").map(|value| value.get_ref()) else { return false };
+    !items.is_empty() && items.iter().all(|item| item.get_ref().is_table())
+}
+
 /// Whether the scene describes a virtual test.
 pub fn is_of_test(root: &DeTable<'_>) -> bool {
     first(root, &["virtual_test"]).is_some()

@@ -22,7 +22,7 @@ pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use overlay::RawOverlay;
-pub use parts::{RawMassPoint, RawSpring};
+pub use parts::{RawMassPoint, RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
 pub use response::{RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawResponse};
@@ -38,21 +38,17 @@ use serde::Deserialize;
 
 use crate::scene::{Direction, Side};
 
-/// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
+/// Most structures of a scene.
+const MAX_BODIES: u32 = 1000;
+
+/// What scenes of all structures that are computed share.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(title = "nlmodes scene")]
-pub struct RawScene {
+pub struct RawStudy {
     /// Title of tables and figures; default: the name of the file
     pub title: Option<String>,
-    /// The structure: geometry, mesh and supports
-    #[schemars(required)]
-    pub structure: Option<RawStructure>,
-    /// One-sided stops, any number, each under its own heading `[[contact]]`
-    pub contact: Option<Vec<RawContact>>,
     /// How the structure is reduced
     pub reduction: Option<RawReduction>,
-    /// Parameters that are fitted to given linear frequencies first
+    /// Parameters of a rod or beam that are fitted to given linear frequencies first
     pub updating: Option<RawUpdating>,
     /// Damping of the structure with its contacts open; responses need it
     pub damping: Option<RawDamping>,
@@ -74,6 +70,34 @@ pub struct RawScene {
     pub output: Option<RawResults>,
 }
 
+/// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(title = "nlmodes scene")]
+pub struct RawScene {
+    /// The structure: geometry, mesh and supports
+    #[schemars(required)]
+    pub structure: Option<RawStructure>,
+    /// One-sided stops, any number, each under its own heading `[[contact]]`
+    pub contact: Option<Vec<RawContact>>,
+    /// Everything else
+    #[serde(flatten)]
+    pub study: RawStudy,
+}
+
+/// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them and one-sided stops.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(title = "nlmodes scene of several structures")]
+pub struct RawBodiesScene {
+    /// The structures, numbered from 1
+    #[schemars(required, length(min = 1, max = MAX_BODIES))]
+    pub structure: Option<Vec<RawStructure>>,
+    /// One-sided contacts, any number, each under its own heading `[[contact]]`
+    pub contact: Option<Vec<RawContact>>,
+    /// Everything else
+    #[serde(flatten)]
+    pub study: RawStudy,
+}
+
 /// A stop on one side of a node.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -93,6 +117,23 @@ pub struct RawContact {
     /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
+    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
+    /// What is touched in place of a rigid stop: a node of another structure
+    pub against: Option<RawAgainst>,
+}
+
+/// A node of another structure.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawAgainst {
+    /// Number of the structure, from 1 in the order of the file
+    #[schemars(required, range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
+    /// Position along its axis, measured from its start; must be a node of its mesh
+    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: Option<f64>,
 }
 
 /// Where results go.

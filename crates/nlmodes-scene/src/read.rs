@@ -130,8 +130,13 @@ fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<Sc
         root.as_ref().and_then(|root| planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref())));
     let stem = stem(text.name);
     let scene = if root.as_ref().is_some_and(|root| planned::is_of_matrices(root.get_ref())) {
-        let raw = root.and_then(|root| read(root, other, schema::of_matrices(), &mut findings));
-        raw.and_then(|raw| check::matrix_scene(raw, &stem, &base(text.name), &mut findings))
+        let raw: Option<raw::RawMatrixScene> =
+            root.and_then(|root| read(root, other, schema::of_matrices(), &mut findings));
+        raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut findings))
+    } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
+        let raw: Option<raw::RawBodiesScene> =
+            root.and_then(|root| read(root, other, schema::of_bodies(), &mut findings));
+        raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut findings))
     } else {
         let raw: Option<raw::RawScene> = root.and_then(|root| read(root, other, schema::of_structure(), &mut findings));
         raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut findings))

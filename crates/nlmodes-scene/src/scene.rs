@@ -17,7 +17,7 @@ pub use choices::{
 };
 
 pub use output::{OutputFiles, Overlay};
-pub use parts::{GroundSpring, MassPoint};
+pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
@@ -26,6 +26,7 @@ pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
 use std::path::PathBuf;
 
+use nlmodes_fem::{FemError, Mesh};
 use serde::{Deserialize, Serialize};
 
 /// A structure with one-sided stops, and how its nonlinear mode is to be computed.
@@ -113,6 +114,15 @@ pub struct Structure {
     pub density: f64,
     /// Cross section, and with it the theory.
     pub section: Section,
+    /// Mass per length beside that of the section, kg/m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub added_mass: f64,
+    /// Parts with their own sections and materials, one behind the other from the start; beyond the last one the structure's own go on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub segments: Vec<Segment>,
+    /// Elements that are shorter beside some nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refined: Option<Refined>,
     /// Point masses at its nodes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mass_points: Vec<MassPoint>,
@@ -143,10 +153,61 @@ impl Structure {
         }
     }
 
+    /// The mesh.
+    ///
+    /// # Errors
+    /// [`FemError`] for elements that cannot be told apart.
+    pub fn mesh(&self) -> Result<Mesh, FemError> {
+        let mesh = if self.grading == 1.0 {
+            Mesh::uniform(self.length, self.elements)?
+        } else {
+            Mesh::graded(self.length, self.elements, self.grading)?
+        };
+        match &self.refined {
+            Some(Refined { beside, factor }) => mesh.refined(beside, *factor),
+            None => Ok(mesh),
+        }
+    }
+
+    /// The same with each element halved, with its parts at the same places; none where they stand at nodes that the finer mesh has elsewhere, as of a
+    /// graded one.
+    pub fn with_twice_the_elements(&self) -> Option<Self> {
+        let mut finer = Self { elements: 2 * self.elements, ..self.clone() };
+        let has_places = !(self.segments.is_empty() && self.mass_points.is_empty() && self.springs.is_empty());
+        if !has_places && self.refined.is_none() {
+            return Some(finer);
+        }
+        if self.grading != 1.0 || (has_places && self.refined.is_some()) {
+            return None;
+        }
+        finer.segments.iter_mut().for_each(|segment| segment.to_node *= 2);
+        finer.mass_points.iter_mut().for_each(|point| point.node *= 2);
+        finer.springs.iter_mut().for_each(|spring| spring.node *= 2);
+        finer.refined.iter_mut().flat_map(|refined| &mut refined.beside).for_each(|node| *node *= 2);
+        Some(finer)
+    }
+
+    /// Number of elements, those beside refined nodes included.
+    pub fn all_elements(&self) -> usize {
+        match self.refined {
+            Some(_) => self.mesh().map_or(self.elements, |mesh| mesh.elements()),
+            None => self.elements,
+        }
+    }
+
+    /// Whether material, section and mass are the same everywhere.
+    pub fn is_uniform(&self) -> bool {
+        self.segments.is_empty() && self.added_mass == 0.0 && self.mass_points.is_empty() && self.springs.is_empty()
+    }
+
     /// Number of degrees of freedom that the supports leave free.
     pub fn free_dofs(&self) -> usize {
-        free_dofs(self.kind(), self.elements, [self.start, self.end])
+        free_dofs(self.kind(), self.all_elements(), [self.start, self.end])
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Cross section, and with it the theory.
@@ -187,6 +248,27 @@ pub struct Contact {
     /// Contact stiffness, N/m; a rigid stop has none. Always there for [`MethodKind::Hbm`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
+    /// Index of the structure of several, from 0.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub structure: usize,
+    /// The node of another structure that is touched in place of a stop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<Facing>,
+}
+
+/// A node of another structure that a node can touch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Facing {
+    /// Index of the structure, from 0.
+    pub structure: usize,
+    /// Number of the node, 0 at its start.
+    pub node: usize,
+    /// Position of the node along the axis of that structure, m.
+    pub at: f64,
+}
+
+fn is_first(structure: &usize) -> bool {
+    *structure == 0
 }
 
 /// Parameters that are fitted to given linear frequencies.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use crate::raw::{RawMatrixScene, RawRecordScene, RawScene, RawTestScene};
+use crate::raw::{RawBodiesScene, RawMatrixScene, RawRecordScene, RawScene, RawTestScene};
 
 /// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
@@ -23,6 +23,12 @@ pub fn of_structure() -> &'static Value {
 pub fn of_matrices() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(schema_of::<RawMatrixScene>)
+}
+
+/// The schema of a scene of several structures, in the same way.
+pub fn of_bodies() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawBodiesScene>)
 }
 
 /// The schema of a scene of measured records, in the same way.
@@ -86,6 +92,10 @@ pub fn schema_of<T: JsonSchema>() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
     without_null(&mut schema);
+    // Of tables with a common part, this is not said by themselves.
+    if let Some(root) = schema.as_object_mut() {
+        root.entry("additionalProperties").or_insert(Value::Bool(false));
+    }
     schema
 }
 

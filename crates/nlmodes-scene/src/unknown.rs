@@ -93,8 +93,17 @@ pub fn problem(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Problem
 }
 
 /// Tables that may stand several times.
-const LISTS: [&str; 8] =
-    ["contact", "channel", "vary", "quantity", "force", "damping.dashpot", "structure.mass_point", "structure.spring"];
+const LISTS: [&str; 9] = [
+    "contact",
+    "channel",
+    "vary",
+    "quantity",
+    "force",
+    "damping.dashpot",
+    "structure.mass_point",
+    "structure.spring",
+    "structure.segment",
+];
 
 /// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
 pub fn heading(path: &str) -> String {

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use nlmodes_io::{FeModel, NodeContact};
 use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::memory::Effort;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{Matrices, Scene};
 
@@ -21,6 +22,8 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<String> {
     let mut lines = structure(matrices, model);
     lines.push(row("frequencies", &frequencies(open)));
     lines.extend(contacts(found));
+    let effort = Effort::of_reduction(model.n_dofs(), found.len(), open.modes.n_modes());
+    lines.push(row("effort", &format!("the reduction takes {}", effort.text())));
     lines
 }
 

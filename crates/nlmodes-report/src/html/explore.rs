@@ -17,7 +17,6 @@ pub const SCRIPT: &str = concat!(
     include_str!("page/chart.js"),
     include_str!("page/branches.js"),
     include_str!("page/motion.js"),
-    include_str!("page/wire.js"),
     include_str!("page/explore.js"),
 );
 

@@ -17,13 +17,19 @@ const MOST: usize = 2000;
 pub fn frequency(scene: &Scene) -> Check {
     let limit = Number::Frequency.limit();
     let missing = |why: &str, how| Check::missing(MESH, OF, limit, why, how);
-    let SceneStructure::Straight(own) = &scene.structure else {
-        return missing("the structure comes from files", "a finer mesh in the program that wrote them");
+    let own = match &scene.structure {
+        SceneStructure::Straight(own) => own,
+        SceneStructure::Several(_) => return missing("there are several structures", "elements twice as many in each"),
+        SceneStructure::Matrices(_) => {
+            return missing("the structure comes from files", "a finer mesh in the program that wrote them");
+        }
     };
     if own.modes.is_some() {
         return missing("frequencies are imposed on the modes", "the same scene without [structure.modes]");
     }
-    let finer = Structure { elements: 2 * own.elements, ..own.clone() };
+    let Some(finer) = own.with_twice_the_elements() else {
+        return missing("parts stand at nodes that a finer mesh has elsewhere", "structure.elements twice as large");
+    };
     if finer.elements > MOST {
         return missing("more than 1000 elements", "structure.elements twice as large");
     }

@@ -1,11 +1,12 @@
-//! `motion.pvd`: the motion of a structure from files, for ParaView.
+//! The motion of a structure from files: `motion.pvd` for ParaView, and a wireframe for the page.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use nlmodes::modal::TimeHistory;
-use nlmodes::report::ReportError;
+use nlmodes::report::{ReportError, Wireframe};
 use nlmodes::study::{ComputedBranch, ComputedTree, figure_points};
-use nlmodes_io::{Component, FeModel, Mesh, PointField, Surface};
+use nlmodes_io::{Component, FeModel, Mesh, PointField, Skin, Surface};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
@@ -16,32 +17,98 @@ const FRAMES: usize = 24;
 /// Samples of a period of each contact, a multiple of the frames.
 const SAMPLES: usize = 10 * FRAMES;
 
-/// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase of the last point whose motion is shown, where a mesh is known; not where neither
-/// figures nor page are asked for.
-///
-/// Fields: displacement (m), contact force on the structure (N), gap (m, NaN where there is no contact).
-///
-/// # Errors
-/// [`Failure`] if a point cannot be evaluated again or a file cannot be written.
-pub fn write(scene: &Scene, open: Option<&OpenStructure>, tree: &ComputedTree) -> Result<(), Failure> {
-    let (Some(open), Some(computed)) = (open, tree.branches.first()) else { return Ok(()) };
-    if !(scene.files.figures || scene.files.page) {
-        return Ok(());
+/// Angle (rad) by which a surface bends at edges that are drawn where not all can be.
+const SHARP: f64 = 0.5;
+/// Most edges and corners of a wireframe.
+const MOST: [usize; 2] = [6000, 2500];
+
+/// One period of the last point whose motion is shown, of a structure with a mesh.
+pub struct Period {
+    surface: Surface,
+    frames: Vec<Frame>,
+    duration: f64,
+    wireframe: Option<Wireframe>,
+}
+
+impl Period {
+    /// The period; none where no mesh is known.
+    ///
+    /// # Errors
+    /// [`Failure`] if a point cannot be evaluated again.
+    pub fn of(open: Option<&OpenStructure>, tree: &ComputedTree) -> Result<Option<Self>, Failure> {
+        let (Some(open), Some(computed)) = (open, tree.branches.first()) else { return Ok(None) };
+        let Some((model, contacts)) = &open.files else { return Ok(None) };
+        let (Some(mesh), Some(&point)) = (&model.mesh, figure_points(&computed.branch).last()) else { return Ok(None) };
+        let touching: Vec<usize> = contacts
+            .iter()
+            .flat_map(|c| std::iter::once(c.node).chain(c.against))
+            .filter_map(|n| mesh.index_of(n))
+            .collect();
+        let surface = Surface::new(mesh, &touching);
+        let motion = Motion::new(open, model, mesh, &surface, computed, point)?;
+        let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
+        let wireframe = wireframe(format!("Point {point}"), mesh, &surface, &frames, &motion.ends);
+        Ok(Some(Self { surface, frames, duration: motion.period, wireframe }))
     }
-    let Some((model, contacts)) = &open.files else { return Ok(()) };
-    let (Some(mesh), Some(&point)) = (&model.mesh, figure_points(&computed.branch).last()) else { return Ok(()) };
-    let touching: Vec<usize> = contacts
-        .iter()
-        .flat_map(|c| std::iter::once(c.node).chain(c.against))
-        .filter_map(|n| mesh.index_of(n))
-        .collect();
-    let surface = Surface::new(mesh, &touching);
-    let motion = Motion::new(open, model, mesh, &surface, computed, point)?;
-    let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
-    let shown = frames.iter().enumerate().map(|(k, frame)| (motion.period * k as f64 / FRAMES as f64, frame.fields()));
-    let directory = &scene.output_directory;
-    let failed = |source| ReportError::Io { path: directory.join("motion.pvd"), source };
-    Ok(surface.write(directory, "motion", shown).map_err(failed)?)
+
+    /// Its edges as they move, unless they are too many for a page.
+    pub fn wireframe(&self) -> Option<&Wireframe> {
+        self.wireframe.as_ref()
+    }
+
+    /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
+    ///
+    /// Fields: displacement (m), contact force on the structure (N), gap (m, NaN where there is no contact).
+    ///
+    /// # Errors
+    /// [`Failure`] if a file cannot be written.
+    pub fn write(&self, scene: &Scene) -> Result<(), Failure> {
+        let frames = self.frames.iter().enumerate();
+        let shown = frames.map(|(k, frame)| (self.duration * k as f64 / FRAMES as f64, frame.fields()));
+        let directory = &scene.output_directory;
+        let failed = |source| ReportError::Io { path: directory.join("motion.pvd"), source };
+        Ok(self.surface.write(directory, "motion", shown).map_err(failed)?)
+    }
+}
+
+/// The edges of the surface, or those at which it bends, with the corners that they join.
+fn wireframe(
+    name: String,
+    mesh: &Mesh,
+    surface: &Surface,
+    frames: &[Frame],
+    ends: &[(usize, f64, usize)],
+) -> Option<Wireframe> {
+    let skin = Skin::of(mesh);
+    let all = skin.edges();
+    let edges = if all.len() > MOST[0] { skin.sharp_edges(mesh, SHARP) } else { all };
+    // Points of the surface that are joined, and those that touch something.
+    let row: HashMap<u32, usize> = surface.points().iter().enumerate().map(|(row, index)| (*index, row)).collect();
+    let mut touching: Vec<usize> = ends.iter().map(|(row, ..)| *row).collect();
+    touching.sort_unstable();
+    touching.dedup();
+    let mut rows: Vec<usize> = edges.iter().flatten().filter_map(|index| row.get(index).copied()).collect();
+    rows.extend(&touching);
+    rows.sort_unstable();
+    rows.dedup();
+    if edges.len() > MOST[0] || rows.len() > MOST[1] {
+        return None;
+    }
+    let corner = |row: usize| rows.binary_search(&row).ok();
+    let joined = |edge: &[u32; 2]| Some([corner(*row.get(&edge[0])?)?, corner(*row.get(&edge[1])?)?]);
+    let triple = |values: &[f64], row: usize| [values[3 * row], values[3 * row + 1], values[3 * row + 2]];
+    let forces =
+        |row: &usize| Some((corner(*row)?, frames.iter().map(|frame| triple(&frame.force, *row)).collect::<Vec<_>>()));
+    Some(Wireframe {
+        name,
+        places: rows.iter().map(|row| mesh.places[surface.points()[*row] as usize]).collect(),
+        edges: edges.iter().filter_map(joined).collect(),
+        displacements: frames
+            .iter()
+            .map(|frame| rows.iter().map(|row| triple(&frame.displacement, *row)).collect())
+            .collect(),
+        forces: touching.iter().filter_map(forces).collect(),
+    })
 }
 
 /// What makes the frames.
@@ -93,8 +160,7 @@ impl<'a> Motion<'a> {
         let numbers: Vec<u64> = surface.points().iter().map(|index| mesh.numbers[*index as usize]).collect();
         let places: Vec<[Option<usize>; 3]> =
             numbers.iter().map(|node| [Component::X, Component::Y, Component::Z].map(|c| row(*node, c))).collect();
-        let at: std::collections::HashMap<u64, usize> =
-            numbers.iter().enumerate().map(|(place, node)| (*node, place)).collect();
+        let at: HashMap<u64, usize> = numbers.iter().enumerate().map(|(place, node)| (*node, place)).collect();
         let contacts = open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         let mut ends = Vec::new();
         for (i, contact) in contacts.iter().enumerate() {

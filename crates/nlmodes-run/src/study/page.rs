@@ -11,6 +11,7 @@ use nlmodes::study::{ComputedBranch, Histories, figure_points};
 
 use super::figures::{SHOWN_MODES, held_ends};
 use super::histories::Reference;
+use super::motion::Period;
 use super::overlaid::Overlaid;
 use super::stops;
 use super::summary::method_used;
@@ -22,23 +23,36 @@ use nlmodes_scene::scene::Scene;
 /// Instants of a period of the contacts that move on the page, beside those at which they close and open; it keeps those that its curves need.
 const MOTION_SAMPLES: usize = 400;
 
+/// What the page shows beside the branches.
+pub struct Shown<'a> {
+    /// Points with time histories.
+    pub references: &'a [Reference],
+    /// Results of other runs.
+    pub laid: &'a Overlaid,
+    /// Differences of the other methods from the first.
+    pub methods: &'a Overlaid,
+    /// The motion of a structure from files.
+    pub period: Option<&'a Period>,
+}
+
 /// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch,
-/// and `references`, whose time histories it shows; `methods` are the differences of the other methods from the first.
+/// and the references of `shown`, whose time histories it shows.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
     (all, certificates): (&[&ComputedBranch], &[&Certificate]),
     participation: &[&[Participation]],
-    (references, laid, methods): (&[Reference], &Overlaid, &Overlaid),
+    shown: &Shown<'_>,
 ) -> Result<(), Failure> {
+    let Shown { references, laid, methods, period } = *shown;
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
     let computed = all.iter().map(|computed| &computed.branch);
     let branches: Vec<&ModalBranch> = computed.chain(laid.branches()).collect();
     let histories = RefCell::new(all.iter().map(|computed| Histories::of(computed)).collect::<Vec<_>>());
     let contact_motion =
         |branch: usize, point: usize| histories.borrow_mut().get_mut(branch)?.at(point, MOTION_SAMPLES, "").ok();
-    let participation: Vec<Vec<Participation>> = participation.iter().map(|found| shown(found)).collect();
+    let participation: Vec<Vec<Participation>> = participation.iter().map(|found| lowest(found)).collect();
     let unknown: Vec<Vec<Participation>> = laid.branches().map(|branch| unknown(branch.points.len())).collect();
     let participation: Vec<&[Participation]> = participation.iter().chain(&unknown).map(Vec::as_slice).collect();
     let method = method_used(scene, first);
@@ -57,6 +71,9 @@ pub fn write(
     }
     if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);
+    }
+    if let Some(wireframe) = period.and_then(Period::wireframe) {
+        report = report.wireframe(wireframe.clone());
     }
     for text in methods.sentences().chain(laid.sentences()) {
         report = report.line(text);
@@ -103,7 +120,7 @@ fn unknown(points: usize) -> Vec<Participation> {
 }
 
 /// The participation of the modes that are shown.
-fn shown(found: &[Participation]) -> Vec<Participation> {
+fn lowest(found: &[Participation]) -> Vec<Participation> {
     let of = |point: &Participation| {
         let mut point = point.clone();
         point.factors.truncate(SHOWN_MODES);

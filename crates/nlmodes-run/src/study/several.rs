@@ -190,12 +190,6 @@ fn write_figures(
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    page::write(
-        directory,
-        &scenes,
-        &first.linear,
-        (branches, certificates),
-        participation,
-        (&references, &laid, &methods),
-    )
+    let shown = page::Shown { references: &references, laid: &laid, methods: &methods, period: None };
+    page::write(directory, &scenes, &first.linear, (branches, certificates), participation, &shown)
 }

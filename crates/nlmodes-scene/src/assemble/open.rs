@@ -37,7 +37,9 @@ impl OpenStructure {
     /// [`StructureError`]: files that cannot be read, contacts that do not fit them, a reduction that fails.
     pub fn of(scene: &Scene, structures: &Structures) -> Result<Self, StructureError> {
         match &scene.structure {
-            SceneStructure::Straight(_) => Self::of_model(scene, &super::full_model(scene, structures)?),
+            SceneStructure::Straight(_) | SceneStructure::Several(_) => {
+                Self::of_model(scene, &super::full_model(scene, structures)?)
+            }
             SceneStructure::Matrices(matrices) => Self::of_files(scene, matrices, structures),
         }
     }
@@ -48,7 +50,7 @@ impl OpenStructure {
             (dof.node, dof.position)
         };
         let contacts: Vec<(usize, f64)> = model.contacts().iter().map(place).collect();
-        let modes = OpenModes::of_model(model, count(scene))?;
+        let modes = OpenModes::of_model(model, count(scene, model.dofs().len())?)?;
         let (modes, reduced) = pressed(scene, modes, &contacts)?;
         Ok(Self { modes, reduced, dofs: model.dofs().to_vec(), contacts, files: None })
     }
@@ -56,7 +58,7 @@ impl OpenStructure {
     fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
         let model = structures.model(&matrices.files)?;
         let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
-        let modes = structures.modes(&matrices.files, &model, &found, count(scene))?;
+        let modes = structures.modes(&matrices.files, &model, &found, count(scene, model.n_dofs())?)?;
         let at = |node: u64| model.place_of(node).map_or(0.0, |place| place[0]);
         let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
         let (modes, reduced) = pressed(scene, modes, &contacts)?;
@@ -100,10 +102,11 @@ fn kind(component: Component) -> DofKind {
     }
 }
 
-/// How many modes the scene retains.
-fn count(scene: &Scene) -> ModeCount {
+/// How many modes the scene retains, of a structure with so many degrees of freedom.
+fn count(scene: &Scene, dofs: usize) -> Result<ModeCount, StructureError> {
     let asked = scene.reduction.filter(|reduction| reduction.kind == ReductionKind::OpenModes);
-    match (asked.and_then(|asked| asked.modes), asked.and_then(|asked| asked.up_to_hz)) {
+    Ok(match (asked.and_then(|asked| asked.modes), asked.and_then(|asked| asked.up_to_hz)) {
+        (Some(asked), _) if asked > dofs => return Err(StructureError::TooManyModes { asked, dofs }),
         (Some(modes), _) => ModeCount::Lowest(modes),
         (None, Some(hz)) => ModeCount::UpTo(TAU * hz),
         (None, None) => {
@@ -112,7 +115,7 @@ fn count(scene: &Scene) -> ModeCount {
             let factor = BEYOND_HARMONICS * harmonics.max(1) as f64;
             ModeCount::Beyond { mode: method.mode, factor, least: FEWEST.max(2 * method.mode) }
         }
-    }
+    })
 }
 
 /// The reduced structure. Where the scene does not say how many modes are retained and these leave nothing that could be pressed, fewer are.

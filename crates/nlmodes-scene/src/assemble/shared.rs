@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-use nlmodes_io::{FeFiles, FeModel, NodeContact};
+use nlmodes_io::{FeFiles, FeModel, NodeContact, ReadError};
 use nlmodes_reduction::{ModeCount, OpenModes};
 
 use super::StructureError;
@@ -41,7 +41,10 @@ impl Structures {
     /// # Errors
     /// [`StructureError::Read`].
     pub fn model(&self, files: &FeFiles) -> Result<Arc<FeModel>, StructureError> {
-        self.models.get(OfFiles::now(files), (of_files(files), self.limit), || Ok(FeModel::read(files)?))
+        self.models.get(OfFiles::now(files), (of_files(files), self.limit), || {
+            let failed = |source: ReadError| StructureError::Read { key: key_of(files, &source.path), source };
+            FeModel::read(files).map_err(failed)
+        })
     }
 
     /// Open modes of the model with these contacts.
@@ -74,6 +77,16 @@ impl Structures {
         let known = self.modes.get(key, (of_files(files), self.limit), reduce)?;
         Ok(known.with_stops(gaps, compliance)?)
     }
+}
+
+/// The key below `structure` that names a file.
+fn key_of(files: &FeFiles, path: &Path) -> &'static str {
+    let optional = [("dofs", &files.dofs), ("mesh", &files.mesh)];
+    let optional = optional.into_iter().filter_map(|(key, found)| Some((key, found.as_deref()?)));
+    let all = [("mass", files.mass.path.as_path())].into_iter().chain(optional);
+    // A matrix file may hold both.
+    let is_stiffness = files.stiffness.path == path;
+    all.filter(|_| !is_stiffness).find(|(_, found)| *found == path).map_or("stiffness", |(key, _)| key)
 }
 
 /// Files, with length and time of each.

@@ -1,26 +1,31 @@
 use nlmodes_fem::Mesh;
 
 use crate::check::nodes::{beside, node_at};
-use crate::raw::{RawContact, RawScene, RawStructure};
+use crate::check::parts::no_such_structure;
+use crate::raw::{RawAgainst, RawContact, RawStructure};
 use crate::rule::number;
-use crate::scene::{Contact, Direction, StructureKind, Support, holds};
+use crate::scene::{Contact, Direction, Facing, StructureKind, Support, holds};
 use crate::{Findings, Problem};
 
+/// A structure that contacts can belong to.
+pub struct Body<'a> {
+    pub raw: Option<&'a RawStructure>,
+    pub mesh: Option<&'a Mesh>,
+}
+
+/// Positions at which contacts touch the structure with this index (from 0) of several.
+pub fn stops_of(body: usize, written: &[RawContact]) -> Vec<f64> {
+    let own = |contact: &RawContact| contact.at_m.filter(|_| contact.structure == Some(body as u32 + 1));
+    let other = |contact: &RawContact| {
+        contact.against.as_ref().and_then(|other| other.at_m.filter(|_| other.structure == Some(body as u32 + 1)))
+    };
+    written.iter().flat_map(|contact| [own(contact), other(contact)]).flatten().collect()
+}
+
 /// The contacts that are sound; those that are not are in the findings.
-pub fn check(raw: &RawScene, mesh: Option<&Mesh>, findings: &mut Findings<'_>) -> Vec<Contact> {
-    let written = raw.contact.as_deref().unwrap_or_default();
-    let mut sound: Vec<(usize, Contact)> = Vec::new();
-    for (i, contact) in written.iter().enumerate() {
-        let structure = raw.structure.as_ref();
-        let movable = structure.is_none_or(|structure| can_move(i, contact, structure, findings));
-        let node = mesh.and_then(|mesh| node(i, contact, mesh, findings));
-        if let (true, Some(node), Some(mesh)) = (movable, node, mesh) {
-            let free =
-                structure.is_none_or(|structure| is_free(i, contact, (node, mesh.elements()), structure, findings));
-            let contact = plain(contact, node, mesh.nodes()[node]).filter(|_| free);
-            sound.extend(contact.map(|contact| (i, contact)));
-        }
-    }
+pub fn check(written: &[RawContact], bodies: &[Body<'_>], findings: &mut Findings<'_>) -> Vec<Contact> {
+    let sound = written.iter().enumerate().filter_map(|(i, raw)| Some((i, sound(i, raw, bodies, findings)?)));
+    let sound: Vec<(usize, Contact)> = sound.collect();
     let mut apart: Vec<(usize, Contact)> = Vec::new();
     for contact in sound {
         if apart.iter().all(|other| stand_apart(other, &contact, findings)) {
@@ -30,15 +35,98 @@ pub fn check(raw: &RawScene, mesh: Option<&Mesh>, findings: &mut Findings<'_>) -
     apart.into_iter().map(|(_, contact)| contact).collect()
 }
 
-fn plain(raw: &RawContact, node: usize, at: f64) -> Option<Contact> {
-    Some(Contact {
+/// Contact `i`, if everything about it is sound.
+fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], findings: &mut Findings<'_>) -> Option<Contact> {
+    let path = format!("contact.{i}");
+    let body = body(&path, raw.structure, bodies.len(), findings)?;
+    let own = on(body, bodies);
+    findings.about_structure(own);
+    let Body { raw: structure, mesh } = &bodies[body];
+    let movable = structure.is_none_or(|structure| can_move(i, raw, structure, findings));
+    let node = mesh.and_then(|mesh| node(&path, raw.at_m, mesh, findings));
+    let free = match (movable, node, mesh) {
+        (true, Some(node), Some(mesh)) => {
+            structure.is_none_or(|structure| is_free(i, raw, (node, mesh.elements()), structure, findings))
+        }
+        _ => false,
+    };
+    findings.about_structure(None);
+    let against = match &raw.against {
+        Some(other) => Some(facing(i, raw, other, body, bodies, findings)?),
+        None => None,
+    };
+    let (node, mesh) = (node?, mesh.as_ref()?);
+    free.then_some(Contact {
         node,
-        at,
+        at: mesh.nodes()[node],
         direction: raw.direction?,
         side: raw.side?,
         gap: raw.gap_m?,
         stiffness: raw.stiffness_n_m,
+        structure: body,
+        against,
     })
+}
+
+/// The structure that findings are about; none where there is one only.
+fn on(body: usize, bodies: &[Body<'_>]) -> Option<usize> {
+    (bodies.len() > 1).then_some(body)
+}
+
+/// Index of the structure that a contact names.
+fn body(path: &str, named: Option<u32>, count: usize, findings: &mut Findings<'_>) -> Option<usize> {
+    let path = format!("{path}.structure");
+    match named.map(|number| number as usize) {
+        Some(number) if number <= count => Some(number - 1),
+        Some(number) => {
+            no_such_structure(&path, number, count, findings);
+            None
+        }
+        None if count == 1 => Some(0),
+        None => {
+            if !findings.has(&path) {
+                let problem = Problem::error(format!("`{path}` is missing"));
+                let label = format!("expected `structure`, a whole number from 1 to {count}, in this table");
+                findings.put(&path, problem.help("a scene of several structures says which one touches"), label);
+            }
+            None
+        }
+    }
+}
+
+/// The node of another structure that contact `i` touches.
+fn facing(
+    i: usize,
+    raw: &RawContact,
+    other: &RawAgainst,
+    own: usize,
+    bodies: &[Body<'_>],
+    findings: &mut Findings<'_>,
+) -> Option<Facing> {
+    let path = format!("contact.{i}.against");
+    let number = other.structure? as usize;
+    if number > bodies.len() {
+        no_such_structure(&format!("{path}.structure"), number, bodies.len(), findings);
+        return None;
+    }
+    let body = number - 1;
+    if body == own {
+        let problem = Problem::error(format!("`{path}.structure` is the structure that touches"));
+        findings.put(&format!("{path}.structure"), problem, "expected the number of another one");
+        return None;
+    }
+    findings.about_structure(on(body, bodies));
+    let Body { raw: structure, mesh } = &bodies[body];
+    let is_rod = structure.is_some_and(|structure| structure.kind == Some(StructureKind::Rod));
+    let node = mesh.and_then(|mesh| node(&path, other.at_m, mesh, findings));
+    findings.about_structure(None);
+    if is_rod && raw.direction == Some(Direction::Transverse) {
+        let problem = Problem::error(format!("`{path}` is a rod, which does not move across its axis"));
+        findings.put(&path, problem, "expected a beam, or direction = \"axial\"");
+        return None;
+    }
+    let mesh = mesh.as_ref()?;
+    node.map(|node| Facing { structure: body, node, at: mesh.nodes()[node] })
 }
 
 /// Whether the structure moves in the direction of the contact at all.
@@ -53,17 +141,15 @@ fn can_move(i: usize, contact: &RawContact, structure: &RawStructure, findings: 
     !rod
 }
 
-fn node(i: usize, contact: &RawContact, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
-    let at = contact.at_m?;
-    let node = node_at(mesh, at);
+fn node(path: &str, at: Option<f64>, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
+    let node = node_at(mesh, at?);
     if node.is_none() {
-        off_node(i, at, mesh, findings);
+        off_node(&format!("{path}.at_m"), at?, mesh, findings);
     }
     node
 }
 
-fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
-    let path = format!("contact.{i}.at_m");
+fn off_node(path: &str, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
     let length = mesh.length();
     let [low, high] = beside(mesh, at);
     let position = |node: usize| number(mesh.nodes()[node]);
@@ -72,7 +158,7 @@ fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
     } else {
         format!("the nearest are {} m and {} m (nodes {low} and {high}", position(low), position(high))
     };
-    let (found, last) = (findings.written(&path), mesh.elements());
+    let (found, last) = (findings.written(path), mesh.elements());
     let label = format!("found {found}, expected the position of a node; {nearest} of {last})");
     let problem = if at > length {
         let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
@@ -84,7 +170,7 @@ fn off_node(i: usize, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) {
             None => problem,
         }
     };
-    findings.put(&path, problem, label);
+    findings.put(path, problem, label);
 }
 
 /// The next number of elements with which a node of an even mesh lies at the position, if it is not far.
@@ -134,7 +220,11 @@ fn is_free(
 
 /// Whether two stops differ, and leave room between them.
 fn stand_apart((i, first): &(usize, Contact), (j, second): &(usize, Contact), findings: &mut Findings<'_>) -> bool {
-    if (first.node, first.direction) != (second.node, second.direction) {
+    let place = |contact: &Contact| {
+        let other = contact.against.map(|other| (other.structure, other.node));
+        (contact.structure, contact.node, contact.direction, other)
+    };
+    if place(first) != place(second) {
         return true;
     }
     let problem = if first.side == second.side {
@@ -147,7 +237,7 @@ fn stand_apart((i, first): &(usize, Contact), (j, second): &(usize, Contact), fi
     } else {
         return true;
     };
-    let problem = match findings.document().place(&format!("contact.{i}")) {
+    let problem = match findings.place(&format!("contact.{i}")) {
         Some(place) => problem.with(place.value.clone(), "the first one"),
         None => problem,
     };

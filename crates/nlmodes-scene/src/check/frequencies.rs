@@ -10,7 +10,7 @@ const MOST: usize = 200;
 
 /// The frequency of mode `number`, Hz, 0 for a rigid-body motion; `None` where the closed form says nothing.
 pub fn estimate(structure: &Structure, number: usize) -> Option<f64> {
-    if !(structure.mass_points.is_empty() && structure.springs.is_empty()) {
+    if !structure.is_uniform() {
         return None;
     }
     let supports = [structure.start, structure.end];

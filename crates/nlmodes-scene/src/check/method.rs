@@ -1,5 +1,7 @@
-use super::shooting;
-use crate::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawScene};
+use nlmodes_fem::Mesh;
+
+use super::{Subject, shooting};
+use crate::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawStructure, RawStudy};
 use crate::scene::{
     Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
     Symmetry, free_dofs,
@@ -14,21 +16,23 @@ const FEWEST: usize = 2;
 
 pub fn check(
     method: &RawMethod,
-    scene: &RawScene,
+    scene: &RawStudy,
+    subject: &Subject<'_>,
     contacts: &[Contact],
     findings: &mut Findings<'_>,
 ) -> Option<Method> {
+    let along = subject.places.straight();
     let kind = method.kind.unwrap_or(MethodKind::MsHbm);
     let mass_rule = mass_rule(method, kind, findings);
-    let stiffness = stiffness(method, scene, kind, findings);
+    let stiffness = stiffness(method, subject.contact_tables, kind, findings);
     let samples = samples(method, findings);
     let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, findings) };
     let mode = method.mode.map_or(1, |mode| mode as usize);
-    check_modes(mode, method.held_modes, modes(scene, kind, mass_rule, contacts), findings);
+    check_modes(mode, method.held_modes, modes(along, kind, mass_rule, contacts), findings);
     if kind == MethodKind::Shooting {
         shooting::check(method, findings);
-        let is_rod = scene.structure.as_ref().is_some_and(|s| s.kind == Some(StructureKind::Rod));
-        let all = modes(scene, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        let is_rod = along.is_some_and(|(structure, _)| structure.kind == Some(StructureKind::Rod));
+        let all = modes(along, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
         shooting::check_gaps(contacts, findings);
         shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
     }
@@ -64,11 +68,9 @@ fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
 }
 
 /// Contact stiffness of the stops that have none of their own; only harmonic balance has such a default.
-fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
+fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
     let path = "method.contact_stiffness_n_m";
-    let contacts = scene.contact.as_deref().unwrap_or_default();
-    let each_has_its_own =
-        !contacts.is_empty() && (0..contacts.len()).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
+    let each_has_its_own = contacts > 0 && (0..contacts).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
     let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
     match kind {
         MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
@@ -100,7 +102,7 @@ fn stiffness(method: &RawMethod, scene: &RawScene, kind: MethodKind, findings: &
 }
 
 /// The accuracy, with what it cannot stand together with.
-fn accuracy(method: &RawMethod, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Accuracy> {
+fn accuracy(method: &RawMethod, scene: &RawStudy, findings: &mut Findings<'_>) -> Option<Accuracy> {
     let path = "method.max_harmonics";
     let Some(error) = method.accuracy else {
         if findings.has(path) && !findings.has("method.accuracy") {
@@ -169,10 +171,15 @@ fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
 
 /// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None` if the mesh is
 /// not known.
-fn modes(scene: &RawScene, kind: MethodKind, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
-    let structure = scene.structure.as_ref()?;
+fn modes(
+    along: Option<(&RawStructure, &Mesh)>,
+    kind: MethodKind,
+    mass_rule: MassRule,
+    contacts: &[Contact],
+) -> Option<[usize; 2]> {
+    let (structure, mesh) = along?;
     let ends = [structure.start?, structure.end.unwrap_or(Support::Free)];
-    let dofs = free_dofs(structure.kind?, structure.elements? as usize, ends);
+    let dofs = free_dofs(structure.kind?, mesh.elements(), ends);
     let mut places: Vec<_> = contacts.iter().map(|contact| (contact.node, contact.direction.name())).collect();
     places.sort_unstable();
     places.dedup();

@@ -3,16 +3,89 @@
 use nlmodes_fem::Mesh;
 
 use super::nodes::{beside, node_at};
-use crate::raw::RawStructure;
+use crate::raw::{RawMassPoint, RawSpring, RawStructure};
 use crate::rule::number;
 use crate::scene::{Direction, GroundSpring, MassPoint, SpringDirection, StructureKind, Support, holds};
 use crate::{Findings, Problem};
 
+/// A table that stands under the heading of some structure.
+pub struct Table<'a, T> {
+    /// Index of that structure; none where there is one structure only.
+    home: Option<usize>,
+    /// Its number there.
+    number: usize,
+    table: &'a T,
+}
+
+/// What is fixed to one structure, wherever it stands.
+#[derive(Default)]
+pub struct Fixed<'a> {
+    pub masses: Vec<Table<'a, RawMassPoint>>,
+    pub springs: Vec<Table<'a, RawSpring>>,
+}
+
+impl<'a> Fixed<'a> {
+    /// Of the only structure of a scene.
+    pub fn of_one(raw: &'a RawStructure, findings: &mut Findings<'_>) -> Self {
+        let mut all = Self::of_each(std::slice::from_ref(raw), None, findings);
+        all.pop().unwrap_or_default()
+    }
+
+    /// Of each of several structures.
+    pub fn of_several(raw: &'a [RawStructure], findings: &mut Findings<'_>) -> Vec<Self> {
+        Self::of_each(raw, Some(0), findings)
+    }
+
+    fn of_each(raw: &'a [RawStructure], first: Option<usize>, findings: &mut Findings<'_>) -> Vec<Self> {
+        let mut all: Vec<Self> = raw.iter().map(|_| Self::default()).collect();
+        for (i, structure) in raw.iter().enumerate() {
+            let home = first.map(|first| first + i);
+            findings.about_structure(home);
+            for (number, table) in structure.mass_point.iter().flatten().enumerate() {
+                let path = format!("structure.mass_point.{number}");
+                if let Some(owner) = owner(&path, table.structure, i, raw.len(), findings) {
+                    all[owner].masses.push(Table { home, number, table });
+                }
+            }
+            for (number, table) in structure.spring.iter().flatten().enumerate() {
+                let path = format!("structure.spring.{number}");
+                if let Some(owner) = owner(&path, table.structure, i, raw.len(), findings) {
+                    all[owner].springs.push(Table { home, number, table });
+                }
+            }
+        }
+        findings.about_structure(None);
+        all
+    }
+}
+
+/// Index of the structure that a table names, or of that under whose heading it stands.
+fn owner(path: &str, named: Option<u32>, home: usize, count: usize, findings: &mut Findings<'_>) -> Option<usize> {
+    let Some(number) = named.map(|number| number as usize) else { return Some(home) };
+    if number <= count {
+        return Some(number - 1);
+    }
+    no_such_structure(&format!("{path}.structure"), number, count, findings);
+    None
+}
+
+/// Says that there are fewer structures.
+pub fn no_such_structure(path: &str, number: usize, count: usize, findings: &mut Findings<'_>) {
+    let problem = Problem::error(format!("`{path}`: there is no structure {number}"));
+    findings.put(path, problem, format!("expected a whole number from 1 to {count}, in the order of the file"));
+}
+
 /// The point masses that are sound.
-pub fn masses(raw: &RawStructure, mesh: &Mesh, findings: &mut Findings<'_>) -> Vec<MassPoint> {
-    let mut sound = Vec::new();
-    for (i, point) in raw.mass_point.iter().flatten().enumerate() {
-        let path = format!("structure.mass_point.{i}");
+pub fn masses(
+    raw: &RawStructure,
+    tables: &[Table<'_, RawMassPoint>],
+    mesh: &Mesh,
+    findings: &mut Findings<'_>,
+) -> Vec<MassPoint> {
+    let (mut sound, own) = (Vec::new(), findings.structure());
+    for Table { home, number, table: point } in tables {
+        findings.about_structure(*home);
+        let path = format!("structure.mass_point.{number}");
         let Some(node) = point.at_m.and_then(|at| node(&path, at, mesh, findings)) else { continue };
         let inertia = point.inertia_kg_m2.unwrap_or(0.0);
         if inertia > 0.0 && raw.kind == Some(StructureKind::Rod) {
@@ -28,14 +101,21 @@ pub fn masses(raw: &RawStructure, mesh: &Mesh, findings: &mut Findings<'_>) -> V
         }
         sound.extend(point.mass_kg.map(|mass| MassPoint { node, mass, inertia }));
     }
+    findings.about_structure(own);
     sound
 }
 
 /// The springs that are sound.
-pub fn springs(raw: &RawStructure, mesh: &Mesh, findings: &mut Findings<'_>) -> Vec<GroundSpring> {
-    let mut sound = Vec::new();
-    for (i, spring) in raw.spring.iter().flatten().enumerate() {
-        let path = format!("structure.spring.{i}");
+pub fn springs(
+    raw: &RawStructure,
+    tables: &[Table<'_, RawSpring>],
+    mesh: &Mesh,
+    findings: &mut Findings<'_>,
+) -> Vec<GroundSpring> {
+    let (mut sound, own) = (Vec::new(), findings.structure());
+    for Table { home, number, table: spring } in tables {
+        findings.about_structure(*home);
+        let path = format!("structure.spring.{number}");
         let node = spring.at_m.and_then(|at| node(&path, at, mesh, findings));
         let (Some(node), Some(direction), Some(kind)) = (node, spring.direction, raw.kind) else { continue };
         if kind == StructureKind::Rod && direction != SpringDirection::Axial {
@@ -63,6 +143,7 @@ pub fn springs(raw: &RawStructure, mesh: &Mesh, findings: &mut Findings<'_>) -> 
         let stiffness = if key == "stiffness_nm" { spring.stiffness_nm } else { spring.stiffness_n_m };
         sound.extend(stiffness.map(|stiffness| GroundSpring { node, direction, stiffness }));
     }
+    findings.about_structure(own);
     sound
 }
 

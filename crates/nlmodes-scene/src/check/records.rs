@@ -20,7 +20,7 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
     let channels = channels(raw.channel.as_deref().unwrap_or_default(), findings);
     let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, findings));
     let settings = settings(raw, modes, findings);
-    let structure = raw.structure.as_ref().and_then(|structure| super::structure::check(structure, findings));
+    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &[], findings));
     if let Some(structure) = &structure {
         super::plausible::structure(structure, findings);
     }

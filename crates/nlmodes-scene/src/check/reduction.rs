@@ -1,17 +1,23 @@
-use crate::raw::{RawReduction, RawScene};
+use super::response::Places;
+use crate::raw::{RawReduction, RawStudy};
 use crate::scene::{MethodKind, Reduction, ReductionKind};
 use crate::{Findings, Problem};
 
 /// How the structure is reduced; `None` is the paper's way with defaults.
 pub fn check(
     raw: Option<&RawReduction>,
-    scene: &RawScene,
-    default: ReductionKind,
+    scene: &RawStudy,
+    (default, places): (ReductionKind, &Places<'_>),
     findings: &mut Findings<'_>,
 ) -> Option<Reduction> {
     let empty = RawReduction::default();
     let raw = raw.unwrap_or(&empty);
     let kind = raw.kind.unwrap_or(default);
+    if kind == ReductionKind::HeldModes && matches!(places, Places::Bodies) {
+        let problem = Problem::error("several structures are reduced by their open modes");
+        let problem = problem.help("contacts between bodies have no node of their own whose mass could be left out");
+        findings.put("reduction.kind", problem, "expected \"open-modes\"");
+    }
     if raw.modes.is_some() && raw.up_to_hz.is_some() {
         let problem = Problem::error("`reduction.modes` and `reduction.up_to_hz` are two ways to say the same");
         findings.put("reduction.up_to_hz", problem, "expected one of them");

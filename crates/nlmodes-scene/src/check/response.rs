@@ -3,7 +3,7 @@
 mod loads;
 mod place;
 
-use crate::raw::{RawResponse, RawScene};
+use crate::raw::{RawResponse, RawStudy};
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
 use crate::{Findings, Problem};
 pub use place::Places;
@@ -18,8 +18,12 @@ pub struct Responses {
 }
 
 /// The parts that are sound; those that are not are in the findings.
-pub fn check(raw: &RawScene, places: &Places<'_>, method: Option<&Method>, findings: &mut Findings<'_>) -> Responses {
+pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findings: &mut Findings<'_>) -> Responses {
     let written = raw.response.as_deref().unwrap_or_default();
+    if matches!(places, Places::Bodies) {
+        of_bodies(raw, findings);
+        return Responses::default();
+    }
     let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, findings));
     let forces = loads::forces(raw, places, findings);
     let base_motion = loads::base_motion(raw, places, findings);
@@ -33,8 +37,23 @@ pub fn check(raw: &RawScene, places: &Places<'_>, method: Option<&Method>, findi
     Responses { damping, forces, base_motion, responses }
 }
 
+/// Several structures have conservative nonlinear modes so far.
+fn of_bodies(raw: &RawStudy, findings: &mut Findings<'_>) {
+    let keys = [
+        ("damping", raw.damping.is_some()),
+        ("force", raw.force.is_some()),
+        ("base_motion", raw.base_motion.is_some()),
+        ("response", raw.response.is_some()),
+    ];
+    for (key, _) in keys.into_iter().filter(|(_, there)| *there) {
+        let problem = Problem::error(format!("`{key}` cannot be used with several structures"));
+        let help = "damped and forced motions are computed for one structure, or for matrices from files";
+        findings.put(key, problem.help(help), "scenes of several structures have conservative nonlinear modes only");
+    }
+}
+
 /// Loads and damping of a scene that has no use for them.
-fn without_effect(raw: &RawScene, findings: &mut Findings<'_>) {
+fn without_effect(raw: &RawStudy, findings: &mut Findings<'_>) {
     let keys = [
         ("damping", raw.damping.is_some()),
         ("force", raw.force.is_some()),
@@ -66,7 +85,7 @@ fn of_method(method: &Method, findings: &mut Findings<'_>) {
 fn response(
     i: usize,
     raw: &RawResponse,
-    scene: &RawScene,
+    scene: &RawStudy,
     places: &Places<'_>,
     findings: &mut Findings<'_>,
 ) -> Option<Response> {
@@ -101,7 +120,7 @@ fn response(
     })
 }
 
-fn has_damping(i: usize, kind: ResponseKind, scene: &RawScene, findings: &mut Findings<'_>) -> bool {
+fn has_damping(i: usize, kind: ResponseKind, scene: &RawStudy, findings: &mut Findings<'_>) -> bool {
     if scene.damping.is_some() || kind == ResponseKind::Mode || findings.has("damping") {
         return true;
     }
@@ -142,7 +161,7 @@ fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut
     true
 }
 
-fn has_load(i: usize, kind: ResponseKind, scene: &RawScene, is_mode: bool, findings: &mut Findings<'_>) -> bool {
+fn has_load(i: usize, kind: ResponseKind, scene: &RawStudy, is_mode: bool, findings: &mut Findings<'_>) -> bool {
     let has_force = scene.force.as_ref().is_some_and(|f| !f.is_empty());
     let path = format!("response.{i}.kind");
     if kind == ResponseKind::Appropriation && !has_force {
@@ -182,7 +201,7 @@ fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut
 }
 
 /// The levels in the unit of the load.
-fn levels(i: usize, raw: &RawResponse, scene: &RawScene, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
+fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
     let path = |key: &str| format!("response.{i}.{key}");
     let base = scene.base_motion.as_ref();
     let given = [("levels_n", &raw.levels_n), ("levels_m_s2", &raw.levels_m_s2), ("levels_m", &raw.levels_m)];

@@ -1,16 +1,31 @@
-use crate::raw::{RawMaterial, RawSection, RawStructure};
-use crate::scene::{MassMatrix, Section, Structure, StructureKind, Support};
+use nlmodes_fem::Mesh;
+
+use super::section::section;
+use crate::raw::{RawMaterial, RawSegment, RawStructure};
+use crate::rule::number;
+use crate::scene::{MassMatrix, Section, Segment, Structure, Support};
 use crate::{Findings, Problem};
 
-const POISSONS_RATIO: f64 = 0.3;
-const SHEAR_FACTOR: f64 = 5.0 / 6.0;
+use super::nodes::{Nodes, beside, node_at};
+use super::parts::Fixed;
 
-pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structure> {
-    let section = section(raw, findings);
+/// The checked structure with its nodes and what is fixed to these.
+pub fn check(
+    raw: &RawStructure,
+    nodes: Option<&Nodes>,
+    fixed: &Fixed<'_>,
+    findings: &mut Findings<'_>,
+) -> Option<Structure> {
+    let own = raw.section.as_ref().zip(raw.kind);
+    let section =
+        own.and_then(|(found, kind)| section("structure.section", found, kind, raw.material.as_ref(), findings));
     let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
-    let mesh = super::nodes::mesh(raw, findings);
-    let masses = mesh.as_ref().map(|mesh| super::parts::masses(raw, mesh, findings));
-    let springs = mesh.as_ref().map(|mesh| super::parts::springs(raw, mesh, findings));
+    let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, findings));
+    let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, findings));
+    let segments = match nodes {
+        Some(nodes) => segments(raw, section, &nodes.mesh, findings),
+        None => Some(Vec::new()),
+    };
     let material = raw.material.as_ref()?;
     Some(Structure {
         length: raw.length_m?,
@@ -22,6 +37,9 @@ pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structur
         youngs_modulus: material.youngs_modulus_pa?,
         density: material.density_kg_m3?,
         section: section?,
+        added_mass: raw.added_mass_kg_m.unwrap_or(0.0),
+        segments: segments?,
+        refined: nodes.and_then(|nodes| nodes.refined.clone()),
         mass_points: masses.unwrap_or_default(),
         springs: springs.unwrap_or_default(),
         modes: match modes {
@@ -31,92 +49,77 @@ pub fn check(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Structur
     })
 }
 
-fn section(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Section> {
-    let (kind, section) = (raw.kind?, raw.section.as_ref()?);
-    match kind {
-        StructureKind::Rod => {
-            warn_unused(findings);
-            Some(Section::Rod { area: area(section, kind, findings)? })
+/// The segments, each behind the one before; `None` if one of them is not sound.
+fn segments(
+    raw: &RawStructure,
+    own: Option<Section>,
+    mesh: &Mesh,
+    findings: &mut Findings<'_>,
+) -> Option<Vec<Segment>> {
+    let (mut sound, mut from) = (Some(Vec::new()), 0);
+    for (i, found) in raw.segment.iter().flatten().enumerate() {
+        let to_node = end(i, found, from, mesh, findings);
+        from = to_node.unwrap_or(from);
+        let segment = segment(i, found, raw, own, findings);
+        let segment =
+            segment.zip(to_node).map(|(segment, to_node)| Segment { to_node, to: mesh.nodes()[to_node], ..segment });
+        match (&mut sound, segment) {
+            (Some(all), Some(segment)) => all.push(segment),
+            _ => sound = None,
         }
-        StructureKind::Beam => beam(section, raw.material.as_ref(), findings),
     }
+    sound
 }
 
-fn beam(section: &RawSection, material: Option<&RawMaterial>, findings: &mut Findings<'_>) -> Option<Section> {
-    let area = area(section, StructureKind::Beam, findings)?;
-    let rectangle = section.width_m.zip(section.height_m).map(|(width, height)| width * height.powi(3) / 12.0);
-    Some(Section::Beam {
-        area,
-        second_moment: computable(rectangle.or(section.second_moment_m4)?, findings)?,
-        shear_factor: section.shear_factor.unwrap_or(SHEAR_FACTOR),
-        poissons_ratio: material.and_then(|material| material.poissons_ratio).unwrap_or(POISSONS_RATIO),
+/// The node at which segment `i` ends.
+fn end(i: usize, raw: &RawSegment, from: usize, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
+    let path = format!("structure.segment.{i}.to_m");
+    let to = raw.to_m?;
+    let Some(node) = node_at(mesh, to) else {
+        let [low, high] = beside(mesh, to).map(|node| number(mesh.nodes()[node]));
+        let problem = Problem::error(format!("`{path}` is not at a node of the mesh"));
+        let label = format!("found {}, expected the position of a node: {low} or {high} m", findings.written(&path));
+        findings.put(&path, problem, label);
+        return None;
+    };
+    if node <= from {
+        let problem = Problem::error(format!("`{path}` is not behind the end of the segment before"));
+        findings.put(&path, problem, format!("expected more than {} m", number(mesh.nodes()[from])));
+        return None;
+    }
+    Some(node)
+}
+
+/// What segment `i` is made of; its end is still open.
+fn segment(
+    i: usize,
+    raw: &RawSegment,
+    structure: &RawStructure,
+    own: Option<Section>,
+    findings: &mut Findings<'_>,
+) -> Option<Segment> {
+    let material = raw.material.as_ref().or(structure.material.as_ref());
+    let path = format!("structure.segment.{i}.section");
+    let section = match &raw.section {
+        Some(found) => section(&path, found, structure.kind?, material, findings),
+        None => own.map(|own| with_poissons_ratio(own, material)),
+    };
+    Some(Segment {
+        to_node: 0,
+        to: 0.0,
+        youngs_modulus: material?.youngs_modulus_pa?,
+        density: material?.density_kg_m3?,
+        section: section?,
+        added_mass: raw.added_mass_kg_m.or(structure.added_mass_kg_m).unwrap_or(0.0),
     })
 }
 
-/// The area, if the section is given completely and in one way only.
-fn area(section: &RawSection, kind: StructureKind, findings: &mut Findings<'_>) -> Option<f64> {
-    let general: &[&str] = match kind {
-        StructureKind::Rod => &["area_m2"],
-        StructureKind::Beam => &["area_m2", "second_moment_m4"],
-    };
-    let (has_rectangle, has_general) = (any(&["width_m", "height_m"], findings), any(general, findings));
-    if has_rectangle && has_general {
-        let problem = Problem::error("`structure.section` gives the section twice");
-        findings.put("structure.section", problem.help(ways(kind)), "found keys of both ways to give it");
-        return None;
-    }
-    let wanted = if has_rectangle { &["width_m", "height_m"] } else { general };
-    for key in wanted {
-        if !findings.has(&path(key)) {
-            let problem = Problem::error(format!("`{}` is missing", path(key))).help(ways(kind));
-            let label = format!("expected `{key}` in this table: a number greater than 0, in {}", unit(key));
-            findings.put(&path(key), problem, label);
+/// The section of the structure in a material of its own.
+fn with_poissons_ratio(own: Section, material: Option<&RawMaterial>) -> Section {
+    match (own, material.and_then(|material| material.poissons_ratio)) {
+        (Section::Beam { area, second_moment, shear_factor, .. }, Some(poissons_ratio)) => {
+            Section::Beam { area, second_moment, shear_factor, poissons_ratio }
         }
-    }
-    let rectangle = section.width_m.zip(section.height_m).map(|(width, height)| width * height);
-    computable(rectangle.or(section.area_m2)?, findings)
-}
-
-/// The value, unless products of the given numbers left the range of floating point.
-fn computable(value: f64, findings: &mut Findings<'_>) -> Option<f64> {
-    let sound = value.is_finite() && value > 0.0;
-    if !sound {
-        let problem = Problem::error("`structure.section` is too large or too small to compute with");
-        findings.put("structure.section", problem, "expected values of a section, in m");
-    }
-    sound.then_some(value)
-}
-
-fn any(keys: &[&str], findings: &Findings<'_>) -> bool {
-    keys.iter().any(|key| findings.has(&path(key)))
-}
-
-fn path(key: &str) -> String {
-    format!("structure.section.{key}")
-}
-
-fn unit(key: &str) -> &'static str {
-    match key {
-        "area_m2" => "m²",
-        "second_moment_m4" => "m⁴",
-        _ => "m",
-    }
-}
-
-fn ways(kind: StructureKind) -> &'static str {
-    match kind {
-        StructureKind::Rod => "a rod has either `area_m2`, or `width_m` and `height_m`",
-        StructureKind::Beam => "a beam has either `width_m` and `height_m`, or `area_m2` and `second_moment_m4`",
-    }
-}
-
-fn warn_unused(findings: &mut Findings<'_>) {
-    let unused =
-        ["structure.material.poissons_ratio", "structure.section.second_moment_m4", "structure.section.shear_factor"];
-    for path in unused {
-        if findings.has(path) {
-            let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "a rod moves along its axis only and does not use it");
-        }
+        (own, _) => own,
     }
 }

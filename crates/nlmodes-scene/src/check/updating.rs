@@ -2,7 +2,13 @@ use crate::raw::RawUpdating;
 use crate::scene::{UpdatedParameter, Updating};
 use crate::{Findings, Problem};
 
-pub fn check(raw: &RawUpdating, findings: &mut Findings<'_>) -> Option<Updating> {
+/// The updating of one structure, which is the same everywhere along its axis.
+pub fn check(raw: &RawUpdating, uniform: bool, findings: &mut Findings<'_>) -> Option<Updating> {
+    if !uniform {
+        let problem = Problem::error("`updating` fits parameters of one rod or beam without segments");
+        findings.put("updating", problem, "the structure of this scene is another one");
+        return None;
+    }
     let frequencies_hz = raw.frequencies_hz.clone()?;
     let parameters = raw.parameters.clone().unwrap_or_else(|| vec![UpdatedParameter::YoungsModulus]);
     let modes = match &raw.modes {

@@ -24,7 +24,9 @@ const MAX_TEST_SAMPLES: f64 = 1e9;
 
 /// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Option<TestScene> {
-    let structure = raw.structure.as_ref().and_then(|structure| super::structure::check(structure, findings));
+    let at = raw.virtual_test.as_ref().and_then(|test| test.stop.as_ref()?.position_m);
+    let stops: Vec<f64> = at.into_iter().collect();
+    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &stops, findings));
     let test = raw.virtual_test.as_ref()?;
     let length = raw.structure.as_ref().and_then(|structure| structure.length_m);
     positions(test, length, findings);

@@ -1,43 +1,21 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{
-    RawBaseMotion, RawContinuation, RawDamping, RawForce, RawMethod, RawOverlay, RawReduction, RawResponse, RawResults,
-};
+use super::RawStudy;
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 #[schemars(title = "nlmodes scene of matrices")]
 pub struct RawMatrixScene {
-    /// Title of tables and figures; default: the name of the file
-    pub title: Option<String>,
     /// The structure: its files
     #[schemars(required)]
     pub structure: Option<RawMatrices>,
     /// One-sided contacts of nodes, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawNodeContact>>,
-    /// How the structure is reduced
-    pub reduction: Option<RawReduction>,
-    /// Damping of the structure with its contacts open; responses need it
-    pub damping: Option<RawDamping>,
-    /// Periodic forces, each under its own heading `[[force]]`
-    pub force: Option<Vec<RawForce>>,
-    /// A base that shakes, in place of forces
-    pub base_motion: Option<RawBaseMotion>,
-    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings `[[response]]`
-    pub response: Option<Vec<RawResponse>>,
-    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
-    #[schemars(required)]
-    pub method: Option<RawMethod>,
-    /// How far the branch is followed
-    #[schemars(required)]
-    pub continuation: Option<RawContinuation>,
-    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading `[[overlay]]`
-    pub overlay: Option<Vec<RawOverlay>>,
-    /// Where results go
-    pub output: Option<RawResults>,
+    /// Everything else
+    #[serde(flatten)]
+    pub study: RawStudy,
 }
 
 /// The files of a structure.

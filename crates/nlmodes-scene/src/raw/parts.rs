@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::{RawMaterial, RawSection};
 use crate::scene::SpringDirection;
 
 /// A point mass at a node.
@@ -16,6 +17,9 @@ pub struct RawMassPoint {
     /// Moment of inertia about the bending axis of a beam
     #[schemars(extend("unit" = "kg·m²", "minimum" = 0.0, "default" = 0.0))]
     pub inertia_kg_m2: Option<f64>,
+    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
+    #[schemars(range(min = 1))]
+    pub structure: Option<u32>,
 }
 
 /// A spring between a node and the ground.
@@ -35,4 +39,23 @@ pub struct RawSpring {
     /// Stiffness of a rotational spring
     #[schemars(extend("unit" = "N·m", "exclusiveMinimum" = 0.0))]
     pub stiffness_nm: Option<f64>,
+    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
+    #[schemars(range(min = 1))]
+    pub structure: Option<u32>,
+}
+
+/// A part of a rod or beam, from where the one before ends, or the start.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawSegment {
+    /// Position at which it ends; must be a node of the mesh
+    #[schemars(required, extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub to_m: Option<f64>,
+    /// Its material; default: that of the structure
+    pub material: Option<RawMaterial>,
+    /// Its cross section; default: that of the structure
+    pub section: Option<RawSection>,
+    /// Mass per length beside that of its section; default: that of the structure
+    #[schemars(extend("unit" = "kg/m", "minimum" = 0.0))]
+    pub added_mass_kg_m: Option<f64>,
 }

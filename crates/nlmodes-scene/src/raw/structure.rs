@@ -1,11 +1,13 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{RawMassPoint, RawSpring};
+use super::{RawMassPoint, RawSegment, RawSpring};
 use crate::scene::{MassMatrix, StructureKind, Support};
 
 /// Most elements that a scene may ask for.
 pub const MAX_ELEMENTS: u32 = 1_000_000;
+/// Most that elements beside stops are refined.
+const MAX_REFINEMENT: f64 = 65536.0;
 /// Most modes with imposed frequencies.
 const MAX_MODES: u32 = 1000;
 
@@ -40,6 +42,15 @@ pub struct RawStructure {
     /// Cross section of the structure
     #[schemars(required)]
     pub section: Option<RawSection>,
+    /// Mass per length beside that of the section, as of what fills a tube or hangs on it; without rotary inertia
+    #[schemars(extend("unit" = "kg/m", "minimum" = 0.0, "default" = 0.0))]
+    pub added_mass_kg_m: Option<f64>,
+    /// How many times shorter the elements beside stops are than without: each is halved toward the stop until it is that short
+    #[schemars(extend("default" = 1.0, "minimum" = 1.0, "maximum" = MAX_REFINEMENT))]
+    pub refine: Option<f64>,
+    /// Parts with their own sections and materials, any number, each under its own heading `[[structure.segment]]`; beyond the last one those of the
+    /// structure go on
+    pub segment: Option<Vec<RawSegment>>,
     /// Point masses at nodes, any number, each under its own heading `[[structure.mass_point]]`
     pub mass_point: Option<Vec<RawMassPoint>>,
     /// Springs between nodes and the ground, any number, each under its own heading `[[structure.spring]]`
@@ -75,7 +86,7 @@ pub struct RawMaterial {
     pub poissons_ratio: Option<f64>,
 }
 
-/// Cross section: width and height of a rectangle, or the area (and, of a beam, the second moment of area).
+/// Cross section: width and height of a rectangle, outer diameter and wall of a tube, or the area (and, of a beam, the second moment of area).
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSection {
@@ -91,7 +102,13 @@ pub struct RawSection {
     /// Height of a rectangle, in the bending direction
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
     pub height_m: Option<f64>,
-    /// Shear correction factor of a beam; default 5/6, that of a rectangle
-    #[schemars(extend("default" = 5.0 / 6.0, "exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    /// Outer diameter of a tube
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub outer_m: Option<f64>,
+    /// Thickness of the wall of a tube; half of the outer diameter is a round bar
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub wall_m: Option<f64>,
+    /// Shear correction factor of a beam; default 5/6, that of a rectangle, and of tubes that of Cowper
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub shear_factor: Option<f64>,
 }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::SpringDirection;
+use super::{Section, SpringDirection};
 
 /// A point mass at a node of a rod or beam.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -22,4 +22,30 @@ pub struct GroundSpring {
     pub direction: SpringDirection,
     /// Stiffness, N/m, or N·m for a rotation.
     pub stiffness: f64,
+}
+
+/// A part of a rod or beam with its own section and material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Segment {
+    /// Number of the node at which it ends.
+    pub to_node: usize,
+    /// Position of that node, m.
+    pub to: f64,
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Cross section.
+    pub section: Section,
+    /// Mass per length beside that of the section, kg/m.
+    pub added_mass: f64,
+}
+
+/// Elements that are shorter beside some nodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Refined {
+    /// Nodes of the mesh before it was refined.
+    pub beside: Vec<usize>,
+    /// How many times shorter.
+    pub factor: f64,
 }

@@ -33,6 +33,8 @@ pub enum SceneStructure {
     Straight(Structure),
     /// Matrices from files.
     Matrices(Matrices),
+    /// Several rods and beams.
+    Several(Vec<Structure>),
 }
 
 impl SceneStructure {
@@ -40,7 +42,7 @@ impl SceneStructure {
     pub fn straight(&self) -> Option<&Structure> {
         match self {
             Self::Straight(structure) => Some(structure),
-            Self::Matrices(_) => None,
+            Self::Matrices(_) | Self::Several(_) => None,
         }
     }
 
@@ -48,15 +50,24 @@ impl SceneStructure {
     pub fn straight_mut(&mut self) -> Option<&mut Structure> {
         match self {
             Self::Straight(structure) => Some(structure),
-            Self::Matrices(_) => None,
+            Self::Matrices(_) | Self::Several(_) => None,
         }
     }
 
     /// The files, if it is from files.
     pub fn matrices(&self) -> Option<&Matrices> {
         match self {
-            Self::Straight(_) => None,
+            Self::Straight(_) | Self::Several(_) => None,
             Self::Matrices(matrices) => Some(matrices),
+        }
+    }
+
+    /// All rods and beams.
+    pub fn bodies(&self) -> &[Structure] {
+        match self {
+            Self::Straight(structure) => std::slice::from_ref(structure),
+            Self::Several(structures) => structures,
+            Self::Matrices(_) => &[],
         }
     }
 }

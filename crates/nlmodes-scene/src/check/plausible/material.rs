@@ -22,7 +22,7 @@ fn exchanged(modulus: f64, density: f64, findings: &mut Findings<'_>) {
         number(density),
         number(modulus)
     ));
-    let problem = match findings.document().place(DENSITY) {
+    let problem = match findings.place(DENSITY) {
         Some(place) => problem.with(place.value.clone(), format!("{} kg/m³", number(density))),
         None => problem,
     };

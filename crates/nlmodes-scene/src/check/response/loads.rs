@@ -1,7 +1,7 @@
 //! Damping, forces, and a base that shakes.
 
 use super::place::Places;
-use crate::raw::{RawDamping, RawDashpot, RawForce, RawScene};
+use crate::raw::{RawDamping, RawDashpot, RawForce, RawStudy};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
 use crate::{Findings, Problem};
 
@@ -38,7 +38,7 @@ fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, findings: &mut Findi
     Some(Dashpot { place: place?, damping: raw.damping_n_s_m? })
 }
 
-pub fn forces(raw: &RawScene, places: &Places<'_>, findings: &mut Findings<'_>) -> Vec<Force> {
+pub fn forces(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Vec<Force> {
     let written = raw.force.as_deref().unwrap_or_default();
     written.iter().enumerate().filter_map(|(i, raw)| force(i, raw, places, findings)).collect()
 }
@@ -58,7 +58,7 @@ fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<
     Some(Force { place: place?, amplitude, harmonic, phase_deg })
 }
 
-pub fn base_motion(raw: &RawScene, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
+pub fn base_motion(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
     let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), findings)?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {

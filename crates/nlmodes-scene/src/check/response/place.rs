@@ -15,6 +15,8 @@ pub enum Places<'a> {
     Along(Option<(&'a RawStructure, &'a Mesh)>),
     /// Nodes of files.
     Nodes,
+    /// Those of several structures.
+    Bodies,
 }
 
 impl<'a> Places<'a> {
@@ -26,7 +28,15 @@ impl<'a> Places<'a> {
     fn kind(&self) -> Option<StructureKind> {
         match self {
             Self::Along(found) => found.as_ref()?.0.kind,
-            Self::Nodes => None,
+            Self::Nodes | Self::Bodies => None,
+        }
+    }
+
+    /// The rod or beam with its mesh.
+    pub fn straight(&self) -> Option<(&'a RawStructure, &'a Mesh)> {
+        match self {
+            Self::Along(found) => *found,
+            Self::Nodes | Self::Bodies => None,
         }
     }
 
