@@ -1,7 +1,7 @@
 //! What a scene with responses would compute.
 
 use nlmodes_scene::number;
-use nlmodes_scene::scene::{Damping, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
+use nlmodes_scene::scene::{BaseDirection, Damping, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
 
 /// Names and texts of the lines about damping, loads and responses; none for a scene without responses.
 pub fn lines(scene: &Scene) -> Vec<(String, String)> {
@@ -22,7 +22,11 @@ pub fn lines(scene: &Scene) -> Vec<(String, String)> {
     }
     if let Some(base) = scene.base_motion {
         let stop = if base.stop == StopOfBase::Moves { "the stops move with it" } else { "the stops stand fixed" };
-        lines.push(("base".to_owned(), format!("shakes in {} direction; {stop}", base.direction.name())));
+        let direction = match base.direction {
+            BaseDirection::Along(direction) => format!("in {} direction", direction.name()),
+            BaseDirection::Vector([x, y, z]) => format!("along [{}, {}, {}]", number(x), number(y), number(z)),
+        };
+        lines.push(("base".to_owned(), format!("shakes {direction}; {stop}")));
     }
     let unit = match scene.base_motion {
         Some(base) if base.is_acceleration => "m/s²",
