@@ -65,6 +65,12 @@ pub fn run_error(py: Python<'_>, message: &str) -> PyErr {
     raised(RUN_ERROR.import(py, "nlmodes._errors", "RunError").and_then(|class| class.call1((message,))))
 }
 
+/// `nlmodes.SceneError` with this message, about no place in particular.
+pub fn scene_error(py: Python<'_>, message: &str) -> PyErr {
+    let class = SCENE_ERROR.import(py, "nlmodes._errors", "SceneError");
+    raised(class.and_then(|class| class.call1((message,))))
+}
+
 fn raised(made: PyResult<Bound<'_, PyAny>>) -> PyErr {
     made.map_or_else(|error| error, PyErr::from_value)
 }

@@ -8,6 +8,7 @@
 //! | `verify` | one period of the full structure from a computed point |
 //! | `Series` | contact problems |
 //! | `trace` | branches of `R(x, p) = 0` with functions of Python |
+//! | `Study` | many cases of a scene, and the table of what there is |
 //! | `extract` | modal points of records in memory |
 //!
 //! Whatever computes does so without the interpreter, and looks at it twenty times a second for signals. A panic becomes an error.
@@ -20,6 +21,7 @@ mod experiment;
 mod looking;
 mod run;
 mod scene;
+mod study;
 mod verify;
 
 /// The compiled part of nlmodes.
@@ -37,6 +39,8 @@ mod _native {
     use crate::run::{Outcome, run};
     #[pymodule_export]
     use crate::scene::{override_of, toml_of};
+    #[pymodule_export]
+    use crate::study::Study;
     #[pymodule_export]
     use crate::verify::verify;
 

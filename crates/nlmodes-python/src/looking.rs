@@ -79,6 +79,12 @@ impl Looking {
         of(&self.raised).take()
     }
 
+    /// Takes note of how far it is.
+    pub fn tell(&self, done: usize, text: String) {
+        self.points.store(done, Ordering::Relaxed);
+        of(&self.told).1 = text;
+    }
+
     fn doing(&self, doing: Doing) {
         if doing != Doing::Branch && self.progress.is_some() {
             of(&self.told).1 = doing.to_string();

@@ -11,7 +11,7 @@ import nlmodes
 import pytest
 from nlmodes import _branch, _errors, _result, _run, _table
 
-MODULES = [nlmodes, _branch, _errors, _result, _run, _table, nlmodes.contact, nlmodes.continuation, nlmodes.experiment, nlmodes.structure]
+MODULES = [nlmodes, _branch, _errors, _result, _run, _table, nlmodes.contact, nlmodes.continuation, nlmodes.experiment, nlmodes.structure, nlmodes.study]
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)

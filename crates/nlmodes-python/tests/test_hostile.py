@@ -78,7 +78,11 @@ def anything(dice, rng, depth=0):
     return Slippery([anything(dice, rng, depth + 1) for _ in range(dice.randrange(3))])
 
 
-def calls(dice, rng):
+VARIED = {"key": "contact.0.gap_m", "name": "gap", "values": [1e-3]}
+WANTED = {"name": "f", "of": "frequency_hz", "at": "last"}
+
+
+def calls(dice, rng, study):
     def some():
         return anything(dice, rng)
 
@@ -109,6 +113,11 @@ def calls(dice, rng):
         lambda: continuation.trace(lambda x, p: [x[0] - p], lambda x, p: some(), [0.0], some(), max_points=3),
         lambda: continuation.trace(lambda x, p: x * p, None, array(dice, rng), 1.0, direction=some(), max_points=3),
         lambda: continuation.trace(lambda x, p: x - p, None, [0.0], 0.0, bounds=some(), scaling=some(), max_points=some()),
+        lambda: nlmodes.Study(some(), out=some()),
+        lambda: nlmodes.Study({"scene": dice.choice([ROD, some()]), "design": some(), "vary": some(), "quantity": some()}),
+        lambda: nlmodes.Study({"scene": ROD, "vary": [{**VARIED, "values": some()}], "quantity": [{**WANTED, "at": some()}]}),
+        lambda: study.evaluate(**{dice.choice(["gap", "method.harmonics", "", "a.0"]): some()}),
+        lambda: study.run(jobs=some(), shard=some(), memory_limit=some()),
         lambda: experiment.extract(some(), some(), some()),
         lambda: experiment.extract(some(), some(), [channel], **{dice.choice(["stop", "mode", "linear_modes"]): some()}),
     ]
@@ -123,11 +132,12 @@ def test_hostile_calls_neither_crash_nor_leak():
     dice, rng = random.Random(11), np.random.default_rng(11)
     mine = (*ORDINARY, ZeroDivisionError, MemoryError, LookupError)
     returned, after_warm_up = 0, 0
+    study = nlmodes.Study({"scene": ROD, "vary": [VARIED], "quantity": [WANTED]})
     for number in range(CALLS):
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             try:
-                dice.choice(calls(dice, rng))()
+                dice.choice(calls(dice, rng, study))()
                 returned += 1
             except mine as error:
                 assert "mistake of nlmodes" not in str(error), error

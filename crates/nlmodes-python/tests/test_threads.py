@@ -60,6 +60,28 @@ def test_branches_in_two_threads_are_those_of_one(rod):
     assert np.array_equal(found[5], alone[0]) and np.array_equal(found[9], alone[1])
 
 
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one core")
+def test_two_threads_get_twice_the_processor_time_of_one(long):
+    """Whoever waits for the interpreter gets no more than one does; a share, since others may compute on the machine."""
+
+    def share(threads):
+        def enough(points, frequency_hz, text):
+            if time.perf_counter() - began > 1.0:
+                raise StopIteration
+
+        def run():
+            with pytest.raises(StopIteration):
+                nlmodes.run(long, progress=enough)
+
+        own = [threading.Thread(target=run) for _ in range(threads)]
+        began, before = time.perf_counter(), time.process_time()
+        [thread.start() for thread in own]
+        [thread.join() for thread in own]
+        return (time.process_time() - before) / (time.perf_counter() - began)
+
+    assert max(share(2) / share(1) for _ in range(3)) > 1.5
+
+
 def test_ctrl_c_at_any_instant_leaves_a_sane_state(long, tmp_path):
     """What is on disk is a branch or nothing, the next call works, and it ends soon."""
     times = random.Random(3)

@@ -11,6 +11,7 @@
 :func:`columns`                   what the columns of results mean
 :func:`linear_frequencies`        the linear modes of a scene
 :class:`Structure`                stiffness and mass matrices with contacts
+:class:`Study`                    a quantity over parameters, from many branches
 :func:`verify`                    one period of the full structure from a computed point
 :mod:`nlmodes.contact`            complementarity problems of contact
 :mod:`nlmodes.continuation`       branches of ``R(x, p) = 0`` with functions of your own
@@ -28,6 +29,7 @@ from ._result import Result, read, verify
 from ._run import check, columns, linear_frequencies, run, schema
 from ._table import Table
 from .structure import Structure
+from .study import Study, StudyTable
 
 __all__ = [
     "Branch",
@@ -39,6 +41,8 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Structure",
+    "Study",
+    "StudyTable",
     "Table",
     "Verification",
     "__version__",

@@ -42,11 +42,13 @@ def floats(name: str, value: Any, shape: tuple[int | str, ...], *, finite: bool 
 
 def number(name: str, value: Any, *, above: float | None = None, finite: bool = True) -> float:
     """A real number."""
-    if isinstance(value, (bool, np.bool_, str, bytes)) or np.ndim(value) != 0:
+    if isinstance(value, (bool, np.bool_, str, bytes)):
         raise TypeError(f"{name} is {value!r}; a number was expected")
     try:
-        found = float(value)
-    except (TypeError, ValueError, OverflowError):
+        found = float(value) if np.ndim(value) == 0 else None
+    except Exception:
+        found = None
+    if found is None:
         raise TypeError(f"{name} is {value!r}; a number was expected") from None
     if finite and not np.isfinite(found):
         raise ValueError(f"{name} is {found}; a finite number was expected")

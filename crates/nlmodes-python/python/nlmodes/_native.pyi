@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 __all__ = [
     "Outcome",
     "Series",
+    "Study",
     "__version__",
     "check",
     "columns",
@@ -47,6 +48,35 @@ class Series:
         NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
     ]: ...
     def response(self, closed: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+
+@final
+class Study:
+    def __new__(
+        cls, source: tuple[str, str] | Path, scene: str | None, out: Path | None, scratch: Path | None
+    ) -> Study: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def directory(self) -> Path: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def variables(self) -> list[str]: ...
+    @property
+    def quantities(self) -> list[str]: ...
+    def ids(self) -> list[str | None]: ...
+    def run(
+        self,
+        jobs: int | None,
+        shard: str,
+        retry: bool,
+        drawn: bool,
+        memory_limit: str | None,
+        progress: Callable[[int, float | None, str], object] | None,
+    ) -> None: ...
+    def collect(self, written: bool) -> tuple[bytes, dict[str, int], str]: ...
+    def status(self) -> dict[str, int]: ...
+    def evaluate(self, values: str) -> str: ...
 
 def run(
     source: tuple[str, str] | Path,

@@ -55,11 +55,12 @@ class _Bar:
 
     def __init__(self, make: Callable[..., Any]) -> None:
         self.make = make
+        self.options: dict[str, Any] = {"unit": " points", "leave": False}
         self.bar: Any = None
 
     def __call__(self, points: int, frequency_hz: float | None, text: str) -> None:
         if self.bar is None:
-            self.bar = self.make(unit=" points", leave=False)
+            self.bar = self.make(**self.options)
         self.bar.update(points - self.bar.n)
         at = "" if frequency_hz is None else f"{frequency_hz:.6g} Hz"
         self.bar.set_postfix_str(", ".join(part for part in (at, text) if part))
@@ -138,8 +139,8 @@ def run(
     >>> result = nlmodes.run(rod)
     >>> result.complete, result.frequency_hz.dtype
     (True, dtype('float64'))
-    >>> float(result.energy_j[-1] / result.energy_j[0])  # doctest: +ELLIPSIS
-    3.0...
+    >>> round(float(result.energy_j[-1] / result.energy_j[0]), 6)
+    3.0
     >>> nlmodes.run(rod, method__harmonics=5).branches[0].coefficients.shape[2]
     6
     """

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_TEXTS = {"event", "resonance", "record", "findings", "label", "reason", "message", "name", "kind"}
+_TEXTS = {"event", "resonance", "record", "findings", "label", "reason", "message", "name", "kind", "id", "status", "method"}
 _FLAGS = {"true": 1.0, "false": 0.0, "": np.nan}
 
 
