@@ -86,8 +86,8 @@ pub(super) fn pieces(points: &[ModalPoint]) -> Vec<Piece<'_>> {
         let (state, is_behind) = look(start);
         Piece { points: &points[start..end], state, is_behind }
     };
-    for end in 1..points.len() {
-        if points[end].has_event(Event::Resumed) {
+    for (end, point) in points.iter().enumerate().skip(1) {
+        if point.has_event(Event::Resumed) {
             found.push(piece(start, end));
             start = end;
         } else if look(end - 1) != look(end) {
