@@ -72,7 +72,7 @@ impl Beam {
 /// ```
 ///
 /// The consistent mass `∫ ρA N_wᵀ N_w + ρI N_φᵀ N_φ dx` comes from the same functions; the lumped one has `ρAl/2` for `u` and `w`
-/// and the rotary inertia `ρIl/2` for `φ` at either node. The axial part is [`rod_element`].
+/// and the rotary inertia `ρIl/2` for `φ` at either node. The axial part is [`crate::rod_element`].
 ///
 /// J. S. Przemieniecki, *Theory of Matrix Structural Analysis*, 1968; Z. Friedman, J. B. Kosmatka, *An improved two-node
 /// Timoshenko beam finite element*, Computers & Structures 47 (1993) 473-481.
