@@ -33,6 +33,13 @@ pub(crate) struct Chart {
     pub inset: Option<Inset>,
 }
 
+impl Chart {
+    /// One panel of the usual height, with nothing below or within it.
+    pub fn of_panel(title: String, x: Axis, panel: Panel, legend: Vec<LegendEntry>) -> Self {
+        Self { title, x, panels: vec![panel], panel_height: 360.0, legend, note: None, inset: None }
+    }
+}
+
 /// An axis: its label with the unit, and what it spans.
 #[derive(Debug)]
 pub(crate) struct Axis {

@@ -61,16 +61,7 @@ impl<'a> ConvergenceFigure<'a> {
         let x = Axis { label: self.x_label.to_owned(), scale: x };
         let legend = self.strokes().map(|(s, stroke)| LegendEntry { key: Key::Line(stroke), name: s.name.to_owned() });
         let legend = legend.collect();
-        let chart = Chart {
-            title: self.title.to_owned(),
-            x,
-            panels: vec![panel],
-            panel_height: 360.0,
-            legend,
-            note: None,
-            inset: None,
-        };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart::of_panel(self.title.to_owned(), x, panel, legend)))
     }
 
     /// The series with their strokes; references are grey and take no colour away.

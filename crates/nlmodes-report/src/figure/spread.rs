@@ -75,16 +75,7 @@ impl<'a> SpreadFigure<'a> {
         let legend = named.map(|line| LegendEntry { key: Key::Line(stroke(line)), name: line.name.to_owned() });
         let legend = legend.collect();
         let x = Axis { label: self.x_label.to_owned(), scale: x };
-        let chart = Chart {
-            title: self.title.to_owned(),
-            x,
-            panels: vec![panel],
-            panel_height: 360.0,
-            legend,
-            note: None,
-            inset: None,
-        };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart::of_panel(self.title.to_owned(), x, panel, legend)))
     }
 }
 

@@ -66,16 +66,7 @@ impl<'a> StiffnessFigure<'a> {
         let name = format!("{:.4e} N/m ± {:.1e} N/m", self.fit.stiffness, self.fit.stiffness_error);
         let legend = vec![LegendEntry { key: Key::Line(stroke), name }];
         let x = Axis { label: format!("displacement in {}", length.symbol), scale: x };
-        let chart = Chart {
-            title: self.title.clone(),
-            x,
-            panels: vec![panel],
-            panel_height: 360.0,
-            legend,
-            note: None,
-            inset: None,
-        };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart::of_panel(self.title.clone(), x, panel, legend)))
     }
 
     /// +1 for a stop on the positive side.

@@ -24,9 +24,10 @@ pub fn frequency_response(
     curve.follow(omega)
 }
 
-/// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` these are motions of twice the period of the
-/// load, which leave the curve where a multiplier passes −1; with a larger number those that are found where curves cross. Of two curves that are one
-/// motion, a period of the load apart, one is there.
+/// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions of twice the period of the
+/// load are looked for where a multiplier passes −1, along its disturbance: none has been held against an independent computation yet, and none may be
+/// found. With a larger number the curves are those that are found where curves cross. Of two curves that are one motion, a period of the load apart, one
+/// is there.
 ///
 /// # Errors
 /// As [`frequency_response`].
