@@ -3,25 +3,31 @@
 
     nice -n 15 benchmarks/mutations.py                # builds once, some five minutes; then some seconds an error
     benchmarks/mutations.py 3 8                       # only these errors
+    benchmarks/mutations.py --built 3 8               # with what was built last, for the same errors
     benchmarks/mutations.py --list
 
 Every error is a replacement in one line of source, switched by the environment variable NLMODES_MUTANT: all go into one copy and are built once.
-The copy and what is built of it lie in the target directory; the sources stay as they are. The table goes between the marks at the end of `docs/verification.md`. Exit status 1 if an error is caught by no case, or if the cases fail without one.
+The copy and what is built of it lie in `target/mutants`: in a build directory of their own, since cargo takes two copies of a package for the same one. The sources stay as
+they are. The rows go into the table between the marks at the end of
+`docs/verification.md`; those of other errors stay. A case that comes to no end, or brings the program down, catches the error: the cases behind it are run without it.
+Exit status 1 if an error is caught by no case, or if the cases fail without one.
 """
 
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+PLACE = ROOT / "target/mutants"
 PAGE = ROOT / "docs/verification.md"
 MARKS = ("<!-- errors: written by benchmarks/mutations.py -->", "<!-- end of errors -->")
 
-# Cases that take longer, s, are run only where the others do not catch an error; a run that takes longer than the latter hangs.
-QUICK, PATIENCE = 0.25, 60
+# Cases that take longer, s, are run only where the others do not catch an error.
+QUICK = 0.25
+# A run hangs that takes so much longer than without an error, and so many seconds; after so many hangs the rest is left.
+SLOWER, PATIENCE, HANGS = 8, 15, 3
 
 SWITCH = """
 /// Whether the deliberate error of this number is switched on.
@@ -75,9 +81,9 @@ ERRORS = [
      "fundamental_power / (modal_amplitude.powi(2) * omega.powi(if M { 2 } else { 3 }))"),
     ("the compliance of a stop counts twice", "contact", "body.rs", "a[(i, i)] += c);",
      "a[(i, i)] += (if M { 2.0 } else { 1.0 }) * c);"),
-    ("crossings are looked for where the orientation stays", "continuation", "step.rs",
-     "to.singular_since(from, end.orientation * foot.orientation < 0.0)",
-     "to.singular_since(from, (end.orientation * foot.orientation < 0.0) != M)"),
+    ("crossings are looked for where the orientation stays", "continuation", "run.rs",
+     "if end.orientation * self.foot.orientation < 0.0 {",
+     "if (end.orientation * self.foot.orientation < 0.0) != M {"),
     ("consistent mass of a rod over 5 instead of 6", "fem", "rod.rs", "Matrix2::new(2.0, 1.0, 1.0, 2.0) * (mass / 6.0)",
      "Matrix2::new(2.0, 1.0, 1.0, 2.0) * (mass / (if M { 5.0 } else { 6.0 }))"),
     ("half the shear flexibility of a beam", "fem", "timoshenko.rs",
@@ -86,32 +92,35 @@ ERRORS = [
 ]
 
 
-def copied(target):
-    """A copy of what the cases need, with all errors in it, switched off."""
-    copy = target / "mutants"
-    shutil.rmtree(copy, ignore_errors=True)
-    for part in ("crates", "benchmarks", "configs"):
-        shutil.copytree(ROOT / part, copy / part)
-    for file in ("Cargo.toml", "Cargo.lock", "README.md"):
-        shutil.copy(ROOT / file, copy / file)
+def copied():
+    """A copy of what the cases need, with all errors in it, switched off; files that stay as they are stay, so that little is built anew."""
+    copy = PLACE / "source"
+    texts = {}
     for number, (what, crate, file, right, wrong) in enumerate(ERRORS, 1):
-        path = copy / f"crates/nlmodes-{crate}/src/{file}"
-        text = path.read_text()
+        path = ROOT / f"crates/nlmodes-{crate}/src/{file}"
+        text = texts.get(path, path.read_text())
         if text.count(right) != 1:
             sys.exit(f"{what}: {file} of {crate} has this {text.count(right)} times: {right.strip()}")
-        path.write_text(text.replace(right, re.sub(r"\bM\b", f"crate::mutant({number})", wrong)))
+        texts[path] = text.replace(right, re.sub(r"\bM\b", f"crate::mutant({number})", wrong))
     for crate in {error[1] for error in ERRORS}:
-        with open(copy / f"crates/nlmodes-{crate}/src/lib.rs", "a") as root:
-            root.write(SWITCH)
+        path = ROOT / f"crates/nlmodes-{crate}/src/lib.rs"
+        texts[path] = texts.get(path, path.read_text()) + SWITCH
+    files = [path for part in ("crates", "benchmarks", "configs") for path in (ROOT / part).rglob("*") if path.is_file()]
+    for path in [*files, *(ROOT / name for name in ("Cargo.toml", "Cargo.lock", "README.md"))]:
+        there = copy / path.relative_to(ROOT)
+        content = texts[path].encode() if path in texts else path.read_bytes()
+        if not there.is_file() or there.read_bytes() != content:
+            there.parent.mkdir(parents=True, exist_ok=True)
+            there.write_bytes(content)
     return copy
 
 
-def ran(binary, number, names=()):
-    """Whether each case passes, and its time in seconds; a case that is not there brought the program down, or hung."""
+def ran(binary, number, names=(), patience=None):
+    """Whether each case passes, and its time in seconds, up to one that brings the program down or hangs."""
     environment = {**os.environ, "NLMODES_MUTANT": str(number)}
     call = subprocess.Popen([binary, "--quiet", *names], env=environment, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     try:
-        text = call.communicate(timeout=PATIENCE)[1]
+        text = call.communicate(timeout=patience)[1]
     except subprocess.TimeoutExpired:
         call.kill()
         text = call.communicate()[1]
@@ -119,45 +128,56 @@ def ran(binary, number, names=()):
     return {name: (verdict == "pass", float(time)) for verdict, time, name in found}
 
 
-def caught(binary, number, names):
-    """The cases that fail; if the program comes down or hangs, each case alone."""
-    found = ran(binary, number, names)
-    if not found:
-        found = {name: ran(binary, number, [name]).get(name, (False, 0)) for name in names[:12]}
-    return [name for name, (passes, _) in found.items() if not passes]
+def caught(binary, number, times):
+    """The cases that fail, come to no end or bring the program down, of those with these times; and whether all were run."""
+    red, names, hangs = [], list(times), 0
+    while names and hangs < HANGS:
+        found = ran(binary, number, names, PATIENCE + SLOWER * sum(times[name] for name in names))
+        red += [name for name, (passes, _) in found.items() if not passes]
+        reached = next((k for k, name in enumerate(names) if name not in found), len(names))
+        red += names[reached:reached + 1]
+        hangs += reached < len(names)
+        names = names[reached + 1:]
+    return red, not names
 
 
 def main():
     chosen = [int(number) for number in sys.argv[1:] if number.isdigit()] or range(1, len(ERRORS) + 1)
     if "--list" in sys.argv:
         return print(*(f"{k:3} {error[0]}" for k, error in enumerate(ERRORS, 1)), sep="\n")
-    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    copy = copied(target)
-    build = ["cargo", "build", "-p", "nlmodes-benchmarks", "--example", "verification", "--target-dir", target]
-    subprocess.run(build, cwd=copy, check=True)
-    binary = shutil.copy(target / "debug/examples/verification", copy / "cases")
+    binary = PLACE / "build/debug/examples/verification"
+    if "--built" not in sys.argv:
+        build = ["cargo", "build", "-p", "nlmodes-benchmarks", "--example", "verification", "--target-dir", PLACE / "build"]
+        subprocess.run(build, cwd=copied(), check=True)
     cases = ran(binary, 0)
     wrong = [name for name, (passes, _) in cases.items() if not passes]
     if wrong or not cases:
         sys.exit(f"without an error there fail: {wrong}, of {len(cases)} cases")
-    quick = [name for name, (_, time) in cases.items() if time < QUICK]
+    times = {name: time for name, (_, time) in cases.items()}
+    quick = {name: time for name, time in times.items() if time < QUICK}
     print(f"{len(quick)} of {len(cases)} cases take less than {QUICK} s each", flush=True)
-    rows, empty = [], 0
+    empty = 0
     for number in chosen:
-        red = caught(binary, number, quick) or caught(binary, number, [name for name in cases if name not in quick])
+        red, all_run = caught(binary, number, quick)
+        if not red:
+            red, all_run = caught(binary, number, {name: time for name, time in times.items() if name not in quick})
         empty += not red
         more = f" and {len(red) - 6} more" if len(red) > 6 else ""
-        rows.append(f"| {ERRORS[number - 1][0]} | {len(red)} | {', '.join(f'`{name}`' for name in red[:6])}{more} |")
-        print(rows[-1], flush=True)
-    if len(rows) == len(ERRORS):
-        write(rows)
+        count = f"{len(red)}" if all_run else f"{len(red)} or more"
+        row = f"| {ERRORS[number - 1][0]} | {count} | {', '.join(f'`{name}`' for name in red[:6])}{more} |"
+        print(row, flush=True)
+        write(number, row)
     sys.exit(empty > 0)
 
 
-def write(rows):
-    table = "\n".join(["| error | quick cases that fail | which |", "| --- | --- | --- |", *rows])
+def write(number, row):
+    """Puts a row into the table of the page."""
     text = PAGE.read_text()
     first, last = (text.index(mark) for mark in MARKS)
+    known = {line.split(" | ")[0][2:]: line for line in text[first:last].splitlines() if line.startswith("| ")}
+    known[ERRORS[number - 1][0]] = row
+    rows = [known.get(error[0], f"| {error[0]} | not run yet | |") for error in ERRORS]
+    table = "\n".join(["| error | quick cases that fail | which |", "| --- | --- | --- |", *rows])
     PAGE.write_text(f"{text[:first]}{MARKS[0]}\n\n{table}\n\n{text[last:]}")
 
 

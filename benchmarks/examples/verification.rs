@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 use std::time::Duration;
 
-use nlmodes_benchmarks::verification::{manual, run};
+use nlmodes_benchmarks::verification::{Outcome, manual, run};
 
 const PAGE: &str = "docs/verification.md";
 
@@ -12,15 +12,15 @@ fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let quiet = words.first().is_some_and(|word| word == "--quiet");
     let word = words.first().cloned().unwrap_or_default();
-    let results = match words.get(1..) {
-        Some(names) if quiet && !names.is_empty() => run(|name| names.iter().any(|one| one == name)),
-        _ => run(|name| quiet || name.contains(&word)),
-    };
-    let all = || results.iter().flat_map(|(_, outcomes)| outcomes);
-    for outcome in all() {
+    let seen = |outcome: &Outcome| {
         let verdict = if outcome.passes() { "pass" } else { "FAIL" };
         eprintln!("{verdict} {:>8.3} s  {}", outcome.took.as_secs_f64(), outcome.case.name);
-    }
+    };
+    let results = match words.get(1..) {
+        Some(names) if quiet && !names.is_empty() => run(|name| names.iter().any(|one| one == name), seen),
+        _ => run(|name| quiet || name.contains(&word), seen),
+    };
+    let all = || results.iter().flat_map(|(_, outcomes)| outcomes);
     let time: Duration = all().map(|outcome| outcome.took).sum();
     eprintln!("{} cases, {:.1} s of processor time", all().count(), time.as_secs_f64());
     if word.is_empty() {

@@ -10,6 +10,7 @@ use crate::{Failure, thread_time};
 
 mod branches;
 mod case;
+mod chains;
 mod contact;
 mod files;
 mod forced;
@@ -70,11 +71,11 @@ impl Outcome {
     }
 }
 
-/// Runs the cases whose name is `wanted`, topic by topic.
-pub fn run(wanted: impl Fn(&str) -> bool) -> Vec<(Topic, Vec<Outcome>)> {
+/// Runs the cases whose name is `wanted`, topic by topic; `seen` is shown each as soon as it is there.
+pub fn run(wanted: impl Fn(&str) -> bool, mut seen: impl FnMut(&Outcome)) -> Vec<(Topic, Vec<Outcome>)> {
     let chosen = |topic: Topic| {
         let cases = topic.cases.iter().filter(|case| wanted(case.name));
-        (topic, cases.map(Outcome::of).collect::<Vec<_>>())
+        (topic, cases.map(Outcome::of).inspect(&mut seen).collect::<Vec<_>>())
     };
     TOPICS.into_iter().map(chosen).filter(|(_, outcomes)| !outcomes.is_empty()).collect()
 }

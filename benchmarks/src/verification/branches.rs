@@ -1,20 +1,20 @@
 //! Solution sets of equations whose folds, crossings and corners are known.
 
-use std::convert::Infallible;
-use std::f64::consts::PI;
-use std::ops::ControlFlow;
+mod follow;
+mod systems;
 
-use nlmodes::continuation::{
-    Bound, Branch, BranchPoint, BranchTree, Continuation, EventKind, Linearization, ParametricSystem,
-};
+use std::f64::consts::PI;
+
+use nlmodes::continuation::{EventKind, Linearization};
 
 use super::tools::{bisect, integral, slope};
 use super::{Case, Check, Kind};
 use crate::Failure;
+use follow::{CROSSED, crossings, first_fold, folds, trace, tree};
+use systems::{Equations, Pieces, planar, two_point};
 
 const LOCATED: &str =
     "events are located to the tolerance of the corrector, 1e-10, the parameter of a fold to its square";
-const CROSSED: &str = "a crossing is a double zero: the root of the tolerance";
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -139,81 +139,6 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// `f(x, p) = 0`, written by a function.
-struct Equations<F> {
-    n: usize,
-    f: F,
-}
-
-impl<F: Fn(&[f64], f64, &mut Linearization)> ParametricSystem for Equations<F> {
-    type Error = Infallible;
-
-    fn dim(&self) -> usize {
-        self.n
-    }
-
-    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
-        out.residual.fill(0.0);
-        (0..=self.n).for_each(|j| (0..self.n).for_each(|i| out.jacobian[(i, j)] = 0.0));
-        (self.f)(x, p, out);
-        Ok(())
-    }
-}
-
-/// One equation: value and both derivatives.
-fn planar(f: impl Fn(f64, f64) -> [f64; 3]) -> Equations<impl Fn(&[f64], f64, &mut Linearization)> {
-    let f = move |x: &[f64], p: f64, out: &mut Linearization| {
-        [out.residual[0], out.jacobian[(0, 0)], out.jacobian[(0, 1)]] = f(x[0], p);
-    };
-    Equations { n: 1, f }
-}
-
-/// From `x`, `p` with growing parameter until it, or an unknown, leaves its window.
-fn trace<S: ParametricSystem>(
-    system: &mut S,
-    x: &[f64],
-    p: f64,
-    bounds: &[(usize, f64, f64)],
-) -> Result<Branch, Failure> {
-    let mut direction = vec![0.0; x.len() + 1];
-    direction[x.len()] = 1.0;
-    Ok(settings(bounds).run(system, x, p, &direction, |_| ControlFlow::Continue(())).map_err(|e| e.to_string())?)
-}
-
-fn settings(bounds: &[(usize, f64, f64)]) -> Continuation {
-    let bounds = bounds.iter().map(|&(coordinate, min, max)| Bound { coordinate, min, max }).collect();
-    Continuation { bounds, ..Continuation::default() }
-}
-
-fn at(branch: &Branch, event: EventKind) -> Vec<&BranchPoint> {
-    branch.points.iter().filter(|q| q.events.contains(&event)).collect()
-}
-
-/// Number of folds and the parameters of the first ones, beside what they should be.
-fn folds(branch: &Branch, expected: &[f64], limit: f64, why: &'static str) -> Vec<Check> {
-    let found = at(branch, EventKind::ParameterFold);
-    let mut checks = vec![Check::count("folds", found.len(), expected.len())];
-    let size = expected.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    checks.extend(
-        found
-            .iter()
-            .zip(expected)
-            .enumerate()
-            .map(|(k, (q, p))| Check::of_size(format!("p at fold {}", k + 1), [q.p, *p, size], limit, why)),
-    );
-    checks
-}
-
-fn crossings(branch: &Branch, expected: &[(f64, usize)], size: f64) -> Vec<Check> {
-    let mut checks = vec![Check::count("branch points", branch.crossings.len(), expected.len())];
-    for (k, (crossing, (p, arms))) in branch.crossings.iter().zip(expected).enumerate() {
-        let found = crossing.z.last().copied().unwrap_or(f64::NAN);
-        checks.push(Check::of_size(format!("p at branch point {}", k + 1), [found, *p, size], 1e-6, CROSSED));
-        checks.push(Check::count(format!("arms of branch point {}", k + 1), crossing.arms.len(), *arms));
-    }
-    checks
-}
-
 fn circle() -> Result<Vec<Check>, Failure> {
     let mut system = planar(|x, p| [x * x + p * p - 1.0, 2.0 * x, 2.0 * p]);
     let branch = trace(&mut system, &[1.0], 0.0, &[])?;
@@ -239,18 +164,6 @@ fn pitchfork() -> Result<Vec<Check>, Failure> {
     let on_parabola = ends.iter().filter(|x| (**x - 1.0).abs() < 1e-8).count();
     checks.push(Check::count("of which end at |x| = 1", on_parabola, 2));
     Ok(checks)
-}
-
-fn tree<S: ParametricSystem>(
-    system: &mut S,
-    x: &[f64],
-    p: f64,
-    bounds: &[(usize, f64, f64)],
-) -> Result<BranchTree, Failure> {
-    let mut direction = vec![0.0; x.len() + 1];
-    direction[x.len()] = 1.0;
-    let found = settings(bounds).run_tree(system, x, p, &direction, 20, |_, _| ControlFlow::Continue(()));
-    Ok(found.map_err(|e| e.to_string())?)
 }
 
 fn transcritical() -> Result<Vec<Check>, Failure> {
@@ -296,47 +209,6 @@ fn ab() -> Result<Vec<Check>, Failure> {
             .map(|(p, e)| Check::relative("the closed form beside AUTO's", *e, *p, 1e-5, "six digits are published")),
     );
     Ok(checks)
-}
-
-/// Central differences of `u″ + p f(u)` on `n` inner nodes, times h², with both ends at `end`.
-fn two_point(n: usize, end: f64, f: impl Fn(f64) -> [f64; 2]) -> Equations<impl Fn(&[f64], f64, &mut Linearization)> {
-    let h2 = ((n + 1) as f64).powi(-2);
-    let equations = move |u: &[f64], p: f64, out: &mut Linearization| {
-        for i in 0..n {
-            let [value, derivative] = f(u[i]);
-            let left = if i == 0 { end } else { u[i - 1] };
-            let right = if i + 1 == n { end } else { u[i + 1] };
-            out.residual[i] = left - 2.0 * u[i] + right + h2 * p * value;
-            out.jacobian[(i, i)] = -2.0 + h2 * p * derivative;
-            out.jacobian[(i, n)] = h2 * value;
-            if i > 0 {
-                out.jacobian[(i, i - 1)] = 1.0;
-            }
-            if i + 1 < n {
-                out.jacobian[(i, i + 1)] = 1.0;
-            }
-        }
-    };
-    Equations { n, f: equations }
-}
-
-/// The parameter of the first fold of the branch from `u = end`, `p = 0`.
-fn first_fold<S: ParametricSystem>(mut system: S, end: f64, beyond: f64) -> Result<f64, Failure> {
-    let n = system.dim();
-    let mut direction = vec![0.0; n + 1];
-    direction[n] = 1.0;
-    let mut fold = None;
-    let settings = settings(&[(n, -0.1, beyond)]);
-    settings
-        .run(&mut system, &vec![end; n], 0.0, &direction, |q| {
-            if q.events.contains(&EventKind::ParameterFold) {
-                fold = fold.or(Some(q.p));
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        })
-        .map_err(|e| e.to_string())?;
-    fold.ok_or_else(|| "no fold was found".into())
 }
 
 fn bratu() -> Result<Vec<Check>, Failure> {
@@ -455,30 +327,6 @@ fn buckling() -> Result<Vec<Check>, Failure> {
     let branch = trace(&mut system, &[0.0; 11], 0.0, &[(11, -1.0, 100.0)])?;
     let load = |k: f64| (4.0 * 144.0 * (k * PI / 24.0).sin().powi(2), 3);
     Ok(crossings(&branch, &[load(1.0), load(2.0), load(3.0)], 100.0))
-}
-
-/// A system with two smooth pieces.
-struct Pieces<S> {
-    inner: S,
-    edge: f64,
-    beyond: bool,
-}
-
-impl<S: ParametricSystem> ParametricSystem for Pieces<S> {
-    type Error = S::Error;
-
-    fn dim(&self) -> usize {
-        self.inner.dim()
-    }
-
-    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), S::Error> {
-        self.beyond = x[0] > self.edge;
-        self.inner.linearize(x, p, out)
-    }
-
-    fn pattern(&self) -> u64 {
-        u64::from(self.beyond)
-    }
 }
 
 fn corner() -> Result<Vec<Check>, Failure> {

@@ -104,6 +104,22 @@ pub(super) const CASES: &[Case] = &[
         remark: "",
         compute: two_element_rod,
     },
+    Case {
+        name: "chain-of-two-with-impacts",
+        problem: "Nonsmooth modes after Thorin, Delezoide and Legrand 2017: two masses of 1 kg on springs of 1 N/m behind a wall, the last hits a rigid stop at 1 m once a period, without loss.\nStops of 10⁴ to 2.56·10⁶ N/m by shooting, at the averaged kinetic energies of the exact motions with these shares of the first linear period T₁:\nfrequency and impulse, extrapolated to the rigid stop; order of the approach.",
+        kind: Kind::Exact,
+        reference: "free between the impacts, `q_k = a_k cos ω_k(t − T/2)`, `a_k = −p φ_k / (2 ω_k sin(ω_k T/2))`, and `p` from the distance of the stop",
+        remark: "",
+        compute: || super::chains::chain(2, &[0.95, 0.85]),
+    },
+    Case {
+        name: "chain-of-five-with-impacts",
+        problem: "The same with five masses.",
+        kind: Kind::Exact,
+        reference: "as before",
+        remark: "",
+        compute: || super::chains::chain(5, &[0.97, 0.93]),
+    },
 ];
 
 fn sdnd122() -> Result<Vec<Check>, Failure> {

@@ -65,7 +65,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "stiffness-of-a-stop",
-        problem: "A mass of 1 kg on 63 165 N/m (40 Hz) before a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of time in contact, restitution.",
+        problem: "A mass of 1 kg on (80π)² = 63 165.47 N/m (40 Hz) before a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of time in contact, restitution.",
         kind: Kind::Exact,
         reference: "two harmonic arcs; the motion is symmetric about the contact: restitution 1",
         remark: "",

@@ -88,7 +88,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-fn dynamics(model: &StructuralModel, tips: bool) -> Result<ContactDynamics, Failure> {
+pub(super) fn dynamics(model: &StructuralModel, tips: bool) -> Result<ContactDynamics, Failure> {
     let massless = if tips {
         MasslessContactModel::with_spring_tips(model, None)?
     } else {
@@ -98,7 +98,7 @@ fn dynamics(model: &StructuralModel, tips: bool) -> Result<ContactDynamics, Fail
 }
 
 /// `∫ λ dt` over the trajectory, contact by contact, by Simpson's rule between instants.
-fn impulse(motion: &Trajectory) -> f64 {
+pub(super) fn impulse(motion: &Trajectory) -> f64 {
     let of = |from: f64, to: f64| {
         integral(|t| motion.contact_state(0, t).force[0], from + 1e-12 * (to - from), to - 1e-12 * (to - from), 200)
     };
