@@ -166,6 +166,18 @@ mod tests {
     }
 
     #[test]
+    fn averages_are_the_sums_also_beyond_the_number_of_samples() {
+        let samples = [0.3, -1.2, 2.0, 0.7, -0.4, 5.0, 0.01];
+        let mut averages = vec![Complex64::default(); 10];
+        HarmonicBasis::new(2, 7).unwrap().averages(&samples, &mut averages);
+        for (k, average) in averages.iter().enumerate() {
+            let term = |(j, s): (usize, &f64)| Complex64::cis(-std::f64::consts::TAU * (k * j) as f64 / 7.0) * *s / 7.0;
+            let sum: Complex64 = samples.iter().enumerate().map(term).sum();
+            assert!((average - sum).norm() < 1e-14, "{k}: {average} {sum}");
+        }
+    }
+
+    #[test]
     fn too_few_samples_are_refused() {
         assert_eq!(
             HarmonicBasis::new(3, 6).unwrap_err(),

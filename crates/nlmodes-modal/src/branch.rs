@@ -89,3 +89,22 @@ pub struct ModalBranch {
     /// Why there are no more.
     pub end: BranchEnd,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_multiplier_has_magnitude_and_angle_whatever_the_sign_of_its_imaginary_part() {
+        for (multiplier, magnitude, angle) in [
+            ([1.5, 0.0], 1.5, 0.0),
+            ([0.0, 2.0], 2.0, 90.0),
+            ([-3.0, 0.0], 3.0, 180.0),
+            ([1.0, -1.0], 2f64.sqrt(), 45.0),
+        ] {
+            let stability = Stability { stable: false, largest_multiplier: multiplier };
+            assert!((stability.magnitude() - magnitude).abs() < 1e-15);
+            assert!((stability.angle_deg() - angle).abs() < 1e-13, "{multiplier:?}: {}", stability.angle_deg());
+        }
+    }
+}

@@ -102,3 +102,18 @@ impl BranchEnd {
         self.reasons.iter().map(|reason| reason.name()).collect::<Vec<_>>().join(" ")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_branch_that_was_followed_both_ways_has_two_reasons() {
+        let end = BranchEnd {
+            reasons: vec![EndReason::Given, EndReason::OtherMode],
+            ..BranchEnd::new(EndReason::Given, "read from a file", true)
+        };
+        assert!(end.has(EndReason::Given) && end.has(EndReason::OtherMode) && !end.has(EndReason::Unknown));
+        assert_eq!(end.names(), "given other-mode");
+    }
+}

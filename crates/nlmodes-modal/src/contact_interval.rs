@@ -97,3 +97,42 @@ fn zero_before(history: &TimeHistory, outer: usize, inner: usize) -> f64 {
     }
     time[outer] - force[outer] * (time[inner] - time[outer]) / rise
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples of a force every 0.5 s.
+    fn history(force: &[f64], unit: f64) -> TimeHistory {
+        let mut history = TimeHistory::empty("", 1.0);
+        for (j, force) in force.iter().enumerate() {
+            history.push(0.5 * j as f64, [0.0; 3], force * unit);
+        }
+        history
+    }
+
+    #[test]
+    fn instants_are_where_the_line_through_the_outer_two_samples_comes_to_zero_in_any_unit_of_force() {
+        let mut force = vec![0.0; 40];
+        force[10..16].copy_from_slice(&[20.0, 60.0, 70.0, 65.0, 55.0, 50.0]);
+        for unit in [1.0, 1e-6, 1e6] {
+            let found = contact_intervals(&history(&force, unit)).unwrap();
+            assert_eq!(found.len(), 1);
+            assert_eq!((found[0].first, found[0].last), (10, 15));
+            // Rises by 40 in half a second; the line at the other end would pass zero behind the next sample.
+            assert!((found[0].touching - (5.0 - 0.25)).abs() < 1e-13, "{found:?}");
+            assert!((found[0].leaving - 8.0).abs() < 1e-13, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_contact_is_whole_if_a_sample_on_either_side_is_open() {
+        let mut force = vec![0.0; 40];
+        force[1..4].fill(5.0);
+        force[20..39].fill(4.0);
+        let found = contact_intervals(&history(&force, 1.0)).unwrap();
+        assert_eq!(found.iter().map(|i| [i.first, i.last]).collect::<Vec<_>>(), [[1, 3], [20, 38]]);
+        (force[0], force[39]) = (5.0, 4.0);
+        assert!(matches!(contact_intervals(&history(&force, 1.0)), Err(ModalError::NoContact { peak: 5.0, .. })));
+    }
+}

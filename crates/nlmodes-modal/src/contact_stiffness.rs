@@ -194,6 +194,19 @@ mod tests {
     }
 
     #[test]
+    fn the_ratio_of_the_noise_is_that_of_the_record_in_any_unit() {
+        for unit in [1.0, 1e-6] {
+            let mut history = pressed(2.3e6, 1.03e-3, [0.1, 2e-7], 24, 1.0, 5);
+            history.force.iter_mut().for_each(|f| *f *= unit);
+            // Some 12 000 samples: medians are good to some per cent, and some of the samples have the corner of a contact in them.
+            let ratio = noise_ratio(&history) / (0.1 * unit / 2e-7_f64).powi(2);
+            assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
+            history.displacement.fill(0.0);
+            assert_eq!(noise_ratio(&history), f64::INFINITY);
+        }
+    }
+
+    #[test]
     fn a_rigid_stop_has_no_stiffness() {
         let mut history = pressed(2.3e6, 1.03e-3, [0.0, 0.0], 6, 1.0, 1);
         history.displacement.iter_mut().for_each(|x| *x = x.min(1.03e-3));

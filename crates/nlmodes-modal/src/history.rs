@@ -90,6 +90,15 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
+    fn an_instant_that_is_appended_has_its_numbers_in_all_series() {
+        let mut history = TimeHistory::empty("tip", -0.1);
+        assert_eq!((history.label.as_str(), history.stop, history.time.len()), ("tip", -0.1, 0));
+        history.push(0.5, [1.0, 2.0, 3.0], 4.0);
+        let found = [&history.time, &history.displacement, &history.velocity, &history.acceleration, &history.force];
+        assert_eq!(found, [&[0.5], &[1.0], &[2.0], &[3.0], &[4.0]]);
+    }
+
+    #[test]
     fn exact_instants_ascend_have_the_number_asked_for_and_both_sides_of_each_change() {
         for scale in [1.0, 1e-3, TAU] {
             let ends = [0.0, 0.25, 0.5, 0.61, 1.0].map(|x| x * scale);

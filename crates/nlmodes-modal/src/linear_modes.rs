@@ -201,7 +201,10 @@ mod tests {
         let shapes = |b: f64| [vec![1.0, 2.0], vec![2.0, b]];
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(4.0)).is_err());
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(f64::NAN)).is_err());
-        assert!(LinearModes::new(&[0.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(5.0)[..1]).is_err());
+        let fewer = LinearModes::new(&[0.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(5.0)[..1]).unwrap_err();
+        assert_eq!(fewer, ModalError::DependentShapes { coordinates: 1, modes: 2, ratio: 0.0 });
+        let still = LinearModes::new(&[0.0], &[1.0], &[0.0], &[vec![0.0]]).unwrap_err();
+        assert_eq!(still, ModalError::DependentShapes { coordinates: 1, modes: 1, ratio: 0.0 });
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0], &[0.0], &shapes(5.0)).is_err());
         assert!(LinearModes::new(&[], &[], &[], &[]).is_err());
     }

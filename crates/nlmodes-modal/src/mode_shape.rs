@@ -124,5 +124,22 @@ mod tests {
         let still = HarmonicCoefficients::zeros(1, 3);
         let error = NonlinearModeShape::new(&still, |q| q[0].norm_sqr(), PhaseAnchor::None).unwrap_err();
         assert_eq!(error, ModalError::NoFundamental { squared: 0.0 });
+        let constant = HarmonicCoefficients::zeros(1, 0);
+        let error = NonlinearModeShape::new(&constant, |_| 1.0, PhaseAnchor::None).unwrap_err();
+        assert_eq!(error, ModalError::NoFundamental { squared: 0.0 });
+    }
+
+    #[test]
+    fn without_an_anchor_the_phase_stays_and_a_small_motion_counts_as_much_as_a_large_one() {
+        for unit in [1.0, 1e-9] {
+            let mut motion = HarmonicCoefficients::zeros(1, 1);
+            motion.of_mut(0)[1] = Complex64::new(3.0, 4.0) * unit;
+            let shape = |anchor| NonlinearModeShape::new(&motion, |q| q[0].norm_sqr(), anchor).unwrap();
+            let found = shape(PhaseAnchor::None);
+            assert!((found.modal_amplitude / unit - 5.0).abs() < 1e-14 && found.phase == 0.0);
+            assert!((found.harmonics.of(0)[1] - Complex64::new(0.6, 0.8)).norm() < 1e-14);
+            let turned = shape(PhaseAnchor::Phase(std::f64::consts::FRAC_PI_2)).harmonics.of(0)[1];
+            assert!((turned - Complex64::new(0.8, -0.6)).norm() < 1e-14, "{turned}");
+        }
     }
 }

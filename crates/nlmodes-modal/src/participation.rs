@@ -103,6 +103,20 @@ mod tests {
     }
 
     #[test]
+    fn only_the_harmonics_that_are_asked_for_are_in_the_sum() {
+        let mut modal = HarmonicCoefficients::zeros(1, 3);
+        modal
+            .of_mut(0)
+            .iter_mut()
+            .zip([1.0, 10.0, 100.0, 1000.0])
+            .for_each(|(q, value)| *q = Complex64::new(value, -value));
+        for (range, sum) in [(1..=1, 10.0), (0..=2, 111.0), (2..=3, 1100.0), (2..=9, 1100.0)] {
+            let found = Participation::new(&modal, range.clone());
+            assert_eq!((found.factors[0], found.quadrature[0]), (sum, -sum), "{range:?}");
+        }
+    }
+
+    #[test]
     fn the_sum_does_not_depend_on_the_time_origin() {
         let eta = |shift: f64| {
             let turn = |n: f64, q: f64| Complex64::from_polar(q, n * shift);

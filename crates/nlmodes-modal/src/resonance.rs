@@ -133,6 +133,21 @@ mod tests {
     }
 
     #[test]
+    fn a_tongue_may_begin_anywhere_and_have_any_energy() {
+        for before in 0..4 {
+            for unit in [1.0, 1e-6] {
+                let shares = std::iter::repeat_n(0.0, before).chain([0.5, 0.9, 0.5, 0.0]);
+                let points: Vec<ModalPoint> =
+                    shares.enumerate().map(|(i, s)| point(s, (1 + i) as f64 * unit, &[])).collect();
+                let found = tongues(&points);
+                let energy = [(1 + before) as f64 * unit, (3 + before) as f64 * unit];
+                assert_eq!(found.len(), 1, "{before}");
+                assert_eq!((found[0].start, found[0].tip, found[0].energy), (before, before + 1, energy));
+            }
+        }
+    }
+
+    #[test]
     fn a_skipped_tongue_has_its_two_feet() {
         let mut points =
             vec![point(0.0, 1.0, &[]), point(0.05, 2.0, &[Event::TongueFoot]), point(0.1, 3.0, &[Event::Resumed])];

@@ -193,6 +193,37 @@ mod tests {
     }
 
     #[test]
+    fn the_velocities_between_two_contacts_count_for_both() {
+        // Three samples between the contacts; instants lie half a sample outside, as the force does not rise inward.
+        let between = [-1.0, -1.0, 1.0];
+        let mut history = TimeHistory::empty("", 1.0);
+        for j in 0..40_usize {
+            let closed = (10..14).contains(&j) || (17..21).contains(&j);
+            let velocity = between.get(j.wrapping_sub(14)).copied().unwrap_or(if j < 14 { 2.0 } else { -3.0 });
+            history.push(j as f64, [0.0, velocity, 0.0], if closed { 5.0 } else { 0.0 });
+        }
+        let found = Restitution::of(&history).unwrap();
+        // The line through the three has its mean, −⅓, at 15 and the slope 1.
+        for (impact, [approach, departure]) in found.impacts.iter().zip([[2.0, 11.0 / 6.0], [7.0 / 6.0, 3.0]]) {
+            assert!(
+                (impact.approach - approach).abs() < 1e-13 && (impact.departure - departure).abs() < 1e-13,
+                "{impact:?}"
+            );
+        }
+        assert_eq!(found.impacts.len(), 2);
+    }
+
+    #[test]
+    fn contacts_that_are_not_approached_are_no_impacts_and_the_error_has_their_force() {
+        let mut history = TimeHistory::empty("", 1.0);
+        for j in 0..40 {
+            history.push(f64::from(j), [0.0, -1.0, 0.0], if (10..20).contains(&j) { 1e-3 } else { 0.0 });
+        }
+        let error = Restitution::of(&history).unwrap_err();
+        assert_eq!(error, ModalError::NoContact { peak: 1e-3, threshold: 2e-5 });
+    }
+
+    #[test]
     fn without_contact_there_is_none() {
         let mut history = bouncing(0.8, 0.0, 1.0);
         history.force.fill(0.0);

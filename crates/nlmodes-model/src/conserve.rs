@@ -189,6 +189,26 @@ mod tests {
     }
 
     #[test]
+    fn what_is_given_back_goes_to_the_nodes_around_the_contact() {
+        for contact in [11, 7] {
+            let model = springs(12, 1.0, stops(&[contact]), &lumped(12));
+            let mass = Conserve.redistribute(&model).unwrap();
+            let change = |i: usize| (mass.get(i, i).copied().unwrap_or(0.0) - model.mass()[(i, i)]).abs();
+            let changed: Vec<usize> = (0..12).filter(|&i| i != contact && change(i) > 1e-12).collect();
+            let reach = changed.iter().map(|i| i.abs_diff(contact)).max().unwrap();
+            let left = (0..12).filter(|&i| i != contact && i.abs_diff(contact) > reach).count();
+            assert!(left > 2 && changed.len() + left >= 10, "{contact}: {changed:?}");
+        }
+    }
+
+    #[test]
+    fn a_contact_without_mass_has_nothing_to_give_back() {
+        let model = springs(3, 1.0, stops(&[2]), &[(0, 0, 1.0), (1, 1, 1.0)]);
+        let mass = Conserve.redistribute(&model).unwrap();
+        assert_eq!((mass[(0, 0)], mass[(1, 1)], mass.get(2, 2)), (1.0, 1.0, None));
+    }
+
+    #[test]
     fn a_chain_that_is_too_short_is_refused() {
         let error = Conserve.redistribute(&springs(3, 1.0, stops(&[2]), &lumped(3))).unwrap_err();
         let position = 3.0;

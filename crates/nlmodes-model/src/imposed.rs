@@ -269,6 +269,26 @@ mod tests {
     }
 
     #[test]
+    fn the_unit_of_mass_does_not_matter() {
+        for unit in [1e6, 1e-6] {
+            let mass: Vec<_> = (0..N).map(|i| (i, i, unit)).collect();
+            let heavy = crate::test_chain::springs(N, 1.0, vec![], &mass);
+            let wanted = [0.1, 0.4].map(|omega: f64| omega / unit.sqrt());
+            let imposed = heavy.with_frequencies(None, DofKind::Axial, &wanted).unwrap();
+            let modes = linear_modes(imposed.model.mass(), imposed.model.stiffness(), 2).unwrap();
+            modes.omega.iter().zip(wanted).for_each(|(found, wanted)| assert!((found / wanted - 1.0).abs() < 1e-11));
+            assert_eq!(imposed.numbers, [0, 1]);
+        }
+    }
+
+    #[test]
+    fn messages_have_numbers_from_one_and_hertz() {
+        let error = stopped().with_frequencies(None, DofKind::Axial, &[std::f64::consts::TAU * 0.01, 0.0]).unwrap_err();
+        let text = "imposed frequency 2 is 0 Hz; expected more than 0.01 Hz, frequencies ascend";
+        assert_eq!(error.to_string(), text);
+    }
+
+    #[test]
     fn a_rigid_body_motion_gets_no_frequency() {
         let mass: Vec<_> = (0..5).map(|i| (i, i, 1.0)).collect();
         let free = crate::test_chain::springs(5, 0.0, vec![], &mass);

@@ -363,6 +363,9 @@ mod tests {
                 Ok(model.mass().clone())
             }
         }
+        let without = springs(3, 1.0, vec![stop(2, Side::Positive)], &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 0.0)]);
+        assert!(triplets(without.mass()).any(|(i, _, value)| i == 2 && value == 0.0), "a stored zero is no mass");
+        MasslessContactModel::new(&without, &Nothing).unwrap();
         let error = MasslessContactModel::new(&chain(3, vec![stop(2, Side::Positive)]), &Nothing).unwrap_err();
         assert_eq!(error, ModelError::MassAtContact { rule: "nothing", row: 2, column: 2, value: 1.0 });
     }

@@ -220,6 +220,13 @@ mod tests {
     }
 
     #[test]
+    fn a_contact_without_mass_has_nothing_to_move() {
+        let model = springs(2, 1.0, stops(&[1]), &[(0, 0, 1.0)]);
+        let mass = Move.redistribute(&model).unwrap();
+        assert_eq!((mass[(0, 0)], mass.get(1, 1)), (1.0, None));
+    }
+
+    #[test]
     fn a_contact_without_two_neighbours_cannot_be_moved() {
         for (n, found) in [(1, 0), (2, 1)] {
             let error = Move.redistribute(&chain(n, stops(&[n - 1]))).unwrap_err();

@@ -162,3 +162,49 @@ pub(crate) fn positions(dofs: &[Dof], kind: DofKind) -> Vec<f64> {
         kind => dofs.iter().map(|d| if d.kind == kind { d.position } else { 0.0 }).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Contact, Drop, MasslessContactModel, Side, StructuralModel};
+    use nlmodes_linalg::{Triplet, sparse_from_triplets};
+
+    /// Four nodes across an axis from `from` on, `length` apart, whose bending `q_{i−1} − 2 q_i + q_{i+1}` is strained; a spring to the ground at some
+    /// nodes, a stop before the third.
+    fn beam(from: f64, length: f64, stiffness: f64, grounds: &[usize]) -> MasslessContactModel {
+        let mut k: Vec<Triplet> = Vec::new();
+        let bending = [1.0, -2.0, 1.0];
+        for first in 0..2 {
+            let pairs = (0..9).map(|p| (p / 3, p % 3));
+            k.extend(pairs.map(|(i, j)| (first + i, first + j, stiffness * bending[i] * bending[j])));
+        }
+        k.extend(grounds.iter().map(|&i| (i, i, stiffness)));
+        let m: Vec<Triplet> = (0..4).map(|i| (i, i, 1.0)).collect();
+        let [m, k] = [m, k].map(|entries| sparse_from_triplets(4, 4, &entries).unwrap());
+        let dof = |node: usize| Dof { node, position: from + length * node as f64, kind: DofKind::Deflection };
+        let contact = Contact::rigid(2, Side::Positive, 0.1);
+        let model = StructuralModel::new(m, k, (0..4).map(dof).collect(), vec![contact]).unwrap();
+        MasslessContactModel::new(&model, &Drop).unwrap()
+    }
+
+    #[test]
+    fn a_beam_floats_turns_about_what_holds_it_or_stands_in_any_unit() {
+        for (from, length, stiffness) in [(0.0, 1.0, 1.0), (-0.7, 1e-3, 1e-6), (20.0, 5.0, 1e9)] {
+            let free = beam(from, length, stiffness, &[]);
+            assert_eq!(free.rigid_motion(), Some(RigidMotion::Transverse));
+            let about = |found: Option<RigidMotion>| match found {
+                Some(RigidMotion::Rotation { about }) => (about - from) / length,
+                other => panic!("{other:?}"),
+            };
+            // Its contact holds the free one; a spring holds it elsewhere; both together leave nothing.
+            assert_eq!(about(free.held_rigid_motion()), (from + 2.0 * length - from) / length);
+            for node in [0, 1, 3] {
+                let hinged = beam(from, length, stiffness, &[node]);
+                assert!((about(hinged.rigid_motion()) - node as f64).abs() < 1e-9);
+                assert_eq!(hinged.held_rigid_motion(), None);
+            }
+            assert!((about(beam(from, length, stiffness, &[2]).held_rigid_motion()) - 2.0).abs() < 1e-9);
+            assert_eq!(beam(from, length, stiffness, &[0, 3]).rigid_motion(), None);
+        }
+    }
+}

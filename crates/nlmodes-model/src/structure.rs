@@ -249,6 +249,10 @@ mod tests {
             let error = StructuralModel::new(m, k, dofs, contacts).unwrap_err();
             assert!(matches!(error, ModelError::ContactStiffness { contact: 0, .. }), "{stiffness}: {error}");
         }
+        for stiffness in [1e-3, 1e12] {
+            let (m, k, dofs, _) = parts();
+            StructuralModel::new(m, k, dofs, vec![Contact::elastic(1, Side::Positive, 0.1, stiffness)]).unwrap();
+        }
         assert_eq!(Contact::elastic(1, Side::Positive, 0.1, 4.0).law.compliance(), 0.25);
         assert_eq!(Contact::rigid(1, Side::Positive, 0.1).law.compliance(), 0.0);
     }
