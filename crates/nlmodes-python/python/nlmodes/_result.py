@@ -47,7 +47,7 @@ class Result:
         self.wrong = list(outcome.wrong) if outcome else []
         table = directory / "modal_points.csv"
         self.points = Table(_files.content(table)) if table.is_file() else None
-        self.branches = tuple(_branches(directory, outcome, scratch)) if self.points is None else ()
+        self.branches = tuple(_branches(directory, self.summary, outcome, scratch)) if self.points is None else ()
         if outcome is not None:
             self.kind = outcome.kind
         else:
@@ -159,12 +159,14 @@ def read(folder: str | os.PathLike[str]) -> Result:
     return Result(directory)
 
 
-def _branches(directory: Path, outcome: _native.Outcome | None, scratch: _files.Scratch | None) -> Iterator[Branch]:
-    summary = _files.table(directory / "summary.json")
+def _branches(
+    directory: Path, summary: dict[str, Any], outcome: _native.Outcome | None, scratch: _files.Scratch | None
+) -> Iterator[Branch]:
     if "branches" in summary:
         for part, told in enumerate(summary["branches"]):
             origin = Origin(outcome, scratch, part, 0) if outcome else None
-            yield from _of_part(directory / told["directory"], told["label"], origin)
+            folder = directory / told["directory"]
+            yield from _of_part(folder, _files.table(folder / "summary.json"), told["label"], origin)
     elif "curves" in summary:
         # Responses: all curves in one table.
         origin = Origin(outcome, scratch, -1, 0) if outcome else None
@@ -172,14 +174,13 @@ def _branches(directory: Path, outcome: _native.Outcome | None, scratch: _files.
             rows = slice(told["first_point"], told["first_point"] + told["points"])
             yield Branch(directory, told["name"], told["end"], origin, rows)
     elif (directory / "branch.csv").is_file():
-        yield from _of_part(directory, None, Origin(outcome, scratch, 0, 0) if outcome else None)
+        yield from _of_part(directory, summary, None, Origin(outcome, scratch, 0, 0) if outcome else None)
     else:
         for folder in sorted(entry.parent for entry in directory.glob("**/branch.csv")):
             yield Branch(folder, folder.relative_to(directory).as_posix(), None)
 
 
-def _of_part(folder: Path, label: str | None, origin: Origin | None) -> Iterator[Branch]:
-    summary = _files.table(folder / "summary.json")
+def _of_part(folder: Path, summary: dict[str, Any], label: str | None, origin: Origin | None) -> Iterator[Branch]:
     label = label or summary.get("label") or _label(summary)
     yield Branch(folder, label, summary.get("end"), origin)
     for number, told in enumerate(summary.get("other_branches", []), 1):
