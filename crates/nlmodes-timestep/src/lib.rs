@@ -60,6 +60,7 @@ mod phase;
 mod reduction;
 mod restrained;
 mod shooting;
+mod state_energy;
 mod trajectory;
 mod verification;
 
@@ -72,5 +73,6 @@ pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
 pub use reduction::ReducedStructure;
 pub use shooting::{PeriodicMotion, Shooting, ShootingScales};
+pub use state_energy::StateEnergy;
 pub use trajectory::{ClosedInterval, ModalState, Snapshot, Trajectory};
 pub use verification::Verification;

@@ -6,8 +6,11 @@ use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_fem::{Direction, Stop};
 use nlmodes_linalg::{bilinear, multiply};
+use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::{ContactLaw, DofKind, Drop, MasslessContactModel, Move, Side, StructuralModel, linear_modes};
-use nlmodes_timestep::{ContactDynamics, Floquet, ModalState, PeriodicMotion, Shooting, ShootingScales};
+use nlmodes_timestep::{ContactDynamics, Floquet, ModalState, PeriodicMotion, Shooting, ShootingScales, StateEnergy};
+use num_complex::Complex64;
+use std::f64::consts::PI;
 use support::{beam, dynamics, massless, rod_with, unit_rod, with_rule};
 
 fn rod_between_stops() -> StructuralModel {
@@ -78,6 +81,35 @@ fn energy(model: &MasslessContactModel, q: &[f64], v: &[f64]) -> f64 {
         ContactLaw::Elastic { stiffness } => 0.5 * stiffness * (c.side.sign() * q[c.dof] - c.gap).max(0.0).powi(2),
     });
     0.5 * bilinear(v, model.mass(), v) + 0.5 * bilinear(q, model.stiffness(), q) + springs.sum::<f64>()
+}
+
+#[test]
+fn energy_of_a_state_from_matrices_is_that_of_its_modes() {
+    for (name, model, tip) in structures() {
+        let (mut dynamics, _, _) = let_go(&model, tip);
+        let modes = linear_modes(model.mass(), model.stiffness(), 3).unwrap();
+        let last = model.contacts()[0].dof;
+        let mut motion = HarmonicCoefficients::zeros(model.dofs().len(), 3);
+        for d in 0..model.dofs().len() {
+            for k in 0..modes.omega.len() {
+                let share = tip * modes.shapes[(d, k)] / modes.shapes[(last, 0)] / (3 * k * k + 1) as f64;
+                motion.of_mut(d)[k + 1] = Complex64::from_polar(share, 0.3 * k as f64);
+            }
+        }
+        let (omega, mut energy) = (modes.omega[0], StateEnergy::new(&model).unwrap());
+        let mut contacts = 0;
+        for j in 0..40 {
+            let tau = 0.05 * PI * f64::from(j);
+            let state = dynamics.state_of_harmonics(&motion, omega, tau).unwrap();
+            let expected = dynamics.energy(&state).unwrap();
+            let found = energy.of_harmonics(&motion, omega, tau).unwrap();
+            let tolerance = if name.starts_with("beam") { 1e-7 } else { 1e-11 };
+            assert!((found / expected - 1.0).abs() < tolerance, "{name}, {tau}: {found} for {expected}");
+            let forces = dynamics.propagate(&state, 1e-6 / omega).unwrap().at(0.0).forces;
+            contacts += usize::from(forces.iter().any(|force| *force > 0.0));
+        }
+        assert!((5..40).contains(&contacts), "{name}: in contact at {contacts} of 40 instants");
+    }
 }
 
 #[test]
