@@ -1,6 +1,6 @@
 use nlmodes_contact::{LcpMatrix, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, select, sparse_from_triplets, symmetric_eigen, triplets};
-use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes};
+use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes, open_modes};
 
 use crate::closed_set::ClosedSet;
 use crate::energy::inner;
@@ -308,6 +308,9 @@ fn modes_at_rest(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Re
             ContactLaw::Rigid => held.push(contact.dof),
             ContactLaw::Elastic { stiffness } => springs.push((contact.dof, contact.dof, stiffness)),
         }
+    }
+    if held.is_empty() && springs.is_empty() {
+        return Ok(open_modes(model, mode)?);
     }
     let stiffness = with_springs(model.stiffness(), &springs)?;
     if held.is_empty() {

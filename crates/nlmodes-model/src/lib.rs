@@ -18,7 +18,7 @@
 //! | `w` | direction of a contact, `g = g₀ + wᵀ q` | – | n | [`Contact::normal`] |
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
-//! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`held_modes`] |
+//! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`open_modes`], [`held_modes`] |
 //! | | what the massless contacts do to `ω_0,r` | – | | [`MassShift`] |
 //! | `ω'_k`, `K'` | imposed frequencies, stiffness with them | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
 //!
@@ -67,7 +67,7 @@ pub use direction::SparseDirection;
 pub use dof::{Dof, DofIndex, DofKind};
 pub use error::ModelError;
 pub use imposed::{ImposedFrequencies, MAX_IMPOSED_DOFS};
-pub use linear_modes::{LinearModes, held_modes, linear_modes};
+pub use linear_modes::{LinearModes, held_modes, linear_modes, open_modes};
 pub use mass_shift::MassShift;
 pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};

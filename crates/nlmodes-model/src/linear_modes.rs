@@ -1,3 +1,5 @@
+use std::sync::{Mutex, PoisonError};
+
 use nlmodes_linalg::{Mat, SparseMatrix, lowest_modes};
 
 use crate::{MasslessContactModel, ModelError};
@@ -24,15 +26,63 @@ pub fn linear_modes(mass: &SparseMatrix, stiffness: &SparseMatrix, count: usize)
     Ok(LinearModes { omega: modes.eigenvalues.iter().map(|λ| λ.sqrt()).collect(), shapes: modes.vectors })
 }
 
+/// Lowest `count` modes of a model with all contacts open, those of [`linear_modes`] for its mass and stiffness; shapes are n × modes.
+///
+/// The model and its clones keep what was found: the eigenproblem is solved again only where more modes are asked for.
+///
+/// # Errors
+/// As [`linear_modes`].
+pub fn open_modes(model: &MasslessContactModel, count: usize) -> Result<LinearModes, ModelError> {
+    model.known.open.lowest(count, |count| linear_modes(model.mass(), model.stiffness(), count))
+}
+
 /// Lowest `count` modes with the contact degrees of freedom held, `K_LL φ_k = λ_k M̄_LL φ_k`; shapes are n_L × modes.
 ///
 /// They diagonalise the dynamic stiffness `H_LL,n` of eq. (9): `H_LL,n⁻¹ = Σ_k φ_k φ_kᵀ / (λ_k − n²ω²)`. As `q_N = 0`, `K_NN`
-/// does not enter.
+/// does not enter. Kept like [`open_modes`].
 ///
 /// # Errors
 /// As [`linear_modes`].
 pub fn held_modes(model: &MasslessContactModel, count: usize) -> Result<LinearModes, ModelError> {
-    linear_modes(model.m_ll(), model.k_ll(), count)
+    model.known.held.lowest(count, |count| linear_modes(model.m_ll(), model.k_ll(), count))
+}
+
+/// The modes of a model that were computed so far.
+#[derive(Debug, Default)]
+pub(crate) struct KnownModes {
+    open: Known,
+    held: Known,
+}
+
+/// The lowest modes of one eigenproblem, as many as were asked for at most; fewer are all that there are.
+#[derive(Debug, Default)]
+struct Known(Mutex<Option<(usize, LinearModes)>>);
+
+impl Known {
+    fn lowest(
+        &self,
+        count: usize,
+        solve: impl FnOnce(usize) -> Result<LinearModes, ModelError>,
+    ) -> Result<LinearModes, ModelError> {
+        // A thread that panicked left either the modes of before or none.
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match known.as_ref() {
+            Some((asked, modes)) if count <= *asked => Ok(modes.lowest(count)),
+            _ => {
+                let modes = solve(count)?;
+                *known = Some((count, modes.clone()));
+                Ok(modes)
+            }
+        }
+    }
+}
+
+impl LinearModes {
+    /// The lowest `count` of them, all where there are fewer.
+    pub fn lowest(&self, count: usize) -> Self {
+        let count = count.min(self.omega.len());
+        Self { omega: self.omega[..count].to_vec(), shapes: self.shapes.subcols(0, count).to_owned() }
+    }
 }
 
 #[cfg(test)]
@@ -54,6 +104,24 @@ mod tests {
             assert!((omega / expected - 1.0).abs() < 1e-12);
             // The massless end follows its neighbour.
             assert!((open.shapes[(n - 1, r)] - open.shapes[(n - 2, r)]).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn clones_keep_modes_and_more_of_them_are_solved_for() {
+        let model = chain(12, vec![Contact::rigid(11, Side::Positive, 0.0)]);
+        let massless = MasslessContactModel::new(&model, &Drop).unwrap();
+        for (kept, count) in [(massless.clone(), 3), (massless.clone(), 2), (massless.clone(), 7), (massless, 20)] {
+            for (modes, m, k) in [
+                (open_modes(&kept, count), kept.mass(), kept.stiffness()),
+                (held_modes(&kept, count), kept.m_ll(), kept.k_ll()),
+            ] {
+                let (modes, expected) = (modes.unwrap(), linear_modes(m, k, count).unwrap());
+                assert_eq!(modes.omega.len(), count.min(11));
+                assert_eq!(modes.shapes.ncols(), count.min(11));
+                assert!(modes.omega.iter().zip(&expected.omega).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+                assert!((modes.shapes - expected.shapes).norm_max() < 1e-10);
+            }
         }
     }
 

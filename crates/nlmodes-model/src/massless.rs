@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, Triplet, select, sparse_from_triplets, triplets};
 
+use crate::linear_modes::KnownModes;
 use crate::structure::check_matrix;
 use crate::{
     Contact, ContactLaw, Dof, DofContact, DofKind, MassRedistribution, ModelError, RigidMotion, StructuralModel,
@@ -51,6 +52,8 @@ pub struct MasslessContactModel {
     pub(crate) k_ln: Mat<f64>,
     pub(crate) k_nn: Mat<f64>,
     pub(crate) w: Mat<f64>,
+    /// Shared by all clones: nothing of a model changes.
+    pub(crate) known: Arc<KnownModes>,
 }
 
 impl MasslessContactModel {
@@ -91,6 +94,7 @@ impl MasslessContactModel {
             mass,
             linear,
             nonlinear,
+            known: Arc::default(),
         })
     }
 
@@ -133,6 +137,7 @@ impl MasslessContactModel {
             k_ll,
             mass,
             nonlinear,
+            known: Arc::default(),
         })
     }
 

@@ -1,6 +1,6 @@
 //! The linear modes with open contacts, which several results are made from.
 
-use nlmodes::model::{LinearModes, MasslessContactModel, ModelError, StructuralModel, linear_modes};
+use nlmodes::model::{LinearModes, MasslessContactModel, ModelError, StructuralModel, linear_modes, open_modes};
 use nlmodes_scene::scene::Scene;
 
 /// Modes of the table.
@@ -22,16 +22,6 @@ impl OpenModes {
     /// [`ModelError`] if an eigenproblem cannot be solved.
     pub fn new(scene: &Scene, model: &StructuralModel, massless: &MasslessContactModel) -> Result<Self, ModelError> {
         let count = LISTED.max(scene.method.mode);
-        Ok(Self {
-            kept: linear_modes(model.mass(), model.stiffness(), count)?,
-            own: linear_modes(massless.mass(), massless.stiffness(), count)?,
-        })
-    }
-
-    /// The lowest `count` modes of the model that the method works on.
-    pub fn lowest(&self, count: usize) -> LinearModes {
-        let count = count.min(self.own.omega.len());
-        let shapes = self.own.shapes.subcols(0, count).to_owned();
-        LinearModes { omega: self.own.omega[..count].to_vec(), shapes }
+        Ok(Self { kept: linear_modes(model.mass(), model.stiffness(), count)?, own: open_modes(massless, count)? })
     }
 }

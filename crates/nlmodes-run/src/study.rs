@@ -230,7 +230,7 @@ fn whole(
     open: &OpenModes,
     tree: &ComputedTree,
 ) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
-    let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.lowest(LINEAR_MODES));
+    let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.own.lowest(LINEAR_MODES));
     let participation = tree.branches.iter().map(|computed| computed.participation_in(&lowest));
     Ok((linear, participation.collect::<Result<_, _>>()?))
 }

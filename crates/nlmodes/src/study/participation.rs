@@ -1,6 +1,6 @@
 use nlmodes_hbm::{HbmError, Projection};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, NonlinearModeShape, Participation, PhaseAnchor};
-use nlmodes_model::{LinearModes, linear_modes};
+use nlmodes_model::{LinearModes, open_modes};
 
 use super::{ComputedBranch, StudyError};
 
@@ -12,8 +12,7 @@ impl ComputedBranch {
     /// # Errors
     /// [`StudyError`] if the linear modes cannot be computed.
     pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, StudyError> {
-        let model = self.structure.model();
-        self.participation_in(&linear_modes(model.mass(), model.stiffness(), modes).map_err(HbmError::from)?)
+        self.participation_in(&open_modes(self.structure.model(), modes).map_err(HbmError::from)?)
     }
 
     /// The same of linear modes that are known.

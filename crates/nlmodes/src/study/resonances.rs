@@ -1,6 +1,6 @@
 use nlmodes_hbm::{CondensedStructure, Projection};
 use nlmodes_modal::{HarmonicCoefficients, InternalResonance, ModalPoint, RESONANT_SHARE};
-use nlmodes_model::{LinearModes, linear_modes};
+use nlmodes_model::{LinearModes, open_modes};
 
 /// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly excited mode
 /// shifts by its own contacts.
@@ -55,6 +55,5 @@ fn linear_modes_up_to(structure: &CondensedStructure, omega: f64) -> Option<Line
     let held = structure.modes().iter().filter(|m| m.lambda < omega * omega).count();
     let hidden = structure.n_held_modes() - structure.modes().len();
     let count = held + hidden + structure.n_contact_dofs();
-    let model = structure.model();
-    linear_modes(model.mass(), model.stiffness(), count).ok()
+    open_modes(structure.model(), count).ok()
 }
