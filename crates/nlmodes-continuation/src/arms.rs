@@ -215,3 +215,26 @@ fn least_sum(directions: &[Vec<f64>], open: &[usize]) -> f64 {
 fn bend(directions: &[Vec<f64>], i: usize, j: usize) -> f64 {
     PI - dot(&directions[i], &directions[j]).clamp(-1.0, 1.0).acos()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(degrees: &[f64]) -> Vec<Vec<f64>> {
+        degrees.iter().map(|d| vec![d.to_radians().cos(), d.to_radians().sin()]).collect()
+    }
+
+    #[test]
+    fn arms_are_joined_in_pairs_with_the_least_turns_in_all() {
+        // Two curves that cross: each goes straight on, whatever the order of the arms.
+        assert_eq!(best_partner(&at(&[0.0, 60.0, 180.0, 240.0])), Some(2));
+        assert_eq!(best_partner(&at(&[0.0, 180.0, 60.0, 240.0])), Some(1));
+        // Three of them.
+        assert_eq!(best_partner(&at(&[10.0, 70.0, 130.0, 190.0, 250.0, 310.0])), Some(3));
+        // Turns of 20° and 50° are less than 10° and 80°: the straightest way for the first would leave the others a sharp corner.
+        assert_eq!(best_partner(&at(&[0.0, 170.0, 300.0, 200.0])), Some(3));
+        // An odd one stays alone, and one arm has no partner.
+        assert_eq!(best_partner(&at(&[0.0, 90.0, 175.0])), Some(2));
+        assert_eq!(best_partner(&at(&[0.0])), None);
+    }
+}

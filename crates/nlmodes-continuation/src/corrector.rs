@@ -501,3 +501,43 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
 pub(crate) fn along(a: &[f64], s: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + s * b).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+
+    /// `σ (x − p) = 0`.
+    struct Diagonal(f64);
+
+    impl ParametricSystem for Diagonal {
+        type Error = Infallible;
+
+        fn dim(&self) -> usize {
+            1
+        }
+
+        fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+            out.residual[0] = self.0 * (x[0] - p);
+            (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (self.0, -self.0);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn rounding_blurs_points_by_as_much_as_the_equations_let_it_in_any_unit() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        for unit in [1.0, 1e6, 1e-6] {
+            for (sigma, is_blurred) in [(1e-6, true), (1.0, false)] {
+                let mut corrector = Corrector::new(1, 1e-11, 8);
+                corrector.rounding = vec![1e-12 * unit];
+                corrector.look_at_rounding(&mut Diagonal(sigma * unit), &[1.0, 1.0], &[half, half]);
+                assert_eq!(corrector.is_blurred(), is_blurred, "{sigma}");
+                // Across the diagonal a residual of ε leaves a distance of ε/(σ √2) unknown.
+                let expected = if is_blurred { half * 1e-6 } else { corrector.resolution };
+                assert!((corrector.blur / expected - 1.0).abs() < 1e-9, "{} for {expected}", corrector.blur);
+            }
+        }
+    }
+}

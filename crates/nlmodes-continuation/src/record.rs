@@ -114,3 +114,16 @@ pub(crate) mod any_number {
         Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_have_their_length_and_finite_entries_and_directions_length_one() {
+        assert!(is_vector(&[3.0, -2.0], 2) && is_vector(&[], 0));
+        assert!(!is_vector(&[3.0], 2) && !is_vector(&[3.0, f64::NAN], 2) && !is_vector(&[f64::INFINITY, 0.0], 2));
+        assert!(is_direction(&[0.6, -0.8], 2));
+        assert!(!is_direction(&[0.6, -0.7], 2) && !is_direction(&[0.6, -0.8], 3));
+    }
+}
