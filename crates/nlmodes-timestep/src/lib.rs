@@ -1,5 +1,5 @@
 //! Exact time integration of structures with massless contact nodes, and what follows from it: a check of computed periodic motions, exact
-//! periodic motions by shooting, and their stability. No harmonics are involved.
+//! periodic motions by shooting, free ones and those of damped structures under periodic loads, and their stability. No harmonics are involved.
 //!
 //! ```text
 //! M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ          (8) in time, with q_N from (13)
@@ -14,6 +14,7 @@
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
 //! | `B`, `y` | basis of a reduction to held modes with static correction, and its coordinates | 1/√kg, m·√kg | [`ReducedStructure`] |
+//! | `x` | damped structure under a load, and its exact motion over one period of the load or several | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
 //!
@@ -50,7 +51,9 @@
 mod contact_motion;
 mod dynamics;
 mod error;
+mod exponential;
 mod floquet;
+mod forced;
 mod fourier;
 mod global_problem;
 mod grazing;
@@ -68,6 +71,7 @@ pub use contact_motion::ContactState;
 pub use dynamics::{ContactDynamics, MAX_DOFS};
 pub use error::TimestepError;
 pub use floquet::{Floquet, UNIT_CIRCLE};
+pub use forced::{ForcedMotion, ForcedStructure};
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};

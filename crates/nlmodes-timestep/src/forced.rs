@@ -1,0 +1,142 @@
+//! Damped structures under periodic loads in time: exact between the instants of contact, and periodic motions by shooting over all their period.
+
+mod flow;
+mod motion;
+mod shooting;
+mod trajectory;
+
+pub use motion::ForcedMotion;
+
+use nlmodes_contact::LcpMatrix;
+use nlmodes_linalg::Mat;
+use num_complex::Complex64;
+
+use crate::TimestepError;
+
+/// A damped structure under a periodic load before stops, as a linear complementarity system in time.
+///
+/// ```text
+/// z̈ + Ĉ ż + diag(ω_k²) z = Yᵀ λ + F Σ Re(p_n e^{inΩt}) ,   0 ≤ λ ⊥ A λ + y ≥ 0 ,   y = g₀ + Y z + s + F Σ Re(a_n e^{inΩt})
+/// d_i ṡ_i + k_i s_i = λ_i                                             the stops that dissipate, without mass; s_i = 0 for the others
+/// ```
+///
+/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the flexibility at the contacts with that of elastic stops, `F` the level.
+/// Nothing of it comes from harmonics: these motions are what those of harmonic balance are held against.
+#[derive(Debug, Clone)]
+pub struct ForcedStructure {
+    omega_squared: Vec<f64>,
+    damping: Mat<f64>,
+    rows: Mat<f64>,
+    compliance: LcpMatrix,
+    gaps: Vec<f64>,
+    /// Contact, stiffness and damper of each stop that dissipates.
+    dampers: Vec<(usize, f64, f64)>,
+    loads: Vec<ForcedLoad>,
+}
+
+/// One harmonic of the load.
+#[derive(Debug, Clone)]
+struct ForcedLoad {
+    harmonic: usize,
+    modal: Vec<Complex64>,
+    gaps: Vec<Complex64>,
+}
+
+impl ForcedStructure {
+    /// From squared open frequencies (m, rad²/s²), `Ĉ` (m × m, 1/s), `Y` (c × m), `A` with the compliance of elastic stops (c × c) and gaps (c, m).
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`], or [`TimestepError::Contact`] where a stop meets no flexibility.
+    pub fn new(
+        omega_squared: &[f64],
+        damping: &Mat<f64>,
+        rows: &Mat<f64>,
+        compliance: &Mat<f64>,
+        gaps: &[f64],
+    ) -> Result<Self, TimestepError> {
+        let (m, c) = (omega_squared.len(), gaps.len());
+        let sizes = [
+            ("rows of the modal damping", m, damping.nrows()),
+            ("columns of the modal damping", m, damping.ncols()),
+            ("rows of the contact rows", c, rows.nrows()),
+            ("columns of the contact rows", m, rows.ncols()),
+            ("rows of the compliance", c, compliance.nrows()),
+        ];
+        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+            return Err(TimestepError::Dimension { what, expected, found });
+        }
+        let numbers = [
+            ("squared frequencies", omega_squared.iter().all(|v| v.is_finite())),
+            ("modal damping", damping.is_all_finite()),
+            ("contact rows", rows.is_all_finite()),
+            ("gaps", gaps.iter().all(|v| v.is_finite())),
+        ];
+        if let Some((what, _)) = numbers.iter().find(|(_, fine)| !fine) {
+            return Err(TimestepError::NotFinite { what });
+        }
+        Ok(Self {
+            omega_squared: omega_squared.to_vec(),
+            damping: damping.clone(),
+            rows: rows.clone(),
+            compliance: LcpMatrix::new(compliance)?,
+            gaps: gaps.to_vec(),
+            dampers: Vec::new(),
+            loads: Vec::new(),
+        })
+    }
+
+    /// Adds a harmonic of the load: modal forces `p` (m, √kg m/s² by a unit of the level) and what it adds to the gaps, `a` (c, m by a unit of the level).
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`].
+    pub fn push_load(&mut self, harmonic: usize, modal: &[Complex64], gaps: &[Complex64]) -> Result<(), TimestepError> {
+        let sizes = [
+            ("modal forces of the load", self.n_modes(), modal.len()),
+            ("gaps of the load", self.n_contacts(), gaps.len()),
+        ];
+        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+            return Err(TimestepError::Dimension { what, expected, found });
+        }
+        self.loads.push(ForcedLoad { harmonic, modal: modal.to_vec(), gaps: gaps.to_vec() });
+        Ok(())
+    }
+
+    /// Puts the stop of a contact on a spring (N/m) and a damper (N s/m) beside each other. It comes back to its place while the contact is open.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`] or [`TimestepError::NotPositive`].
+    pub fn push_damped_stop(&mut self, contact: usize, stiffness: f64, damper: f64) -> Result<(), TimestepError> {
+        if contact >= self.n_contacts() {
+            let (expected, found) = (self.n_contacts(), contact);
+            return Err(TimestepError::Dimension { what: "contacts", expected, found });
+        }
+        for (what, value) in [("stiffness of a stop (N/m)", stiffness), ("damper of a stop (N s/m)", damper)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(TimestepError::NotPositive { what, value });
+            }
+        }
+        self.dampers.push((contact, stiffness, damper));
+        Ok(())
+    }
+
+    /// Number of modes m.
+    pub fn n_modes(&self) -> usize {
+        self.omega_squared.len()
+    }
+
+    /// Number of contacts c.
+    pub fn n_contacts(&self) -> usize {
+        self.gaps.len()
+    }
+
+    /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the stops that dissipate (m).
+    pub fn n_states(&self) -> usize {
+        2 * self.n_modes() + self.dampers.len()
+    }
+
+    /// A rate that makes velocities comparable to displacements, 1/s.
+    fn rate(&self) -> f64 {
+        let highest = self.omega_squared.iter().fold(0.0_f64, |most, w| most.max(w.abs())).sqrt();
+        if highest > 0.0 { highest } else { 1.0 }
+    }
+}

@@ -1,0 +1,205 @@
+use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
+
+use super::ForcedStructure;
+use crate::TimestepError;
+use crate::exponential::exponential;
+use crate::phase::{dot, product};
+
+/// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps of a period.
+const TURN: f64 = 0.2;
+const FEWEST: f64 = 96.0;
+
+/// Most terms of a power series within a step.
+const TERMS: usize = 60;
+
+/// The structure while one set of contacts stays closed: `ẇ = 𝒜 w` for the state with a one and the oscillators of the load behind it, so that loads and gaps are
+/// part of it and no resonance is special.
+#[derive(Debug)]
+pub(super) struct Flow {
+    pub closed: Vec<bool>,
+    pub step: f64,
+    /// `𝒜`, and `e^{𝒜 step}`.
+    pub matrix: Mat<f64>,
+    over_step: Mat<f64>,
+    /// What must not turn negative, m: the gap of an open contact, the force of a closed one times its own compliance.
+    pub guards: Vec<Vec<f64>>,
+    /// Contact forces (N), gaps without them and with them (m).
+    pub forces: Vec<Vec<f64>>,
+    pub free: Vec<Vec<f64>>,
+    pub gaps: Vec<Vec<f64>>,
+}
+
+impl ForcedStructure {
+    /// Length of `w`.
+    pub(super) fn n_augmented(&self) -> usize {
+        self.n_states() + 1 + 2 * self.loads.len()
+    }
+
+    /// `w` of a state (rates in their unit) at an instant.
+    pub(super) fn augmented(&self, state: &[f64], omega: f64, t: f64) -> Vec<f64> {
+        let oscillators = self.loads.iter().flat_map(|load| {
+            let (sin, cos) = (load.harmonic as f64 * omega * t).sin_cos();
+            [cos, sin]
+        });
+        state.iter().copied().chain([1.0]).chain(oscillators).collect()
+    }
+
+    /// Gaps without contact forces as rows over `w`.
+    pub(super) fn free_gaps(&self, level: f64) -> Vec<Vec<f64>> {
+        let (m, s) = (self.n_modes(), self.n_states());
+        let row = |i: usize| {
+            let mut row = vec![0.0; self.n_augmented()];
+            (0..m).for_each(|k| row[k] = self.rows[(i, k)]);
+            for (j, damper) in self.dampers.iter().enumerate().filter(|(_, damper)| damper.0 == i) {
+                row[2 * m + j] = f64::from(u8::from(damper.0 == i));
+            }
+            row[s] = self.gaps[i];
+            for (j, load) in self.loads.iter().enumerate() {
+                (row[s + 1 + 2 * j], row[s + 2 + 2 * j]) = (level * load.gaps[i].re, -level * load.gaps[i].im);
+            }
+            row
+        };
+        (0..self.n_contacts()).map(row).collect()
+    }
+
+    /// `𝒜` with all contacts open.
+    fn open_matrix(&self, omega: f64, level: f64) -> Mat<f64> {
+        let (m, s, rate) = (self.n_modes(), self.n_states(), self.rate());
+        let mut a = Mat::zeros(self.n_augmented(), self.n_augmented());
+        for k in 0..m {
+            a[(k, m + k)] = rate;
+            a[(m + k, k)] = -self.omega_squared[k] / rate;
+            (0..m).for_each(|l| a[(m + k, m + l)] = -self.damping[(k, l)]);
+        }
+        for (j, (_, stiffness, damper)) in self.dampers.iter().enumerate() {
+            a[(2 * m + j, 2 * m + j)] = -stiffness / damper;
+        }
+        for (j, load) in self.loads.iter().enumerate() {
+            let (cos, sin, nu) = (s + 1 + 2 * j, s + 2 + 2 * j, load.harmonic as f64 * omega);
+            (a[(cos, sin)], a[(sin, cos)]) = (-nu, nu);
+            for (k, p) in load.modal.iter().enumerate() {
+                (a[(m + k, cos)], a[(m + k, sin)]) = (level * p.re / rate, -level * p.im / rate);
+            }
+        }
+        a
+    }
+
+    /// The flow with these contacts closed.
+    pub(super) fn flow(&self, closed: &[bool], omega: f64, level: f64) -> Result<Flow, TimestepError> {
+        let (m, s, n) = (self.n_modes(), self.n_states(), self.n_augmented());
+        let (free, mut matrix) = (self.free_gaps(level), self.open_matrix(omega, level));
+        let forces = self.forces(closed, &free)?;
+        let a = self.compliance.a();
+        for (i, force) in forces.iter().enumerate().filter(|(i, _)| closed[*i]) {
+            for k in 0..m {
+                let by = self.rows[(i, k)] / self.rate();
+                (0..n).for_each(|j| matrix[(m + k, j)] += by * force[j]);
+            }
+            for (d, damper) in self.dampers.iter().enumerate().filter(|(_, damper)| damper.0 == i) {
+                (0..n).for_each(|j| matrix[(2 * m + d, j)] += force[j] / damper.2);
+            }
+        }
+        let pressed =
+            |i: usize, j: usize| free[i][j] + (0..closed.len()).map(|l| a[(i, l)] * forces[l][j]).sum::<f64>();
+        let gaps: Vec<Vec<f64>> = (0..closed.len()).map(|i| (0..n).map(|j| pressed(i, j)).collect()).collect();
+        let guard = |i: usize| match closed[i] {
+            true => forces[i].iter().map(|f| f * a[(i, i)]).collect(),
+            false => gaps[i].clone(),
+        };
+        let own = Mat::from_fn(s, s, |i, j| matrix[(i, j)]);
+        let found =
+            eigenvalues(&own).map_err(TimestepError::during("rates of a structure with some contacts closed"))?;
+        let loads = self.loads.iter().map(|load| load.harmonic as f64 * omega);
+        let fastest = found.iter().map(|z| z.norm()).chain(loads).fold(omega, f64::max);
+        let step = (TURN / fastest).min(std::f64::consts::TAU / (FEWEST * omega));
+        let over_step = exponential(&Mat::from_fn(n, n, |i, j| step * matrix[(i, j)]));
+        let guards = (0..closed.len()).map(guard).collect();
+        Ok(Flow { closed: closed.to_vec(), step, matrix, over_step, guards, forces, free, gaps })
+    }
+
+    /// Contact forces as rows over `w`: `λ_S = −A_SS⁻¹ y_S`, zero for open contacts.
+    fn forces(&self, closed: &[bool], free: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, TimestepError> {
+        let set: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
+        let (a, n) = (self.compliance.a(), self.n_augmented());
+        let mut forces = vec![vec![0.0; n]; closed.len()];
+        if set.is_empty() {
+            return Ok(forces);
+        }
+        let own = Mat::from_fn(set.len(), set.len(), |i, j| a[(set[i], set[j])]);
+        let lu = DenseLu::factor(&own).map_err(TimestepError::during("flexibility of the closed contacts"))?;
+        for j in 0..n {
+            let mut column: Vec<f64> = set.iter().map(|&i| -free[i][j]).collect();
+            lu.solve_in_place(&mut column);
+            set.iter().zip(column).for_each(|(&i, f)| forces[i][j] = f);
+        }
+        Ok(forces)
+    }
+}
+
+impl Flow {
+    /// `w` after a time within a step, by its power series.
+    pub fn after(&self, w: &[f64], t: f64) -> Vec<f64> {
+        if t == self.step {
+            return product(&self.over_step, w);
+        }
+        let (mut sum, mut term) = (w.to_vec(), w.to_vec());
+        for k in 1..TERMS {
+            term = product(&self.matrix, &term);
+            term.iter_mut().for_each(|v| *v *= t / k as f64);
+            sum.iter_mut().zip(&term).for_each(|(sum, v)| *sum += v);
+            if term.iter().zip(&sum).all(|(v, sum)| v.abs() <= 1e-18 * sum.abs()) {
+                break;
+            }
+        }
+        sum
+    }
+
+    /// The transition of the state (s × s) over a time within a step.
+    pub fn transition(&self, states: usize, t: f64) -> Mat<f64> {
+        if t == self.step {
+            return Mat::from_fn(states, states, |i, j| self.over_step[(i, j)]);
+        }
+        exponential(&Mat::from_fn(states, states, |i, j| t * self.matrix[(i, j)]))
+    }
+
+    /// A row, its rate and the rate of that at `w`.
+    pub fn evaluate(&self, row: &[f64], w: &[f64]) -> [f64; 3] {
+        let rate = product(&self.matrix, w);
+        [dot(row, w), dot(row, &rate), dot(row, &product(&self.matrix, &rate))]
+    }
+
+    /// Where a row (or, with `order` 1, its rate) that is not negative at `from` turns negative before `to`, both within a step from `w`; `constant` is added to the row.
+    pub fn root(&self, row: &[f64], constant: f64, order: usize, w: &[f64], (from, to): (f64, f64)) -> f64 {
+        let (mut low, mut high, mut t) = (from, to, 0.5 * (from + to));
+        for _ in 0..200 {
+            let mut at = self.evaluate(row, &self.after(w, t));
+            at[0] += constant;
+            if at[order] >= 0.0 {
+                low = t
+            } else {
+                high = t
+            }
+            let newton = t - at[order] / at[order + 1];
+            if (newton - t).abs() <= f64::EPSILON * t.abs() && (low..=high).contains(&newton) {
+                return newton;
+            }
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if next == low || next == high {
+                return next;
+            }
+            t = next;
+        }
+        t
+    }
+
+    /// The lowest value of a row within a step of length `t` from `w` to `next`, and when; one of the ends where it has no minimum between.
+    pub fn lowest(&self, row: &[f64], w: &[f64], next: &[f64], t: f64) -> (f64, f64) {
+        let [from, to] = [self.evaluate(row, w), self.evaluate(row, next)];
+        if from[1] < 0.0 && to[1] > 0.0 {
+            let falls: Vec<f64> = row.iter().map(|v| -v).collect();
+            let when = self.root(&falls, 0.0, 1, w, (0.0, t));
+            return (dot(row, &self.after(w, when)), when);
+        }
+        if from[0] < to[0] { (from[0], 0.0) } else { (to[0], t) }
+    }
+}

@@ -1,0 +1,109 @@
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::flow::Flow;
+use super::trajectory::Piece;
+use crate::phase::dot;
+
+/// A periodic motion under a load, exact but for rounding.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ForcedMotion {
+    /// Angular frequency of the load, rad/s.
+    pub omega: f64,
+    /// Periods of the load in one of the motion.
+    pub periods: usize,
+    /// The state at the beginning: modal coordinates, their rates, displacements of the stops that dissipate.
+    pub state: Vec<f64>,
+    /// By how much the state at the end of the period differs, over its size.
+    pub residual: f64,
+    /// Floquet multipliers over the period of the motion, by falling magnitude.
+    pub multipliers: Vec<Complex64>,
+    pub(super) pieces: Vec<Piece>,
+}
+
+/// Nodes and weights of Gauss' rule of eight points on (−1, 1).
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
+];
+
+impl ForcedMotion {
+    /// Complex amplitude of modal coordinate k at `harmonic` times the frequency of the motion (that of the load over its periods), m √kg.
+    pub fn modal_harmonic(&self, k: usize, harmonic: usize) -> Complex64 {
+        let unit = |flow: &Flow| (0..flow.matrix.nrows()).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
+        self.harmonic(|flow| unit(flow), harmonic)
+    }
+
+    /// Complex amplitude of a contact force, N.
+    pub fn force_harmonic(&self, contact: usize, harmonic: usize) -> Complex64 {
+        self.harmonic(|flow| flow.forces[contact].clone(), harmonic)
+    }
+
+    /// Complex amplitude of a gap without contact forces, m.
+    pub fn free_gap_harmonic(&self, contact: usize, harmonic: usize) -> Complex64 {
+        self.harmonic(|flow| flow.free[contact].clone(), harmonic)
+    }
+
+    /// Share of the period in which a contact is closed.
+    pub fn closed_share(&self, contact: usize) -> f64 {
+        let closed = self.pieces.iter().filter(|piece| piece.flow.closed[contact]);
+        closed.map(|piece| piece.length).sum::<f64>() / self.period()
+    }
+
+    /// How often a contact closes in a period of the motion.
+    pub fn touches(&self, contact: usize) -> usize {
+        let closed = |piece: &Piece| piece.flow.closed[contact];
+        let n = self.pieces.len();
+        (0..n).filter(|&j| closed(&self.pieces[j]) && !closed(&self.pieces[(j + n - 1) % n])).count()
+    }
+
+    /// Largest contact force, N.
+    pub fn peak_force(&self, contact: usize) -> f64 {
+        let closed = self.pieces.iter().filter(|piece| piece.flow.closed[contact]);
+        closed.map(|piece| self.highest(piece, &piece.flow.forces[contact])).fold(0.0, f64::max)
+    }
+
+    /// Smallest gap, m: of a rigid stop zero where it is touched.
+    pub fn smallest_gap(&self, contact: usize) -> f64 {
+        let falling = |piece: &Piece| -> Vec<f64> { piece.flow.gaps[contact].iter().map(|v| -v).collect() };
+        -self.pieces.iter().map(|piece| self.highest(piece, &falling(piece))).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Free gap and contact force at an instant within the period (m, N).
+    pub fn contact_at(&self, contact: usize, t: f64) -> [f64; 2] {
+        let i = self.pieces.partition_point(|piece| piece.from <= t).saturating_sub(1);
+        let piece = &self.pieces[i];
+        let w = piece.flow.after(&piece.w, (t - piece.from).clamp(0.0, piece.length));
+        [dot(&piece.flow.free[contact], &w), dot(&piece.flow.forces[contact], &w)]
+    }
+
+    /// The period of the motion, s.
+    pub fn period(&self) -> f64 {
+        TAU * self.periods as f64 / self.omega
+    }
+
+    fn highest(&self, piece: &Piece, row: &[f64]) -> f64 {
+        let falling: Vec<f64> = row.iter().map(|v| -v).collect();
+        let next = piece.flow.after(&piece.w, piece.length);
+        -piece.flow.lowest(&falling, &piece.w, &next, piece.length).0
+    }
+
+    /// `(2/T) ∫ r(t) e^{−i n ω t} dt` of a row, half of it for the mean.
+    fn harmonic(&self, row: impl Fn(&Flow) -> Vec<f64>, harmonic: usize) -> Complex64 {
+        let nu = harmonic as f64 * self.omega / self.periods as f64;
+        let mut sum = Complex64::default();
+        for piece in &self.pieces {
+            let (row, half) = (row(&piece.flow), 0.5 * piece.length);
+            for (node, weight) in GAUSS.into_iter().flat_map(|(node, weight)| [(node, weight), (-node, weight)]) {
+                let t = half * (1.0 + node);
+                let value = dot(&row, &piece.flow.after(&piece.w, t));
+                sum += Complex64::cis(-nu * (piece.from + t)) * (half * weight * value);
+            }
+        }
+        sum * (if harmonic == 0 { 1.0 } else { 2.0 } / self.period())
+    }
+}
