@@ -107,6 +107,8 @@ impl Curve<'_> {
     }
 
     pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+        // A free phase is held at that of the point itself, not at that of the last one that was found.
+        self.system.hold_phase(&at.x);
         let found = refined(&mut self.system, at);
         let motion = self.system.refined_motion(&found)?;
         let Refined { x, p, residual, .. } = found;
