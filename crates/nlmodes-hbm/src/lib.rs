@@ -99,9 +99,10 @@ pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use periodic::{
-    ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, EnergyGiven, Floquet, Functional,
-    Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion,
-    PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
+    ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
+    Functional, Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint,
+    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, Refined, ResponseRow, Source,
+    modal_grazing,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

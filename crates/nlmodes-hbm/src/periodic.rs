@@ -29,5 +29,5 @@ pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion};
 pub use refine::Refined;
 pub use start::{ModalGrazing, modal_grazing};
-pub use structure::{ModalStructure, ResponseRow};
+pub use structure::{DampedStop, ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

@@ -3,7 +3,7 @@
 mod support;
 
 use nlmodes_hbm::{
-    Coordinates, Load, LoadTerm, ModalDamping, ModalStructure, PeriodicSystem, PhaseLag, Scales, Symmetry,
+    Coordinates, DampedStop, Load, LoadTerm, ModalDamping, ModalStructure, PeriodicSystem, PhaseLag, Scales, Symmetry,
 };
 use nlmodes_model::Side;
 use num_complex::Complex64;
@@ -143,6 +143,57 @@ fn jacobians_of_forced_responses_are_right() {
                 check(&mut system, &[], 0.7, &what("force"));
                 let mut row = open.row(1, true);
                 row.loads = vec![row.loads[0] * open.omega_squared[0] * *length];
+                let drive = PhaseLag { row, harmonic: 1, lag: 1.2 };
+                let mut system =
+                    PeriodicSystem::phase_resonance(&structure, load, drive, 0.5, settings, scales, solver.as_ref())
+                        .unwrap();
+                check(&mut system, &[1.08], 0.4, &what("phase"));
+            }
+        }
+    }
+}
+
+/// The structure with spring and damper behind its first stop, and its load.
+fn dissipating(structure: &ModalStructure, load: &Load, first: f64) -> (ModalStructure, Load) {
+    let stiffness = 1.0 / structure.compliance().a()[(0, 0)];
+    let stop = DampedStop { contact: 0, stiffness, damper: 0.3 * stiffness / first };
+    let damped = structure.with_damped_stops(&[stop]).unwrap();
+    let longer = |term: &LoadTerm| {
+        let modal = term.modal.iter().copied().chain([Complex64::default()]).collect();
+        LoadTerm { modal, ..term.clone() }
+    };
+    let load = Load::new(&damped, load.terms().iter().map(longer).collect()).unwrap();
+    (damped, load)
+}
+
+#[test]
+fn jacobians_with_a_stop_that_dissipates_are_right() {
+    for (i, (open, length)) in structures().iter().enumerate() {
+        let (scales, first) = (scales(open, *length), open.omega_squared[0].sqrt());
+        for coordinates in [Coordinates::Contact, Coordinates::Modal] {
+            for (j, damping) in dampings(open).into_iter().enumerate() {
+                let elastic = open.structure(damping);
+                let (structure, load) = dissipating(&elastic, &load(open, &elastic, *length), first);
+                let (settings, solver) = (settings(4, coordinates), solver());
+                let what = |kind: &str| format!("{kind} {i} {j} {coordinates:?}");
+                let mut system = PeriodicSystem::damped_mode(&structure, settings, scales, solver.as_ref()).unwrap();
+                check(&mut system, &[1.07, 0.04], 0.3, &what("damped"));
+                let mut system = PeriodicSystem::frequency_response(
+                    &structure,
+                    load.clone(),
+                    0.8,
+                    0.3 * first,
+                    settings,
+                    scales,
+                    solver.as_ref(),
+                )
+                .unwrap();
+                let closed = check(&mut system, &[], 3.6, &what("frequency"));
+                // These unknowns put the stop somewhere too, so contacts may be short.
+                assert!(closed > 0.01 && closed < 0.95, "{closed}");
+                let mut row = open.row(1, true);
+                row.loads = vec![row.loads[0] * open.omega_squared[0] * *length];
+                row.modes.push(0.0);
                 let drive = PhaseLag { row, harmonic: 1, lag: 1.2 };
                 let mut system =
                     PeriodicSystem::phase_resonance(&structure, load, drive, 0.5, settings, scales, solver.as_ref())

@@ -16,6 +16,8 @@ pub struct ContactPattern<'a> {
     omega: f64,
     /// Gaps without contact forces, harmonic by harmonic of each contact.
     y: Vec<Vec<Complex64>>,
+    /// Of each contact whose stop dissipates, the displacement of the stop, harmonic by harmonic.
+    stops: Vec<Option<Vec<Complex64>>>,
     /// Ends in phase (rad) of the stretches with one closed set, one after the other from 0 to 2π, and `dλ/dy` there.
     stretches: Vec<([f64; 2], Mat<f64>)>,
 }
@@ -49,7 +51,13 @@ impl ResponseModel {
         let matrix = self.structure().compliance();
         let mut workspace = solver_by_name("active-set").and_then(|s| s.workspace(matrix)).map_err(failed)?;
         let y = self.gap_harmonics(motion, subharmonic);
-        let mut pattern = ContactPattern { model: self, omega: motion.at.omega, y, stretches: Vec::new() };
+        let structure = self.structure();
+        let stop = |i: usize| {
+            let j = structure.damped_stop(i)? - structure.n_moving();
+            motion.stops.iter().map(|stops| stops.get(j).copied()).collect::<Option<Vec<Complex64>>>()
+        };
+        let stops = (0..structure.n_contacts()).map(stop).collect();
+        let mut pattern = ContactPattern { model: self, omega: motion.at.omega, y, stops, stretches: Vec::new() };
         let samples = (SAMPLES * motion.eta.len()).max(FEWEST);
         let mut begin = 0.0;
         let mut before = pattern.closed(0.0, workspace.as_mut())?;
@@ -76,7 +84,7 @@ impl ResponseModel {
         let omega = motion.at.omega * subharmonic as f64;
         let gap = |i: usize| {
             let of = |eta: &Vec<Complex64>| eta.iter().enumerate().map(|(k, eta)| eta * structure.rows()[(i, k)]).sum();
-            let mut y: Vec<Complex64> = motion.eta.iter().map(of).collect();
+            let mut y: Vec<Complex64> = (0..motion.eta.len()).map(|n| of(&motion.coordinates(n))).collect();
             y[0] += structure.gaps()[i];
             for term in self.terms() {
                 if let Some(y) = y.get_mut(term.harmonic * subharmonic) {
@@ -106,9 +114,10 @@ impl ContactPattern<'_> {
         let force = y.each_ref().map(|y| (0..c).map(|i| (0..c).map(|j| s[(i, j)] * y[j]).sum()).collect::<Vec<f64>>());
         let of = |i: usize| {
             let own = structure.stop_compliance()[i];
+            let yielded = [0, 1, 2].map(|order| self.stop_values(i, tau, order));
             let motion = [0, 1, 2].map(|order| {
                 let gap: f64 = y[order][i] + (0..c).map(|j| a[(i, j)] * force[order][j]).sum::<f64>();
-                own * force[order][i] - gap
+                own * force[order][i] + yielded[order] - gap
             });
             ContactState { motion: [structure.gaps()[i] + motion[0], motion[1], motion[2]], force: force[0][i] }
         };
@@ -117,11 +126,20 @@ impl ContactPattern<'_> {
 
     /// Gaps without contact forces at a phase, or their derivatives by time.
     fn values(&self, tau: f64, order: i32) -> Vec<f64> {
+        self.y.iter().map(|y| self.value(y, tau, order)).collect()
+    }
+
+    /// By how much the stop of a contact has yielded where it dissipates, or its derivatives by time.
+    fn stop_values(&self, contact: usize, tau: f64, order: i32) -> f64 {
+        self.stops[contact].as_ref().map_or(0.0, |stop| self.value(stop, tau, order))
+    }
+
+    fn value(&self, z: &[Complex64], tau: f64, order: i32) -> f64 {
         let one = |(n, z): (usize, &Complex64)| {
             let nu = Complex64::new(0.0, n as f64 * self.omega);
             (nu.powi(order) * z * Complex64::cis(n as f64 * tau)).re
         };
-        self.y.iter().map(|y| y.iter().enumerate().map(one).sum()).collect()
+        z.iter().enumerate().map(one).sum()
     }
 
     fn closed(&self, tau: f64, workspace: &mut dyn LcpWorkspace) -> Result<Vec<bool>, ResponseError> {

@@ -12,6 +12,7 @@
 //! | damped nonlinear mode (extended periodic motion concept) | ln E_av | ω, ξ | [`damped_mode`] |
 //! | conservative nonlinear mode | ln E_av | ω | [`conservative_mode`] |
 //! | force appropriation: what drives the damped structure into a mode | | | [`appropriation`] |
+//! | motions of twice the period of the load, from period doublings | Ω | | [`branching_responses`] |
 //! | detached curve through a phase resonance | Ω | | [`detached_response`] |
 //!
 //! [`ResponseModel`] puts damping and loads on a structure reduced by `nlmodes-reduction`. Each analysis gives a [`ResponseCurve`]: its motions with

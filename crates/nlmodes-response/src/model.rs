@@ -1,4 +1,4 @@
-use nlmodes_hbm::{Load, LoadTerm, ModalStructure, PhaseLag, ResponseRow};
+use nlmodes_hbm::{DampedStop, Load, LoadTerm, ModalStructure, PhaseLag, ResponseRow};
 use nlmodes_reduction::OpenModes;
 use num_complex::Complex64;
 
@@ -179,6 +179,34 @@ impl ResponseModel {
         &self.open
     }
 
+    /// Puts a damper (N s/m) beside the spring of an elastic stop: `λ = k p + d ṗ ≥ 0` while it is touched by p, and it is left where that force vanishes. Until
+    /// the next touch the stop comes back to its place by its own spring and damper. Conservative modes leave the damper out.
+    ///
+    /// # Errors
+    /// [`ResponseError::Setting`] for a damper that is not a positive number or stands beside a rigid stop, [`ResponseError::Problem`] where the contact does not
+    /// exist, has a damper already, or has no flexibility of its own: then it has mass, and a damper would make its force jump.
+    pub fn add_stop_damper(&mut self, contact: usize, damper: f64) -> Result<(), ResponseError> {
+        if !(damper.is_finite() && damper > 0.0) {
+            let (what, expected) = ("the damper of a stop (N s/m)", "a positive number");
+            return Err(ResponseError::Setting { what, value: damper, expected });
+        }
+        let compliance = self.structure.stop_compliance().get(contact).copied().unwrap_or(1.0);
+        if compliance == 0.0 && self.structure.damped_stop(contact).is_none() {
+            let (what, expected) =
+                ("the compliance of a stop with a damper (m/N)", "an elastic stop: give its stiffness");
+            return Err(ResponseError::Setting { what, value: compliance, expected });
+        }
+        let stop = DampedStop { contact, stiffness: 1.0 / compliance, damper };
+        self.structure = self.structure.with_damped_stops(&[stop])?;
+        Ok(())
+    }
+
+    /// Values of the modes, with zeros for the stops that dissipate behind them.
+    pub(crate) fn padded<T: Default + Clone>(&self, mut modes: Vec<T>) -> Vec<T> {
+        modes.resize(self.structure.n_modes(), T::default());
+        modes
+    }
+
     /// Displacement of a degree of freedom, with what the load moves statically.
     ///
     /// # Errors
@@ -219,7 +247,7 @@ impl ResponseModel {
             LoadTerm {
                 harmonic: s * term.harmonic,
                 omega_power: term.omega_power,
-                modal: scaled(&term.modal),
+                modal: self.padded(scaled(&term.modal)),
                 gaps: scaled(&term.gaps),
             }
         };
@@ -237,7 +265,7 @@ impl ResponseModel {
 
     fn shape_at(&self, weights: &Weights) -> Vec<f64> {
         let at = |k: usize| weights.iter().map(|&(dof, w)| w * self.open.shapes()[(dof, k)]).sum();
-        (0..self.open.n_modes()).map(at).collect()
+        self.padded((0..self.open.n_modes()).map(at).collect())
     }
 
     pub(crate) fn check_weights(&self, weights: &Weights) -> Result<(), ResponseError> {

@@ -38,7 +38,7 @@ impl ResponseModel {
         let matrix = sparse_from_triplets(open.n_dofs(), functionals.len(), &entries).map_err(failed)?;
         let rows = open.rows(&matrix)?;
         let row = |(j, weights): (usize, &Weights)| ResponseRow {
-            modes: (0..open.n_modes()).map(|k| rows.modes[(j, k)]).collect(),
+            modes: self.padded((0..open.n_modes()).map(|k| rows.modes[(j, k)]).collect()),
             contacts: (0..open.n_contacts()).map(|i| rows.forces[(j, i)]).collect(),
             loads: self.residuals().map(|r| weights.iter().map(|&(dof, w)| r[dof] * w).sum()).collect(),
         };

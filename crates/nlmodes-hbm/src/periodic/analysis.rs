@@ -54,7 +54,8 @@ fn is_small_and_plain(structure: &ModalStructure) -> bool {
 
 /// Whether two modes that move contacts have the same frequency, or are both rigid-body motions.
 fn has_repeated(structure: &ModalStructure) -> bool {
-    let moving = (0..structure.n_modes()).filter(|&k| structure.moves_a_contact(k));
+    // Stops that dissipate have no resonance.
+    let moving = (0..structure.n_moving()).filter(|&k| structure.moves_a_contact(k));
     let mut squares: Vec<f64> = moving.map(|k| structure.omega_squared()[k]).collect();
     squares.sort_by(f64::total_cmp);
     let largest = squares.last().copied().unwrap_or(0.0);

@@ -81,8 +81,9 @@ pub(crate) fn dynamic_stiffness(
     k: usize,
     at: OperatingPoint,
 ) -> (Complex64, [Complex64; 2]) {
-    let (n, c) = (n as f64, structure.damping().entry(k, k) - at.xi);
+    let (n, mass) = (n as f64, structure.inertia()[k]);
+    let c = structure.damping().entry(k, k) - mass * at.xi;
     let nu = n * at.omega;
-    let value = Complex64::new(structure.omega_squared()[k] - nu * nu, nu * c);
-    (value, [Complex64::new(-2.0 * n * nu, n * c), Complex64::new(0.0, -nu)])
+    let value = Complex64::new(structure.omega_squared()[k] - mass * nu * nu, nu * c);
+    (value, [Complex64::new(-2.0 * n * nu * mass, n * c), Complex64::new(0.0, -nu * mass)])
 }

@@ -39,6 +39,20 @@ impl ModalDamping {
         Self::Full(Mat::from_fn(m, m, |i, j| self.entry(i, j) + dashpot(i, j)))
     }
 
+    /// This damping with further coordinates behind it, each with its own and coupled to none.
+    #[must_use]
+    pub(crate) fn with_own(&self, own: &[f64]) -> Self {
+        let m = self.n_modes();
+        match self {
+            Self::Diagonal(c) => Self::Diagonal(c.iter().chain(own).copied().collect()),
+            Self::Full(c) => Self::Full(Mat::from_fn(m + own.len(), m + own.len(), |i, j| match (i < m, j < m) {
+                (true, true) => c[(i, j)],
+                (false, false) if i == j => own[i - m],
+                _ => 0.0,
+            })),
+        }
+    }
+
     /// Number of modes m.
     pub fn n_modes(&self) -> usize {
         match self {

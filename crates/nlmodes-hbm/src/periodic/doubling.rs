@@ -27,7 +27,7 @@ impl PeriodicSystem {
         let m = self.structure.n_modes();
         let intervals: Vec<PatternInterval> = self.operator.intervals().to_vec();
         let mut flows = Vec::with_capacity(intervals.len());
-        let mut monodromy = Mat::<f64>::identity(2 * m, 2 * m);
+        let mut monodromy = Mat::<f64>::identity(self.n_states(), self.n_states());
         for interval in &intervals {
             let width = interval.to - interval.from;
             let parts = 2 * ((0.5 * width / TAU * (SAMPLES * (highest + 1)) as f64).ceil() as usize).max(1);

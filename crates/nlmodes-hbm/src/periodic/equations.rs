@@ -22,6 +22,8 @@ pub struct Motion<'a> {
     pub forces: &'a [Vec<Complex64>],
     /// The load.
     pub load: &'a Load,
+    /// Mass of each modal coordinate: one, or zero for a stop that dissipates.
+    pub inertia: &'a [f64],
 }
 
 /// Value and derivatives of a closing equation; the real part of products with complex weights counts.
@@ -65,14 +67,14 @@ pub struct EnergyGiven {
 impl ClosingEquation for EnergyGiven {
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError> {
         let omega = motion.at.omega;
-        let part = |n: usize| 0.25 * (n as f64 * omega).powi(2) * square(motion.eta[n]);
+        let part = |n: usize| 0.25 * (n as f64 * omega).powi(2) * square(motion.eta[n], motion.inertia);
         let energy: f64 = (1..motion.eta.len()).map(part).sum();
         if !(energy.is_finite() && energy > 0.0) {
             return Err(HbmError::Motion { omega, energy });
         }
         let weights = |n: usize| {
             let factor = 0.5 * (n as f64 * omega).powi(2) / energy;
-            (n, motion.eta[n].iter().map(|eta| eta.conj() * factor).collect())
+            (n, motion.eta[n].iter().zip(motion.inertia).map(|(eta, mass)| eta.conj() * (factor * mass)).collect())
         };
         Ok(Functional {
             value: (energy / self.reference).ln() - motion.p,
@@ -84,8 +86,8 @@ impl ClosingEquation for EnergyGiven {
     }
 }
 
-fn square(eta: &[Complex64]) -> f64 {
-    eta.iter().map(|eta| eta.norm_sqr()).sum()
+fn square(eta: &[Complex64], inertia: &[f64]) -> f64 {
+    eta.iter().zip(inertia).map(|(eta, mass)| mass * eta.norm_sqr()).sum()
 }
 
 /// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held.

@@ -3,6 +3,8 @@ use std::f64::consts::TAU;
 use nlmodes_linalg::{Mat, eigenvalues};
 use num_complex::Complex64;
 
+use super::block::dynamic_stiffness;
+use super::conditions::OperatingPoint;
 use super::matrix_exponential::matrix_exponential;
 use super::system::PeriodicSystem;
 use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
@@ -72,7 +74,7 @@ impl PeriodicSystem {
         let coarse = self.multipliers(&self.operator, at.omega, at.xi)?;
         let series = RealSeries { symmetry: Symmetry::None, n_harmonics: FINER * self.settings().harmonics };
         let mut finer = ContactOperator::new(self.structure.compliance(), series, crate::Switching::Exact, solver)?;
-        let y = self.finer_gaps(&mut finer, at.omega, at.xi)?;
+        let y = self.finer_gaps(&mut finer, at)?;
         finer.solve(&y)?;
         let multipliers = self.multipliers(&finer, at.omega, at.xi)?;
         let error = (multipliers[0].norm() - coarse[0].norm()).abs();
@@ -80,7 +82,7 @@ impl PeriodicSystem {
     }
 
     /// Gaps with more harmonics, by the forces of the gaps that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`, uncoupled damping.
-    fn finer_gaps(&self, finer: &mut ContactOperator, omega: f64, xi: f64) -> Result<Vec<f64>, HbmError> {
+    fn finer_gaps(&self, finer: &mut ContactOperator, at: OperatingPoint) -> Result<Vec<f64>, HbmError> {
         let (own, series) = (self.series(), finer.series());
         let (c, m) = (self.structure.n_contacts(), self.structure.n_modes());
         let mut y: Vec<f64> =
@@ -90,12 +92,10 @@ impl PeriodicSystem {
         finer.apply(&y, &mut forces);
         let rows = self.structure.rows();
         for n in own.n_harmonics + 1..=series.n_harmonics {
-            let nu = n as f64 * omega;
             let force: Vec<Complex64> = super::rows::complex_harmonic(series, &forces, n);
             let mut gap = vec![Complex64::default(); c];
             for k in 0..m {
-                let damping = self.structure.damping().entry(k, k) - xi;
-                let d = Complex64::new(self.structure.omega_squared()[k] - nu * nu, nu * damping);
+                let (d, _) = dynamic_stiffness(&self.structure, n, k, at);
                 let drive: Complex64 = (0..c).map(|i| force[i] * rows[(i, k)]).sum();
                 if drive.norm_sqr() > 0.0 && d.norm_sqr() > 0.0 {
                     gap.iter_mut().enumerate().for_each(|(i, g)| *g += drive / d * rows[(i, k)]);
@@ -110,8 +110,8 @@ impl PeriodicSystem {
 
     /// Multipliers for the contact pattern of an operator, by falling magnitude.
     fn multipliers(&self, operator: &ContactOperator, omega: f64, xi: f64) -> Result<Vec<Complex64>, HbmError> {
-        let (m, even) = (self.structure.n_modes(), operator.series().symmetry == Symmetry::Even);
-        let mut monodromy = Mat::<f64>::identity(2 * m, 2 * m);
+        let (states, even) = (self.n_states(), operator.series().symmetry == Symmetry::Even);
+        let mut monodromy = Mat::<f64>::identity(states, states);
         let mirrored = operator.intervals().iter().rev().filter(|_| even);
         for interval in operator.intervals().iter().chain(mirrored) {
             let step = matrix_exponential(&self.flow(operator, interval, omega, xi))?;
@@ -123,7 +123,12 @@ impl PeriodicSystem {
         Ok(multipliers)
     }
 
-    /// `A_j Δτ/ω` for the state `(z, ż/ω)`.
+    /// Length of a state `(z, ż/ω)`: stops that dissipate have no rate of their own.
+    pub(super) fn n_states(&self) -> usize {
+        self.structure.n_modes() + self.structure.n_moving()
+    }
+
+    /// `A_j Δτ/ω` for the state `(z, ż/ω)`; of a stop that dissipates `d ṡ = λ − k s`.
     pub(super) fn flow(
         &self,
         operator: &ContactOperator,
@@ -138,14 +143,18 @@ impl PeriodicSystem {
             let pressed = |i: usize| set.force_row(i).map(|(j, s)| s * rows[(j, l)]).sum::<f64>();
             set.active.iter().map(|&i| rows[(i, k)] * pressed(i)).sum()
         };
-        Mat::from_fn(2 * m, 2 * m, |i, j| {
+        let (moving, states) = (self.structure.n_moving(), self.n_states());
+        Mat::from_fn(states, states, |i, j| {
             let (k, l) = (i % m, j % m);
             let own = f64::from(u8::from(k == l));
+            let pressed = || contact(k, l) - own * self.structure.omega_squared()[k];
             width
                 * match (i < m, j < m) {
-                    (true, true) => 0.0,
+                    (true, true) if i < moving => 0.0,
+                    (true, true) => pressed() / (self.structure.damping().entry(k, k) * omega),
+                    (true, false) if i >= moving => 0.0,
                     (true, false) => own,
-                    (false, true) => (contact(k, l) - own * self.structure.omega_squared()[k]) / (omega * omega),
+                    (false, true) => pressed() / (omega * omega),
                     (false, false) => -(self.structure.damping().entry(k, l) - own * xi) / omega,
                 }
         })

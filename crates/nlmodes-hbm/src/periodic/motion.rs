@@ -36,6 +36,8 @@ pub struct PeriodicMotion {
     pub at: OperatingPoint,
     /// Modal coordinates, harmonic by harmonic, m each, m √kg.
     pub eta: Vec<Vec<Complex64>>,
+    /// Displacements of the stops that dissipate, harmonic by harmonic, in the order in which they were put there, m.
+    pub stops: Vec<Vec<Complex64>>,
     /// Contact forces, harmonic by harmonic, c each, N.
     pub forces: Vec<Vec<Complex64>>,
     /// The contacts.
@@ -46,7 +48,7 @@ pub struct PeriodicMotion {
     pub total_energy: f64,
     /// Mean power that the load puts in, W.
     pub input_power: f64,
-    /// Mean power that the damping of the structure takes out, W.
+    /// Mean power that the damping of the structure and its stops takes out, W.
     pub dissipated_power: f64,
 }
 
@@ -55,6 +57,12 @@ impl PeriodicMotion {
     pub fn displacement(&self, row: &ResponseRow) -> Vec<Complex64> {
         let of = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
         self.eta.iter().zip(&self.forces).map(|(eta, force)| of(&row.modes, eta) + of(&row.contacts, force)).collect()
+    }
+
+    /// Modal coordinates and, behind them, the displacements of the stops that dissipate, of one harmonic.
+    pub fn coordinates(&self, harmonic: usize) -> Vec<Complex64> {
+        let of = |all: &[Vec<Complex64>]| all.get(harmonic).cloned().unwrap_or_default();
+        of(&self.eta).into_iter().chain(of(&self.stops)).collect()
     }
 
     /// Damping ratio `D = ξ/(2ω)` of a damped nonlinear mode.
@@ -80,9 +88,10 @@ impl PeriodicSystem {
         let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
         let free = complex_harmonic(series, &self.y, 1);
         let mean = self.operator.mean_forces();
-        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], &forces[1], at.omega)).collect();
+        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], (&eta, &forces[1]), at.omega)).collect();
         let nu = |n: usize| n as f64 * at.omega;
-        let kinetic = |n: usize| 0.25 * nu(n).powi(2) * eta[n].iter().map(|e| e.norm_sqr()).sum::<f64>();
+        let moving = self.structure.n_moving();
+        let kinetic = |n: usize| 0.25 * nu(n).powi(2) * eta[n][..moving].iter().map(|e| e.norm_sqr()).sum::<f64>();
         let damped = |n: usize| 0.5 * nu(n).powi(2) * self.structure.damping().form(&eta[n]);
         let power = |n: usize| {
             let modal = (0..self.structure.n_modes()).map(|k| (self.load.modal(n, k, at).value, eta[n][k]));
@@ -99,14 +108,19 @@ impl PeriodicSystem {
         };
         let strain: f64 = (0..eta.len()).map(strain).sum();
         let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
+        let (total_energy, kinetic_energy) = (sum(&kinetic) + strain, sum(&kinetic));
+        let (input_power, dissipated_power) = (sum(&power), sum(&damped));
+        let mut eta = eta;
+        let stops = eta.iter_mut().map(|eta| eta.split_off(moving)).collect();
         Ok(PeriodicMotion {
             at,
             contacts,
-            total_energy: sum(&kinetic) + strain,
-            kinetic_energy: sum(&kinetic),
-            input_power: sum(&power),
-            dissipated_power: sum(&damped),
+            total_energy,
+            kinetic_energy,
+            input_power,
+            dissipated_power,
             eta,
+            stops,
             forces,
         })
     }
@@ -212,8 +226,18 @@ impl PeriodicSystem {
         self.operator.iterations()
     }
 
-    fn contact_motion(&self, i: usize, mean: f64, free: Complex64, forces: &[Complex64], omega: f64) -> ContactMotion {
+    fn contact_motion(
+        &self,
+        i: usize,
+        mean: f64,
+        free: Complex64,
+        (eta, forces): (&[Vec<Complex64>], &[Complex64]),
+        omega: f64,
+    ) -> ContactMotion {
         let (operator, structure) = (&self.operator, &self.structure);
+        // The body moves away from the stop by less than the gap opens where the stop yields.
+        let yielded: Option<Vec<Complex64>> = structure.damped_stop(i).map(|k| eta.iter().map(|eta| eta[k]).collect());
+        let free = free - yielded.as_ref().map_or(Complex64::default(), |stop| stop[1]);
         let (a, own) = (structure.compliance().a(), structure.stop_compliance()[i]);
         let pressed: Complex64 = forces.iter().enumerate().map(|(j, f)| f * a[(i, j)]).sum();
         let (gap, peak_force) = (structure.gaps()[i], operator.peak_force(i));
@@ -224,9 +248,32 @@ impl PeriodicSystem {
             peak_force,
             mean_force: mean,
             approach: operator.approach(i) * omega,
-            peak: if peak_force > 0.0 { gap + own * peak_force } else { gap - closest },
+            peak: match yielded {
+                Some(stop) if peak_force > 0.0 => gap + largest(&stop),
+                _ if peak_force > 0.0 => gap + own * peak_force,
+                _ => gap - closest,
+            },
             fundamental: free + pressed - forces[i] * own,
             free_fundamental: free,
         }
     }
+}
+
+/// Samples of a period for each harmonic in which the largest value of a series is looked for.
+const SAMPLES: usize = 64;
+
+/// Largest value of `Re Σ z_n e^{inτ}`: of samples, each with the parabola through it and its neighbours.
+fn largest(z: &[Complex64]) -> f64 {
+    let count = SAMPLES * z.len();
+    let value = |j: usize| {
+        let tau = std::f64::consts::TAU * j as f64 / count as f64;
+        z.iter().enumerate().map(|(n, z)| (z * Complex64::cis(n as f64 * tau)).re).sum::<f64>()
+    };
+    let samples: Vec<f64> = (0..count).map(value).collect();
+    let top = |j: usize| {
+        let (a, b, c) = (samples[(j + count - 1) % count], samples[j], samples[(j + 1) % count]);
+        let bend = a - 2.0 * b + c;
+        if bend < 0.0 && b >= a && b >= c { b - (c - a).powi(2) / (8.0 * bend) } else { b }
+    };
+    (0..count).map(top).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -29,7 +29,7 @@ pub struct ModalGrazing {
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`], [`HbmError::TouchesAtRest`] or
 /// [`HbmError::PressedAtRest`].
 pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGrazing, HbmError> {
-    let m = structure.n_modes();
+    let m = structure.n_moving();
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
     }
@@ -37,7 +37,7 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
     }
     let k = mode - 1;
-    let largest = structure.omega_squared().iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    let largest = structure.omega_squared()[..m].iter().fold(0.0_f64, |m, w| m.max(w.abs()));
     let square = structure.omega_squared()[k];
     if square <= 1e-12 * largest {
         let first_elastic = structure.omega_squared().iter().position(|w| *w > 1e-12 * largest).map(|k| k + 1);

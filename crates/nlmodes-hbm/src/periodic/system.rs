@@ -322,7 +322,15 @@ impl ParametricSystem for PeriodicSystem {
         let series = self.operator.series();
         let eta: Vec<&[Complex64]> = self.blocks.iter().map(|b| b.eta.as_slice()).collect();
         let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
-        let motion = Motion { at, p, x: &x[..size], eta: &eta, forces: &forces, load: &self.load };
+        let motion = Motion {
+            at,
+            p,
+            x: &x[..size],
+            eta: &eta,
+            forces: &forces,
+            load: &self.load,
+            inertia: self.structure.inertia(),
+        };
         for (k, equation) in self.conditions.equations.iter().enumerate() {
             let functional = equation.evaluate(&motion)?;
             out.residual[size + k] = functional.value;

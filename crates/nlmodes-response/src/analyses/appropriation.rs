@@ -46,7 +46,7 @@ pub fn appropriation(
     let q: Vec<Vec<Complex64>> = rows.iter().map(|row| target.displacement(row)).collect();
     let mut forces = vec![vec![Complex64::default(); controlled.min(harmonics) + 1]; drives.len()];
     for n in 1..=controlled.min(harmonics) {
-        let taken = model.structure().damping().form(&target.eta[n]);
+        let taken = model.structure().damping().form(&target.coordinates(n));
         let size: f64 = q.iter().map(|q| q[n].norm_sqr()).sum();
         let factor = Complex64::new(0.0, n as f64 * omega * taken / size);
         forces

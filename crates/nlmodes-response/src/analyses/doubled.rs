@@ -159,6 +159,7 @@ fn over_two_periods(curve: &ResponseCurve, harmonics: usize) -> ResponseCurve {
     let motion = |m: &PeriodicMotion| PeriodicMotion {
         at: OperatingPoint { omega: 0.5 * m.at.omega, ..m.at },
         eta: spread(&m.eta),
+        stops: spread(&m.stops),
         forces: spread(&m.forces),
         contacts: m.contacts.iter().map(contact).collect(),
         ..m.clone()

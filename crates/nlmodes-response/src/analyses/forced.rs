@@ -25,8 +25,7 @@ pub fn frequency_response(
 }
 
 /// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions of twice the period of the
-/// load are looked for where a multiplier passes −1, along its disturbance: none has been held against an independent computation yet, and none may be
-/// found. With a larger number the curves are those that are found where curves cross. Of two curves that are one motion, a period of the load apart, one
+/// load are followed from where a multiplier passes −1, along its disturbance. With a larger number the curves are those that are found where curves cross. Of two curves that are one motion, a period of the load apart, one
 /// is there.
 ///
 /// # Errors
