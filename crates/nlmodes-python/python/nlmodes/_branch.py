@@ -121,8 +121,7 @@ class Branch(Table):
         self._archive = folder / "harmonics.npz"
         self._stamp = _files.stamp(self._archive)
         self._harmonics: dict[str, NDArray[Any]] = {}
-        stops = folder / "contacts.csv"
-        self._stops = _files.content(stops) if stops.is_file() else None
+        self._stops = _files.optional(folder / "contacts.csv")
 
     def __repr__(self) -> str:
         return f"<Branch {self.label!r}: {len(self)} points; ended: {self.ended_because}>"

@@ -28,12 +28,23 @@ def content(path: Path) -> bytes:
         raise RunError(f"{path} cannot be read: {error.strerror}") from None
 
 
+def optional(path: Path) -> bytes | None:
+    """The bytes of a file; None where there is none."""
+    try:
+        return path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        return None
+    except OSError as error:
+        raise RunError(f"{path} cannot be read: {error.strerror}") from None
+
+
 def table(path: Path) -> dict[str, Any]:
     """The table of a JSON file; empty where there is none."""
-    if not path.is_file():
+    text = optional(path)
+    if text is None:
         return {}
     try:
-        found = json.loads(content(path))
+        found = json.loads(text)
     except ValueError as error:
         raise RunError(f"{path} is damaged: {error}") from None
     if not isinstance(found, dict):

@@ -45,8 +45,8 @@ class Result:
         self._scratch = scratch
         self.summary = _files.table(directory / "summary.json")
         self.wrong = list(outcome.wrong) if outcome else []
-        table = directory / "modal_points.csv"
-        self.points = Table(_files.content(table)) if table.is_file() else None
+        table = _files.optional(directory / "modal_points.csv")
+        self.points = None if table is None else Table(table)
         self.branches = tuple(_branches(directory, self.summary, outcome, scratch)) if self.points is None else ()
         if outcome is not None:
             self.kind = outcome.kind
