@@ -1,6 +1,7 @@
 """A rod whose branch takes some milliseconds, in two systems of units."""
 
 import copy
+import signal
 
 import pytest
 
@@ -23,3 +24,11 @@ ROD = {
 def rod():
     """A scene that a test may change."""
     return copy.deepcopy(ROD)
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_interrupts():
+    """Whoever starts the tests in the background may have them ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
