@@ -177,8 +177,12 @@ mod tests {
     #[test]
     fn the_mass_norm_is_that_of_the_mass_matrix() {
         // M = diag(2, 0.5), Φ = M^{-1/2} times a rotation.
+        [1.0, 1e8, 1e-8].into_iter().for_each(the_mass_norm_in);
+    }
+
+    fn the_mass_norm_in(unit: f64) {
         let (c, s) = (0.3_f64.cos(), 0.3_f64.sin());
-        let m = [2.0_f64, 0.5];
+        let m = [2.0 * unit, 0.5 * unit];
         let shapes = [vec![c / m[0].sqrt(), -s / m[0].sqrt()], vec![s / m[1].sqrt(), c / m[1].sqrt()]];
         let modes = LinearModes::new(&[0.1, 0.2], &[10.0, 20.0, 30.0], &[0.0, 0.0, 0.0], &shapes).unwrap();
         let q = [Complex64::new(0.3, -1.0), Complex64::new(2.0, 0.4)];

@@ -148,6 +148,15 @@ mod tests {
     }
 
     #[test]
+    fn two_tongues_may_lie_next_to_each_other() {
+        let mut points = vec![point(0.5, 1.0, &[]), point(0.9, 2.0, &[]), point(0.5, 3.0, &[]), point(0.0, 4.0, &[])];
+        points[2].resonance = Some(InternalResonance { harmonic: 2, mode: 3 });
+        let found = tongues(&points);
+        let ends: Vec<_> = found.iter().map(|tongue| (tongue.resonance.mode, tongue.start, tongue.end)).collect();
+        assert_eq!(ends, [(2, 0, Some(1)), (3, 2, Some(2))]);
+    }
+
+    #[test]
     fn a_skipped_tongue_has_its_two_feet() {
         let mut points =
             vec![point(0.0, 1.0, &[]), point(0.05, 2.0, &[Event::TongueFoot]), point(0.1, 3.0, &[Event::Resumed])];

@@ -205,10 +205,13 @@ mod tests {
 
     #[test]
     fn an_interior_lumped_mass_goes_to_both_neighbours_in_equal_parts() {
-        let mass = Move.redistribute(&chain(5, stops(&[2]))).unwrap();
-        let expected = [1.0, 1.5, 0.0, 1.5, 1.0];
-        for (i, m) in expected.iter().enumerate() {
-            assert!((mass.get(i, i).copied().unwrap_or(0.0) - m).abs() < 1e-15);
+        for unit in [1.0, 1e-6, 1e6] {
+            let masses: Vec<Triplet> = (0..5).map(|i| (i, i, unit)).collect();
+            let mass = Move.redistribute(&springs(5, 1.0, stops(&[2]), &masses)).unwrap();
+            let expected = [1.0, 1.5, 0.0, 1.5, 1.0];
+            for (i, m) in expected.iter().enumerate() {
+                assert!((mass.get(i, i).copied().unwrap_or(0.0) / unit - m).abs() < 1e-15);
+            }
         }
     }
 

@@ -170,20 +170,21 @@ mod tests {
     use nlmodes_linalg::{Triplet, sparse_from_triplets};
 
     /// Four nodes across an axis from `from` on, `length` apart, whose bending `q_{i−1} − 2 q_i + q_{i+1}` is strained; a spring to the ground at some
-    /// nodes, a stop before the third.
+    /// nodes, a stop before the third. The first node is held along the axis.
     fn beam(from: f64, length: f64, stiffness: f64, grounds: &[usize]) -> MasslessContactModel {
-        let mut k: Vec<Triplet> = Vec::new();
+        let mut k: Vec<Triplet> = vec![(4, 4, stiffness)];
         let bending = [1.0, -2.0, 1.0];
         for first in 0..2 {
             let pairs = (0..9).map(|p| (p / 3, p % 3));
             k.extend(pairs.map(|(i, j)| (first + i, first + j, stiffness * bending[i] * bending[j])));
         }
         k.extend(grounds.iter().map(|&i| (i, i, stiffness)));
-        let m: Vec<Triplet> = (0..4).map(|i| (i, i, 1.0)).collect();
-        let [m, k] = [m, k].map(|entries| sparse_from_triplets(4, 4, &entries).unwrap());
+        let m: Vec<Triplet> = (0..5).map(|i| (i, i, 1.0)).collect();
+        let [m, k] = [m, k].map(|entries| sparse_from_triplets(5, 5, &entries).unwrap());
         let dof = |node: usize| Dof { node, position: from + length * node as f64, kind: DofKind::Deflection };
+        let along = Dof { kind: DofKind::Axial, ..dof(0) };
         let contact = Contact::rigid(2, Side::Positive, 0.1);
-        let model = StructuralModel::new(m, k, (0..4).map(dof).collect(), vec![contact]).unwrap();
+        let model = StructuralModel::new(m, k, (0..4).map(dof).chain([along]).collect(), vec![contact]).unwrap();
         MasslessContactModel::new(&model, &Drop).unwrap()
     }
 
