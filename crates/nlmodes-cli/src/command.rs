@@ -13,7 +13,7 @@ use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, neares
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::watch::Watch;
-use crate::{Status, check, compare, explore, extract, interrupt, lcp, modes, new, study, verify};
+use crate::{Status, check, compare, explore, extract, interrupt, lcp, modes, new, study, told, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -338,6 +338,9 @@ fn run_responses(file: &SceneFile, options: RunOptions) -> Status {
     }
     if !options.quiet {
         print(&format!("Results in {}", file.scene.output_directory.display()));
+    }
+    if options.certify && !options.quiet {
+        print(told::certificate("", &outcome.certificate).trim_end());
     }
     if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use nlmodes::modal::{EndReason, Event};
 use nlmodes::study::ComputedBranch;
+use nlmodes_run::certificate::Certificate;
 use nlmodes_run::{PartOutcome, chain};
 
 use crate::terminal::print;
@@ -43,10 +44,16 @@ pub fn certificates(part: &PartOutcome) -> String {
     let mut text = String::new();
     for (number, certificate) in part.certificates.iter().enumerate() {
         let name = if part.certificates.len() > 1 { format!(" of branch {number}") } else { String::new() };
-        text += &format!("Certificate{name}: {}\n", certificate.verdict);
-        for number in &certificate.numbers {
-            text += &format!("  {}: {}: {}\n", number.number.name(), number.usable.name(), number.words);
-        }
+        text += &self::certificate(&name, certificate);
+    }
+    text
+}
+
+/// What a certificate says, with the name of what it speaks of behind it.
+pub fn certificate(name: &str, certificate: &Certificate) -> String {
+    let mut text = format!("Certificate{name}: {}\n", certificate.verdict);
+    for number in &certificate.numbers {
+        text += &format!("  {}: {}: {}\n", number.number.name(), number.usable.name(), number.words);
     }
     text
 }

@@ -26,6 +26,9 @@ fn branches_take_no_more_evaluations_than_they_did() -> Result<(), Box<dyn Error
         let [points, evaluations] = ["points", "evaluations"].map(|key| summary[key].as_u64().unwrap_or(u64::MAX));
         table.push((scene, points, evaluations, most));
     }
-    assert!(table.iter().all(|(_, _, evaluations, most)| evaluations <= most), "scene, points, evaluations, most: {table:?}");
+    assert!(
+        table.iter().all(|(_, _, evaluations, most)| evaluations <= most),
+        "scene, points, evaluations, most: {table:?}"
+    );
     Ok(())
 }

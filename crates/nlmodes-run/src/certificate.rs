@@ -127,7 +127,7 @@ impl Worst {
 }
 
 /// Largest scaled residual of equations that count as solved.
-const RESIDUAL: f64 = 1e-8;
+pub(crate) const RESIDUAL: f64 = 1e-8;
 
 /// How to have all computed.
 const CERTIFY: &str = "`run --certify`";
@@ -150,7 +150,7 @@ impl Certificate {
     pub fn of(computed: &ComputedBranch, sources: Sources<'_>) -> Self {
         let points = few_points(computed);
         let mut checks = vec![
-            residual(computed.branch.points.iter().fold(0.0, |m, p| p.residual.max(m))),
+            residual(computed.branch.points.iter().map(|point| point.residual)),
             contacts::complementarity(computed, &points),
             energy::drift(computed, &points, sources),
         ];
@@ -169,8 +169,11 @@ impl Certificate {
 }
 
 /// Whether the equations are solved.
-pub(crate) fn residual(largest: f64) -> Check {
-    Check::found("equations", None, largest, RESIDUAL, "largest scaled residual of all points")
+pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
+    let mut worst = Worst::default();
+    of.enumerate().for_each(|(point, residual)| worst.take(point, residual));
+    let (largest, words) = (worst.value, "largest scaled residual of all points");
+    Check::found("equations", None, largest, RESIDUAL, words).at(worst)
 }
 
 /// What all checks come to.

@@ -19,6 +19,7 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
+use crate::certificate::{Certificate, RESIDUAL};
 use crate::claim::{Claim, identity};
 use crate::style::style_of;
 use crate::updating::updated;
@@ -35,6 +36,8 @@ pub struct ResponsesOutcome {
     pub scene: Scene,
     /// The curves in the order of the scene; detached ones behind them.
     pub curves: Vec<ComputedResponse>,
+    /// What was looked at in the curves, and which of their numbers to use.
+    pub certificate: Certificate,
     /// From the beginning to the last file.
     pub wall_time: Duration,
     /// Whether it was asked to end before all curves were there.
@@ -84,6 +87,9 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
                 outcome: computed.said(),
                 is_complete: computed.is_complete(),
             });
+            if let Some(text) = unsolved(&computed) {
+                observer.event(Event::Warning(&text));
+            }
             curves.push(computed);
         }
         claim.take_at_once()?;
@@ -112,26 +118,47 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     if curves.iter().all(|computed| computed.curve.is_err()) && is_cut_off {
         return Err(RunError::Ended);
     }
-    let failure = files(&file.scene, &model, &curves, began).err();
-    Ok(ResponsesOutcome { scene: file.scene, curves, wall_time: began.elapsed(), is_cut_off, failure })
+    let certificate = certified::certificate(&file.scene, &model, &curves);
+    let failure = files(&file.scene, &model, &curves, &certificate, began).err();
+    Ok(ResponsesOutcome { scene: file.scene, curves, certificate, wall_time: began.elapsed(), is_cut_off, failure })
+}
+
+/// What is to be said of points of a curve that do not satisfy its equations.
+fn unsolved(computed: &ComputedResponse) -> Option<String> {
+    let points = computed.points();
+    let largest = points.iter().map(|point| point.residual).fold(0.0, f64::max);
+    let count = points.iter().filter(|point| !(point.residual <= RESIDUAL)).count();
+    (count > 0).then(|| {
+        format!(
+            "{}: {count} of {} points do not satisfy the equations (largest scaled residual {largest:.0e}; column residual): do not use them",
+            computed.name,
+            points.len()
+        )
+    })
 }
 
 /// Most detached curves that are followed.
 const MOST_DETACHED: usize = 20;
 
 /// Writes what is made of whole curves.
-fn files(scene: &Scene, model: &Model, curves: &[ComputedResponse], began: Instant) -> Result<(), Failure> {
+fn files(
+    scene: &Scene,
+    model: &Model,
+    curves: &[ComputedResponse],
+    certificate: &Certificate,
+    began: Instant,
+) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     tables::write_motions(directory, scene, model, curves)?;
     tables::write_forces(directory, curves)?;
     histories::write(directory, scene, model, curves)?;
-    summary::write(directory, scene, model, curves, began)?;
+    summary::write(directory, scene, model, (curves, certificate), began)?;
     let figures = figures::all(scene, model, curves)?;
     if scene.files.figures {
         let style = style_of(&scene.files);
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
     }
-    if scene.files.page { page::write(directory, scene, model, curves, figures) } else { Ok(()) }
+    if scene.files.page { page::write(directory, scene, model, (curves, certificate), figures) } else { Ok(()) }
 }
 
 /// Whether a run of the responses would begin.

@@ -105,9 +105,9 @@ fn again(
     }
     let said = match lost.as_slice() {
         [] => String::new(),
-        lost => format!("; next to {} there is no such motion", listed(lost)),
+        lost => format!("; from {} Newton's method did not lead to one", listed(lost)),
     };
-    // A motion that more harmonics, or modes, do not have is not one to trust, whatever the other points say.
+    // A motion to which more harmonics, or modes, have nothing near is not one to trust, whatever the other points say.
     let is_lost = !lost.is_empty();
     let words = words(&said);
     let of = |(number, worst): (Number, Worst)| {

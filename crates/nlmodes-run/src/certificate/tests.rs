@@ -173,7 +173,8 @@ fn the_impulse_is_recommended_only_where_it_is_good() {
     assert_eq!(NumberUse::new(Number::PeakForce, &both(1e-3, 0.3)).usable, Use::Yes);
     assert_eq!(NumberUse::new(Number::PeakForce, &both(f64::NAN, 1e-3)).usable, Use::No);
     // What holds for all numbers counts against each.
-    let unsolved = [residual(1.0), check(Number::PeakForce, 0.0)];
+    let unsolved = [residual([0.0, 1.0, 1e-12].into_iter()), check(Number::PeakForce, 0.0)];
+    assert_eq!(unsolved[0].point, Some(1));
     assert_eq!(NumberUse::new(Number::PeakForce, &unsolved).usable, Use::No);
 }
 

@@ -15,8 +15,8 @@ const LARGER: &str = "the same scene with method.harmonics twice as large, these
 
 /// Of all curves together.
 pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Certificate {
-    let largest = curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual).fold(0.0, f64::max);
-    let mut checks = vec![residual(largest)];
+    let residuals = curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual);
+    let mut checks = vec![residual(residuals)];
     if curves.iter().any(ComputedResponse::is_forced) {
         let words = "difference of input and dissipated power of forced motions, all points";
         checks.push(Check::found("power balance", None, imbalance(curves), POWER, words));

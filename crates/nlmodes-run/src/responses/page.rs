@@ -8,14 +8,13 @@ use nlmodes::report::{DataTable, HtmlReport, StopLine};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
 
-use super::certified::certificate;
 use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::figures::{Named, kind};
 use super::histories;
 use super::model::Model;
 use crate::Failure;
-use crate::certificate::tables;
+use crate::certificate::{Certificate, tables};
 
 /// Samples of a period of each contact that moves on the page.
 const SAMPLES: usize = 1000;
@@ -25,7 +24,7 @@ pub fn write(
     directory: &Path,
     scene: &Scene,
     model: &Model,
-    curves: &[ComputedResponse],
+    (curves, certificate): (&[ComputedResponse], &Certificate),
     figures: Vec<Named>,
 ) -> Result<(), Failure> {
     let converter = Converter::new(model)?;
@@ -46,7 +45,7 @@ pub fn write(
         .contact_motion(&motion)
         .table(resonances(model, curves))
         .document("Scene as read, in SI units", scene)?;
-    for table in tables(&certificate(scene, model, curves), None) {
+    for table in tables(certificate, None) {
         report = report.closing_table(table);
     }
     if let Some(text) = &model.warning {

@@ -9,17 +9,17 @@ use nlmodes::response::ResponsePoint;
 use nlmodes_scene::scene::Scene;
 use serde_json::{Value, json};
 
-use super::certified::certificate;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
+use crate::certificate::Certificate;
 
 /// Writes it.
 pub fn write(
     directory: &Path,
     scene: &Scene,
     model: &Model,
-    curves: &[ComputedResponse],
+    (curves, certificate): (&[ComputedResponse], &Certificate),
     began: Instant,
 ) -> Result<(), Failure> {
     let hertz: Vec<f64> = model.open_modes().omega_squared().iter().map(|w| w.max(0.0).sqrt() / TAU).collect();
@@ -43,7 +43,7 @@ pub fn write(
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual).fold(0.0, f64::max),
         "largest_power_imbalance": imbalance(curves),
-        "certificate": certificate(scene, model, curves),
+        "certificate": certificate,
         "wall_time_s": began.elapsed().as_secs_f64(),
     });
     Ok(write_summary(directory.join("summary.json"), &content)?)

@@ -3,13 +3,18 @@
 use nlmodes_hbm::{CondensedStructure, RealSeries};
 use nlmodes_modal::ModalPoint;
 
+use super::homotopy::{self, Effort};
 use super::prepare::periodic;
 use super::start::one_point;
 use super::{BranchSettings, ComputedBranch, StudyError};
 
+/// Numbers of harmonics tried one after the other where the step to the last is too far.
+const STEPS: usize = 5;
+
 impl ComputedBranch {
     /// The motion of the averaged kinetic energy of point `point` with `harmonics` harmonics and the held modes of `structure`: that of the branch, or one with
-    /// the same contacts and other modes. Newton's method at that energy leads there from the point; `None` where it does not.
+    /// the same contacts and other modes. Newton's method at that energy leads there from the point, at once or over numbers of harmonics in between;
+    /// `None` where neither does.
     ///
     /// # Errors
     /// [`StudyError::NotHarmonic`] for a branch whose unknowns are not harmonics of the contacts; [`StudyError`] if the problem cannot be evaluated.
@@ -25,16 +30,46 @@ impl ComputedBranch {
         if self.is_exact() {
             return Err(StudyError::NotHarmonic);
         }
+        if let Some(found) = self.over(point, &[harmonics], structure)? {
+            return Ok(Some(found));
+        }
+        let own = self.settings_at(point).harmonics;
+        let mut steps: Vec<usize> =
+            (1..=STEPS).map(|k| own + (harmonics.saturating_sub(own) * k).div_ceil(STEPS)).collect();
+        steps.dedup();
+        if steps.last() == Some(&harmonics) && steps.len() > 1 { self.over(point, &steps, structure) } else { Ok(None) }
+    }
+
+    /// From a point over these numbers of harmonics, at its energy.
+    fn over(
+        &self,
+        point: usize,
+        steps: &[usize],
+        structure: &CondensedStructure,
+    ) -> Result<Option<ModalPoint>, StudyError> {
         let own = self.settings_at(point);
-        let settings = BranchSettings { harmonics, ..own.clone() };
-        let mut problem = periodic(structure, &settings, &self.grazing)?;
-        let Some(finer) = problem.harmonics() else { return Err(StudyError::NotHarmonic) };
-        let from = RealSeries { symmetry: own.symmetry, n_harmonics: own.harmonics };
         let p = (self.branch.points[point].kinetic_energy / self.grazing.energy).ln();
-        let guess: Vec<f64> = finer.resized(&self.unknowns[point], from).into_iter().chain([p]).collect();
-        let mut energy = vec![0.0; guess.len()];
-        energy[guess.len() - 1] = 1.0;
-        let found = one_point(&settings, &self.grazing, &mut problem, &guess, &energy, &mut ());
-        found.map(|(x, _)| Ok(problem.modal_point(&x, 0.0)?)).transpose()
+        let mut series = RealSeries { symmetry: own.symmetry, n_harmonics: own.harmonics };
+        let (mut x, mut found) = (self.unknowns[point].clone(), None);
+        for &harmonics in steps {
+            let settings = BranchSettings { harmonics, ..own.clone() };
+            let mut problem = periodic(structure, &settings, &self.grazing)?;
+            let Some(finer) = problem.harmonics() else { return Err(StudyError::NotHarmonic) };
+            let guess: Vec<f64> = finer.resized(&x, series).into_iter().chain([p]).collect();
+            series = finer.series();
+            let coordinate = guess.len() - 1;
+            let mut energy = vec![0.0; guess.len()];
+            energy[coordinate] = 1.0;
+            let corrected = one_point(&settings, &self.grazing, &mut problem, &guess, &energy, &mut ()).or_else(|| {
+                // A step in between is worth a way of its own.
+                let effort = Effort::LITTLE;
+                let try_it = steps.len() > 1;
+                try_it.then(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, effort, &mut ()))?
+            });
+            let Some((next, _)) = corrected else { return Ok(None) };
+            found = Some(problem.modal_point(&next, 0.0)?);
+            x = next;
+        }
+        Ok(found)
     }
 }
