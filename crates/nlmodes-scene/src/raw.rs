@@ -117,6 +117,9 @@ pub struct RawContact {
     /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
+    /// Damper beside that stiffness, for responses and damped modes; it only ever pushes, and the stop is left where the force of both vanishes
+    #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
+    pub damping_n_s_m: Option<f64>,
     /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
     #[schemars(range(min = 1, max = MAX_BODIES))]
     pub structure: Option<u32>,

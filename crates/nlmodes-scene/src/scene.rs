@@ -248,6 +248,9 @@ pub struct Contact {
     /// Contact stiffness, N/m; a rigid stop has none. Always there for [`MethodKind::Hbm`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
+    /// Damper beside it, N s/m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
     /// Index of the structure of several, from 0.
     #[serde(default, skip_serializing_if = "is_first")]
     pub structure: usize,

@@ -65,6 +65,11 @@ impl Model {
             let one = [Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping }];
             response.add_dashpots(&one).map_err(|error| failed(&path, &error))?;
         }
+        for (i, contact) in scene.contacts.iter().enumerate() {
+            let Some(damper) = contact.damping else { continue };
+            let path = format!("contact.{i}.damping_n_s_m");
+            response.add_stop_damper(i, damper).map_err(|error| failed(&path, &error))?;
+        }
         let unit = scene.forces.first().map_or(1.0, |force| force.amplitude.abs());
         let mut force_places: Vec<Weights> = Vec::new();
         for (i, force) in scene.forces.iter().enumerate() {

@@ -63,9 +63,27 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], findings: &mut Finding
         side: raw.side?,
         gap: raw.gap_m?,
         stiffness: raw.stiffness_n_m,
+        damping: raw.damping_n_s_m,
         structure: body,
         against,
     })
+}
+
+/// Dampers of stops: each stands beside a stiffness, and conservative modes leave it out.
+pub fn dampers(contacts: &[Contact], has_responses: bool, findings: &mut Findings<'_>) {
+    for (i, contact) in contacts.iter().enumerate().filter(|(_, contact)| contact.damping.is_some()) {
+        let path = format!("contact.{i}.damping_n_s_m");
+        if contact.stiffness.is_none() {
+            let problem = Problem::error(format!("`{path}` stands beside a rigid stop"));
+            let help = "a stop that dissipates yields: its damper stands beside `stiffness_n_m`";
+            findings.put(&path, problem.help(help), "expected `stiffness_n_m` in this table too");
+        } else if !has_responses {
+            let problem = Problem::warning(format!("`{path}` has no effect without a response"));
+            let help =
+                "[response] with kind = \"frequency\", \"force\", \"phase-resonance\" or \"damped-mode\" uses it";
+            findings.put(&path, problem.help(help), "the scene computes the conservative nonlinear mode");
+        }
+    }
 }
 
 /// The structure that findings are about; none where there is one only.
