@@ -1,4 +1,4 @@
-//! Errors of forced responses over the number of harmonics, with exact switching, against exact shooting: benchmarks/results/response_rates.md.
+//! Errors of forced responses over the number of harmonics, with exact switching, against exact shooting.
 //!
 //!     cargo run --release -p nlmodes-response --example rates
 

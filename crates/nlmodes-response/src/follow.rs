@@ -73,7 +73,10 @@ impl Curve<'_> {
         let points = branch.points.iter().map(|point| self.point(point)).collect::<Result<Vec<_>, _>>()?;
         let mut points = self.locate_losses(branch, points)?;
         name_lost_stability(&mut points);
-        let end = crate::CurveEnd::of(&branch.stop, omega.0, omega.1);
+        let end = match unsolved(&points) {
+            Some(why) => crate::CurveEnd::Lost(why),
+            None => crate::CurveEnd::of(&branch.stop, omega.0, omega.1),
+        };
         let at_levels = self.at_levels(branch)?;
         Ok(ResponseCurve { points, end, at_levels })
     }
@@ -172,6 +175,13 @@ fn refined(system: &mut PeriodicSystem, point: &BranchPoint) -> Refined {
     }
     let held: Vec<f64> = (0..=n).map(|j| f64::from(u8::from(j == n))).collect();
     system.refine(&point.x, point.p, &held)
+}
+
+/// What is to be said where points of a curve are none: it is not complete then, wherever it ended.
+fn unsolved(points: &[ResponsePoint]) -> Option<String> {
+    let off = points.iter().map(|point| point.residual).filter(|residual| residual.is_nan() || *residual > CONVERGED);
+    let (count, most) = off.fold((0_usize, 0.0_f64), |(n, most), residual| (n + 1, most.max(residual)));
+    (count > 0).then(|| format!("{count} of its points were not solved, with residuals up to {most:.0e}"))
 }
 
 /// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where it does not get there.
