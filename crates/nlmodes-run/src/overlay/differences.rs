@@ -41,7 +41,7 @@ impl Difference {
 }
 
 /// The differences of all points that are laid over and lie within the amplitudes, or energies, of the branch; the branch is linear between its
-/// points, and where it has an amplitude several times, the frequency nearest to that of the point counts.
+/// points, and where it has an amplitude several times, the frequency nearest to that of the point counts. A point that touches no stop is not held against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     laid.branch.points.iter().enumerate().filter_map(|(number, point)| difference(number, point, own)).collect()
 }
@@ -57,6 +57,8 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
         let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
         within.then(|| (at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)))
     });
+    let touches_as_well = |(_, _, force): &(f64, f64, f64)| point.peak_contact_force != 0.0 || *force <= 0.0;
+    let crossings = crossings.filter(touches_as_well);
     let off = |(omega, ..): &(f64, f64, f64)| (omega - point.omega).abs();
     let (omega, own_impulse, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;
     Some(Difference {
