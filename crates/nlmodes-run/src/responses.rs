@@ -127,7 +127,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
 fn unsolved(computed: &ComputedResponse) -> Option<String> {
     let points = computed.points();
     let largest = points.iter().map(|point| point.residual).fold(0.0, f64::max);
-    let count = points.iter().filter(|point| !(point.residual <= RESIDUAL)).count();
+    let count = points.iter().filter(|point| point.residual > RESIDUAL || point.residual.is_nan()).count();
     (count > 0).then(|| {
         format!(
             "{}: {count} of {} points do not satisfy the equations (largest scaled residual {largest:.0e}; column residual): do not use them",
