@@ -64,3 +64,17 @@ impl HarmonicCoefficients {
         terms.map(|(n, q)| (Complex64::new(0.0, n as f64).powu(order) * q * Complex64::cis(n as f64 * tau)).re).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn truncated_series_have_the_first_harmonics_of_each_coordinate() {
+        let mut series = HarmonicCoefficients::zeros(2, 3);
+        (0..2).for_each(|d| (0..4).for_each(|n| series.of_mut(d)[n] = Complex64::new((10 * d + n) as f64, 0.5)));
+        let kept = series.truncated(1);
+        assert_eq!((kept.n_harmonics(), kept.of(0), kept.of(1)), (1, &series.of(0)[..2], &series.of(1)[..2]));
+        assert_eq!(series.truncated(9), series);
+    }
+}

@@ -171,12 +171,29 @@ mod tests {
 
     #[test]
     fn without_noise_the_line_is_exact() {
-        for side in [1.0, -1.0] {
-            let fit = ContactStiffness::of(&pressed(2.3e6, 1.03e-3, [0.0, 0.0], 6, side, 1)).unwrap();
-            assert!((fit.stiffness / 2.3e6 - 1.0).abs() < 1e-9, "{fit:?}");
+        for (side, k) in [(1.0, 2.3e6), (-1.0, 2.3e6), (1.0, 2.3)] {
+            let mut history = pressed(k, 1.03e-3, [0.0, 0.0], 6, side, 1);
+            // The stop as it was drawn need not be where it is.
+            history.stop = side * 1.0e-3;
+            let fit = ContactStiffness::of(&history).unwrap();
+            assert!((fit.stiffness / k - 1.0).abs() < 1e-9, "{fit:?}");
             assert!((fit.stop - side * 1.03e-3).abs() < 1e-13, "{fit:?}");
-            assert!(fit.stiffness_error < 2.3e6 * 1e-8, "{fit:?}");
+            assert!(fit.stiffness_error < k * 1e-8, "{fit:?}");
+            let closed = history.force.iter().filter(|force| **force > 0.0).count();
+            assert!(fit.n_samples > closed / 2 && fit.n_samples <= closed, "{fit:?}");
         }
+    }
+
+    #[test]
+    fn errors_from_the_scatter_of_two_contacts_hold_what_noise_does() {
+        let (mut outside, n) = (0, 24);
+        for seed in 0..n {
+            let fit = ContactStiffness::of(&pressed(2.3e6, 1.03e-3, [0.5, 0.0], 3, 1.0, 70 + seed)).unwrap();
+            assert_eq!(fit.n_intervals, 2);
+            assert!(fit.stop_error > 0.0 && fit.stop_error.is_finite(), "{fit:?}");
+            outside += usize::from((fit.stop - 1.03e-3).abs() > 3.0 * fit.stop_error);
+        }
+        assert!(outside <= 3, "{outside} of {n} beyond three standard errors");
     }
 
     #[test]

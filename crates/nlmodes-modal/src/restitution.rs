@@ -195,12 +195,16 @@ mod tests {
     #[test]
     fn the_velocities_between_two_contacts_count_for_both() {
         // Three samples between the contacts; instants lie half a sample outside, as the force does not rise inward.
+        [1.0, 1e-4].into_iter().for_each(velocities_between);
+    }
+
+    fn velocities_between(unit: f64) {
         let between = [-1.0, -1.0, 1.0];
         let mut history = TimeHistory::empty("", 1.0);
         for j in 0..40_usize {
             let closed = (10..14).contains(&j) || (17..21).contains(&j);
             let velocity = between.get(j.wrapping_sub(14)).copied().unwrap_or(if j < 14 { 2.0 } else { -3.0 });
-            history.push(j as f64, [0.0, velocity, 0.0], if closed { 5.0 } else { 0.0 });
+            history.push(unit * j as f64, [0.0, velocity, 0.0], if closed { 5.0 } else { 0.0 });
         }
         let found = Restitution::of(&history).unwrap();
         // The line through the three has its mean, −⅓, at 15 and the slope 1.
@@ -211,6 +215,15 @@ mod tests {
             );
         }
         assert_eq!(found.impacts.len(), 2);
+    }
+
+    #[test]
+    fn two_impacts_have_a_spread_and_one_has_none() {
+        let interval = ContactInterval { touching: 0.0, leaving: 1.0, first: 0, last: 1 };
+        let impacts = [1.6, 1.2].map(|departure| Impact { interval, approach: 2.0, departure });
+        let both = statistics(&impacts);
+        assert!((both.mean - 0.7).abs() < 1e-15 && (both.std - 0.02f64.sqrt()).abs() < 1e-15, "{both:?}");
+        assert!(statistics(&impacts[..1]).std.is_nan());
     }
 
     #[test]
