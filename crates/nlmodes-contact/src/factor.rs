@@ -1,6 +1,7 @@
 //! Cholesky factor of the closed block of `A`, updated contact by contact.
 
 mod append;
+mod begin;
 mod remove;
 mod set;
 mod suppression;
@@ -116,6 +117,30 @@ pub(crate) mod tests {
         factor.append_all(matrix.scaled(), &(0..40).rev().collect::<Vec<_>>());
         assert_eq!(factor.len(), 40);
         assert!(residual(matrix.scaled(), &factor) < 1e-13);
+    }
+
+    #[test]
+    fn a_factor_that_begins_with_many_contacts_is_that_of_one_after_the_other() {
+        let c = 2 * begin::MANY;
+        let matrix = smooth(c);
+        let contacts: Vec<usize> = (0..c).filter(|i| i % 5 != 2).rev().collect();
+        let (mut at_once, mut one_by_one) = (Factor::default(), Factor::default());
+        at_once.append_all(matrix.scaled(), &contacts);
+        contacts.iter().for_each(|&contact| assert!(one_by_one.append(matrix.scaled(), contact)));
+        assert_eq!(at_once.order(), one_by_one.order());
+        assert!(at_once.rows.iter().zip(&one_by_one.rows).all(|(a, b)| (a - b).abs() < 1e-13));
+        assert!(residual(matrix.scaled(), &at_once) < 1e-12);
+    }
+
+    #[test]
+    fn of_many_contacts_that_depend_on_each_other_an_independent_part_is_taken() {
+        let c = 2 * begin::MANY;
+        // Every contact is there twice.
+        let pairs = smooth(c / 2);
+        let matrix = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| pairs.a()[(i / 2, j / 2)])).expect("semidefinite");
+        let mut factor = Factor::default();
+        factor.append_all(matrix.scaled(), &(0..c).collect::<Vec<_>>());
+        assert_eq!(factor.order(), (0..c).step_by(2).collect::<Vec<_>>());
     }
 
     #[test]

@@ -1,5 +1,7 @@
 use super::{
-    Factor, offset,
+    Factor,
+    begin::MANY,
+    offset,
     triangle::{forward, forward_all},
 };
 use crate::{kernel, scaled::Scaled};
@@ -48,6 +50,9 @@ impl Factor {
 
     /// Adds all of the contacts that do not depend on the block and on those before.
     pub(crate) fn append_all(&mut self, matrix: &Scaled, contacts: &[usize]) {
+        if self.len() == 0 && contacts.len() >= MANY && self.begin(matrix, contacts) {
+            return;
+        }
         let mut rest = contacts;
         while rest.len() > 1 {
             let block = &rest[..rest.len().min(BLOCK)];
@@ -98,7 +103,7 @@ impl Factor {
         independent
     }
 
-    fn accept(&mut self, contact: usize, pivot: f64) {
+    pub(super) fn accept(&mut self, contact: usize, pivot: f64) {
         self.order.push(contact);
         self.diagonal.push(pivot.sqrt());
         self.inverse_diagonal.push(1.0 / pivot.sqrt());

@@ -4,15 +4,13 @@ use super::{Factor, offset};
 const ABREAST: usize = 4;
 
 impl Factor {
-    /// Takes out all contacts but those to be kept. Returns how many went.
-    pub(crate) fn retain(&mut self, keep: impl Fn(usize) -> bool) -> usize {
-        let before = self.len();
-        for position in (0..before).rev() {
+    /// Takes out all contacts but those to be kept.
+    pub(crate) fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        for position in (0..self.len()).rev() {
             if !keep(self.order[position]) {
                 self.remove(position);
             }
         }
-        before - self.len()
     }
 
     /// Takes the contact in row `position` out of the block.

@@ -1,4 +1,4 @@
-use super::{ClosedSet, Factor, suppression::Suppression};
+use super::{ClosedSet, Factor, begin::MANY, suppression::Suppression};
 use crate::{kernel, scaled::Scaled};
 
 /// The factor of a closed set that changes by a few contacts from one problem to the next.
@@ -20,6 +20,9 @@ pub(crate) struct WorkingFactor {
 
 /// Suppressed contacts, at most.
 const MOST_SUPPRESSED: usize = 32;
+
+/// Rows over contacts taken out from which on a new factor, found by blocks, costs less than the rotations of the old one.
+const ROTATIONS_OF_A_FACTOR: usize = 64;
 
 impl WorkingFactor {
     pub(crate) fn new(c: usize) -> Self {
@@ -66,7 +69,7 @@ impl WorkingFactor {
     fn close(&mut self, matrix: &Scaled) {
         if self.append_missing(matrix) && !self.suppression.is_empty() {
             // What depends on a suppressed contact need not depend on the set.
-            self.consolidate();
+            self.consolidate(matrix);
             self.append_missing(matrix);
         }
     }
@@ -102,7 +105,7 @@ impl WorkingFactor {
         // Contacts left out may depend on one that has just opened.
         let dependent = closed < self.asked.count();
         if dependent || self.suppression.len() > MOST_SUPPRESSED.min(8 + closed / 8) {
-            self.consolidate();
+            self.consolidate(matrix);
         }
         if dependent {
             self.append_missing(matrix);
@@ -121,18 +124,25 @@ impl WorkingFactor {
         }
     }
 
-    /// Takes the suppressed contacts out of the factor.
-    fn consolidate(&mut self) {
+    /// Takes the suppressed contacts out of the factor: one after the other, or by a new factor where that is less work.
+    fn consolidate(&mut self, matrix: &Scaled) {
         self.suppression.clear();
-        let (asked, members) = (&self.asked, &mut self.members);
-        for &contact in self.factor.order() {
-            if !asked.contains(contact) {
-                members.toggle(contact);
-            }
+        let before = self.factor.len();
+        self.list.clear();
+        self.list.extend(self.factor.order().iter().filter(|&&contact| self.asked.contains(contact)));
+        let (kept, gone) = (self.list.len(), before - self.list.len());
+        if kept >= MANY && gone * ROTATIONS_OF_A_FACTOR > kept {
+            self.factor.clear();
+            self.factor.append_all(matrix, &self.list);
+        } else {
+            let asked = &self.asked;
+            self.factor.retain(|contact| asked.contains(contact));
         }
-        if self.factor.retain(|contact| asked.contains(contact)) > 0 {
+        if self.factor.len() < before {
             self.right.clear();
         }
+        self.members.clear();
+        self.factor.order().iter().for_each(|&contact| self.members.toggle(contact));
     }
 
     /// Another problem begins.
@@ -171,7 +181,11 @@ mod tests {
 
     #[test]
     fn every_sequence_of_sets_is_solved_as_by_a_new_factor() {
-        let (c, matrix) = (60, smooth(60));
+        [60, 4 * MANY].into_iter().for_each(follow_sets);
+    }
+
+    fn follow_sets(c: usize) {
+        let matrix = smooth(c);
         let matrix = matrix.scaled();
         let mut working = WorkingFactor::new(c);
         let mut set = ClosedSet::new(c);

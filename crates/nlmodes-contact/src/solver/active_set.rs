@@ -26,7 +26,7 @@ pub(crate) const NAME: &str = "active-set";
 /// One contact is solved in closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveSet {
-    /// Projected Gauss-Seidel sweeps of a cold start, at most. Default 8.
+    /// Projected Gauss-Seidel sweeps of a cold start, at most. Default 16.
     pub sweeps: usize,
     /// Newton steps without fewer wrong signs before the primal method takes over. Default 8.
     pub patience: usize,
@@ -36,7 +36,7 @@ pub struct ActiveSet {
 
 impl Default for ActiveSet {
     fn default() -> Self {
-        Self { sweeps: 8, patience: 8, exchanges_per_contact: 20 }
+        Self { sweeps: 16, patience: 8, exchanges_per_contact: 20 }
     }
 }
 
