@@ -2,14 +2,15 @@
 //!
 //! ```text
 //! cargo run --release -p nlmodes-benchmarks --example instructions               counts all kernels beside those on file
-//! cargo run --release -p nlmodes-benchmarks --example instructions -- --check    the same; status 1 if one became worse by more than 2 %
+//! cargo run --release -p nlmodes-benchmarks --example instructions -- --check    the same; status 1 if one became worse by more than 5 %
 //! cargo run --release -p nlmodes-benchmarks --example instructions -- --write    keeps the counts in benchmarks/instructions.toml
 //! cargo run --release -p nlmodes-benchmarks --example instructions -- --scaling  a point over its modes and its harmonics, as tables
 //! cargo run --release -p nlmodes-benchmarks --example instructions -- --profile  also the functions that a kernel spends its time in
 //! ```
 //!
-//! A part of a kernel's name behind the option selects kernels. Needs `valgrind`. The counts depend on the compiler and on the instruction
-//! set that is found, so they are compared on machines of one kind.
+//! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on the instruction
+//! set that is found: those of another one are shown, and none counts as worse. Without `--release` the counts are others, kept in
+//! benchmarks/instructions_dev.toml.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,8 +20,8 @@ use nlmodes_benchmarks::Failure;
 use nlmodes_benchmarks::kernels::{KERNELS, Kernel, corrector_step, residual};
 use serde::{Deserialize, Serialize};
 
-/// Growth that counts as a change for the worse.
-const TOLERANCE: f64 = 0.02;
+/// Growth that counts as a change for the worse: what a compiler inlines in one function hangs on its neighbours.
+const TOLERANCE: f64 = 0.05;
 
 /// What stands in the file.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -45,10 +46,10 @@ fn run(arguments: &[String]) -> Result<ExitCode, Failure> {
     match words.as_slice() {
         ["--kernel", name] => run_counted(name),
         ["--scaling"] => scaling(),
-        [] => compare("", false),
-        ["--check", rest @ ..] => compare(&rest.join(" "), true),
+        [] => compare(&[], false),
+        ["--check", rest @ ..] => compare(rest, true),
         ["--write"] => write(),
-        ["--profile", rest @ ..] => profile(&rest.join(" ")),
+        ["--profile", rest @ ..] => profile(rest),
         _ => Err(format!("unknown arguments {words:?}; expected --check, --write, --scaling or --profile").into()),
     }
 }
@@ -106,29 +107,37 @@ fn nowhere() -> &'static Path {
 }
 
 fn file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("instructions.toml")
+    let name = if cfg!(debug_assertions) { "instructions_dev.toml" } else { "instructions.toml" };
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-fn compare(part: &str, strict: bool) -> Result<ExitCode, Failure> {
+/// Names of the kernels with one of these parts, of all where there is none.
+fn selected<'a>(parts: &'a [&str]) -> impl Iterator<Item = &'static str> + 'a {
+    let names = KERNELS.iter().map(|(name, _)| *name);
+    names.filter(move |name| parts.is_empty() || parts.iter().any(|part| name.contains(part)))
+}
+
+fn compare(parts: &[&str], strict: bool) -> Result<ExitCode, Failure> {
     let kept: Counts = match std::fs::read_to_string(file()) {
         Ok(text) => toml::from_str(&text)?,
         Err(_) => Counts::default(),
     };
-    if !kept.made_with.is_empty() && kept.made_with != made_with()? {
+    let comparable = kept.made_with == made_with()?;
+    if !kept.made_with.is_empty() && !comparable {
         println!("The counts on file were made with {}, these with {}.\n", kept.made_with, made_with()?);
     }
     println!("| kernel | instructions | on file | change |\n| --- | ---: | ---: | ---: |");
     let mut worse = Vec::new();
-    for (name, _) in KERNELS.iter().filter(|(name, _)| name.contains(part)) {
+    for name in selected(parts) {
         let now = count(name, nowhere())?;
-        let Some(&before) = kept.instructions.get(*name) else {
+        let Some(&before) = kept.instructions.get(name) else {
             println!("| {name} | {now} | | |");
             continue;
         };
         let change = now as f64 / before as f64 - 1.0;
         println!("| {name} | {now} | {before} | {:+.2} % |", 100.0 * change);
-        if change > TOLERANCE {
-            worse.push(*name);
+        if comparable && change > TOLERANCE {
+            worse.push(name);
         }
     }
     if worse.is_empty() {
@@ -143,9 +152,11 @@ fn write() -> Result<ExitCode, Failure> {
     for (name, _) in KERNELS {
         counts.instructions.insert(name.to_owned(), count(name, nowhere())?);
     }
-    let head = "# Instructions of one run of each kernel, by `cargo run --release -p nlmodes-benchmarks --example instructions -- --write`.\n";
+    let profile = if cfg!(debug_assertions) { "" } else { "--release " };
+    let command = format!("cargo run {profile}-p nlmodes-benchmarks --example instructions -- --write");
+    let head = format!("# Instructions of one run of each kernel, by `{command}`.\n");
     std::fs::write(file(), format!("{head}{}", toml::to_string(&counts)?))?;
-    compare("", false)
+    compare(&[], false)
 }
 
 fn made_with() -> Result<String, Failure> {
@@ -154,8 +165,8 @@ fn made_with() -> Result<String, Failure> {
 }
 
 /// Where the instructions of the kernels go.
-fn profile(part: &str) -> Result<ExitCode, Failure> {
-    for (name, _) in KERNELS.iter().filter(|(name, _)| name.contains(part)) {
+fn profile(parts: &[&str]) -> Result<ExitCode, Failure> {
+    for name in selected(parts) {
         let out = std::env::temp_dir().join(format!("callgrind.{}", std::process::id()));
         println!("## {name}: {} instructions\n", count(name, &out)?);
         let listing = Command::new("callgrind_annotate").arg(&out).output()?;
