@@ -127,7 +127,7 @@ impl Worst {
 }
 
 /// Largest scaled residual of equations that count as solved.
-pub(crate) const RESIDUAL: f64 = 1e-8;
+const RESIDUAL: f64 = 1e-8;
 
 /// How to have all computed.
 const CERTIFY: &str = "`run --certify`";

@@ -19,7 +19,7 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
-use crate::certificate::{Certificate, RESIDUAL};
+use crate::certificate::Certificate;
 use crate::claim::{Claim, identity};
 use crate::style::style_of;
 use crate::updating::updated;
@@ -87,9 +87,6 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
                 outcome: computed.said(),
                 is_complete: computed.is_complete(),
             });
-            if let Some(text) = unsolved(&computed) {
-                observer.event(Event::Warning(&text));
-            }
             curves.push(computed);
         }
         claim.take_at_once()?;
@@ -121,20 +118,6 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let certificate = certified::certificate(&file.scene, &model, &curves);
     let failure = files(&file.scene, &model, &curves, &certificate, began).err();
     Ok(ResponsesOutcome { scene: file.scene, curves, certificate, wall_time: began.elapsed(), is_cut_off, failure })
-}
-
-/// What is to be said of points of a curve that do not satisfy its equations.
-fn unsolved(computed: &ComputedResponse) -> Option<String> {
-    let points = computed.points();
-    let largest = points.iter().map(|point| point.residual).fold(0.0, f64::max);
-    let count = points.iter().filter(|point| point.residual > RESIDUAL || point.residual.is_nan()).count();
-    (count > 0).then(|| {
-        format!(
-            "{}: {count} of {} points do not satisfy the equations (largest scaled residual {largest:.0e}; column residual): do not use them",
-            computed.name,
-            points.len()
-        )
-    })
 }
 
 /// Most detached curves that are followed.
