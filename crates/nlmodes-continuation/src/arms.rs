@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use crate::ParametricSystem;
-use crate::corrector::{Correction, Corrector, Surface, along, distance, dot};
+use crate::corrector::{Correction, Corrector, Surface};
 use crate::crossing::Choice;
-use crate::singular::SingularDirections;
 use crate::sphere::Sphere;
+use crate::vectors::{along, distance, dot};
 
 /// Distance below which two arms are one: over the radius, and over the resolution of points.
 const DISTINCT: (f64, f64) = (1e-3, 100.0);
@@ -49,9 +49,9 @@ impl Arms {
         back: &[f64],
     ) -> Option<Self> {
         corrector.evaluate(system, center).ok()?;
-        let free = SingularDirections::of(corrector.linearization())?;
+        let free = corrector.singular_directions()?;
         let (tolerance, resolution) = (corrector.tolerance, corrector.resolution.max(corrector.blur));
-        let mut own = Corrector::new(center.len() - 1, tolerance, ITERATIONS);
+        let mut own = Corrector::with_solver(system.solver(), center.len() - 1, tolerance, ITERATIONS);
         (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
         own.rounding.clone_from(&corrector.rounding);
         let surface = Surface::Sphere { center: center.to_vec(), radius };
@@ -88,7 +88,7 @@ impl Arms {
         radius: f64,
         least: f64,
     ) -> (Self, usize) {
-        let mut own = Corrector::new(center.len() - 1, corrector.tolerance, ITERATIONS);
+        let mut own = Corrector::with_solver(system.solver(), center.len() - 1, corrector.tolerance, ITERATIONS);
         (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
         own.rounding.clone_from(&corrector.rounding);
         let mut closer = |arm: &Correction, radius: f64| {

@@ -2,11 +2,12 @@
 
 use nlmodes_linalg::{Mat, symmetric_eigen};
 
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::roots::bracketed_root;
 use crate::singular::SingularDirections;
 use crate::step::{Foot, StepSettings};
-use crate::{Boundary, ParametricSystem};
+use crate::vectors::{along, distance, dot};
+use crate::{Boundary, Linearization, ParametricSystem};
 
 /// Distance beyond the boundary at which it is looked what sets in there.
 const DEPTH: f64 = 1e-6;
@@ -136,16 +137,14 @@ impl Expansion {
         let inward: Vec<f64> = slope.iter().map(|s| -s / size).collect();
         corrector.evaluate(system, &foot.z).ok()?;
         let at = corrector.linearization().clone();
-        if SingularDirections::of(&at)?.value < least {
+        if corrector.singular_directions()?.value < least {
             return None;
         }
+        let linear = at.times(&inward);
         let mut set_in = |depth: f64| {
             corrector.evaluate(system, &along(&foot.z, depth, &inward)).ok()?;
             let beyond = &corrector.linearization().residual;
-            let rest = |i: usize| {
-                let linear: f64 = inward.iter().enumerate().map(|(j, v)| at.jacobian[(i, j)] * v).sum();
-                beyond[i] - at.residual[i] - depth * linear
-            };
+            let rest = |i: usize| beyond[i] - at.residual[i] - depth * linear[i];
             Some((0..beyond.len()).map(rest).collect::<Vec<f64>>())
         };
         let (force, twice) = (set_in(DEPTH)?, set_in(2.0 * DEPTH)?);
@@ -157,22 +156,13 @@ impl Expansion {
         if !(length > ABOVE_ROUNDING * rounding && POWERS.contains(&power)) {
             return None;
         }
-        // With rows for the equations and for the boundary, and a column for what sets in.
-        let n = force.len();
-        let entry = |i: usize, j: usize| match (i < n, j <= n) {
-            (true, true) => at.jacobian[(i, j)] / at.sizes[i],
-            (true, false) => force[i] / length / at.sizes[i],
-            (false, true) => -inward[j],
-            (false, false) => 0.0,
-        };
-        let matrix = Mat::from_fn(n + 1, n + 2, entry);
-        let (squares, vectors) = symmetric_eigen(&(matrix.transpose() * &matrix)).ok()?;
+        let force: Vec<f64> = force.iter().map(|force| force / length).collect();
         // Another direction that is nearly free may belong to another branch.
-        let free = squares.get(1)?.max(0.0).sqrt();
-        let share = vectors[(n + 1, 0)];
-        let tangent: Vec<f64> = (0..=n).map(|j| vectors[(j, 0)] * share.signum()).collect();
+        let (vector, free) = free_beyond(&at, &force, &inward, corrector)?;
+        let (share, tangent) = vector.split_last()?;
+        let tangent: Vec<f64> = tangent.iter().map(|t| t * share.signum()).collect();
         let size = dot(&tangent, &tangent).sqrt();
-        if free < least || share == 0.0 || size.is_nan() || size <= least {
+        if free < least || *share == 0.0 || size.is_nan() || size <= least {
             return None;
         }
         let tangent = tangent.iter().map(|t| t / size).collect();
@@ -200,6 +190,31 @@ impl Expansion {
             && end.orientation * foot.orientation > 0.0;
         as_expected.then_some(end)
     }
+}
+
+/// The unit vector of unknowns, parameter and force that the equations and the boundary leave free, `[J, F; ∇gᵀ, 0]`, and the next smallest singular
+/// value of that.
+fn free_beyond(at: &Linearization, force: &[f64], inward: &[f64], corrector: &Corrector) -> Option<(Vec<f64>, f64)> {
+    let n = force.len();
+    if corrector.solver().is_sparse() {
+        let mut beyond = Linearization::sparse(n + 1);
+        beyond.sizes[..n].copy_from_slice(&at.sizes);
+        beyond.entries.extend_from_slice(&at.entries);
+        beyond.entries.extend(force.iter().enumerate().map(|(i, force)| (i, n + 1, *force)));
+        beyond.entries.extend(inward.iter().enumerate().map(|(j, inward)| (n, j, -inward)));
+        let free = SingularDirections::of(&beyond, corrector.solver())?;
+        return Some((free.tangent, free.value));
+    }
+    let entry = |i: usize, j: usize| match (i < n, j <= n) {
+        (true, true) => at.jacobian[(i, j)] / at.sizes[i],
+        (true, false) => force[i] / at.sizes[i],
+        (false, true) => -inward[j],
+        (false, false) => 0.0,
+    };
+    let matrix = Mat::from_fn(n + 1, n + 2, entry);
+    let (squares, vectors) = symmetric_eigen(&(matrix.transpose() * &matrix)).ok()?;
+    let vector = (0..n + 2).map(|j| vectors[(j, 0)]).collect();
+    Some((vector, squares.get(1)?.max(0.0).sqrt()))
 }
 
 /// The gradient of the function of a boundary, by central differences.

@@ -1,9 +1,10 @@
 use std::ops::ControlFlow;
 
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::record::RunLog;
 use crate::run::Run;
 use crate::scales::Scaled;
+use crate::vectors::dot;
 use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, Scaling, StepSettings};
 
 /// A window of one coordinate of `z` outside of which the branch ends.
@@ -130,13 +131,16 @@ impl Continuation {
         direction: &[f64],
     ) -> Result<Start<'s, S::Error>, ContinuationError<S::Error>> {
         self.check(system, x, p, direction)?;
-        let mut corrector = Corrector::new(x.len(), self.step.tolerance, 3 * self.step.max_iterations);
+        let mut corrector =
+            Corrector::with_solver(system.solver(), x.len(), self.step.tolerance, 3 * self.step.max_iterations);
         let mut z: Vec<f64> = x.iter().copied().chain([p]).collect();
         corrector.evaluate(system, &z).map_err(ContinuationError::System)?;
         let given = system.scaling();
         let of_parameter = self.bounds.iter().filter(|bound| bound.coordinate == x.len());
         let most = of_parameter.map(|bound| bound.min.abs().max(bound.max.abs())).fold(f64::INFINITY, f64::min);
-        let scales = given.clone().unwrap_or_else(|| Scaling::found(corrector.linearization(), x, p, direction, most));
+        let scales = given
+            .clone()
+            .unwrap_or_else(|| Scaling::found(corrector.linearization(), system.solver(), (x, p), direction, most));
         check_scales(&scales, x.len())?;
         let scales = scales.rounded();
         let settings = self.in_scales(&scales, given.is_some());

@@ -1,13 +1,12 @@
 //! How a branch goes on where no step ahead exists: at corners of a piecewise smooth curve, and at crossings.
 
-use nlmodes_linalg::DenseLu;
-
 use crate::ParametricSystem;
 use crate::arms::{Arms, outward};
-use crate::corrector::{Correction, Corrector, along, distance, dot};
+use crate::corrector::{Correction, Corrector};
 use crate::crossing::Choice;
-use crate::singular::{NEARLY_FREE, SingularDirections};
+use crate::singular::NEARLY_FREE;
 use crate::step::{Foot, StepSettings, reach, step};
+use crate::vectors::{along, distance, dot};
 
 /// Shortest step towards a corner, over the shortest one elsewhere.
 const NEAREST: f64 = 1e-4;
@@ -176,14 +175,14 @@ fn across_boundary<S: ParametricSystem>(
     regular: f64,
 ) -> Option<Correction> {
     corrector.evaluate(system, &foot.z).ok()?;
-    let here = SingularDirections::of(corrector.linearization())?;
+    let here = corrector.singular_directions()?;
     corrector.evaluate(system, &along(&foot.z, 10.0 * settings.min, &foot.tangent)).ok()?;
-    let there = SingularDirections::of(corrector.linearization())?;
+    let there = corrector.singular_directions()?;
     if system.pattern() == foot.pattern || here.ratio.min(there.ratio) < regular {
         return None;
     }
     let mut tangent = there.tangent.clone();
-    let sign = DenseLu::factor(corrector.bordered_by(&tangent)).ok()?.determinant_sign();
+    let sign = corrector.orientation_along(&tangent)?;
     tangent.iter_mut().for_each(|t| *t *= sign * foot.orientation);
     let beyond = Foot { tangent, behind: None, ..foot.clone() };
     [30.0, 10.0, 3.0].into_iter().find_map(|share| {

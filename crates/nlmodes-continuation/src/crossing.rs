@@ -1,8 +1,9 @@
 //! Points where more than two arms meet: what leaves them, and which way a branch goes on.
 
 use crate::arms::outward;
-use crate::corrector::{Correction, distance, dot};
+use crate::corrector::Correction;
 use crate::record::{is_direction, is_vector};
+use crate::vectors::{distance, dot};
 
 /// Distance below which two crossings are one.
 const SAME: f64 = 1e-4;

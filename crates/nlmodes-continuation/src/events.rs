@@ -1,9 +1,10 @@
 //! Where within a step something happens: roots of test functions along the branch.
 
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, distance};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::predictor::Hermite;
 use crate::roots::bracketed_root;
 use crate::step::{Foot, reach};
+use crate::vectors::distance;
 use crate::{EventKind, ParametricSystem};
 
 /// Tangent component below which a coordinate counts as standing still.

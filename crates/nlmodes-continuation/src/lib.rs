@@ -23,6 +23,9 @@
 //! | `t` | [`BranchPoint::tangent`] | n + 1 |
 //! | `h` | step along the curve, [`StepSettings`] | |
 //!
+//! Linear systems are solved by a [`LinearSolver`]: all entries of the Jacobian unless the system says otherwise, or by sparse LU factorisation
+//! ([`SparseSolver`]) for thousands of unknowns (example `bratu_plane`).
+//!
 //! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scaling`]: those that the system gives, or else
 //! those that are found from the starting point and the Jacobian there. So no problem needs to be scaled for it.
 //!
@@ -70,12 +73,15 @@ mod refusal;
 mod roots;
 mod run;
 mod scales;
+mod signs;
 mod singular;
+mod solver;
 mod sphere;
 mod step;
 mod step_control;
 mod system;
 mod tree;
+mod vectors;
 
 pub use boundary::Boundary;
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
@@ -86,6 +92,7 @@ pub use error::ContinuationError;
 pub use record::{RunLog, StepRecord};
 pub use refusal::{CorrectionFailure, NewtonFailure, Refusal};
 pub use scales::Scaling;
+pub use solver::{DenseSolver, LinearSolver, SparseSolver};
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
 pub use tree::{BranchTree, Origin, TreeBranch};

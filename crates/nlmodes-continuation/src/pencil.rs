@@ -1,8 +1,10 @@
 //! How often the Jacobian becomes singular between two points: eigenvalues of one Jacobian in terms of the other.
 
-use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
+use nlmodes_linalg::{Mat, eigenvalues};
 
-use crate::corrector::{Signs, dot};
+use crate::signs::Signs;
+use crate::vectors::dot;
+use crate::{LinearSolver, Linearization};
 
 /// Vectors of the subspace in which it is looked whether anything may have changed its sign: at first, and where that is not clear.
 const SUBSPACE: [usize; 2] = [4, 12];
@@ -16,6 +18,10 @@ const UNCLEAR: f64 = 0.1;
 /// Largest imaginary part of an eigenvalue that counts as real, over its real part.
 const REAL: f64 = 0.05;
 
+/// Vectors of the subspace in which the eigenvalues of a large matrix are looked for, and how many it starts with: so many times an eigenvalue
+/// may be repeated.
+const LARGE: (usize, usize) = (48, 4);
+
 /// Growth of a vector by which a Jacobian is known to be nearly singular beside another one, and steps in which it would show.
 const GROWN: f64 = 1e3;
 const INVERSE_STEPS: usize = 3;
@@ -23,27 +29,23 @@ const INVERSE_STEPS: usize = 3;
 /// `B = [J; cᵀ]` at a point: the Jacobian, with the row that was below it when the point was found, and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Bordered {
-    pub jacobian: Mat<f64>,
+    pub at: Linearization,
     pub row: Vec<f64>,
-    pub lu: DenseLu,
+    pub solver: Box<dyn LinearSolver>,
 }
 
 impl Bordered {
     /// `[J; rowᵀ] v`.
     fn times(&self, row: &[f64], v: &[f64]) -> Vec<f64> {
-        let n = v.len() - 1;
-        let mut product = vec![0.0; n + 1];
-        for (j, v) in v.iter().enumerate() {
-            product.iter_mut().zip(self.jacobian.col(j).iter()).for_each(|(p, a)| *p += a * v);
-        }
-        product[n] = dot(row, v);
+        let mut product = self.at.times(v);
+        product.push(dot(row, v));
         product
     }
 
     /// `B⁻¹ B'` times a vector, for another point, both with the row of this one.
     fn in_terms(&self, other: &Self, v: &[f64]) -> Vec<f64> {
         let mut product = other.times(&self.row, v);
-        self.lu.solve_in_place(&mut product);
+        self.solver.solve_in_place(&mut product);
         product
     }
 
@@ -127,7 +129,36 @@ impl Bordered {
         })
     }
 
+    /// Eigenvalues of `B⁻¹ B'`: all of them, or where the solver is sparse those that lie outside of the rest. Those of a short step are one but
+    /// for a few.
     fn eigenvalues_of(&self, other: &Self) -> Vec<(f64, f64)> {
+        let matrix = if self.solver.is_sparse() { self.projected(other) } else { self.product(other) };
+        eigenvalues(&matrix).map_or_else(|_| Vec::new(), |all| all.iter().map(|μ| (μ.re, μ.im)).collect())
+    }
+
+    /// `B⁻¹ B'` in the basis of a block Krylov subspace.
+    fn projected(&self, other: &Self) -> Mat<f64> {
+        let n = self.row.len();
+        let mut signs = Signs::default();
+        let mut images: Vec<Vec<f64>> = Vec::new();
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let mut starts = (0..LARGE.1.min(n)).map(|_| (0..n).map(|_| signs.draw_between()).collect::<Vec<f64>>());
+        let mut taken = 0;
+        while basis.len() < LARGE.0.min(n) {
+            let next = starts.next().or_else(|| {
+                taken += 1;
+                images.get(taken - 1).cloned()
+            });
+            let Some(next) = next else { break };
+            if let Some(unit) = orthonormal(next, &basis) {
+                images.push(self.in_terms(other, &unit));
+                basis.push(unit);
+            }
+        }
+        Mat::from_fn(basis.len(), basis.len(), |i, j| dot(&basis[i], &images[j]))
+    }
+
+    fn product(&self, other: &Self) -> Mat<f64> {
         let n = self.row.len();
         let mut product = Mat::zeros(n, n);
         for j in 0..n {
@@ -135,8 +166,22 @@ impl Bordered {
             let column = self.in_terms(other, &unit);
             product.col_mut(j).iter_mut().zip(&column).for_each(|(to, from)| *to = *from);
         }
-        eigenvalues(&product).map_or_else(|_| Vec::new(), |all| all.iter().map(|μ| (μ.re, μ.im)).collect())
+        product
     }
+}
+
+/// The part of a vector that is orthogonal to these unit vectors, as a unit vector; `None` where nothing is left but rounding.
+pub(crate) fn orthonormal(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let size = dot(&v, &v).sqrt();
+    // Twice is enough.
+    for _ in 0..2 {
+        for b in basis {
+            let share = dot(b, &v);
+            v.iter_mut().zip(b).for_each(|(v, b)| *v -= share * b);
+        }
+    }
+    let rest = dot(&v, &v).sqrt();
+    (rest > 1e-10 * size).then(|| v.iter().map(|v| v / rest).collect())
 }
 
 /// Whether the symmetric part of the projected matrix, whose columns these are, exceeds a multiple of one: by elimination.

@@ -1,7 +1,7 @@
 //! The predictor: where the branch is expected, from points and tangents that are known.
 
-use crate::corrector::{along, dot};
 use crate::step::Foot;
+use crate::vectors::{along, distance, dot};
 
 /// Longest step, over the one before, for which the curve through the last two points is continued.
 const EXTRAPOLATED: f64 = 2.0;
@@ -31,7 +31,7 @@ pub(crate) fn predicted(foot: &Foot, h: f64) -> Vec<f64> {
     let from = (s, behind.z.as_slice(), behind.tangent.as_slice());
     let Some(curve) = Hermite::new(&foot.tangent, from, (0.0, &foot.z, &foot.tangent)) else { return on_tangent };
     let on_curve = curve.at(h);
-    if crate::corrector::distance(&on_curve, &on_tangent) > OFF_TANGENT * h { on_tangent } else { on_curve }
+    if distance(&on_curve, &on_tangent) > OFF_TANGENT * h { on_tangent } else { on_curve }
 }
 
 /// The cubic with two points and the tangents there, over the distance along a direction.

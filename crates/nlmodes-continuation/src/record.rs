@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use crate::corrector::dot;
+use crate::vectors::dot;
 use crate::{BranchPoint, Choice, Correction, StopReason};
 
 /// What a step brought: with those before it, all that is needed to go on behind it.

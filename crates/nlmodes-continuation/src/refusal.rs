@@ -26,7 +26,8 @@ pub enum NewtonFailure {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[error(
-    "{reason} (residual {residual:.1e} after {iterations} iterations; tolerance {tolerance:.1e}, rounding {rounding:.1e})"
+    "{reason} (residual {residual:.1e} after {iterations} iterations; tolerance {tolerance:.1e}, rounding {rounding:.1e}{})",
+    unsettled(*residual, *tolerance, *moves)
 )]
 #[non_exhaustive]
 pub struct CorrectionFailure {
@@ -41,6 +42,25 @@ pub struct CorrectionFailure {
     pub rounding: f64,
     /// Newton steps taken.
     pub iterations: usize,
+    /// Length of the Newton step that is left, over the sizes of the unknowns; infinite where there was none.
+    #[cfg_attr(feature = "serde", serde(default = "unknown", with = "crate::record::any_number"))]
+    pub moves: f64,
+}
+
+/// Why a residual within the tolerance is not enough.
+fn unsettled(residual: f64, tolerance: f64, moves: f64) -> String {
+    if residual <= tolerance && moves.is_finite() {
+        format!(
+            "; within the tolerance, but the next Newton step is one of {moves:.1e}: the curve bends more sharply than that"
+        )
+    } else {
+        String::new()
+    }
+}
+
+#[cfg(feature = "serde")]
+fn unknown() -> f64 {
+    f64::INFINITY
 }
 
 /// Why a step is not shown to stay on the branch.

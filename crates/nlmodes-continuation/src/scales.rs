@@ -1,11 +1,11 @@
 //! Sizes of unknowns and equations: beside them everything is judged.
 
-use nlmodes_linalg::{DenseLu, Mat};
-
-use crate::corrector::dot;
 use crate::crossing::Choice;
 use crate::record::StepRecord;
-use crate::{Boundary, BranchPoint, Correction, Crossing, Linearization, ParametricSystem, Refusal, StopReason};
+use crate::vectors::dot;
+use crate::{
+    Boundary, BranchPoint, Correction, Crossing, LinearSolver, Linearization, ParametricSystem, Refusal, StopReason,
+};
 
 /// Least size of an unknown that follows from the tangent; below it stands rounding.
 const LEAST: f64 = 1e-10;
@@ -39,10 +39,16 @@ impl Scaling {
     /// the tangent tells that, else one; sizes near one are one. An equation has a size a little below that of its
     /// largest derivative.
     /// The parameter is no larger than `most`, between its bounds.
-    pub(crate) fn found(at: &Linearization, x: &[f64], p: f64, direction: &[f64], most: f64) -> Self {
+    pub(crate) fn found(
+        at: &Linearization,
+        solver: Box<dyn LinearSolver>,
+        (x, p): (&[f64], f64),
+        direction: &[f64],
+        most: f64,
+    ) -> Self {
         let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let (x_size, p_size) = (largest(x), p.abs());
-        let ratio = tangent(&at.jacobian, direction)
+        let ratio = tangent(at, solver, direction)
             .map(|t| largest(&t[..x.len()]) / t[x.len()].abs())
             .filter(|ratio| ratio.is_finite() && *ratio > 0.0);
         let credible = |size: f64| if size > LEAST { size } else { 1.0 };
@@ -58,12 +64,12 @@ impl Scaling {
         let p_size = if most > 0.0 { p_size.min(most) } else { p_size };
         let size = |size: f64| if (1.0 / NEAR_ONE..=NEAR_ONE).contains(&size) { 1.0 } else { size };
         let unknowns: Vec<f64> = x.iter().map(|_| size(x_size)).chain([size(p_size)]).collect();
-        let of_row = |i: usize| {
-            let sizes = unknowns.iter().enumerate().map(|(j, size)| at.jacobian[(i, j)].abs() * size);
-            let size = sizes.fold(0.0, f64::max);
+        let mut rows = vec![0.0_f64; x.len()];
+        at.each(|i, j, value| rows[i] = rows[i].max(value.abs() * unknowns[j]));
+        let of_row = |size: f64| {
             if size > 0.0 && size.is_finite() { (size / LARGEST).log2().floor().exp2() } else { 1.0 }
         };
-        let equations = (0..x.len()).map(of_row).collect();
+        let equations = rows.into_iter().map(of_row).collect();
         Self { unknowns, equations }
     }
 
@@ -160,12 +166,11 @@ fn to_unit_length(v: &mut [f64]) {
 }
 
 /// The vector that the Jacobian takes to zero, along `direction`.
-fn tangent(jacobian: &Mat<f64>, direction: &[f64]) -> Option<Vec<f64>> {
-    let n = jacobian.nrows();
-    let bordered = Mat::from_fn(n + 1, n + 1, |i, j| if i < n { jacobian[(i, j)] } else { direction[j] });
-    let mut tangent = vec![0.0; n + 1];
-    tangent[n] = 1.0;
-    DenseLu::factor(&bordered).ok()?.solve_in_place(&mut tangent);
+fn tangent(at: &Linearization, mut solver: Box<dyn LinearSolver>, direction: &[f64]) -> Option<Vec<f64>> {
+    solver.factor(at, direction).ok()?;
+    let mut tangent = vec![0.0; direction.len()];
+    *tangent.last_mut()? = 1.0;
+    solver.solve_in_place(&mut tangent);
     Some(tangent)
 }
 
@@ -208,9 +213,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         out.sizes.fill(1.0);
         self.system.linearize(&self.z[..n], self.z[n], out)?;
         let Scaling { unknowns, equations } = &self.scales;
-        for (j, size) in unknowns.iter().enumerate() {
-            equations.iter().enumerate().for_each(|(i, unit)| out.jacobian[(i, j)] *= size / unit);
-        }
+        out.scale_entries(|i, j| unknowns[j] / equations[i]);
         for (i, unit) in equations.iter().enumerate() {
             out.residual[i] /= unit;
             // One stands for a system that writes none.
@@ -219,6 +222,10 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
             }
         }
         Ok(())
+    }
+
+    fn solver(&self) -> Box<dyn LinearSolver> {
+        self.system.solver()
     }
 
     fn pattern(&self) -> u64 {

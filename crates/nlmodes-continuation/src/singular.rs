@@ -2,7 +2,10 @@
 
 use nlmodes_linalg::{Mat, symmetric_eigen};
 
-use crate::Linearization;
+use crate::pencil::orthonormal;
+use crate::signs::Signs;
+use crate::vectors::dot;
+use crate::{LinearSolver, Linearization};
 
 /// Singular value over the largest one, or over one where that is less, below which a direction counts as nearly free.
 pub(crate) const NEARLY_FREE: f64 = 1e-3;
@@ -21,7 +24,16 @@ pub(crate) struct SingularDirections {
 }
 
 impl SingularDirections {
-    pub fn of(linearization: &Linearization) -> Option<Self> {
+    pub fn of(linearization: &Linearization, solver: &dyn LinearSolver) -> Option<Self> {
+        if solver.is_sparse() {
+            Self::by_inverse(linearization, solver.cloned())
+        } else {
+            Self::by_squares(linearization)
+        }
+    }
+
+    /// All singular values, from the eigenvalues of `JᵀJ` and `J Jᵀ`.
+    fn by_squares(linearization: &Linearization) -> Option<Self> {
         let Linearization { jacobian, sizes, .. } = linearization;
         let jacobian = Mat::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| jacobian[(i, j)] / sizes[i]);
         let (_, right) = symmetric_eigen(&(jacobian.transpose() * &jacobian)).ok()?;
@@ -37,6 +49,121 @@ impl SingularDirections {
             value: squares.first()?.max(0.0).sqrt(),
         })
     }
+}
+
+/// Singular values that are looked for where the Jacobian is sparse, and steps of inverse iteration.
+const SMALLEST: usize = 8;
+const STEPS: usize = 12;
+
+/// Singular value, over the largest one of these, below which a direction may be nearly free: those of a fine mesh are small without.
+const APART: f64 = 0.05;
+
+impl SingularDirections {
+    /// The smallest singular values, by inverse iteration: with the tangent `t` as its last row, `B = [J; tᵀ]` has the singular values of `J` and one
+    /// more, and `(B Bᵀ)⁻¹ = B⁻ᵀ B⁻¹` their squares' inverses.
+    fn by_inverse(linearization: &Linearization, mut solver: Box<dyn LinearSolver>) -> Option<Self> {
+        let n = linearization.residual.len();
+        let sizes = &linearization.sizes;
+        let mut at = linearization.clone();
+        at.scale_entries(|i, _| 1.0 / sizes[i]);
+        let mut signs = Signs::default();
+        let mut draw = || (0..=n).map(|_| signs.draw_between()).collect::<Vec<f64>>();
+        let tangent = null_vector(&at, &mut *solver, &draw())?;
+        factor_nearly(&at, &mut *solver, &tangent)?;
+        let border: Vec<f64> = (0..=n).map(|i| if i == n { 1.0 } else { 0.0 }).collect();
+        let mut basis = vec![border];
+        while basis.len() <= SMALLEST.min(n) {
+            basis.push(orthonormal(draw(), &basis)?);
+        }
+        let (mut values, mut left) = (Vec::new(), basis.split_off(1));
+        for _ in 0..STEPS {
+            let mut next = basis.clone();
+            for vector in left {
+                // What is nearly free outgrows the rest: it is taken out before too.
+                let vector = orthonormal(vector, &next).or_else(|| orthonormal(draw(), &next))?;
+                let mut image = vector.clone();
+                solver.solve_in_place(&mut image);
+                solver.solve_transposed_in_place(&mut image);
+                next.push(orthonormal(image, &next).unwrap_or(vector));
+            }
+            (values, left) = rotated(&at, next.split_off(1))?;
+        }
+        let largest = largest_singular_value(&at, draw()).max(1.0);
+        let smallest = *values.first()?;
+        let apart = if values.len() < n { APART * values.last()? } else { f64::INFINITY };
+        let below = apart.min(NEARLY_FREE * largest);
+        let free = values.iter().take_while(|value| **value < below).count().max(1);
+        let left = left.iter().take(free).map(|u| unit(u.iter().zip(sizes).map(|(u, size)| u * size))).collect();
+        Some(Self { tangent, left, ratio: smallest / largest, value: smallest })
+    }
+}
+
+/// Factors `[J; rowᵀ]`, or where that is singular, with its last digits changed.
+fn factor_nearly(at: &Linearization, solver: &mut dyn LinearSolver, row: &[f64]) -> Option<()> {
+    if solver.factor(at, row).is_ok() {
+        return Some(());
+    }
+    let mut near = at.clone();
+    near.scale_entries(|i, j| if i == j { 1.0 + 16.0 * f64::EPSILON } else { 1.0 });
+    solver.factor(&near, row).ok()
+}
+
+/// A unit vector that `J` takes to zero.
+fn null_vector(at: &Linearization, solver: &mut dyn LinearSolver, start: &[f64]) -> Option<Vec<f64>> {
+    let mut row = unit(start.iter().copied());
+    for _ in 0..2 {
+        factor_nearly(at, solver, &row)?;
+        row.fill(0.0);
+        *row.last_mut()? = 1.0;
+        solver.solve_in_place(&mut row);
+        row = unit(row.into_iter());
+    }
+    row.iter().all(|t| t.is_finite()).then_some(row)
+}
+
+/// Singular values, ascending, and left singular vectors of `J` in the span of orthonormal vectors, whose last entry is zero.
+fn rotated(at: &Linearization, basis: Vec<Vec<f64>>) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    let images: Vec<Vec<f64>> = basis.iter().map(|u| transposed_times(at, u)).collect();
+    let k = basis.len();
+    let (_, vectors) = symmetric_eigen(&Mat::from_fn(k, k, |i, j| dot(&images[i], &images[j]))).ok()?;
+    let combined = |c: usize| {
+        let mut sum = vec![0.0; at.residual.len() + 1];
+        basis.iter().enumerate().for_each(|(r, u)| {
+            sum.iter_mut().zip(u).for_each(|(sum, u)| *sum += vectors[(r, c)] * u);
+        });
+        sum
+    };
+    let left: Vec<Vec<f64>> = (0..k).map(combined).collect();
+    // The square of a small value is lost beside that of a large one.
+    let value = |u: &Vec<f64>| {
+        let image = transposed_times(at, u);
+        dot(&image, &image).sqrt()
+    };
+    Some((left.iter().map(value).collect(), left))
+}
+
+/// `Jᵀ u`, of which the last entry belongs to the border.
+fn transposed_times(at: &Linearization, u: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; u.len()];
+    at.each(|i, j, value| product[j] += value * u[i]);
+    product
+}
+
+/// The largest singular value, by the power method.
+fn largest_singular_value(at: &Linearization, start: Vec<f64>) -> f64 {
+    let mut v = unit(start.into_iter());
+    let mut size = 0.0;
+    for _ in 0..STEPS {
+        let mut u = at.times(&v);
+        u.push(0.0);
+        v = transposed_times(at, &u);
+        size = dot(&v, &v).sqrt();
+        if size == 0.0 {
+            break;
+        }
+        v.iter_mut().for_each(|v| *v /= size);
+    }
+    size.sqrt()
 }
 
 fn unit(vector: impl Iterator<Item = f64>) -> Vec<f64> {

@@ -1,11 +1,12 @@
 //! Arms on a small sphere, found along curves on which all equations but one hold.
 
 use crate::corner::{Passage, pass, way_back};
-use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface};
 use crate::events::Search;
 use crate::predictor::Behind;
 use crate::step::{Foot, step};
-use crate::{Linearization, ParametricSystem, StepSettings};
+use crate::vectors::{distance, dot};
+use crate::{LinearSolver, Linearization, ParametricSystem, StepSettings};
 
 /// Distance over the radius, and Newton step, to which points of such a curve are known at best.
 const RESOLUTION: f64 = 1e-7;
@@ -52,6 +53,25 @@ struct Relaxed<'a, E> {
     left: &'a [f64],
 }
 
+impl<E> Relaxed<'_, E> {
+    /// `[J, u; ζᵀ, 0]`.
+    fn write_jacobian(&self, zeta: &[f64], out: &mut Linearization) {
+        let n = self.left.len();
+        if out.jacobian.nrows() == 0 {
+            out.entries.extend_from_slice(&self.inner.entries);
+            out.entries.extend(self.left.iter().enumerate().map(|(i, u)| (i, n + 1, *u)));
+            out.entries.extend(zeta.iter().enumerate().map(|(j, zeta)| (n, j, *zeta)));
+            return;
+        }
+        for i in 0..n {
+            (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
+            out.jacobian[(i, n + 1)] = self.left[i];
+        }
+        (0..=n).for_each(|j| out.jacobian[(n, j)] = zeta[j]);
+        out.jacobian[(n, n + 1)] = 0.0;
+    }
+}
+
 impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
     type Error = E;
 
@@ -62,17 +82,19 @@ impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
     fn linearize(&mut self, zeta: &[f64], mu: f64, out: &mut Linearization) -> Result<(), E> {
         let n = self.left.len();
         let z = self.sphere.point(zeta);
+        self.inner.entries.clear();
         self.system.linearize(&z[..n], z[n], &mut self.inner)?;
         for i in 0..n {
             out.residual[i] = self.inner.residual[i] / self.sphere.radius + mu * self.left[i];
-            (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
-            out.jacobian[(i, n + 1)] = self.left[i];
             out.sizes[i] = self.inner.sizes[i];
         }
         out.residual[n] = 0.5 * (dot(zeta, zeta) - 1.0);
-        (0..=n).for_each(|j| out.jacobian[(n, j)] = zeta[j]);
-        out.jacobian[(n, n + 1)] = 0.0;
+        self.write_jacobian(zeta, out);
         Ok(())
+    }
+
+    fn solver(&self) -> Box<dyn LinearSolver> {
+        self.system.solver()
     }
 
     fn pattern(&self) -> u64 {
@@ -100,7 +122,9 @@ impl Sphere<'_> {
     /// that does not succeed, both ways as far as it goes.
     pub fn arms_along<S: ParametricSystem>(&self, system: &mut S, from: &[f64], left: &[f64]) -> Track {
         let n = left.len();
-        let mut relaxed = Relaxed { system, inner: Linearization::new(n), sphere: self, left };
+        let solver = system.solver();
+        let inner = Linearization::for_solver(&*solver, n);
+        let mut relaxed = Relaxed { system, inner, sphere: self, left };
         let resolution = (self.resolution / self.radius).max(RESOLUTION);
         let min = SHORTEST * resolution;
         let settings = StepSettings {
@@ -112,7 +136,7 @@ impl Sphere<'_> {
             tolerance: self.tolerance / self.radius,
             ..StepSettings::default()
         };
-        let mut corrector = Corrector::new(n + 1, settings.tolerance, 2 * settings.max_iterations);
+        let mut corrector = Corrector::with_solver(solver, n + 1, settings.tolerance, 2 * settings.max_iterations);
         (corrector.resolution, corrector.blur) = (resolution, resolution);
         let all = self.rounding.iter().copied().chain([ROUNDING]);
         corrector.rounding = all.map(|rounding| rounding / self.radius).collect();

@@ -1,8 +1,9 @@
 use std::rc::Rc;
 
-use crate::corrector::{Correction, Corrector, Hyperplane, Surface, along, distance, dot};
+use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::pencil::Bordered;
 use crate::predictor::{Behind, predicted};
+use crate::vectors::{along, distance, dot};
 use crate::{ContinuationError, CorrectionFailure, ParametricSystem, Refusal};
 
 /// Length of a step and what makes it credible.

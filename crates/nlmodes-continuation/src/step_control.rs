@@ -44,6 +44,11 @@ impl StepControl {
         self.limits.min = self.shortest.max(ABOVE_ROUNDING * blur).min(self.limits.max);
     }
 
+    /// Whether rounding alone forbids shorter steps.
+    pub fn is_held_by_rounding(&self) -> bool {
+        self.limits.min > self.shortest
+    }
+
     /// The longest step from a point: far from zero, in proportion to the largest unknown.
     pub fn longest(&self, z: &[f64]) -> f64 {
         let largest = z.iter().fold(0.0_f64, |m, z| m.max(z.abs()));

@@ -90,7 +90,7 @@ impl Continuation {
             let Some(open) = registry.next_open() else { break };
             origin = Some(Origin { branch: open.branch, crossing: open.crossing });
             start = open.start;
-            corrector = Corrector::new(x.len(), self.step.tolerance, self.step.max_iterations);
+            corrector = Corrector::with_solver(system.solver(), x.len(), self.step.tolerance, self.step.max_iterations);
         }
         Ok(BranchTree { branches, not_followed: registry.n_open() })
     }

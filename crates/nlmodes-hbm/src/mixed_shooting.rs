@@ -1,15 +1,17 @@
+mod contact;
+mod rows;
+
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
-use nlmodes_linalg::Mat;
-use num_complex::Complex64;
 
+use self::contact::Gaps;
+use self::rows::{EnergyTotals, Nu};
 use crate::closed_set::NodeResponse;
 use crate::closing::Opening;
 use crate::contact_operator::{ContactOperator, Switching};
-use crate::energy::{KineticEnergy, inner};
+use crate::energy::KineticEnergy;
 use crate::series::{RealSeries, Symmetry};
 use crate::transfer::Plane;
-use crate::trigonometric::Trigonometric;
 use crate::{CondensedStructure, HbmError};
 
 /// Most harmonics that are accepted.
@@ -185,218 +187,6 @@ impl<'s> MixedShooting<'s> {
         let coefficients = (0..n).flat_map(|d| from.resized(&x[d * old..(d + 1) * old], self.series()));
         coefficients.chain(x[n * old..].iter().copied()).collect()
     }
-
-    /// Contact pattern, coefficients of `q_N` and their derivative for the unknown vector `x`.
-    pub(crate) fn solve_contact(&mut self, x: &[f64]) -> Result<(), HbmError> {
-        self.b.iter_mut().zip(x).for_each(|(b, x)| *b = x * self.scales.length);
-        self.form_gaps();
-        self.sweep.run()?;
-        for set in self.nodes.len()..self.sweep.sets.len() {
-            self.nodes.push(NodeResponse::new(&self.structure.body, &self.sweep.sets.get(set).closed)?);
-        }
-        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
-        let size = n * width;
-        self.dkept_db.fill(0.0);
-        let mut constant = vec![0.0; width];
-        self.kept.fill(0.0);
-        for (set, averages) in &self.sweep.spectra {
-            let set = &self.nodes[*set];
-            self.sweep.series.multiplication(averages, &mut self.product);
-            self.sweep.series.coefficients_of(averages, &mut constant);
-            for d in 0..n {
-                for (m, constant) in constant.iter().enumerate() {
-                    let row = &mut self.dkept_db[(d * width + m) * size..(d * width + m + 1) * size];
-                    for e in 0..n {
-                        let factor = set.d[d * n + e];
-                        let block = &mut row[e * width..(e + 1) * width];
-                        subtract(block, -factor, &self.product[m * width..(m + 1) * width]);
-                    }
-                    self.kept[d * width + m] -= set.r[d] * constant;
-                }
-            }
-        }
-        for i in 0..size {
-            let row = &self.dkept_db[i * size..(i + 1) * size];
-            self.kept[i] += inner(row, &self.b);
-            self.q[i] = self.b[i] - self.kept[i];
-        }
-        self.open_contacts();
-        Ok(())
-    }
-
-    /// The contact pattern alone at `z = (x, p)`.
-    fn intervals_at(&mut self, z: &[f64]) -> Option<()> {
-        self.b.iter_mut().zip(z).for_each(|(b, x)| *b = x * self.scales.length);
-        self.form_gaps();
-        self.sweep.run().ok()
-    }
-
-    /// Gaps of the contacts where the motion is zero, m, c.
-    fn gaps_at_rest(&self) -> Vec<f64> {
-        self.structure.gaps.iter().zip(&self.standing_back).map(|(gap, back)| gap + back).collect()
-    }
-
-    /// Gaps without contact forces, `y = Wᵀ b + g₀`, of each contact.
-    fn form_gaps(&mut self) {
-        let (series, w) = (self.sweep.series, self.structure.model.w());
-        let (width, mut of_dof) = (series.width(), vec![Complex64::default(); series.n_harmonics + 1]);
-        for (i, y) in self.sweep.y.iter_mut().enumerate() {
-            y.fill(Complex64::default());
-            y[0].re = self.structure.gaps[i] + self.standing_back[i];
-            for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
-                series.to_complex(&self.b[d * width..(d + 1) * width], &mut of_dof);
-                y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
-            }
-        }
-    }
-
-    /// Writes the coefficients of `b` and `q_N` belonging to real coefficient `m`, for the point evaluated last.
-    pub(crate) fn coefficients(&self, m: usize, b: &mut [f64], q: &mut [f64]) {
-        let width = self.sweep.series.width();
-        for (to, from) in [(b, &self.b), (q, &self.q)] {
-            to.iter_mut().zip(from.iter().skip(m).step_by(width)).for_each(|(to, from)| *to = *from);
-        }
-    }
-
-    /// Rows of eq. (14) for real coefficient `m`, with the unfolding term; `plane` is that of its harmonic.
-    fn connectivity_rows(&mut self, m: usize, nu: Nu, unfolding: f64, out: &mut Linearization) {
-        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
-        let (size, scale) = (n * width, 1.0 / self.scales.length);
-        let rotated = self.sweep.series.turned(m);
-        let plane = &self.plane;
-        for d in 0..n {
-            let row = d * width + m;
-            let (mut value, mut slope, mut turn) = (0.0, 0.0, 0.0);
-            let entries = &mut self.rows[row * size..(row + 1) * size];
-            entries.fill(0.0);
-            for e in 0..n {
-                let (b, q, kept) = (self.b[e * width + m], self.q[e * width + m], self.kept[e * width + m]);
-                // A b − B q = (A − B) b + B (b − q)
-                value += plane.d[d * n + e] * b + plane.b[d * n + e] * kept;
-                slope += plane.da[d * n + e] * b - plane.db[d * n + e] * q;
-                subtract(entries, -plane.b[d * n + e], &self.dkept_db[(e * width + m) * size..][..size]);
-                entries[e * width + m] += plane.d[d * n + e];
-                if let Some((other, factor)) = rotated {
-                    let rotate = plane.b[d * n + e] * factor;
-                    turn += rotate * self.b[e * width + other];
-                    slope += unfolding * plane.db[d * n + e] * factor * self.b[e * width + other];
-                    entries[e * width + other] += unfolding * rotate;
-                }
-            }
-            if let Some(opening) = &self.opening {
-                let moved = (0..n).map(|e| plane.b[d * n + e] * opening.dq[e * width + m]).sum::<f64>();
-                out.jacobian[(row, out.residual.len())] = -moved * scale;
-            }
-            out.residual[row] = (value + unfolding * turn) * scale;
-            out.sizes[row] = self.plane.size_of_row(d, nu.squared);
-            out.jacobian[(row, size)] = slope * nu.d_omega * self.scales.omega * scale;
-            if self.settings.symmetry == Symmetry::None {
-                out.jacobian[(row, size + 1)] = turn * scale;
-            }
-        }
-    }
-
-    fn energy_row(
-        &mut self,
-        omega: f64,
-        p: f64,
-        gradient_q: &[f64],
-        totals: &EnergyTotals,
-        out: &mut Linearization,
-    ) -> Result<(), HbmError> {
-        let size = self.b.len();
-        let energy = totals.value;
-        if !(energy.is_finite() && energy > 0.0) {
-            return Err(HbmError::Motion { omega, energy });
-        }
-        let row = size;
-        out.residual[row] = (energy / self.scales.energy).ln() - p;
-        let entries = &mut self.rows[size * size..];
-        entries.copy_from_slice(&totals.d_b);
-        for (i, weight) in gradient_q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-            entries[i] += weight;
-            subtract(entries, *weight, &self.dkept_db[i * size..(i + 1) * size]);
-        }
-        let unit = self.scales.length / energy;
-        entries.iter_mut().for_each(|r| *r *= unit);
-        out.jacobian[(row, size)] = totals.d_omega * self.scales.omega / energy;
-        out.jacobian[(row, out.residual.len())] =
-            self.opening.as_ref().map_or(-1.0, |opening| crate::energy::inner(gradient_q, &opening.dq) / energy);
-        Ok(())
-    }
-
-    /// Writes the rows made so far, and zeros below them.
-    fn put_rows(&self, jacobian: &mut Mat<f64>) {
-        let size = self.b.len();
-        for j in 0..size {
-            let column = jacobian.col_mut(j).try_as_col_major_mut().expect("columns of a Mat are contiguous");
-            let (made, below) = column.as_slice_mut().split_at_mut(size + 1);
-            made.iter_mut().zip(self.rows[j..].iter().step_by(size)).for_each(|(to, from)| *to = *from);
-            below.fill(0.0);
-        }
-    }
-
-    /// Anchors the phase of the motion `x`; one that stands still has none.
-    fn hold_phase(&mut self, x: &[f64]) {
-        if self.settings.symmetry == Symmetry::Even {
-            return;
-        }
-        let width = self.sweep.series.width();
-        let turned = |i: usize| {
-            let (d, m) = (i / width, i % width);
-            self.sweep.series.turned(m).map_or(0.0, |(other, factor)| factor * x[d * width + other])
-        };
-        let anchor: Vec<f64> = (0..self.b.len()).map(turned).collect();
-        let length = crate::energy::inner(&anchor, &anchor).sqrt();
-        if length > 0.0 {
-            self.anchor = anchor.into_iter().map(|a| a / length).collect();
-        }
-    }
-
-    fn anchor_row(&self, x: &[f64], out: &mut Linearization) {
-        let row = self.b.len() + 1;
-        out.residual[row] = crate::energy::inner(&self.anchor, x);
-        self.anchor.iter().enumerate().for_each(|(j, a)| out.jacobian[(row, j)] = *a);
-    }
-}
-
-/// What makes gaps of the unknowns, by itself.
-struct Gaps {
-    series: RealSeries,
-    /// n_N × c.
-    w: Mat<f64>,
-    at_rest: Vec<f64>,
-}
-
-impl Gaps {
-    /// The weighted sum of all gaps without contact forces over time, for the unknowns `z`.
-    fn sum(&self, weights: &[f64], z: &[f64], length: f64) -> Trigonometric {
-        let width = self.series.width();
-        let mut real = vec![0.0; width];
-        for d in 0..self.w.nrows() {
-            let factor: f64 = (0..weights.len()).map(|i| self.w[(d, i)] * weights[i]).sum::<f64>() * length;
-            if factor != 0.0 {
-                real.iter_mut().zip(&z[d * width..]).for_each(|(sum, x)| *sum += factor * x);
-            }
-        }
-        real[0] += inner(weights, &self.at_rest);
-        let mut sum = Trigonometric { z: vec![Complex64::default(); self.series.n_harmonics + 1] };
-        self.series.to_complex(&real, &mut sum.z);
-        sum
-    }
-}
-
-/// Squared angular frequency of a harmonic and its derivative with respect to ω.
-#[derive(Clone, Copy)]
-struct Nu {
-    squared: f64,
-    d_omega: f64,
-}
-
-struct EnergyTotals {
-    value: f64,
-    d_b: Vec<f64>,
-    d_omega: f64,
 }
 
 impl ParametricSystem for MixedShooting<'_> {

@@ -177,6 +177,26 @@ impl DenseLu {
         }
     }
 
+    /// Overwrites `x` with `A⁻ᵀ x`.
+    ///
+    /// # Panics
+    /// If `x` has not [`DenseLu::dim`] entries.
+    pub fn solve_transposed_in_place(&self, x: &mut [f64]) {
+        let n = self.n;
+        assert_eq!(x.len(), n, "right-hand side of a {n} x {n} system");
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for k in 0..n {
+            let column = &self.lu[k * n..(k + 1) * n];
+            x[k] = (x[k] - dot(&x[..k], &column[..k])) / column[k];
+        }
+        for k in (0..n).rev() {
+            x[k] -= dot(&x[k + 1..], &self.lu[k * n + k + 1..(k + 1) * n]);
+        }
+        for (k, &p) in self.exchanges.iter().enumerate().rev() {
+            x.swap(k, p);
+        }
+    }
+
     /// Sign of `det A`: +1 or −1.
     pub fn determinant_sign(&self) -> f64 {
         self.sign
@@ -208,10 +228,15 @@ mod tests {
             let a = Mat::from_fn(n, n, |i, j| next() + if i == j { 2.0 } else { 0.0 });
             let b: Vec<f64> = (0..n).map(|_| next()).collect();
             let mut x = b.clone();
-            DenseLu::factor(&a).unwrap().solve_in_place(&mut x);
+            let lu = DenseLu::factor(&a).unwrap();
+            lu.solve_in_place(&mut x);
+            let mut y = b.clone();
+            lu.solve_transposed_in_place(&mut y);
             for i in 0..n {
                 let ax: f64 = (0..n).map(|j| a[(i, j)] * x[j]).sum();
                 prop_assert!((ax - b[i]).abs() < 1e-10, "row {i}: {ax} vs {}", b[i]);
+                let ay: f64 = (0..n).map(|j| a[(j, i)] * y[j]).sum();
+                prop_assert!((ay - b[i]).abs() < 1e-10, "column {i}: {ay} vs {}", b[i]);
             }
         }
     }

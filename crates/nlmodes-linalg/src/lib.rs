@@ -3,6 +3,7 @@
 //! | problem | symbols | shape | item |
 //! | --- | --- | --- | --- |
 //! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
+//! | `A x = b`, A sparse | `P A Q = L U` | n × n | [`SparseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
 //! | its order of elimination, memory and work beforehand | `P` | n × n | [`CholeskyPlan`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
@@ -37,6 +38,7 @@ mod error;
 mod modes;
 mod ordering;
 mod sparse;
+mod sparse_lu;
 mod symmetric;
 
 pub use cholesky::{CholeskyPlan, SparseCholesky};
@@ -50,4 +52,5 @@ pub use sparse::{
     SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, multiply, multiply_many, multiply_transposed, select,
     sparse_from_triplets, triplets,
 };
+pub use sparse_lu::SparseLu;
 pub use symmetric::symmetric_eigen;

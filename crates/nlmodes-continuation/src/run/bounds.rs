@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::Run;
-use crate::corrector::{Correction, Hyperplane, Surface, distance, dot};
+use crate::corrector::{Correction, Hyperplane, Surface};
 use crate::events::{Root, Search};
 use crate::step::reach;
+use crate::vectors::{distance, dot};
 use crate::{Bound, Refusal, StopReason};
 
 /// Share of a step by which the point on a bound may lie off the branch that was followed to the bound.

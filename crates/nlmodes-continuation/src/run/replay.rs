@@ -74,8 +74,9 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             self.passed = None;
         }
         self.corrector.blur = record.blur.max(self.corrector.resolution);
-        let known = self.corrector.rounding.iter_mut().zip(record.rounding);
-        known.for_each(|(now, then)| *now = now.max(then));
+        if record.rounding.len() == self.corrector.rounding.len() {
+            self.corrector.rounding = record.rounding;
+        }
         self.corrector.evaluations = record.evaluations;
         self.branch.refused_steps = record.refused_steps;
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)

@@ -2,9 +2,10 @@
 
 use super::{Crossing, Run, between};
 use crate::corner;
-use crate::corrector::{Correction, along};
+use crate::corrector::Correction;
 use crate::events::Located;
 use crate::step::reach;
+use crate::vectors::along;
 use crate::{EventKind, Refusal};
 
 /// Most corrections of the place of such a crossing, and the change that ends them.

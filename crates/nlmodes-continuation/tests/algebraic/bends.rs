@@ -9,10 +9,10 @@ use crate::samples::{events, window};
 
 /// `ξ − π − k ξ₊^{3/2} = 0` with `ξ = x/a − 1` and `π = p/b`: from (a, 0) the parameter rises with the unknown as far as `ξ = (2/3k)²`, and
 /// falls from there on, while the unknown hardly moves.
-struct Stop {
-    stiffness: f64,
-    units: [f64; 2],
-    beyond: bool,
+pub struct Stop {
+    pub stiffness: f64,
+    pub units: [f64; 2],
+    pub beyond: bool,
 }
 
 impl Stop {

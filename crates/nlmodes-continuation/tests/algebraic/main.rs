@@ -10,6 +10,7 @@ mod samples;
 mod seen;
 mod several;
 mod smooth;
+mod sparse;
 mod three_free;
 mod trees;
 mod units;

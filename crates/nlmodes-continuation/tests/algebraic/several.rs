@@ -13,9 +13,9 @@ use crate::units::InUnits;
 const CROSSING: fn(&EventKind) -> bool = |e| *e == EventKind::BranchPoint;
 
 /// `(p − c_i) x_i − x_i³ − g x_i Σ x_j² = 0`: the normal form with the symmetry of a cube where all c are zero; modes of a stripe otherwise.
-struct Modes {
-    at: Vec<f64>,
-    g: f64,
+pub struct Modes {
+    pub at: Vec<f64>,
+    pub g: f64,
 }
 
 impl ParametricSystem for Modes {

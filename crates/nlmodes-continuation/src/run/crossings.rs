@@ -1,0 +1,91 @@
+//! Crossings that a step passes, and which of their arms the branch takes.
+
+use std::ops::ControlFlow;
+
+use super::{Crossing, Run, between};
+use crate::corner;
+use crate::corrector::Correction;
+use crate::crossing::Choice;
+use crate::events::{Located, Search};
+use crate::pencil::Bordered;
+use crate::singular::NEARLY_FREE;
+use crate::{BranchPoint, EventKind, Refusal, StopReason};
+
+impl<E: std::error::Error + 'static> Run<'_, '_, E> {
+    /// The crossing within a step, if there is one, and the changes of the pattern, where they have been looked for.
+    ///
+    /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
+    /// a crossing is a jump to another arm.
+    pub(super) fn crossing_passed(
+        &mut self,
+        end: &Correction,
+        border: Option<&Bordered>,
+        h: f64,
+    ) -> Result<(Option<Crossing>, Option<Vec<Located>>), Refusal> {
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        if end.orientation * self.foot.orientation < 0.0 {
+            let crossing = search.crossing().ok_or(Refusal::CrossingNotLocated)?;
+            let choice = self.arms_at(&crossing, end, h).ok_or(Refusal::OtherArm)?;
+            return Ok((Some((crossing, choice)), None));
+        }
+        let changes = (end.pattern != self.foot.pattern).then(|| search.pattern_changes());
+        let touched = changes.as_ref().and_then(|changes| self.touched_corner(changes, end, border, h));
+        Ok((touched, changes))
+    }
+
+    /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
+    /// `det [J; tᵀ]` as it was, but the Jacobian becomes singular there.
+    fn touched_corner(
+        &mut self,
+        changes: &[Located],
+        end: &Correction,
+        border: Option<&Bordered>,
+        h: f64,
+    ) -> Option<Crossing> {
+        changes.iter().find_map(|change| {
+            if !self.becomes_singular(&change.point.z, border) {
+                return None;
+            }
+            let change = Located { kinds: vec![EventKind::BranchPoint], ..change.clone() };
+            let choice = self.arms_at(&change, end, h)?;
+            Some((change, choice))
+        })
+    }
+
+    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends, or where these are not known by itself.
+    fn becomes_singular(&mut self, z: &[f64], end: Option<&Bordered>) -> bool {
+        let foot = self.foot.border.clone();
+        let ends = [foot.as_deref(), end].into_iter().flatten();
+        if let (Some(_), Some(_)) = (&foot, end) {
+            let at = self.corrector.border_at(self.system, z, &self.foot.tangent);
+            // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by itself.
+            return at.is_none_or(|at| ends.into_iter().all(|end| at.is_singular_beside(end)));
+        }
+        self.corrector.evaluate(self.system, z).is_ok()
+            && self.corrector.singular_directions().is_some_and(|free| free.ratio <= NEARLY_FREE)
+    }
+
+    /// The arms at a point of a step; `None` if only two meet.
+    fn arms_at(&mut self, at: &Located, end: &Correction, h: f64) -> Option<Choice> {
+        // The Jacobian has no tangent to offer where arms meet.
+        let tangent = between(&self.foot.tangent, &end.tangent, at.s / h);
+        corner::crossing(self.system, &mut self.corrector, &self.control.limits, &at.point.z, &tangent)
+    }
+
+    /// The arm on which the branch is to leave a crossing; `None` if that has been passed before.
+    pub(super) fn choose(&mut self, choice: &Choice) -> Option<usize> {
+        let arm = choice.arm(self.settings.at_branch_point);
+        let number = self.branch.crossings.len();
+        let free = self.known.as_mut().is_none_or(|(registry, branch)| registry.enter(choice, arm, *branch, number));
+        self.passed = Some(choice.clone());
+        free.then_some(arm)
+    }
+
+    /// Notes the crossing, whose point has been kept; the branch ends there if it has no way to go.
+    pub(super) fn note(&mut self, choice: &Choice, way: Option<usize>) -> ControlFlow<StopReason> {
+        let named = |q: &BranchPoint| q.events.contains(&EventKind::BranchPoint);
+        let point = self.branch.points.iter().rposition(named).unwrap_or(0);
+        self.branch.crossings.push(choice.crossing(point, way));
+        if way.is_some() { ControlFlow::Continue(()) } else { ControlFlow::Break(StopReason::Joined) }
+    }
+}
