@@ -36,6 +36,20 @@ impl Column {
     }
 }
 
+/// Columns of the table of differences of responses.
+pub const RESPONSE_DIFFERENCE_COLUMNS: [Column; 10] = [
+    Column::new("overlay", "", "name of what is laid over"),
+    Column::new("point", "", "its point, from 0"),
+    Column::new("frequency_hz", "Hz", "frequency of the load, of both"),
+    Column::new("level", "unit of the load", "level of the point; NaN where the table has none"),
+    Column::new("fundamental_m", "m", "fundamental of the first contact; NaN where it is not known"),
+    Column::new("curve_fundamental_m", "m", "that of the curve there, linear between its points"),
+    Column::new("drive_fundamental_m", "m", "fundamental of the drive point; NaN where it is not known"),
+    Column::new("curve_drive_fundamental_m", "m", "that of the curve there"),
+    Column::new("peak_contact_force_n", "N", "largest contact force; NaN where it is not known"),
+    Column::new("curve_peak_contact_force_n", "N", "that of the curve there"),
+];
+
 /// Columns of `overlay.csv`.
 pub const DIFFERENCE_COLUMNS: [Column; 11] = [
     Column::new("overlay", "", "name of what is laid over"),

@@ -11,6 +11,11 @@ pub(crate) fn kind(branch: &ModalBranch) -> &str {
     branch.coordinates.get(index).map_or("", |coordinate| &coordinate.kind)
 }
 
+/// The motion of a kind of coordinates, without the number of the structure of several: `axial` of `axial-2`.
+pub(crate) fn motion_of(kind: &str) -> &str {
+    kind.split('-').next().unwrap_or(kind)
+}
+
 /// Where the first contact is.
 pub(crate) fn contact_position(branch: &ModalBranch) -> Option<f64> {
     branch.coordinates.get(branch.contact_coordinate?).map(|coordinate| coordinate.position)

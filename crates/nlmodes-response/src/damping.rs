@@ -1,4 +1,5 @@
 use nlmodes_hbm::ModalDamping;
+use nlmodes_linalg::Mat;
 
 use crate::Weights;
 
@@ -14,6 +15,8 @@ pub enum Damping {
         /// Factor of the stiffness, s.
         stiffness: f64,
     },
+    /// `Ĉ = Φᵀ C Φ` in the open modes, m × m, symmetric, 1/s.
+    Coupled(Mat<f64>),
 }
 
 /// A dashpot between a place of the structure and the ground.
@@ -30,6 +33,14 @@ impl Damping {
         match self {
             Self::Ratios(ratios) => ModalDamping::ratios(omega_squared, ratios),
             Self::Rayleigh { mass, stiffness } => ModalDamping::rayleigh(omega_squared, *mass, *stiffness),
+            Self::Coupled(all) => {
+                let is_coupled = |(i, j): (usize, usize)| i != j && all[(i, j)] != 0.0;
+                let (rows, columns) = (all.nrows(), all.ncols());
+                match (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).any(is_coupled) {
+                    true => ModalDamping::Full(all.clone()),
+                    false => ModalDamping::Diagonal((0..rows.min(columns)).map(|k| all[(k, k)]).collect()),
+                }
+            }
         }
     }
 }

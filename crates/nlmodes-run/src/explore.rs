@@ -6,8 +6,9 @@ use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::report::HtmlReport;
 use nlmodes::study::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
 use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::Structures;
 
-use crate::settings::{Models, branch_settings, models, starts};
+use crate::settings::{Models, branch_settings, models_sharing, starts};
 use crate::study::{held_ends, stop_lines};
 use crate::{Failure, RunError, refusal};
 
@@ -19,15 +20,16 @@ const SAMPLES: usize = 120;
 /// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with responses the first
 /// curve of the first one.
 ///
-/// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it.
+/// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it; what `structures` know of files is not
+/// read and reduced again.
 ///
 /// # Errors
 /// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.
-pub fn picture(file: &SceneFile, watch: Watch) -> Result<String, RunError> {
+pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Result<String, RunError> {
     if !file.scene.responses.is_empty() {
-        return crate::responses::picture(file, &watch);
+        return crate::responses::picture(file, &watch, structures);
     }
-    let Models { model: _, massless, .. } = models(file)?;
+    let Models { model: _, massless, .. } = models_sharing(file, structures)?;
     let plain = branch_settings(&file.scene);
     let settings = BranchSettings {
         start: starts(file.scene.continuation.start).0,

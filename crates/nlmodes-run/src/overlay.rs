@@ -14,12 +14,6 @@ use crate::{RunError, refusal};
 
 /// What is laid over the results of a scene.
 pub(crate) fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
-    if !(file.scene.overlays.is_empty() || file.scene.responses.is_empty()) {
-        let help = ["leave out [[response]] for the nonlinear mode with its overlays"];
-        return Err(file
-            .error_at("overlay", "responses have no overlays yet", "not beside [[response]]", &help)
-            .into());
-    }
     let read = |(k, found): (usize, &Overlay)| {
         read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
     };

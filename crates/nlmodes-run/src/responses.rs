@@ -3,9 +3,11 @@
 mod certified;
 mod convert;
 mod curves;
+mod damping;
 mod figures;
 mod histories;
 mod model;
+mod overlaid;
 mod page;
 mod picture;
 mod structure;
@@ -24,9 +26,11 @@ use crate::claim::{Claim, identity};
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
+use convert::Converter;
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
+use overlaid::LaidCurve;
 pub(crate) use picture::picture;
 
 /// What came out of the responses of a scene.
@@ -60,7 +64,7 @@ impl ResponsesOutcome {
 /// # Errors
 /// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
 pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
-    crate::overlay::laid_over(file)?;
+    let laid = overlaid::read(file)?;
     if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
     }
@@ -116,7 +120,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         return Err(RunError::Ended);
     }
     let certificate = certified::certificate(&file.scene, &model, &curves);
-    let failure = files(&file.scene, &model, &curves, &certificate, began).err();
+    let failure = files(&file.scene, &model, (&curves, &laid), &certificate, began).err();
     Ok(ResponsesOutcome { scene: file.scene, curves, certificate, wall_time: began.elapsed(), is_cut_off, failure })
 }
 
@@ -127,21 +131,31 @@ const MOST_DETACHED: usize = 20;
 fn files(
     scene: &Scene,
     model: &Model,
-    curves: &[ComputedResponse],
+    (curves, laid): (&[ComputedResponse], &[LaidCurve]),
     certificate: &Certificate,
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
+    let converter = Converter::new(model)?;
+    let subharmonic = |computed: &ComputedResponse| scene.responses[computed.response].subharmonic;
+    let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, curves, &converter, &subharmonic));
+    let compared: Vec<_> = laid.iter().map(beside).collect();
+    overlaid::write(directory, &compared)?;
+    let sentences: Vec<String> = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
     tables::write_motions(directory, scene, model, curves)?;
     tables::write_forces(directory, curves)?;
     histories::write(directory, scene, model, curves)?;
     summary::write(directory, scene, model, (curves, certificate), began)?;
-    let figures = figures::all(scene, model, curves)?;
+    let figures = figures::all(scene, model, (curves, laid))?;
     if scene.files.figures {
         let style = style_of(&scene.files);
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
     }
-    if scene.files.page { page::write(directory, scene, model, (curves, certificate), figures) } else { Ok(()) }
+    if scene.files.page {
+        page::write(directory, scene, model, (curves, certificate, &sentences), figures)
+    } else {
+        Ok(())
+    }
 }
 
 /// Whether a run of the responses would begin.
@@ -149,5 +163,6 @@ fn files(
 /// # Errors
 /// [`RunError`] that says why it would not.
 pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+    overlaid::read(file)?;
     Model::new(file).map(|model| model.reduction)
 }

@@ -78,6 +78,14 @@ impl Elements {
         parts::fixed_to(model, &self.masses, &self.springs)
     }
 
+    /// Rod or beam.
+    pub fn kind(&self) -> StructureKind {
+        match self.theory {
+            Theory::Rod(..) => StructureKind::Rod,
+            Theory::Beam(..) => StructureKind::Beam,
+        }
+    }
+
     /// The nodes.
     pub fn mesh(&self) -> &Mesh {
         match &self.theory {

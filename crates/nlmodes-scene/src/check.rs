@@ -47,6 +47,7 @@ pub fn scene(raw: &RawScene, stem: &str, base: &Path, findings: &mut Findings<'_
     let nodes = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, &stops, findings));
     let structure = raw.structure.as_ref().and_then(|raw| {
         let fixed = Fixed::of_one(raw, findings);
+        structure::alone(raw, findings);
         structure::check(raw, nodes.as_ref(), &fixed, findings)
     });
     let mesh = nodes.as_ref().map(|nodes| &nodes.mesh);
@@ -76,7 +77,7 @@ pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, findings: &mu
     findings.about_structure(None);
     let contacts = contact::check(tables, &bodies, findings);
     let structures = structures.into_iter().collect::<Option<Vec<Structure>>>().map(SceneStructure::Several);
-    let subject = Subject { places: Places::Bodies, contact_tables: tables.len() };
+    let subject = Subject { places: Places::Bodies(&bodies), contact_tables: tables.len() };
     let scene = rest(&raw.study, (stem, base), structures, contacts, &subject, findings)?;
     for (i, structure) in scene.structure.bodies().iter().enumerate() {
         findings.about_structure(Some(i));
@@ -98,6 +99,7 @@ pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, findings: &mu
 fn one_structure(raw: &RawStructure, stops: &[f64], findings: &mut Findings<'_>) -> Option<Structure> {
     let nodes: Option<Nodes> = nodes::mesh(raw, stops, findings);
     let fixed = Fixed::of_one(raw, findings);
+    structure::alone(raw, findings);
     structure::check(raw, nodes.as_ref(), &fixed, findings)
 }
 

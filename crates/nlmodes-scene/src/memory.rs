@@ -240,7 +240,10 @@ fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneE
     let all = elements.into_iter().chain(counts);
     let label: Vec<String> = all.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).collect();
     let label = label.join(", ");
-    let less = "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less";
+    let less = match scene.structure.straight() {
+        Some(_) => "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less",
+        None => "a coarser mesh or fewer `method.harmonics` take less",
+    };
     file.error_at(path, &title, &label, &[&limit.help(least), less]).with_last_line("nothing was computed or written")
 }
 

@@ -25,7 +25,9 @@ pub use overlay::RawOverlay;
 pub use parts::{RawMassPoint, RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use reduction::RawReduction;
-pub use response::{RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawResponse};
+pub use response::{
+    RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawOwnDamping, RawRayleigh, RawResponse,
+};
 pub use results::RawResults;
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;

@@ -132,6 +132,9 @@ pub struct Structure {
     /// Frequencies that are imposed on the lowest modes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<ImposedModes>,
+    /// Damping of this structure of several; otherwise that of the scene counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<ModeDamping>,
 }
 
 /// Frequencies of the lowest modes, as measured ones, in place of those of the elements.

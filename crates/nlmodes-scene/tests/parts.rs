@@ -215,8 +215,13 @@ fn what_is_wrong_with_one_of_several_is_said_at_its_place() {
     );
     let held = refused(&facing(PAIR), "[reduction]\nkind = \"held-modes\"\n");
     assert!(held.contains("several structures are reduced by their open modes"), "{held}");
-    let forced = refused(&facing(PAIR), "[damping]\nratio = 0.01\n");
-    assert!(forced.contains("`damping` cannot be used with several structures"), "{forced}");
+    let force = "[damping]\nratio = 0.01\n[response]\nkind = \"frequency\"\nfrequency_hz = [1.0, 2.0]\n[[force]]\n";
+    let nowhere = refused(&facing(PAIR), &format!("{force}at_m = 0.3\n"));
+    assert!(nowhere.contains("`force.0.structure` is missing") && nowhere.contains("which one is meant"), "{nowhere}");
+    let third = refused(&facing(PAIR), &format!("{force}structure = 3\nat_m = 0.3\n"));
+    assert!(third.contains("`force.0.structure`: there is no structure 3"), "{third}");
+    let across = refused(&facing(PAIR), &format!("{force}structure = 2\nat_m = 0.3\ndirection = \"transverse\"\n"));
+    assert!(across.contains("cannot be \"transverse\" on a rod"), "{across}");
     // One structure has nothing else to touch.
     let alone = STOP.replace("[[contact]]", "[[contact]]\nagainst = { structure = 2, at_m = 0.0 }");
     let alone = refused(&rod("[structure]", ""), &alone);

@@ -9,9 +9,13 @@ pub fn lines(scene: &Scene) -> Vec<(String, String)> {
         return Vec::new();
     }
     let mut lines: Vec<(String, String)> = Vec::new();
-    lines.extend(scene.damping.as_ref().map(|found| ("damping".to_owned(), damping(found))));
+    let several = scene.structure.bodies().len() > 1;
+    lines.extend(scene.damping.as_ref().map(|found| ("damping".to_owned(), damping(found, several))));
+    for (i, structure) in scene.structure.bodies().iter().enumerate() {
+        lines.extend(structure.damping.as_ref().map(|own| (format!("damping {}", i + 1), of_modes(own))));
+    }
     for (i, force) in scene.forces.iter().enumerate() {
-        let mut text = format!("{}, {} N", place(&force.place), number(force.amplitude));
+        let mut text = format!("{}, {} N", place(&force.place, several), number(force.amplitude));
         if force.harmonic > 1 {
             text += &format!(", in harmonic {}", force.harmonic);
         }
@@ -43,22 +47,28 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
 }
 
-fn damping(damping: &Damping) -> String {
-    let modes = match &damping.modes {
+fn of_modes(damping: &ModeDamping) -> String {
+    match damping {
         ModeDamping::Ratios(ratios) => format!("ratios {} with open contacts, the last one goes on", list(ratios)),
         ModeDamping::Rayleigh { mass, stiffness } => {
             format!("{} 1/s of the mass and {} s of the stiffness", number(*mass), number(*stiffness))
         }
-    };
-    let one = |dashpot: &nlmodes_scene::scene::Dashpot| {
-        format!("; dashpot of {} N s/m at {}", number(dashpot.damping), place(&dashpot.place))
-    };
-    modes + &damping.dashpots.iter().map(one).collect::<String>()
+    }
 }
 
-fn place(place: &Place) -> String {
+fn damping(damping: &Damping, several: bool) -> String {
+    let one = |dashpot: &nlmodes_scene::scene::Dashpot| {
+        format!("; dashpot of {} N s/m at {}", number(dashpot.damping), place(&dashpot.place, several))
+    };
+    of_modes(&damping.modes) + &damping.dashpots.iter().map(one).collect::<String>()
+}
+
+fn place(place: &Place, several: bool) -> String {
     match place {
-        Place::Along { at, direction } => format!("{} m, {}", number(*at), direction.name()),
+        Place::Along { at, direction, structure } => {
+            let of = if several { format!(" of structure {}", structure + 1) } else { String::new() };
+            format!("{} m{of}, {}", number(*at), direction.name())
+        }
         Place::Node { node, direction } => format!("node {node} along [{}]", list(direction)),
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nlmodes::report::explore;
 use nlmodes_run::RunError;
+use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
 use serde_json::{Value, json};
 
@@ -64,6 +65,8 @@ pub struct Explorer {
     token: String,
     port: u16,
     computing: Computing,
+    /// What is known of the files of the structure.
+    structures: Structures,
 }
 
 impl Explorer {
@@ -83,6 +86,7 @@ impl Explorer {
             token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
             port,
             computing: Computing::default(),
+            structures: Structures::default(),
         })
     }
 
@@ -154,7 +158,7 @@ impl Explorer {
             Ok(file) => file,
             Err(why) => return Answer::wrong(422, &why),
         };
-        match self.computing.newest(|watch| nlmodes_run::explore::picture(&file, watch)) {
+        match self.computing.newest(|watch| nlmodes_run::explore::picture(&file, watch, &self.structures)) {
             Some(Ok(picture)) => Answer::ok("application/json", picture),
             None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
             Some(Err(error)) => Answer::wrong(422, &error.to_string()),

@@ -1,11 +1,11 @@
-use super::{Column, DIFFERENCE_COLUMNS, FileMeaning};
+use super::{Column, DIFFERENCE_COLUMNS, FileMeaning, RESPONSE_DIFFERENCE_COLUMNS};
 use crate::table::{
     APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
     PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 18] = [
+pub const FILES: [FileMeaning; 19] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -46,6 +46,11 @@ pub const FILES: [FileMeaning; 18] = [
         name: "overlay.csv",
         meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy where they have no amplitude",
         columns: &[&DIFFERENCE_COLUMNS],
+    },
+    FileMeaning {
+        name: "response_overlay.csv",
+        meaning: "With `[[overlay]]` beside responses: its points against the curve over the frequency that is nearest at the same frequency, of the same level where the point has one",
+        columns: &[&RESPONSE_DIFFERENCE_COLUMNS],
     },
     FileMeaning {
         name: "methods.csv",

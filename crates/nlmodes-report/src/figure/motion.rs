@@ -135,7 +135,7 @@ fn heights(point: &ModalPoint, stations: &[Station]) -> Vec<Vec<f64>> {
 }
 
 fn quantity(kind: &str, largest: f64) -> (&'static str, Unit) {
-    match kind {
+    match crate::stations::motion_of(kind) {
         "axial" => ("axial displacement", Unit::fine("m", largest)),
         "deflection" => ("deflection", Unit::fine("m", largest)),
         "rotation" => ("rotation", Unit::fine("rad", largest)),

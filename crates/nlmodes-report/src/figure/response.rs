@@ -16,13 +16,15 @@ pub enum LineKind {
     DampedMode,
     /// Phase resonance: a thin brown line.
     Resonance,
+    /// Measured points that nothing joins: a circle each.
+    Measured,
 }
 
 impl LineKind {
     /// Its colour; of a response that of the response with this number.
     pub(crate) fn color(self, response: usize) -> &'static str {
         match self {
-            Self::Response => palette::curve(response),
+            Self::Response | Self::Measured => palette::curve(response),
             Self::Mode => MODE,
             Self::DampedMode => palette::INK,
             Self::Resonance => RESONANCE,
@@ -129,9 +131,10 @@ impl<'a> ResponseFigure<'a> {
             LineKind::Mode => 0,
             LineKind::DampedMode => 1,
             LineKind::Response => 2,
-            LineKind::Resonance => 3,
+            LineKind::Resonance | LineKind::Measured => 3,
         });
-        let curves = order.into_iter().flat_map(|line| pieces(line, self.stroke(line), [per_x, per_y])).collect();
+        let joined = order.into_iter().filter(|line| line.kind != LineKind::Measured);
+        let curves = joined.flat_map(|line| pieces(line, self.stroke(line), [per_x, per_y])).collect();
         let symbol = |(x, y, name): &(f64, f64, String)| Symbol {
             class: "mark".into(),
             at: (x * per_x, y * per_y),
@@ -140,7 +143,19 @@ impl<'a> ResponseFigure<'a> {
             is_open: false,
             name: (!name.is_empty()).then(|| Name::fixed(name)),
         };
-        let symbols = self.marks.iter().map(symbol).collect();
+        let measured = self.lines.iter().filter(|line| line.kind == LineKind::Measured);
+        let circles = measured.flat_map(|line| {
+            let fill = self.stroke(line).color;
+            line.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).map(move |p| Symbol {
+                class: "measured".into(),
+                at: (p.0 * per_x, p.1 * per_y),
+                shape: Shape::Circle,
+                fill,
+                is_open: true,
+                name: None,
+            })
+        });
+        let symbols = circles.chain(self.marks.iter().map(symbol)).collect();
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
         let chart = Chart {
             title: self.title.clone(),
@@ -165,7 +180,11 @@ impl<'a> ResponseFigure<'a> {
     }
 
     fn legend(&self) -> Vec<LegendEntry> {
-        let entry = |line: &&ResponseLine| LegendEntry { key: Key::Line(self.stroke(line)), name: line.name.clone() };
+        let key = |line: &ResponseLine| match line.kind {
+            LineKind::Measured => Key::Open(Shape::Circle, self.stroke(line).color),
+            _ => Key::Line(self.stroke(line)),
+        };
+        let entry = |line: &&ResponseLine| LegendEntry { key: key(line), name: line.name.clone() };
         let ink = Stroke::solid(palette::INK, 1.8);
         let states = [(State::Unstable, "unstable"), (State::Uncertain, "stability uncertain")];
         let occurs = |state: State| self.lines.iter().any(|line| line.points.iter().any(|p| line.state(p) == state));
@@ -175,10 +194,10 @@ impl<'a> ResponseFigure<'a> {
     }
 
     fn stroke(&self, line: &ResponseLine) -> Stroke {
-        let responses = self.names().into_iter().filter(|l| l.kind == LineKind::Response);
+        let responses = self.names().into_iter().filter(|l| matches!(l.kind, LineKind::Response | LineKind::Measured));
         let index = responses.take_while(|l| l.name != line.name).count();
         let width = match line.kind {
-            LineKind::Response => 1.8,
+            LineKind::Response | LineKind::Measured => 1.8,
             LineKind::Mode => 5.0,
             LineKind::DampedMode => 2.4,
             LineKind::Resonance => 1.2,
@@ -255,6 +274,16 @@ mod tests {
         for text in ["4 N", "unstable", "amplitude in mm", ">P<"] {
             assert!(svg.as_svg().contains(text), "{text}");
         }
+        let measured = ResponseLine {
+            name: "test".into(),
+            kind: LineKind::Measured,
+            points: vec![point(1.0, true), point(f64::NAN, true)],
+        };
+        let (x, y) = axes();
+        let svg = ResponseFigure::new(&[measured], x, y).render().unwrap();
+        assert!(
+            svg.as_svg().matches("class=\"measured\"").count() == 1 && !svg.as_svg().contains("class=\"response\"")
+        );
         let (x, y) = axes();
         assert!(ResponseFigure::new(&[], x, y).render().is_err());
     }

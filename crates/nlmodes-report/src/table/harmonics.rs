@@ -17,7 +17,11 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
         "complex coefficients q_n, amplitudes not root mean squares; zero where a point has fewer harmonics",
     ),
     Column::new("dof_position_m", "D, m", "position of each degree of freedom along the axis"),
-    Column::new("dof_kind", "D", "`axial`, `deflection` or `rotation`"),
+    Column::new(
+        "dof_kind",
+        "D",
+        "`axial`, `deflection` or `rotation`; in responses of several structures with its number, as `axial-2`",
+    ),
 ];
 
 /// Writes the motions of a branch as a NumPy archive, which `numpy.load` reads without `allow_pickle`.

@@ -22,6 +22,9 @@ pub enum OverlayError {
     /// The folder has no table of modal points.
     #[error("{} holds neither {} nor {}", .0.display(), TABLES[0], TABLES[1])]
     NoTable(PathBuf),
+    /// The folder has no table of responses.
+    #[error("{} holds no branch.csv", .0.display())]
+    NoResponses(PathBuf),
     /// A table cannot be read.
     #[error("{}", path.display())]
     Table {

@@ -9,14 +9,19 @@ use nlmodes_scene::scene::{ResponseKind, Scene};
 use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::model::Model;
+use super::overlaid::{LaidCurve, LaidPoint};
 use crate::Failure;
 
 /// Name of the file, title, and the figure.
 pub type Named = (&'static str, &'static str, Figure);
 
 /// The figures that have something to show, the first one being what the run is about.
-pub fn all(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Result<Vec<Named>, Failure> {
-    let draw = Draw { scene, model, curves, converter: Converter::new(model)? };
+pub fn all(
+    scene: &Scene,
+    model: &Model,
+    (curves, laid): (&[ComputedResponse], &[LaidCurve]),
+) -> Result<Vec<Named>, Failure> {
+    let draw = Draw { scene, model, curves, laid, converter: Converter::new(model)? };
     let mut drawn = Vec::new();
     for (name, title, figure) in draw.all() {
         match figure {
@@ -32,10 +37,14 @@ struct Draw<'a> {
     scene: &'a Scene,
     model: &'a Model,
     curves: &'a [ComputedResponse],
+    laid: &'a [LaidCurve],
     converter: Converter<'a>,
 }
 
 type Value<'v> = &'v dyn Fn(&ComputedResponse, &ResponsePoint) -> f64;
+
+/// Abscissa and ordinate of what is laid over, where a figure has both.
+type LaidValues = Option<[fn(&LaidPoint) -> f64; 2]>;
 
 impl Draw<'_> {
     fn all(&self) -> Vec<(&'static str, &'static str, Result<Figure, ReportError>)> {
@@ -60,16 +69,29 @@ impl Draw<'_> {
         let frequency = || Quantity::linear("frequency", "Hz");
         let fundamental = || Quantity::linear("fundamental of the first contact", "m");
         let unit = self.model.unit;
+        let of_laid = |y: fn(&LaidPoint) -> f64| -> LaidValues { Some([|p: &LaidPoint| p.frequency, y]) };
         vec![
             (
                 "responses.svg",
                 "Amplitude of the first contact over frequency",
-                self.figure(&over_frequency, [frequency(), fundamental()], hertz, amplitude, true),
+                self.figure(
+                    &over_frequency,
+                    [frequency(), fundamental()],
+                    (hertz, amplitude),
+                    of_laid(|p| p.fundamental),
+                    true,
+                ),
             ),
             (
                 "force_response.svg",
                 "Amplitude of the first contact over the level",
-                self.figure(&over_level, [Quantity::linear("level", unit), fundamental()], level, amplitude, false),
+                self.figure(
+                    &over_level,
+                    [Quantity::linear("level", unit), fundamental()],
+                    (level, amplitude),
+                    None,
+                    false,
+                ),
             ),
             (
                 "drive.svg",
@@ -77,8 +99,8 @@ impl Draw<'_> {
                 self.figure(
                     &over_frequency,
                     [frequency(), Quantity::linear("fundamental of the drive point", "m")],
-                    hertz,
-                    drive,
+                    (hertz, drive),
+                    of_laid(|p| p.drive),
                     true,
                 ),
             ),
@@ -88,8 +110,8 @@ impl Draw<'_> {
                 self.figure(
                     &of_window,
                     [frequency(), Quantity::linear("lag of the drive point", "degrees")],
-                    hertz,
-                    lag,
+                    (hertz, lag),
+                    of_laid(|p| p.lag),
                     false,
                 ),
             ),
@@ -99,8 +121,8 @@ impl Draw<'_> {
                 self.figure(
                     &over_frequency,
                     [frequency(), Quantity::linear("largest contact force", "N")],
-                    hertz,
-                    force,
+                    (hertz, force),
+                    of_laid(|p| p.force),
                     false,
                 ),
             ),
@@ -110,15 +132,21 @@ impl Draw<'_> {
                 self.figure(
                     &is_damped,
                     [Quantity::logarithmic("averaged kinetic energy", "J"), Quantity::linear("damping ratio in %", "")],
-                    &|_, p| p.motion.kinetic_energy,
-                    &|_, p| 100.0 * p.motion.damping_ratio(),
+                    (&|_, p| p.motion.kinetic_energy, &|_, p| 100.0 * p.motion.damping_ratio()),
+                    None,
                     false,
                 ),
             ),
             (
                 "force_needed.svg",
                 "Level that holds a resonance, over its frequency",
-                self.figure(&resonant, [frequency(), Quantity::linear("level needed", unit)], hertz, needed, false),
+                self.figure(
+                    &resonant,
+                    [frequency(), Quantity::linear("level needed", unit)],
+                    (hertz, needed),
+                    None,
+                    false,
+                ),
             ),
         ]
     }
@@ -127,8 +155,8 @@ impl Draw<'_> {
         &self,
         is_shown: &dyn Fn(&ComputedResponse) -> bool,
         [abscissa, ordinate]: [Quantity; 2],
-        x: Value<'_>,
-        y: Value<'_>,
+        (x, y): (Value<'_>, Value<'_>),
+        laid: LaidValues,
         is_bounded: bool,
     ) -> Result<Figure, ReportError> {
         let shown = || self.curves.iter().filter(|c| is_shown(c) && !c.points().is_empty());
@@ -140,6 +168,14 @@ impl Draw<'_> {
         let mut lines: Vec<ResponseLine> = shown().map(line).collect();
         if is_bounded {
             within_responses(&mut lines);
+        }
+        if let (Some([x, y]), false) = (laid, lines.is_empty()) {
+            let laid = self.laid.iter().map(|curve| ResponseLine {
+                name: curve.name.clone(),
+                kind: curve.kind,
+                points: curve.points.iter().map(|p| (x(p), y(p), None)).collect(),
+            });
+            lines.extend(laid.filter(|line| line.points.iter().any(|p| p.0.is_finite() && p.1.is_finite())));
         }
         let mut figure = ResponseFigure::new(&lines, abscissa, ordinate).title(&self.scene.title);
         for computed in shown().filter(|c| c.kind == ResponseKind::PhaseResonance) {

@@ -1,11 +1,12 @@
 use nlmodes::hbm::{HbmError, modal_grazing};
 use nlmodes::modal::Coordinate;
-use nlmodes::response::{Damping, Dashpot, ResponseError, ResponseModel, Weights};
+use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::scene::{ModeDamping, Place, Response, ResponseKind, Scene};
+use nlmodes_scene::assemble::{OpenStructure, Structures};
+use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 
+use super::damping::damping;
 use super::structure::{Reduced, base_motion, reduced};
 use crate::{RunError, chain};
 
@@ -44,13 +45,21 @@ impl Model {
     /// # Errors
     /// [`RunError`] at the key that it is about.
     pub fn new(file: &SceneFile) -> Result<Self, RunError> {
+        Self::sharing(file, &Structures::default())
+    }
+
+    /// The same, where what is known of files need not be read and reduced again.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn sharing(file: &SceneFile, structures: &Structures) -> Result<Self, RunError> {
         let scene = &file.scene;
-        let parts = reduced(file)?;
+        let parts = reduced(file, structures)?;
         let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
             file.error_at(key, &chain(error), "here", &[]).into()
         };
-        let mut response =
-            ResponseModel::new(parts.open.clone(), &damping(scene)).map_err(|error| failed("contact", &error))?;
+        let mut response = ResponseModel::new(parts.open.clone(), &damping(scene, &parts))
+            .map_err(|error| failed("contact", &error))?;
         check_mode(file, &response)?;
         let at = |path: &str, place: &Place| -> Result<Weights, RunError> {
             let weights = parts.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
@@ -105,7 +114,8 @@ impl Model {
         let Reduced { recorded, coordinates, .. } = &parts;
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
-        let kind = contact_coordinates.first().copied().flatten().map(|i| coordinates[i].kind.clone());
+        let shown = contact_coordinates.first().copied().flatten().unwrap_or(0);
+        let kind = coordinates.get(shown).map(|coordinate| coordinate.kind.clone());
         Ok(Self {
             held_ends: kind.map_or_else(Vec::new, |kind| parts.held_ends(&kind)),
             gaps: parts.open.gaps().to_vec(),
@@ -114,7 +124,7 @@ impl Model {
             force_places,
             recorded: recorded.clone(),
             coordinates: coordinates.clone(),
-            sides: contacts.iter().map(side).collect(),
+            sides: sides(scene, &contacts),
             contact_coordinates,
             contacts,
             unit,
@@ -149,14 +159,6 @@ impl Model {
     }
 }
 
-fn damping(scene: &Scene) -> Damping {
-    match scene.damping.as_ref().map(|d| &d.modes) {
-        Some(ModeDamping::Rayleigh { mass, stiffness }) => Damping::Rayleigh { mass: *mass, stiffness: *stiffness },
-        Some(ModeDamping::Ratios(ratios)) => Damping::Ratios(ratios.clone()),
-        None => Damping::Ratios(vec![0.0]),
-    }
-}
-
 /// The mode from which nonlinear modes and phase resonance begin must meet a stop.
 fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError> {
     let is_over = |r: &Response| matches!(r.kind, ResponseKind::Frequency | ResponseKind::Force);
@@ -180,8 +182,15 @@ fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError
     Err(file.error_at(&key, &chain(&error), expected, &[]).into())
 }
 
-fn side(weights: &Weights) -> f64 {
-    weights.first().map_or(1.0, |(_, w)| w.signum())
+/// Of each contact, the side on which the other one stands.
+fn sides(scene: &Scene, contacts: &[Weights]) -> Vec<f64> {
+    let of = |(i, weights): (usize, &Weights)| match scene.contacts.get(i).map(|contact| contact.side) {
+        Some(Side::Positive) => 1.0,
+        Some(Side::Negative) => -1.0,
+        // A node of files, in the direction of its first degree of freedom.
+        None => weights.first().map_or(1.0, |(_, w)| w.signum()),
+    };
+    contacts.iter().enumerate().map(of).collect()
 }
 
 fn coordinate(weights: &Weights, recorded: &[usize]) -> Option<usize> {

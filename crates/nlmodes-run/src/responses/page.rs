@@ -24,7 +24,7 @@ pub fn write(
     directory: &Path,
     scene: &Scene,
     model: &Model,
-    (curves, certificate): (&[ComputedResponse], &Certificate),
+    (curves, certificate, sentences): (&[ComputedResponse], &Certificate, &[String]),
     figures: Vec<Named>,
 ) -> Result<(), Failure> {
     let converter = Converter::new(model)?;
@@ -50,6 +50,9 @@ pub fn write(
     }
     if let Some(text) = &model.warning {
         report = report.line(format!("Warning: {text}"));
+    }
+    for sentence in sentences {
+        report = report.line(sentence.clone());
     }
     for computed in curves.iter().filter(|c| c.curve.is_err()) {
         report = report.line(format!("{}: {}", computed.name, computed.message));

@@ -4,6 +4,7 @@ use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::report::HtmlReport;
 use nlmodes::study::Watch;
 use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::StabilityChoice;
 
 use super::convert::Converter;
@@ -21,11 +22,11 @@ const SAMPLES: usize = 120;
 ///
 /// # Errors
 /// [`RunError`] if there is no curve, [`RunError::Ended`] if it was asked to end.
-pub fn picture(file: &SceneFile, watch: &Watch) -> Result<String, RunError> {
+pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Result<String, RunError> {
     let mut file = file.clone();
     file.scene.stability = StabilityChoice::Never;
     file.scene.continuation.max_points = file.scene.continuation.max_points.min(MOST_POINTS);
-    let model = Model::new(&file)?;
+    let model = Model::sharing(&file, structures)?;
     let scene = &file.scene;
     let Some(job) = jobs(scene).into_iter().next() else { return Err(RunError::Ended) };
     let name = job.name(scene, &model);

@@ -8,7 +8,7 @@ use nlmodes::model::{Dof, DofKind, MasslessContactModel, StructuralModel};
 use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, element_model, redistribution};
+use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, Structures, element_model, redistribution};
 use nlmodes_scene::scene::{BaseDirection, Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
 
 use crate::{RunError, chain, mass, refusal};
@@ -31,14 +31,19 @@ pub struct Reduced {
 /// What the structure was made from.
 enum Source {
     /// Elements along an axis; the structure without the mass of its contact nodes, where that is left out or moved.
-    Straight {
-        elements: Elements,
-        kind: StructureKind,
-        model: Box<StructuralModel>,
-        massless: Option<Box<MasslessContactModel>>,
-    },
+    Straight { elements: Elements, model: Box<StructuralModel>, massless: Option<Box<MasslessContactModel>> },
     /// Degrees of freedom of files.
     Files(Vec<Dof>),
+    /// Several rods and beams, one behind the other among the degrees of freedom.
+    Several(Vec<Body>),
+}
+
+/// A rod or beam of several.
+struct Body {
+    elements: Elements,
+    model: StructuralModel,
+    /// Number of degrees of freedom of those before.
+    first: usize,
 }
 
 /// Modes: up to this many times the highest harmonic of the mode, but within these numbers; what they leave over answers statically.
@@ -50,28 +55,33 @@ const MOST: usize = 40;
 ///
 /// # Errors
 /// [`RunError`] at the key that it is about.
-pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
+pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, RunError> {
     let scene = &file.scene;
     let Assembly { model, open: reduction } =
-        Assembly::of(scene).map_err(|error| refusal::at(file, &error.path(), &error))?;
+        Assembly::sharing(scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
     let Some(straight) = scene.structure.straight() else {
         let Some(reduction) = reduction else {
             let error =
                 file.error_at("reduction.kind", "responses are computed in open modes", "expected \"open-modes\"", &[]);
             return Err(error.into());
         };
-        let (recorded, coordinates) = recorded(&reduction.dofs, &reduction.modes);
-        let (open, source) = (reduction.modes.clone(), Source::Files(reduction.dofs.clone()));
+        let (recorded, mut coordinates) = recorded(&reduction.dofs, &reduction.modes);
+        let bodies = bodies(scene.structure.bodies()).map_err(|error| refusal::at(file, "structure", &error))?;
+        for (dof, coordinate) in recorded.iter().zip(&mut coordinates).filter(|_| !bodies.is_empty()) {
+            let number = bodies.partition_point(|body| body.first <= *dof);
+            coordinate.kind = format!("{}-{number}", coordinate.kind);
+        }
+        let source = if bodies.is_empty() { Source::Files(reduction.dofs.clone()) } else { Source::Several(bodies) };
+        let open = reduction.modes.clone();
         let warning = scene.base_motion.and_then(|base| missing_mass(&reduction, base.direction));
         return Ok(Reduced { open, recorded, coordinates, warning, reduction: Some(reduction), source });
     };
     let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
-    let kind = straight.kind();
     if let Some(reduction) = reduction {
         // The full structure, of which the modes are.
         let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
         let (recorded, coordinates) = recorded(model.dofs(), &reduction.modes);
-        let source = Source::Straight { elements, kind, model: Box::new(model), massless: None };
+        let source = Source::Straight { elements, model: Box::new(model), massless: None };
         let open = reduction.modes.clone();
         return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
     }
@@ -82,8 +92,21 @@ pub fn reduced(file: &SceneFile) -> Result<Reduced, RunError> {
     let open = modes(scene, &model, massless.as_ref()).map_err(|error| refusal::at(file, "structure", &error))?;
     let (recorded, coordinates) = recorded(model.dofs(), &open);
     let warning = mass::warning_of(file)?;
-    let source = Source::Straight { elements, kind, model: Box::new(model), massless: massless.map(Box::new) };
+    let source = Source::Straight { elements, model: Box::new(model), massless: massless.map(Box::new) };
     Ok(Reduced { open, recorded, coordinates, warning, reduction: None, source })
+}
+
+/// The structures of a scene of several.
+fn bodies(structures: &[Structure]) -> Result<Vec<Body>, FemError> {
+    let (mut bodies, mut first) = (Vec::new(), 0);
+    for structure in structures {
+        let elements = Elements::new(structure)?;
+        let model = elements.assemble(&[])?;
+        let n = model.dofs().len();
+        bodies.push(Body { elements, model, first });
+        first += n;
+    }
+    Ok(bodies)
 }
 
 /// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were held before they were written.
@@ -149,18 +172,27 @@ impl Reduced {
     /// What is wrong with the place, in words.
     pub fn weights(&self, place: &Place) -> Result<Weights, String> {
         match (&self.source, place) {
-            (Source::Straight { elements, kind, model, .. }, Place::Along { at, direction }) => {
-                let is_own = (*kind == StructureKind::Rod) == (*direction == Direction::Axial);
-                let weights =
-                    if is_own { elements.displacement_at(model, *at) } else { axial_of_a_beam(elements, model, *at) };
-                weights.map_err(|error| chain(&error))
+            (Source::Straight { elements, model, .. }, Place::Along { at, direction, .. }) => {
+                along(elements, model, *at, *direction).map_err(|error| chain(&error))
+            }
+            (Source::Several(bodies), Place::Along { at, direction, structure }) => {
+                let Body { elements, model, first } =
+                    bodies.get(*structure).ok_or_else(|| format!("there is no structure {}", structure + 1))?;
+                let weights = along(elements, model, *at, *direction).map_err(|error| chain(&error))?;
+                Ok(weights.into_iter().map(|(dof, w)| (first + dof, w)).collect())
             }
             (Source::Files(dofs), Place::Node { node, direction }) => of_node(dofs, *node, *direction),
-            (Source::Straight { .. }, Place::Node { node, .. }) => {
+            (Source::Straight { .. } | Source::Several(_), Place::Node { node, .. }) => {
                 Err(format!("node {node} is one of a structure from files"))
             }
             (Source::Files(_), Place::Along { .. }) => Err("a structure from files has nodes, no axis".to_owned()),
         }
+    }
+
+    /// Of each of several structures its first degree of freedom and its model; of one none.
+    pub fn bodies(&self) -> impl Iterator<Item = (usize, &StructuralModel)> {
+        let bodies = if let Source::Several(bodies) = &self.source { bodies.as_slice() } else { &[] };
+        bodies.iter().map(|body| (body.first, &body.model))
     }
 
     /// Displacement of each contact toward what it meets: `−w` of its gap `g = g₀ + wᵀ q`.
@@ -172,7 +204,15 @@ impl Reduced {
 
     /// Positions along the axis that have no coordinate of this kind because they are held.
     pub fn held_ends(&self, kind: &str) -> Vec<f64> {
-        let Source::Straight { elements, .. } = &self.source else { return Vec::new() };
+        let number = kind.rsplit('-').next().and_then(|number| number.parse::<usize>().ok());
+        let elements = match (&self.source, number) {
+            (Source::Straight { elements, .. }, _) => Some(elements),
+            (Source::Several(bodies), Some(number)) => {
+                number.checked_sub(1).and_then(|i| bodies.get(i)).map(|body| &body.elements)
+            }
+            _ => None,
+        };
+        let Some(elements) = elements else { return Vec::new() };
         let length = elements.mesh().length();
         let moves =
             |at: f64| self.coordinates.iter().any(|c| c.kind == kind && (c.position - at).abs() < 1e-9 * length);
@@ -188,6 +228,12 @@ fn of_node(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weights, Stri
     let find = |kind: DofKind| dofs.iter().position(|dof| dof.node as u64 == node && dof.kind == kind);
     let along = [DofKind::X, DofKind::Y, DofKind::Z].into_iter().zip(direction).filter(|(_, w)| *w != 0.0);
     Ok(along.filter_map(|(kind, w)| Some((find(kind)?, w))).collect())
+}
+
+/// The motion at a position of a rod or beam, along or across its axis.
+fn along(elements: &Elements, model: &StructuralModel, at: f64, direction: Direction) -> Result<Weights, FemError> {
+    let is_own = (elements.kind() == StructureKind::Rod) == (direction == Direction::Axial);
+    if is_own { elements.displacement_at(model, at) } else { axial_of_a_beam(elements, model, at) }
 }
 
 /// Along the axis of a beam: linear between the nodes.
@@ -221,18 +267,29 @@ pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String>
             return Ok(BaseMotion { inertia, rigid, unit, stop_is_fixed });
         }
     };
-    let (Source::Straight { kind, model, massless, .. }, Some(straight)) = (&parts.source, scene.structure.straight())
-    else {
-        return Err("a structure from files has no axis".to_owned());
+    let shaking = |structure: &Structure, model: &StructuralModel| -> Result<BaseMotion, String> {
+        let loose = Structure { start: Support::Free, end: Support::Free, modes: None, ..structure.clone() };
+        let free = Elements::new(&loose).and_then(|elements| elements.assemble(&[])).map_err(|error| chain(&error))?;
+        let moving = match (structure.kind(), direction) {
+            (StructureKind::Beam, Direction::Transverse) => DofKind::Deflection,
+            _ => DofKind::Axial,
+        };
+        BaseMotion::of_supports(model, &free, moving, &[], unit, stop_is_fixed)
+            .ok_or_else(|| "the nodes of the structure are not those of its elements".to_owned())
     };
-    let loose = Structure { start: Support::Free, end: Support::Free, modes: None, ..straight.clone() };
-    let free = Elements::new(&loose).and_then(|elements| elements.assemble(&[])).map_err(|error| chain(&error))?;
-    let moving = match (kind, direction) {
-        (StructureKind::Beam, Direction::Transverse) => DofKind::Deflection,
-        _ => DofKind::Axial,
+    let (mut motion, model, massless) = match (&parts.source, scene.structure.bodies()) {
+        (Source::Several(bodies), structures) => {
+            let mut whole = BaseMotion { inertia: Vec::new(), rigid: Vec::new(), unit, stop_is_fixed };
+            for (body, structure) in bodies.iter().zip(structures) {
+                let own = shaking(structure, &body.model)?;
+                whole.inertia.extend(own.inertia);
+                whole.rigid.extend(own.rigid);
+            }
+            return Ok(whole);
+        }
+        (Source::Straight { model, massless, .. }, [structure]) => (shaking(structure, model)?, model, massless),
+        _ => return Err("a structure from files has no axis".to_owned()),
     };
-    let mut motion = BaseMotion::of_supports(model, &free, moving, &[], unit, stop_is_fixed)
-        .ok_or("the nodes of the structure are not those of its elements")?;
     let Some(massless) = massless else { return Ok(motion) };
     // The mass as it is computed with, and none of the contact nodes at all.
     let times = |mass| {

@@ -38,7 +38,8 @@ pub fn check(written: &[RawContact], bodies: &[Body<'_>], findings: &mut Finding
 /// Contact `i`, if everything about it is sound.
 fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], findings: &mut Findings<'_>) -> Option<Contact> {
     let path = format!("contact.{i}");
-    let body = body(&path, raw.structure, bodies.len(), findings)?;
+    let which = "a scene of several structures says which one touches";
+    let body = body(&format!("{path}.structure"), raw.structure, bodies.len(), which, findings)?;
     let own = on(body, bodies);
     findings.about_structure(own);
     let Body { raw: structure, mesh } = &bodies[body];
@@ -91,21 +92,21 @@ fn on(body: usize, bodies: &[Body<'_>]) -> Option<usize> {
     (bodies.len() > 1).then_some(body)
 }
 
-/// Index of the structure that a contact names.
-fn body(path: &str, named: Option<u32>, count: usize, findings: &mut Findings<'_>) -> Option<usize> {
-    let path = format!("{path}.structure");
+/// Index of the structure that a table names at `path`; where there are several it must, and `which` says why.
+pub fn body(path: &str, named: Option<u32>, count: usize, which: &str, findings: &mut Findings<'_>) -> Option<usize> {
     match named.map(|number| number as usize) {
         Some(number) if number <= count => Some(number - 1),
         Some(number) => {
-            no_such_structure(&path, number, count, findings);
+            no_such_structure(path, number, count, findings);
             None
         }
         None if count == 1 => Some(0),
         None => {
-            if !findings.has(&path) {
+            if !findings.has(path) {
+                let key = path.rsplit('.').next().unwrap_or(path);
                 let problem = Problem::error(format!("`{path}` is missing"));
-                let label = format!("expected `structure`, a whole number from 1 to {count}, in this table");
-                findings.put(&path, problem.help("a scene of several structures says which one touches"), label);
+                let label = format!("expected `{key}`, a whole number from 1 to {count}, in this table");
+                findings.put(path, problem.help(which), label);
             }
             None
         }

@@ -13,7 +13,7 @@ pub fn check(
     let empty = RawReduction::default();
     let raw = raw.unwrap_or(&empty);
     let kind = raw.kind.unwrap_or(default);
-    if kind == ReductionKind::HeldModes && matches!(places, Places::Bodies) {
+    if kind == ReductionKind::HeldModes && matches!(places, Places::Bodies(_)) {
         let problem = Problem::error("several structures are reduced by their open modes");
         let problem = problem.help("contacts between bodies have no node of their own whose mass could be left out");
         findings.put("reduction.kind", problem, "expected \"open-modes\"");

@@ -6,7 +6,8 @@ mod place;
 use crate::raw::{RawResponse, RawStudy};
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
 use crate::{Findings, Problem};
-pub use place::Places;
+pub use loads::own_damping;
+pub use place::{Places, WrittenPlace};
 
 /// What a scene says about damped and forced motions.
 #[derive(Debug, Default)]
@@ -20,10 +21,6 @@ pub struct Responses {
 /// The parts that are sound; those that are not are in the findings.
 pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findings: &mut Findings<'_>) -> Responses {
     let written = raw.response.as_deref().unwrap_or_default();
-    if matches!(places, Places::Bodies) {
-        of_bodies(raw, findings);
-        return Responses::default();
-    }
     let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, findings));
     let forces = loads::forces(raw, places, findings);
     let base_motion = loads::base_motion(raw, places, findings);
@@ -35,21 +32,6 @@ pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findi
     }
     let responses = written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
     Responses { damping, forces, base_motion, responses }
-}
-
-/// Several structures have conservative nonlinear modes so far.
-fn of_bodies(raw: &RawStudy, findings: &mut Findings<'_>) {
-    let keys = [
-        ("damping", raw.damping.is_some()),
-        ("force", raw.force.is_some()),
-        ("base_motion", raw.base_motion.is_some()),
-        ("response", raw.response.is_some()),
-    ];
-    for (key, _) in keys.into_iter().filter(|(_, there)| *there) {
-        let problem = Problem::error(format!("`{key}` cannot be used with several structures"));
-        let help = "damped and forced motions are computed for one structure, or for matrices from files";
-        findings.put(key, problem.help(help), "scenes of several structures have conservative nonlinear modes only");
-    }
 }
 
 /// Loads and damping of a scene that has no use for them.
@@ -92,7 +74,7 @@ fn response(
     let kind = raw.kind?;
     let is_mode = matches!(kind, ResponseKind::DampedMode | ResponseKind::Mode | ResponseKind::Appropriation);
     let is_sound = [
-        has_damping(i, kind, scene, findings),
+        has_damping(i, kind, scene, places, findings),
         has_frequency(i, raw, kind, findings),
         has_load(i, kind, scene, is_mode, findings),
         uses_its_keys(i, raw, kind, findings),
@@ -100,9 +82,10 @@ fn response(
     let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, findings) };
     let base = format!("response.{i}.drive");
     let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
-        let keys = [format!("{base}_m"), format!("{base}_node"), format!("{base}_direction")];
-        let keys = keys.each_ref().map(String::as_str);
-        Some(places.place(keys, raw.drive_m, raw.drive_node, raw.drive_direction.as_ref(), findings)?)
+        let keys = ["m", "node", "direction", "structure"].map(|key| format!("{base}_{key}"));
+        let (direction, structure) = (raw.drive_direction.as_ref(), raw.drive_structure);
+        let written = WrittenPlace { keys, at: raw.drive_m, node: raw.drive_node, direction, structure };
+        Some(places.place(&written, findings)?)
     } else {
         None
     };
@@ -120,8 +103,14 @@ fn response(
     })
 }
 
-fn has_damping(i: usize, kind: ResponseKind, scene: &RawStudy, findings: &mut Findings<'_>) -> bool {
-    if scene.damping.is_some() || kind == ResponseKind::Mode || findings.has("damping") {
+fn has_damping(
+    i: usize,
+    kind: ResponseKind,
+    scene: &RawStudy,
+    places: &Places<'_>,
+    findings: &mut Findings<'_>,
+) -> bool {
+    if scene.damping.is_some() || kind == ResponseKind::Mode || findings.has("damping") || places.are_damped() {
         return true;
     }
     let problem = Problem::error(format!("a response of kind \"{}\" needs a table [damping]", kind.name()));

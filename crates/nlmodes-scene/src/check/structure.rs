@@ -8,6 +8,7 @@ use crate::{Findings, Problem};
 
 use super::nodes::{Nodes, beside, node_at};
 use super::parts::Fixed;
+use super::response::own_damping;
 
 /// The checked structure with its nodes and what is fixed to these.
 pub fn check(
@@ -22,6 +23,10 @@ pub fn check(
     let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
     let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, findings));
     let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, findings));
+    let damping = match &raw.damping {
+        Some(written) => Some(own_damping(written, findings)),
+        None => None,
+    };
     let segments = match nodes {
         Some(nodes) => segments(raw, section, &nodes.mesh, findings),
         None => Some(Vec::new()),
@@ -46,7 +51,19 @@ pub fn check(
             Some(modes) => Some(modes?),
             None => None,
         },
+        damping: match damping {
+            Some(damping) => Some(damping?),
+            None => None,
+        },
     })
+}
+
+/// Says that a structure that stands alone has no damping of its own.
+pub fn alone(raw: &RawStructure, findings: &mut Findings<'_>) {
+    if raw.damping.is_some() {
+        let problem = Problem::error("`structure.damping` is for scenes of several structures");
+        findings.put("structure.damping", problem, "expected a table [damping] beside [structure]");
+    }
 }
 
 /// The segments, each behind the one before; `None` if one of them is not sound.

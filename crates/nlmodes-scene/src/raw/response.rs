@@ -1,9 +1,11 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
+use super::MAX_BODIES;
 use crate::scene::{Direction, ResponseKind, StopOfBase};
 
-/// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or alone.
+/// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or alone. Of several structures each has
+/// this one where it has none of its own.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawDamping {
@@ -17,6 +19,20 @@ pub struct RawDamping {
     pub rayleigh: Option<RawRayleigh>,
     /// Dashpots to the ground, each under its own heading `[[damping.dashpot]]`
     pub dashpot: Option<Vec<RawDashpot>>,
+}
+
+/// Damping of one structure of several, with its contacts open: one of these.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RawOwnDamping {
+    /// Damping ratio of all its modes
+    #[schemars(range(min = 0.0), extend("exclusiveMaximum" = 1.0))]
+    pub ratio: Option<f64>,
+    /// Damping ratios of its modes one by one; the last one goes on
+    #[schemars(length(min = 1, max = 1000), inner(range(min = 0.0, max = 0.99)))]
+    pub ratios: Option<Vec<f64>>,
+    /// Damping as a sum of parts of its mass and stiffness
+    pub rayleigh: Option<RawRayleigh>,
 }
 
 /// `C = mass M + stiffness K`.
@@ -59,6 +75,9 @@ pub struct RawDashpot {
     /// Position along the axis of a rod or beam, at a node or between two
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: Option<f64>,
+    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
     /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three numbers
@@ -77,6 +96,9 @@ pub struct RawForce {
     /// Position along the axis of a rod or beam, at a node or between two
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: Option<f64>,
+    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
     /// Direction; default along a rod, across a beam. Of a structure from files three numbers
@@ -148,6 +170,9 @@ pub struct RawResponse {
     /// Position of the drive point; default that of the first force, or of the first stop where the base shakes
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub drive_m: Option<f64>,
+    /// Number of the structure of several to which `drive_m` belongs, from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub drive_structure: Option<u32>,
     /// Node of the drive point of a structure from files, in place of `drive_m`
     pub drive_node: Option<u64>,
     /// Direction in which the motion of the drive point is taken; default that of the first force

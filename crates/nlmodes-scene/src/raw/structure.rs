@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{RawMassPoint, RawSegment, RawSpring};
+use super::{RawMassPoint, RawOwnDamping, RawSegment, RawSpring};
 use crate::scene::{MassMatrix, StructureKind, Support};
 
 /// Most elements that a scene may ask for.
@@ -57,6 +57,8 @@ pub struct RawStructure {
     pub spring: Option<Vec<RawSpring>>,
     /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
     pub modes: Option<RawModes>,
+    /// Damping of this structure of several, in place of that of `[damping]`
+    pub damping: Option<RawOwnDamping>,
 }
 
 /// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes stay.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Direction, ResponseKind, StopOfBase};
+use super::{Direction, ResponseKind, StopOfBase, is_first};
 
 /// Where a load acts, or a motion is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -14,6 +14,9 @@ pub enum Place {
         at: f64,
         /// Direction.
         direction: Direction,
+        /// Index of the structure of several, from 0.
+        #[serde(default, skip_serializing_if = "is_first")]
+        structure: usize,
     },
     /// A node of a structure from files.
     Node {

@@ -1,41 +1,64 @@
 //! Damping, forces, and a base that shakes.
 
-use super::place::Places;
-use crate::raw::{RawDamping, RawDashpot, RawForce, RawStudy};
+use super::place::{Places, WrittenPlace};
+use crate::raw::{RawDamping, RawDashpot, RawForce, RawOwnDamping, RawRayleigh, RawStudy};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
 use crate::{Findings, Problem};
 
 pub fn damping(raw: &RawDamping, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Damping> {
-    let given = [raw.ratio.is_some(), raw.ratios.is_some(), raw.rayleigh.is_some()];
-    let count = given.iter().filter(|g| **g).count();
-    if count > 1 {
-        let problem = Problem::error("`damping` says more than once how the modes are damped");
-        findings.put("damping", problem, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
-        return None;
-    }
     let dashpots = raw.dashpot.as_deref().unwrap_or_default();
-    let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| findings.has(&format!("damping.{key}")));
-    if count == 0 && dashpots.is_empty() && !is_misspelt {
-        let problem = Problem::error("`damping` does not say how the structure is damped");
-        findings.put("damping", problem, "expected `ratio`, `ratios`, `rayleigh` or [[damping.dashpot]]");
-        return None;
-    }
-    let modes = match (&raw.ratios, &raw.rayleigh) {
-        (Some(ratios), _) => ModeDamping::Ratios(ratios.clone()),
-        (None, Some(r)) => {
-            ModeDamping::Rayleigh { mass: r.mass_1_s.unwrap_or(0.0), stiffness: r.stiffness_s.unwrap_or(0.0) }
-        }
-        (None, None) => ModeDamping::Ratios(vec![raw.ratio.unwrap_or(0.0)]),
-    };
+    let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
+    let modes = written.check("damping", !dashpots.is_empty(), findings)?;
     let sound: Vec<Dashpot> =
         dashpots.iter().enumerate().filter_map(|(i, raw)| dashpot(i, raw, places, findings)).collect();
     (sound.len() == dashpots.len()).then_some(Damping { modes, dashpots: sound })
 }
 
+/// Damping of one structure of several.
+pub fn own_damping(raw: &RawOwnDamping, findings: &mut Findings<'_>) -> Option<ModeDamping> {
+    let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
+    written.check("structure.damping", false, findings)
+}
+
+/// The ways to say how modes are damped.
+struct WrittenDamping<'a> {
+    ratio: Option<f64>,
+    ratios: Option<&'a Vec<f64>>,
+    rayleigh: Option<&'a RawRayleigh>,
+}
+
+impl WrittenDamping<'_> {
+    /// The one that the table at `path` uses; none is needed where there are dashpots.
+    fn check(&self, path: &str, has_dashpots: bool, findings: &mut Findings<'_>) -> Option<ModeDamping> {
+        let count = [self.ratio.is_some(), self.ratios.is_some(), self.rayleigh.is_some()];
+        let count = count.iter().filter(|given| **given).count();
+        if count > 1 {
+            let problem = Problem::error(format!("`{path}` says more than once how the modes are damped"));
+            findings.put(path, problem, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
+            return None;
+        }
+        let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| findings.has(&format!("{path}.{key}")));
+        if count == 0 && !has_dashpots && !is_misspelt {
+            let problem = Problem::error(format!("`{path}` does not say how the structure is damped"));
+            let dashpots = if path == "damping" { " or [[damping.dashpot]]" } else { "" };
+            findings.put(path, problem, format!("expected `ratio`, `ratios`, `rayleigh`{dashpots}"));
+            return None;
+        }
+        Some(match (self.ratios, self.rayleigh) {
+            (Some(ratios), _) => ModeDamping::Ratios(ratios.clone()),
+            (None, Some(r)) => {
+                ModeDamping::Rayleigh { mass: r.mass_1_s.unwrap_or(0.0), stiffness: r.stiffness_s.unwrap_or(0.0) }
+            }
+            (None, None) => ModeDamping::Ratios(vec![self.ratio.unwrap_or(0.0)]),
+        })
+    }
+}
+
 fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Dashpot> {
-    let keys = ["at_m", "node", "direction"].map(|key| format!("damping.dashpot.{i}.{key}"));
-    let place = places.place(keys.each_ref().map(String::as_str), raw.at_m, raw.node, raw.direction.as_ref(), findings);
-    Some(Dashpot { place: place?, damping: raw.damping_n_s_m? })
+    let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("damping.dashpot.{i}.{key}"));
+    let direction = raw.direction.as_ref();
+    let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
+    Some(Dashpot { place: places.place(&written, findings)?, damping: raw.damping_n_s_m? })
 }
 
 pub fn forces(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Vec<Force> {
@@ -44,9 +67,10 @@ pub fn forces(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) 
 }
 
 fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Force> {
-    let keys = ["at_m", "node", "direction"].map(|key| format!("force.{i}.{key}"));
-    let keys = keys.each_ref().map(String::as_str);
-    let place = places.place(keys, raw.at_m, raw.node, raw.direction.as_ref(), findings);
+    let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("force.{i}.{key}"));
+    let direction = raw.direction.as_ref();
+    let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
+    let place = places.place(&written, findings);
     let amplitude = raw.amplitude_n.unwrap_or(1.0);
     if amplitude == 0.0 {
         let path = format!("force.{i}.amplitude_n");

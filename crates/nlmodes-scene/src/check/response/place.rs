@@ -2,7 +2,7 @@
 
 use nlmodes_fem::Mesh;
 
-use crate::check::contact::perhaps_millimetres;
+use crate::check::contact::{Body, body, perhaps_millimetres};
 use crate::check::nodes::node_at;
 use crate::raw::{RawDirection, RawStructure};
 use crate::rule::number;
@@ -15,8 +15,18 @@ pub enum Places<'a> {
     Along(Option<(&'a RawStructure, &'a Mesh)>),
     /// Nodes of files.
     Nodes,
-    /// Those of several structures.
-    Bodies,
+    /// Positions along several rods and beams.
+    Bodies(&'a [Body<'a>]),
+}
+
+/// The keys of a place, and what they say.
+pub struct WrittenPlace<'a> {
+    /// Paths of the position, the node, the direction and the structure.
+    pub keys: [String; 4],
+    pub at: Option<f64>,
+    pub node: Option<u64>,
+    pub direction: Option<&'a RawDirection>,
+    pub structure: Option<u32>,
 }
 
 impl<'a> Places<'a> {
@@ -25,79 +35,68 @@ impl<'a> Places<'a> {
         Self::Along(structure.zip(mesh))
     }
 
-    fn kind(&self) -> Option<StructureKind> {
-        match self {
-            Self::Along(found) => found.as_ref()?.0.kind,
-            Self::Nodes | Self::Bodies => None,
-        }
-    }
-
     /// The rod or beam with its mesh.
     pub fn straight(&self) -> Option<(&'a RawStructure, &'a Mesh)> {
         match self {
             Self::Along(found) => *found,
-            Self::Nodes | Self::Bodies => None,
+            Self::Nodes | Self::Bodies(_) => None,
         }
     }
 
-    /// The direction of a motion along or across the axis; `None` where it is wrong, which is in the findings.
-    pub fn direction(
-        &self,
-        path: &str,
-        written: Option<&RawDirection>,
-        findings: &mut Findings<'_>,
-    ) -> Option<Direction> {
-        let own = if self.kind()? == StructureKind::Rod { Direction::Axial } else { Direction::Transverse };
-        match written {
-            None => Some(own),
-            Some(RawDirection::Word(Direction::Transverse)) if self.kind() == Some(StructureKind::Rod) => {
-                let problem = Problem::error(format!("`{path}` cannot be \"transverse\" on a rod"));
-                findings.put(path, problem.help("a rod moves along its axis only"), "expected \"axial\"");
-                None
-            }
-            Some(RawDirection::Word(direction)) => Some(*direction),
-            Some(RawDirection::Vector(_)) => {
-                let problem = Problem::error(format!("`{path}` is a vector, which rods and beams do not need"));
-                findings.put(path, problem, "expected \"axial\" or \"transverse\"");
-                None
-            }
-        }
+    /// Whether each of several structures has damping of its own.
+    pub fn are_damped(&self) -> bool {
+        let Self::Bodies(bodies) = self else { return false };
+        bodies.iter().all(|body| body.raw.is_some_and(|raw| raw.damping.is_some()))
     }
 
-    /// The direction in which a base shakes.
+    /// The direction in which a base shakes: several structures along their axes if one of them is a rod.
     pub fn base_direction(
         &self,
         path: &str,
         written: Option<&RawDirection>,
         findings: &mut Findings<'_>,
     ) -> Option<BaseDirection> {
-        if matches!(self, Self::Nodes) {
-            return vector(path, written, findings).map(BaseDirection::Vector);
-        }
-        self.direction(path, written, findings).map(BaseDirection::Along)
+        let kind = match self {
+            Self::Nodes => return vector(path, written, findings).map(BaseDirection::Vector),
+            Self::Along(found) => found.as_ref()?.0.kind?,
+            Self::Bodies(bodies) => {
+                let kinds = bodies.iter().map(|body| body.raw?.kind).collect::<Option<Vec<_>>>()?;
+                let rod = kinds.iter().find(|kind| **kind == StructureKind::Rod);
+                *rod.or(kinds.first())?
+            }
+        };
+        direction(kind, path, written, findings).map(BaseDirection::Along)
     }
 
-    /// The place that the keys of position, node and direction say.
-    pub fn place(
-        &self,
-        [at_key, node_key, direction_key]: [&str; 3],
-        at: Option<f64>,
-        node: Option<u64>,
-        direction: Option<&RawDirection>,
-        findings: &mut Findings<'_>,
-    ) -> Option<Place> {
-        if matches!(self, Self::Nodes) {
-            return of_node([at_key, node_key, direction_key], at, node, direction, findings);
-        }
-        self.kind()?;
-        if node.is_some() {
+    /// The place that the keys of position, node, direction and structure say.
+    pub fn place(&self, written: &WrittenPlace<'_>, findings: &mut Findings<'_>) -> Option<Place> {
+        let [at_key, node_key, direction_key, structure_key] = written.keys.each_ref().map(String::as_str);
+        let (index, (structure, mesh)) = match self {
+            Self::Nodes => {
+                if written.structure.is_some() {
+                    let problem = Problem::error(format!("`{structure_key}` is a number of several rods and beams"));
+                    findings.put(structure_key, problem, "matrices from files are one structure: leave this out");
+                    return None;
+                }
+                let keys = [at_key, node_key, direction_key];
+                return of_node(keys, written.at, written.node, written.direction, findings);
+            }
+            Self::Along(found) => (body(structure_key, written.structure, 1, "", findings)?, found.as_ref().copied()?),
+            Self::Bodies(bodies) => {
+                let which = "a scene of several structures says which one is meant";
+                let index = body(structure_key, written.structure, bodies.len(), which, findings)?;
+                (index, bodies[index].raw.zip(bodies[index].mesh)?)
+            }
+        };
+        let kind = structure.kind?;
+        if written.node.is_some() {
             let problem = Problem::error(format!("`{node_key}` names a node of a structure from files"));
             let short = at_key.rsplit('.').next().unwrap_or(at_key);
             findings.put(node_key, problem, format!("expected `{short}`, a position along the axis"));
             return None;
         }
-        let direction = self.direction(direction_key, direction, findings);
-        let Some(at) = at else {
+        let direction = direction(kind, direction_key, written.direction, findings);
+        let Some(at) = written.at else {
             if !findings.has(at_key) {
                 let problem = Problem::error(format!("`{at_key}` is missing"));
                 findings.put(at_key, problem, "expected a position along the axis, in m");
@@ -105,32 +104,62 @@ impl<'a> Places<'a> {
             return None;
         };
         let direction = direction?;
-        self.moves(at_key, at, direction, findings).then_some(Place::Along { at, direction })
+        let moves = moves((kind, structure, mesh), at_key, at, direction, findings);
+        moves.then_some(Place::Along { at, direction, structure: index })
     }
+}
 
-    /// Whether the structure is there and moves.
-    fn moves(&self, path: &str, at: f64, direction: Direction, findings: &mut Findings<'_>) -> bool {
-        let (Self::Along(Some((structure, mesh))), Some(kind)) = (self, self.kind()) else { return false };
-        let length = mesh.length();
-        let node = node_at(mesh, at);
-        if node.is_none() && at > length {
-            let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
-            let problem = perhaps_millimetres(Problem::error(title), at, length);
-            findings.put(path, problem, format!("expected a position from 0 to {} m", number(length)));
-            return false;
+/// The direction of a motion along or across the axis; `None` where it is wrong, which is in the findings.
+fn direction(
+    kind: StructureKind,
+    path: &str,
+    written: Option<&RawDirection>,
+    findings: &mut Findings<'_>,
+) -> Option<Direction> {
+    let own = if kind == StructureKind::Rod { Direction::Axial } else { Direction::Transverse };
+    match written {
+        None => Some(own),
+        Some(RawDirection::Word(Direction::Transverse)) if kind == StructureKind::Rod => {
+            let problem = Problem::error(format!("`{path}` cannot be \"transverse\" on a rod"));
+            findings.put(path, problem.help("a rod moves along its axis only"), "expected \"axial\"");
+            None
         }
-        let (end, support) = match node {
-            Some(0) => ("start", structure.start),
-            Some(node) if node == mesh.elements() => ("end", Some(structure.end.unwrap_or(Support::Free))),
-            _ => return true,
-        };
-        let held = support.is_some_and(|support| holds(kind, support, direction));
-        if let Some(support) = support.filter(|_| held) {
-            let problem = Problem::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
-            findings.put(path, problem, format!("expected a place that moves in {} direction", direction.name()));
+        Some(RawDirection::Word(direction)) => Some(*direction),
+        Some(RawDirection::Vector(_)) => {
+            let problem = Problem::error(format!("`{path}` is a vector, which rods and beams do not need"));
+            findings.put(path, problem, "expected \"axial\" or \"transverse\"");
+            None
         }
-        !held
     }
+}
+
+/// Whether the structure is there and moves.
+fn moves(
+    (kind, structure, mesh): (StructureKind, &RawStructure, &Mesh),
+    path: &str,
+    at: f64,
+    direction: Direction,
+    findings: &mut Findings<'_>,
+) -> bool {
+    let length = mesh.length();
+    let node = node_at(mesh, at);
+    if node.is_none() && at > length {
+        let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+        let problem = perhaps_millimetres(Problem::error(title), at, length);
+        findings.put(path, problem, format!("expected a position from 0 to {} m", number(length)));
+        return false;
+    }
+    let (end, support) = match node {
+        Some(0) => ("start", structure.start),
+        Some(node) if node == mesh.elements() => ("end", Some(structure.end.unwrap_or(Support::Free))),
+        _ => return true,
+    };
+    let held = support.is_some_and(|support| holds(kind, support, direction));
+    if let Some(support) = support.filter(|_| held) {
+        let problem = Problem::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
+        findings.put(path, problem, format!("expected a place that moves in {} direction", direction.name()));
+    }
+    !held
 }
 
 /// A node of a structure from files with its direction.

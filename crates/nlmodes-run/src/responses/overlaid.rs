@@ -1,0 +1,211 @@
+//! Other responses, measured or computed, laid over those of a scene, with the differences in numbers.
+
+mod read;
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nlmodes::report::columns::RESPONSE_DIFFERENCE_COLUMNS;
+use nlmodes::report::{LineKind, ReportError, write_file};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::scene::ResponseKind;
+
+use super::convert::Converter;
+use super::curves::ComputedResponse;
+use crate::{RunError, refusal};
+
+/// Relative difference up to which two levels are one.
+const SAME_LEVEL: f64 = 1e-6;
+
+/// A curve, or measured points, that are laid over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaidCurve {
+    /// Its name in the legends.
+    pub name: String,
+    /// Points that nothing joins, or a curve of a computation.
+    pub kind: LineKind,
+    /// Its points.
+    pub points: Vec<LaidPoint>,
+}
+
+/// What a table says of a point, NaN where it says nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaidPoint {
+    /// Its row among those with a frequency.
+    pub number: usize,
+    /// Frequency of the load, Hz.
+    pub frequency: f64,
+    /// Level, in the unit of the load.
+    pub level: f64,
+    /// Fundamental of the first contact, m.
+    pub fundamental: f64,
+    /// Fundamental of the drive point, m.
+    pub drive: f64,
+    /// Lag of the drive point, degrees.
+    pub lag: f64,
+    /// Largest contact force, N.
+    pub force: f64,
+}
+
+/// A point beside the curve of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beside {
+    laid: LaidPoint,
+    own: LaidPoint,
+}
+
+/// What is laid over the responses of a scene.
+///
+/// # Errors
+/// [`RunError`] at the overlay that cannot be read.
+pub fn read(file: &SceneFile) -> Result<Vec<LaidCurve>, RunError> {
+    let mut all = Vec::new();
+    for (k, overlay) in file.scene.overlays.iter().enumerate() {
+        let found = read::curves(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
+        all.extend(found);
+    }
+    Ok(all)
+}
+
+/// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there.
+pub fn beside(
+    laid: &LaidCurve,
+    curves: &[ComputedResponse],
+    converter: &Converter<'_>,
+    subharmonic: &dyn Fn(&ComputedResponse) -> usize,
+) -> Vec<Beside> {
+    // Modes and phase resonances belong to no level.
+    if !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
+        return Vec::new();
+    }
+    let forced: Vec<Vec<LaidPoint>> = curves
+        .iter()
+        .filter(|computed| computed.kind == ResponseKind::Frequency)
+        .map(|computed| {
+            let point = |(number, p): (usize, &nlmodes::response::ResponsePoint)| LaidPoint {
+                number,
+                frequency: p.omega / TAU,
+                level: p.level,
+                fundamental: converter.fundamental(p, true, subharmonic(computed)).abs(),
+                drive: if p.drive.norm() > 0.0 { p.drive.norm() } else { f64::NAN },
+                lag: p.lag().to_degrees(),
+                force: p.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),
+            };
+            computed.points().iter().enumerate().map(point).collect()
+        })
+        .collect();
+    laid.points.iter().filter_map(|point| nearest(point, &forced).map(|own| Beside { laid: *point, own })).collect()
+}
+
+/// The point at the same frequency whose amplitude is nearest, of the curves of its level where it has one.
+fn nearest(point: &LaidPoint, curves: &[Vec<LaidPoint>]) -> Option<LaidPoint> {
+    let amplitude = |p: &LaidPoint| if point.fundamental.is_finite() { p.fundamental } else { p.drive };
+    let is_of_level = |curve: &&Vec<LaidPoint>| {
+        let level = curve.first().map_or(f64::NAN, |first| first.level);
+        point.level.is_nan() || (level - point.level).abs() <= SAME_LEVEL * point.level.abs()
+    };
+    let pairs = curves.iter().filter(is_of_level).flat_map(|curve| curve.windows(2));
+    let crossings = pairs.filter_map(|pair| {
+        let (a, b) = (pair[0], pair[1]);
+        let within = (a.frequency.min(b.frequency)..=a.frequency.max(b.frequency)).contains(&point.frequency);
+        let share = if a.frequency == b.frequency {
+            0.0
+        } else {
+            (point.frequency - a.frequency) / (b.frequency - a.frequency)
+        };
+        let at = |value: fn(&LaidPoint) -> f64| value(&a) + share * (value(&b) - value(&a));
+        within.then(|| LaidPoint {
+            frequency: point.frequency,
+            fundamental: at(|p| p.fundamental),
+            drive: at(|p| p.drive),
+            lag: at(|p| p.lag),
+            force: at(|p| p.force),
+            ..a
+        })
+    });
+    let off = |p: &LaidPoint| (amplitude(p) - amplitude(point)).abs();
+    crossings.filter(|p| off(p).is_finite()).min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Whether what is laid over moves more or less, in a sentence.
+pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
+    let name = &laid.name;
+    let ratios = |value: fn(&LaidPoint) -> f64| -> Vec<f64> {
+        found.iter().map(|b| 100.0 * (value(&b.laid) / value(&b.own) - 1.0)).filter(|r| r.is_finite()).collect()
+    };
+    let part = |what: &str, all: Vec<f64>| {
+        let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        (!all.is_empty()).then(|| {
+            format!("{what} differs by {mean:+.2} % on average ({least:+.2} to {most:+.2} %, {} points)", all.len())
+        })
+    };
+    let parts = [
+        part("its fundamental at the first contact", ratios(|p| p.fundamental)),
+        part("its fundamental at the drive point", ratios(|p| p.drive)),
+        part("its largest contact force", ratios(|p| p.force)),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    if parts.is_empty() {
+        return format!("{name}: no point within the curves over the frequency");
+    }
+    format!("{name}: at equal frequency {}", parts.join("; "))
+}
+
+/// Writes `response_overlay.csv`.
+///
+/// # Errors
+/// [`ReportError::Io`].
+pub fn write(directory: &Path, all: &[(LaidCurve, Vec<Beside>)]) -> Result<(), ReportError> {
+    if all.is_empty() {
+        return Ok(());
+    }
+    let mut text = RESPONSE_DIFFERENCE_COLUMNS.map(|column| column.name).join(",") + "\n";
+    for (laid, found) in all {
+        let name = format!("\"{}\"", laid.name.replace('"', "\"\""));
+        for Beside { laid, own } in found {
+            let values = [
+                laid.frequency,
+                laid.level,
+                laid.fundamental,
+                own.fundamental,
+                laid.drive,
+                own.drive,
+                laid.force,
+                own.force,
+            ];
+            let values = values.map(|value| format!("{value:?}")).join(",");
+            text += &format!("{name},{},{values}\n", laid.number);
+        }
+    }
+    write_file(&directory.join("response_overlay.csv"), text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_branch_of_the_same_level_counts() {
+        for unit in [1.0, 1e-6] {
+            let point = |frequency, level, amplitude: f64| LaidPoint {
+                number: 0,
+                frequency,
+                level,
+                fundamental: amplitude * unit,
+                drive: f64::NAN,
+                lag: f64::NAN,
+                force: 0.0,
+            };
+            // A curve that bends over: 1 to 3 on the way up, back at 5; another level far above.
+            let bent = vec![point(10.0, 4.0, 1.0), point(12.0, 4.0, 3.0), point(10.0, 4.0, 5.0)];
+            let other = vec![point(10.0, 6.0, 1.6), point(12.0, 6.0, 1.6)];
+            let all = [bent, other];
+            let near = |level, amplitude| nearest(&point(11.0, level, amplitude), &all).map(|p| p.fundamental / unit);
+            assert!((near(4.0, 1.5).unwrap() - 2.0).abs() < 1e-12);
+            assert!((near(4.0, 3.9).unwrap() - 4.0).abs() < 1e-12);
+            assert!((near(f64::NAN, 1.5).unwrap() - 1.6).abs() < 1e-12);
+            assert_eq!((near(5.0, 1.5), nearest(&point(13.0, 4.0, 1.0), &all)), (None, None));
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Responses with other responses laid over them.
+
+use std::fs;
+use std::path::Path;
+
+use nlmodes_run::{Over, Silent};
+use nlmodes_scene::parse;
+
+/// A rod before a stop, driven at two levels around its resonance.
+fn run(directory: &Path, overlays: &str) -> String {
+    let text = format!(
+        "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 6\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
+         [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-4\n[damping]\nratio = 0.02\n[[force]]\nat_m = 0.5\n\
+         [[response]]\nkind = \"frequency\"\nfrequency_hz = [1200.0, 1400.0]\nlevels_n = [40.0, 300.0]\n\
+         [[response]]\nkind = \"damped-mode\"\nfrequency_hz = [1200.0, 1400.0]\n\
+         [method]\nharmonics = 5\n[output]\nstability = \"never\"\n{overlays}"
+    );
+    let mut file = parse("scene.toml", &text, &[]).unwrap_or_else(|refused| panic!("{}", refused.text(false)));
+    file.scene.output_directory = directory.to_path_buf();
+    nlmodes_run::responses::check(&file).unwrap();
+    let outcome = nlmodes_run::responses::run(&file, Over::Same, &mut Silent).unwrap();
+    assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
+    fs::read_to_string(directory.join("branch.csv")).unwrap()
+}
+
+/// The columns of a table by name, as numbers.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let mut lines = table.lines();
+    let place = lines.next().unwrap().split(',').position(|column| column == name).unwrap();
+    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap_or(f64::NAN)).collect()
+}
+
+#[test]
+fn a_run_laid_over_itself_differs_by_nothing_and_a_measurement_by_what_it_was_changed() {
+    let place = tempfile::tempdir().unwrap();
+    let first = place.path().join("first");
+    let table = run(&first, "");
+    assert!(!first.join("response_overlay.csv").exists());
+    // Every fifth point of the lower level, ten per cent larger.
+    let (hertz, level, tip) =
+        (column(&table, "frequency_hz"), column(&table, "level"), column(&table, "fundamental_m"));
+    let mut measured = "frequency_hz,level,fundamental_m\n".to_owned();
+    let of_level = (0..hertz.len()).filter(|k| level[*k] == 40.0).skip(1).step_by(5);
+    let chosen: Vec<usize> = of_level.collect();
+    chosen.iter().for_each(|k| measured += &format!("{},40,{}\n", hertz[*k], 1.1 * tip[*k]));
+    fs::write(place.path().join("rig.csv"), measured).unwrap();
+    let second = place.path().join("second");
+    let overlays = format!(
+        "[[overlay]]\npath = '{}'\nlabel = \"before\"\n[[overlay]]\npath = '{}'\nlabel = \"rig\"\n",
+        first.display(),
+        place.path().join("rig.csv").display()
+    );
+    run(&second, &overlays);
+    let compared = fs::read_to_string(second.join("response_overlay.csv")).unwrap();
+    let (own, laid) = (column(&compared, "curve_fundamental_m"), column(&compared, "fundamental_m"));
+    let names: Vec<&str> = compared.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(names.iter().filter(|name| **name == "\"rig\"").count(), chosen.len());
+    assert!(names.len() > 2 * chosen.len() && !compared.contains("mode"), "{compared}");
+    for ((name, own), laid) in names.iter().zip(&own).zip(&laid) {
+        let expected = if *name == "\"rig\"" { 1.1 } else { 1.0 };
+        // Points that the curve has itself; a difference by the branch that is nearest cannot be larger.
+        assert!((laid / own - expected).abs() < 1e-9, "{name}: {laid:e} beside {own:e}");
+    }
+    let page = fs::read_to_string(second.join("report.html")).unwrap();
+    assert!(
+        page.contains("rig: at equal frequency its fundamental at the first contact differs by +10.00 % on average")
+    );
+    let figure = fs::read_to_string(second.join("responses.svg")).unwrap();
+    assert_eq!(figure.matches("class=\"measured\"").count(), chosen.len());
+}
+
+#[test]
+fn a_table_without_amplitudes_is_refused_at_its_place() {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("rig.csv"), "frequency_hz,modal_amplitude\n40,1e-3\n").unwrap();
+    let overlay = format!("[[overlay]]\npath = '{}'\n", place.path().join("rig.csv").display());
+    let refused = std::panic::catch_unwind(|| run(&place.path().join("out"), &overlay)).unwrap_err();
+    let text = refused.downcast_ref::<String>().unwrap();
+    assert!(text.contains("fundamental_m or drive_fundamental_m"), "{text}");
+}
