@@ -9,6 +9,7 @@ mod knots;
 mod motion;
 mod number;
 mod overview;
+mod packed;
 mod report_page;
 mod sections;
 mod table;

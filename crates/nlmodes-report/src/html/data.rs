@@ -4,6 +4,7 @@ use super::HtmlReport;
 use super::history::HistoryData;
 use super::motion::MotionData;
 use super::number::rounded;
+use super::packed::Column;
 use super::wire::WireData;
 use crate::StopLine;
 use crate::figure::EventSymbols;
@@ -51,17 +52,17 @@ struct Colors {
 #[derive(Serialize)]
 struct StopColumns {
     /// Share of the period.
-    closed: Vec<f64>,
+    closed: Column,
     /// N·s a period.
-    impulse: Vec<f64>,
+    impulse: Column,
     /// Largest, N.
-    force: Vec<f64>,
+    force: Column,
 }
 
 impl StopColumns {
     fn new(points: &[ModalPoint], stop: usize) -> Self {
         let column =
-            |value: fn(&ContactPeriod) -> f64| points.iter().map(|p| rounded(value(&p.contacts[stop]), 5)).collect();
+            |value: fn(&ContactPeriod) -> f64| Column::new(points.iter().map(|p| value(&p.contacts[stop])).collect());
         Self { closed: column(|c| c.closed_share), impulse: column(|c| c.impulse), force: column(|c| c.peak_force) }
     }
 }
@@ -77,17 +78,17 @@ struct BranchData {
     /// Hz.
     frequency: Vec<f64>,
     energy: Vec<f64>,
-    total_energy: Vec<f64>,
+    total_energy: Column,
     amplitude: Vec<f64>,
-    peak: Vec<f64>,
-    contact_fraction: Vec<f64>,
+    peak: Column,
+    contact_fraction: Column,
     contact_intervals: Vec<usize>,
-    force: Vec<f64>,
+    force: Column,
     /// Where there are several stops, or one with an impulse: what each does.
     stops: Vec<StopColumns>,
-    residual: Vec<f64>,
+    residual: Column,
     /// Share of each harmonic in the averaged kinetic energy.
-    shares: Vec<Vec<f64>>,
+    shares: (usize, Column),
     events: BTreeMap<usize, Vec<&'static str>>,
     resonance: BTreeMap<usize, String>,
     /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point where it is known.
@@ -100,7 +101,7 @@ struct BranchData {
     /// Point and name of each tongue.
     tongues: Vec<(usize, String)>,
     /// Share of each linear mode in the kinetic energy; none where it is not known.
-    participation: Vec<Vec<f64>>,
+    participation: Vec<Column>,
     motion: Option<MotionData>,
 }
 
@@ -151,6 +152,7 @@ impl BranchData {
         let column = |digits: usize, value: &dyn Fn(&ModalPoint) -> f64| {
             points.iter().map(|point| rounded(value(point), digits)).collect::<Vec<f64>>()
         };
+        let short = |value: &dyn Fn(&ModalPoint) -> f64| Column::new(points.iter().map(value).collect());
         let with_events = points.iter().enumerate().filter(|(_, point)| !point.events.is_empty());
         let resonant = points.iter().enumerate().filter_map(|(i, point)| Some((i, point.resonance?.to_string())));
         let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(Event::Resumed));
@@ -165,14 +167,14 @@ impl BranchData {
             frequency: column(10, &|point| point.omega / TAU),
             energy: column(10, &|point| point.kinetic_energy),
             amplitude: column(10, &|point| point.modal_amplitude),
-            total_energy: column(6, &|point| point.total_energy),
-            peak: column(6, &|point| point.peak),
-            contact_fraction: column(6, &|point| point.contact_fraction),
+            total_energy: short(&|point| point.total_energy),
+            peak: short(&|point| point.peak),
+            contact_fraction: short(&|point| point.contact_fraction),
             contact_intervals: points.iter().map(|point| point.contact_intervals).collect(),
-            force: column(6, &|point| point.peak_contact_force),
+            force: short(&|point| point.peak_contact_force),
             stops: (0..n_stops).map(|stop| StopColumns::new(points, stop)).collect(),
-            residual: column(3, &|point| point.residual),
-            shares: points.iter().map(shares).collect(),
+            residual: short(&|point| point.residual),
+            shares: shares(points),
             events: with_events
                 .map(|(i, point)| (i, point.events.iter().map(|event| event.name()).collect()))
                 .collect(),
@@ -205,14 +207,20 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
     StopLine::first_of(branch).into_iter().collect()
 }
 
-fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Vec<f64>> {
-    let of = |mode: usize| report.participation[index].iter().map(|p| rounded(p.energy_shares[mode], 8)).collect();
+fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Column> {
+    let of = |mode: usize| Column::new(report.participation[index].iter().map(|p| p.energy_shares[mode]).collect());
     (0..report.participating_modes()).map(of).collect()
 }
 
-fn shares(point: &ModalPoint) -> Vec<f64> {
-    let whole: f64 = point.harmonic_energy.iter().sum();
-    point.harmonic_energy.iter().map(|energy| rounded(energy / whole, 4)).collect()
+/// Number of harmonics with the mean, and the share of each in the energy, point by point; zeros where a point has fewer.
+fn shares(points: &[ModalPoint]) -> (usize, Column) {
+    let width = points.iter().map(|point| point.harmonic_energy.len()).max().unwrap_or(0);
+    let of = |point: &ModalPoint| {
+        let whole: f64 = point.harmonic_energy.iter().sum();
+        let share = |n: usize| point.harmonic_energy.get(n).map_or(0.0, |energy| energy / whole);
+        (0..width).map(share).collect::<Vec<f64>>()
+    };
+    (width, Column::new(points.iter().flat_map(of).collect()))
 }
 
 /// The grazing point with which a branch begins or ends.

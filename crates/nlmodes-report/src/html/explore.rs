@@ -9,6 +9,7 @@ pub const STYLE: &str = concat!(include_str!("page/page.css"), include_str!("pag
 /// The script, `explore.js`.
 pub const SCRIPT: &str = concat!(
     include_str!("page/element.js"),
+    include_str!("page/packed.js"),
     include_str!("page/scale.js"),
     include_str!("page/symbol.js"),
     include_str!("page/smooth.js"),
@@ -16,6 +17,7 @@ pub const SCRIPT: &str = concat!(
     include_str!("page/save.js"),
     include_str!("page/chart.js"),
     include_str!("page/branches.js"),
+    include_str!("page/player.js"),
     include_str!("page/motion.js"),
     include_str!("page/explore.js"),
 );

@@ -2,6 +2,7 @@
 
 use super::knots::knots;
 use super::number::rounded;
+use super::packed::Column;
 use crate::figure::HistoryLook;
 use nlmodes_modal::TimeHistory;
 use serde::Serialize;
@@ -12,11 +13,11 @@ const TOLERANCE: f64 = 5e-4;
 #[derive(Serialize)]
 pub(super) struct HistoryData {
     name: String,
-    time: Vec<f64>,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    force: Vec<f64>,
+    time: Column,
+    displacement: Column,
+    velocity: Column,
+    acceleration: Column,
+    force: Column,
     stop: f64,
     /// Colour of the stop.
     wall: &'static str,
@@ -47,14 +48,13 @@ impl HistoryData {
         (color, wall, dash): (&'static str, &'static str, Option<&'static str>),
     ) -> Self {
         let thin = thinned(history);
-        let short = |values: Vec<f64>| values.into_iter().map(|value| rounded(value, 6)).collect();
         Self {
             name: name.into(),
-            time: short(thin.time),
-            displacement: short(thin.displacement),
-            velocity: short(thin.velocity),
-            acceleration: short(thin.acceleration),
-            force: short(thin.force),
+            time: Column::new(thin.time),
+            displacement: Column::new(thin.displacement),
+            velocity: Column::new(thin.velocity),
+            acceleration: Column::new(thin.acceleration),
+            force: Column::new(thin.force),
             stop: thin.stop,
             wall,
             instants: thin.instants.iter().map(|instant| (rounded(instant.time, 8), instant.touching)).collect(),

@@ -2,28 +2,26 @@
 
 use super::HtmlReport;
 use super::knots::knots;
-use super::number::rounded;
+use super::packed::{Packed, PackedRows, scale};
 use crate::StopLine;
 use crate::stations::{self, Station};
-use nlmodes_modal::{ModalBranch, ModalPoint, TimeHistory};
+use nlmodes_modal::{Event, ModalBranch, ModalPoint, TimeHistory};
 use num_complex::Complex64;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
-/// Bytes that the motions of all branches may take.
+/// Bytes that the motions of all branches may take, about.
 const BUDGET: usize = 1_500_000;
-/// Fewest and most points of a branch whose motion the page holds, beside those with an event or a name.
+/// Bytes of displacement and force of a contact, about.
+const CONTACT_BYTES: usize = 800;
+/// Fewest and most points of a branch whose motion the page holds, beside its ends and those with a name.
 const POINTS: (usize, usize) = (12, 300);
 const MAX_STATIONS: usize = 41;
 /// By how much of its largest value displacement and force of a contact may be missed.
-const CONTACT_TOLERANCE: f64 = 2e-3;
-/// Largest whole number in which a motion is expressed: a ten-thousandth of a pixel is not seen, a thousandth is not either.
-const FULL_SCALE: f64 = 9999.0;
+const CONTACT_TOLERANCE: f64 = 4e-3;
 
-/// A factor and the whole numbers that it turns into SI units.
-type Packed = (f64, Vec<Option<i32>>);
-
-/// Factor, real parts, imaginary parts unless all are zero: stations × harmonics.
-type PackedMotion = (f64, Vec<Vec<i32>>, Option<Vec<Vec<i32>>>);
+/// Cosine coefficients of all stations, and those of the sines where there are any.
+type PackedMotion = (PackedRows, Option<PackedRows>);
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -57,7 +55,7 @@ struct Frame {
 #[derive(Serialize)]
 struct Contact {
     /// Ten-thousandths of the period, ascending, both ends among them.
-    phase: Vec<i32>,
+    phase: Packed,
     displacement: Packed,
     force: Packed,
 }
@@ -87,7 +85,7 @@ impl MotionData {
         let kind = stations::kind(branch);
         Some(Self {
             word: word(kind),
-            is_axial: kind == "axial",
+            is_axial: stations::motion_of(kind) == "axial",
             x: stations.iter().map(|(position, _)| *position).collect(),
             held: (0..stations.len()).filter(|d| stations[*d].1.is_none()).collect(),
             stops: stops.iter().map(at).collect(),
@@ -99,7 +97,7 @@ impl MotionData {
 
 /// What the displacement of a kind of coordinates is called.
 pub(super) fn word(kind: &str) -> &'static str {
-    match kind {
+    match stations::motion_of(kind) {
         "axial" => "axial displacement",
         "deflection" => "deflection",
         "rotation" => "rotation",
@@ -125,18 +123,31 @@ pub(super) fn shown(
     (stations, stops)
 }
 
-/// The points whose motion the page holds: all of them, or some at even steps and those with an event or a name.
+/// The points whose motion the page holds: the ends and those with a name, then those with an event, then others at even steps, until they are as many as
+/// fit. Changes of the contacts alone are no reason: with many stops nearly every point has one.
 fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_stops: usize) -> Vec<usize> {
-    let points = &report.branches[index].points;
-    let (n, n_harmonics) =
-        (points.len(), points.iter().map(|point| point.coefficients.n_harmonics()).max().unwrap_or(0));
+    let branch = report.branches[index];
+    let (points, n) = (&branch.points, branch.points.len());
+    let n_harmonics = points.iter().map(|point| point.coefficients.n_harmonics()).max().unwrap_or(0);
     let contacts = if report.contact_motion.is_some() { n_stops } else { 0 };
-    let bytes = 10 * n_stations * (n_harmonics + 1) + 1000 * contacts;
+    // Four letters for each three bytes, with sines.
+    let bytes = 5 * n_stations * (n_harmonics + 1) + CONTACT_BYTES * contacts;
     let most = (BUDGET / report.branches.len().max(1) / bytes.max(1)).clamp(POINTS.0, POINTS.1);
-    let stride = n.div_ceil(most).max(1);
     let named = |point: usize| report.marks.iter().any(|(branch, marked, _)| (*branch, *marked) == (index, point));
-    let is_shown = |i: &usize| i.is_multiple_of(stride) || i + 1 == n || !points[*i].events.is_empty() || named(*i);
-    (0..n).filter(is_shown).filter(|i| is_finite(&points[*i], report.branches[index].coordinates.len())).collect()
+    let tells = |point: usize| points[point].events.iter().any(|event| *event != Event::ContactChange);
+    let finite: Vec<usize> = (0..n).filter(|i| is_finite(&points[*i], branch.coordinates.len())).collect();
+    let mut chosen: BTreeSet<usize> = finite.iter().copied().filter(|i| *i == 0 || i + 1 == n || named(*i)).collect();
+    let told: Vec<usize> = finite.iter().copied().filter(|i| tells(*i)).collect();
+    chosen.extend(evenly(&told, most));
+    chosen.extend(evenly(&finite, most.saturating_sub(chosen.len())));
+    chosen.into_iter().collect()
+}
+
+/// At most so many of them, at even steps.
+fn evenly(all: &[usize], most: usize) -> impl Iterator<Item = usize> {
+    let stride = all.len().div_ceil(most.max(1)).max(1);
+    let none = if most == 0 { 0 } else { all.len() };
+    all[..none].iter().copied().step_by(stride)
 }
 
 fn is_finite(point: &ModalPoint, n_coordinates: usize) -> bool {
@@ -147,24 +158,14 @@ fn is_finite(point: &ModalPoint, n_coordinates: usize) -> bool {
 
 fn packed_motion(point: &ModalPoint, stations: &[Station]) -> PackedMotion {
     let row = |station: &Station| station.1.map_or(&[] as &[Complex64], |d| point.coefficients.of(d));
-    let parts = || stations.iter().flat_map(row).flat_map(|q| [q.re, q.im]);
-    let scale = scale(parts());
-    let packed = |part: fn(&Complex64) -> f64| -> Vec<Vec<i32>> {
-        stations
-            .iter()
-            .map(|station| row(station).iter().map(|q| whole(part(q), scale)).collect())
-            .map(trimmed)
-            .collect()
+    let scale = scale(stations.iter().flat_map(row).flat_map(|q| [q.re, q.im]));
+    let packed = |part: fn(&Complex64) -> f64| {
+        let rows: Vec<Vec<f64>> = stations.iter().map(|station| row(station).iter().map(part).collect()).collect();
+        PackedRows::new(&rows, scale)
     };
     let imaginary = packed(|q| q.im);
-    let is_even = imaginary.iter().all(Vec::is_empty);
-    (scale, packed(|q| q.re), (!is_even).then_some(imaginary))
-}
-
-/// Without the zeros at its end.
-fn trimmed(mut row: Vec<i32>) -> Vec<i32> {
-    row.truncate(row.iter().rposition(|value| *value != 0).map_or(0, |last| last + 1));
-    row
+    let is_even = imaginary.is_zero();
+    (packed(|q| q.re), (!is_even).then_some(imaginary))
 }
 
 fn contact(history: &TimeHistory) -> Option<Contact> {
@@ -175,27 +176,10 @@ fn contact(history: &TimeHistory) -> Option<Contact> {
     }
     let chosen = knots(time, &[displacement, force], CONTACT_TOLERANCE);
     let pick = |values: &[f64]| chosen.iter().map(|k| values[*k]).collect::<Vec<f64>>();
-    let phase = |time: f64| ((time - first) / (last - first) * 1e4).round() as i32;
+    let phases: Vec<f64> = chosen.iter().map(|k| (time[*k] - first) / (last - first)).collect();
     Some(Contact {
-        phase: pick(time).into_iter().map(phase).collect(),
-        displacement: packed(&pick(displacement)),
-        force: packed(&pick(force)),
+        phase: Packed::new(&phases),
+        displacement: Packed::new(&pick(displacement)),
+        force: Packed::new(&pick(force)),
     })
-}
-
-fn packed(values: &[f64]) -> Packed {
-    let scale = scale(values.iter().copied());
-    let value = |value: &f64| value.is_finite().then(|| whole(*value, scale));
-    (scale, values.iter().map(value).collect())
-}
-
-/// The factor with which the largest of the values becomes [`FULL_SCALE`].
-fn scale(values: impl Iterator<Item = f64>) -> f64 {
-    let largest = values.filter(|value| value.is_finite()).fold(0.0, |m: f64, value| m.max(value.abs()));
-    if largest > 0.0 { rounded(largest / FULL_SCALE, 8) } else { 1.0 }
-}
-
-fn whole(value: f64, scale: f64) -> i32 {
-    // Within ±10000 by the choice of the scale.
-    (value / scale).round() as i32
 }

@@ -6,6 +6,7 @@ use super::sections::Section;
 
 const SCRIPT: &str = concat!(
     include_str!("page/element.js"),
+    include_str!("page/packed.js"),
     include_str!("page/scale.js"),
     include_str!("page/symbol.js"),
     include_str!("page/smooth.js"),
@@ -17,6 +18,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/lay.js"),
     include_str!("page/participation.js"),
     include_str!("page/histories.js"),
+    include_str!("page/player.js"),
     include_str!("page/motion.js"),
     include_str!("page/wire.js"),
     include_str!("page/start.js"),

@@ -4,10 +4,8 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use super::number::rounded;
+use super::packed::{Packed, PackedRows, scale};
 
-/// Largest whole number in which a coordinate is expressed.
-const FULL_SCALE: f64 = 9999.0;
 /// Most harmonics of the motion that the page holds.
 const HARMONICS: usize = 6;
 /// Width and height of the figure that stands still.
@@ -28,9 +26,6 @@ pub struct Wireframe {
     pub forces: Vec<(usize, Vec<[f64; 3]>)>,
 }
 
-/// A factor and the whole numbers that it turns into SI units.
-type Packed = (f64, Vec<i32>);
-
 /// What the script knows of it.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -39,11 +34,11 @@ pub(super) struct WireData {
     places: Packed,
     edges: Vec<usize>,
     /// Cosine and sine coefficients of the displacements, x, y, z of one corner after the other; the mean first, without a sine.
-    cosines: (f64, Vec<Vec<i32>>),
-    sines: (f64, Vec<Vec<i32>>),
+    cosines: PackedRows,
+    sines: PackedRows,
     contacts: Vec<usize>,
     /// Forces over the steps, x, y, z of one contact after the other.
-    forces: (f64, Vec<Vec<i32>>),
+    forces: PackedRows,
 }
 
 impl Wireframe {
@@ -81,15 +76,15 @@ impl Wireframe {
         let forces: Vec<Vec<f64>> =
             (0..steps).map(|k| self.forces.iter().flat_map(|(_, over)| over[k]).collect()).collect();
         let places: Vec<f64> = self.places.iter().flatten().copied().collect();
-        let (scale, mut packed_places) = packed(&[places]);
         WireData {
             name: self.name.clone(),
-            places: (scale, packed_places.pop().unwrap_or_default()),
+            places: Packed::new(&places),
             edges: self.edges.iter().flatten().copied().collect(),
             cosines: packed(&cosines),
             sines: packed(&sines),
             contacts: self.forces.iter().map(|(corner, _)| *corner).collect(),
-            forces: packed(&forces),
+            // A row a step, also where nothing is pushed.
+            forces: PackedRows::new(&forces, scale(forces.iter().flatten().copied())),
         }
     }
 
@@ -144,15 +139,11 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
 }
 
-/// One factor for all, and the whole numbers, without rows of zeros at the end.
-fn packed(rows: &[Vec<f64>]) -> (f64, Vec<Vec<i32>>) {
-    let largest = rows.iter().flatten().fold(0.0_f64, |l, v| l.max(v.abs()));
-    let scale = if largest > 0.0 { rounded(largest / FULL_SCALE, 8) } else { 1.0 };
-    let whole = |row: &Vec<f64>| row.iter().map(|v| (v / scale).round() as i32).collect::<Vec<_>>();
-    let mut all: Vec<Vec<i32>> = rows.iter().map(whole).collect();
-    let last = all.iter().rposition(|row| row.iter().any(|v| *v != 0)).map_or(1, |last| last + 1);
-    all.truncate(last.max(1));
-    (scale, all)
+/// All rows with one factor, without rows of zeros at the end.
+fn packed(rows: &[Vec<f64>]) -> PackedRows {
+    let scale = scale(rows.iter().flatten().copied());
+    let last = rows.iter().rposition(|row| row.iter().any(|v| v.abs() > 0.5 * scale)).map_or(1, |last| last + 1);
+    PackedRows::new(&rows[..last.min(rows.len())], scale)
 }
 
 #[cfg(test)]
@@ -175,13 +166,14 @@ mod tests {
     #[test]
     fn coefficients_are_those_of_the_motion() {
         let data = bar(24).data();
-        let at =
-            |(scale, rows): &(f64, Vec<Vec<i32>>), n: usize| rows.get(n).map_or(0.0, |row| scale * f64::from(row[5]));
+        let at = |rows: &PackedRows, n: usize| rows.values().get(n).map_or(0.0, |row| row[5]);
         for (n, cosine, sine) in [(0, 0.3e-3, 0.0), (1, 2e-3, 0.0), (2, 0.0, 0.5e-3)] {
             assert!((at(&data.cosines, n) - cosine).abs() < 1e-6, "{n}");
             assert!(n == 0 || (at(&data.sines, n - 1) - sine).abs() < 1e-6, "{n}");
         }
-        assert_eq!((data.places.1[3], data.edges.as_slice(), data.contacts.as_slice()), (9999, &[0, 1][..], &[1][..]));
+        // The last steps push nothing; without them the others would be told at wrong phases.
+        assert_eq!(data.forces.values().len(), 24);
+        assert_eq!((data.edges.as_slice(), data.contacts.as_slice()), (&[0, 1][..], &[1][..]));
     }
 
     #[test]

@@ -67,7 +67,7 @@ async function compute() {
   try {
     const found = await ask("compute", live.running.signal);
     if (own !== live.latest) return;
-    show(found.branches[0]);
+    show(unpackBranch(found.branches[0]));
     const milliseconds = performance.now() - began;
     document.body.dataset.latency = milliseconds.toFixed(1);
     document.body.dataset.shown = own;

@@ -6,7 +6,7 @@ function branchesOf(name, text) {
     const found = new DOMParser().parseFromString(text, "text/html").getElementById("data");
     const data = found && JSON.parse(found.textContent);
     if (!data || !Array.isArray(data.branches)) throw new Error(`${name} is not a page of results.`);
-    data.branches.forEach(branch => nameEvents(branch, data.eventSymbols || []));
+    data.branches.forEach(branch => nameEvents(unpackBranch(branch), data.eventSymbols || []));
     return data.branches.map(branch => ({ ...branch, label: `${branch.label} (${name})`, motion: null, participation: [] }));
   }
   return [branchOfTable(name, text)];

@@ -3,40 +3,13 @@
 const TRAIL = 16;
 const SIZE = { width: 620, height: 320, left: 74, right: 26, top: 16, bottom: 46, bar: 64 };
 
-const unpacked = ([scale, whole]) => whole.map(value => (value === null ? null : value * scale));
-
 class Motion {
   constructor(box, controls) {
-    Object.assign(this, { box, phase: 0, speed: 1, last: null, frame: null });
+    Object.assign(this, { box, frame: null });
     this.svg = svg(box, "svg", { class: "motion", viewBox: `0 0 ${SIZE.width} ${SIZE.height}`, role: "img" });
-    this.controls(controls);
-    this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.showPlaying();
-    requestAnimationFrame(now => this.tick(now));
-  }
-
-  controls(box) {
-    this.button = html(box, "button", { type: "button", class: "play" });
-    this.button.addEventListener("click", () => { this.playing = !this.playing; this.showPlaying(); });
-    const slider = (name, attributes, act) => {
-      const label = html(box, "label", {}, name + " ");
-      const input = html(label, "input", { type: "range", ...attributes });
-      input.addEventListener("input", () => act(Number(input.value)));
-      return input;
-    };
-    this.slider = slider("phase", { min: 0, max: 360, step: 1, value: 0, class: "phase" }, degrees => {
-      this.playing = false;
-      this.phase = degrees / 360;
-      this.showPlaying();
-      this.draw();
-    });
-    slider("speed", { min: -2, max: 2, step: 0.25, value: 0, class: "speed" }, power => { this.speed = 2 ** power; });
-    this.reading = html(box, "output", { class: "reading" });
-  }
-
-  showPlaying() {
-    this.button.textContent = this.playing ? "❚❚ Pause" : "▶ Play";
-    this.button.setAttribute("aria-pressed", String(this.playing));
+    this.player = new Player(controls, () => this.draw());
+    this.player.slider("speed", { min: -2, max: 2, step: 0.25, value: 0, class: "speed" }, power => { this.player.speed = 2 ** power; });
+    this.reading = html(controls, "output", { class: "reading" });
   }
 
   /// Shows the motion of a point, or of the nearest one that the page holds; returns which.
@@ -45,11 +18,10 @@ class Motion {
     this.frame = null;
     if (!motion || !motion.points.length) { this.svg.replaceChildren(); return null; }
     const k = motion.points.reduce((best, at, i) => (Math.abs(at - point) < Math.abs(motion.points[best] - point) ? i : best), 0);
-    const packed = motion.frames[k], [scale, real, imaginary] = packed.motion;
-    const coefficients = rows => rows && rows.map(row => row.map(value => value * scale));
+    const packed = motion.frames[k], coefficients = rows => rows && unpackedRows(rows, motion.x.length);
     this.motion = motion;
-    this.frame = { re: coefficients(real), im: coefficients(imaginary) };
-    this.frame.contacts = packed.contacts.map(c => c && { t: c.phase.map(t => t / 1e4), u: unpacked(c.displacement), f: unpacked(c.force) });
+    this.frame = { re: coefficients(packed.motion[0]), im: coefficients(packed.motion[1]) };
+    this.frame.contacts = packed.contacts.map(c => c && { t: unpacked(c.phase), u: unpacked(c.displacement), f: unpacked(c.force) });
     this.prepare();
     this.draw();
     return motion.points[k];
@@ -166,11 +138,11 @@ class Motion {
 
   draw() {
     if (!this.frame) return;
-    const shape = this.shape(this.phase), { stops, x, isAxial } = this.motion;
+    const phase = this.player.phase, shape = this.shape(phase), { stops, x, isAxial } = this.motion;
     this.now.setAttribute("points", this.line(shape));
     if (isAxial) this.drawBar(shape);
     stops.forEach((stop, k) => {
-      const contact = this.frame.contacts[k], force = contact ? between(contact.t, contact.f, this.phase) : 0;
+      const contact = this.frame.contacts[k], force = contact ? between(contact.t, contact.f, phase) : 0;
       const closed = contact ? force > 1e-6 * this.mostForce && this.mostForce > 0 : false;
       const [at, y] = [this.px(x[stop.station]), this.py(shape[stop.station])];
       fill(this.dots[k], null, { cx: at.toFixed(2), cy: y.toFixed(2), class: closed ? "contact closed" : "contact" });
@@ -180,7 +152,7 @@ class Motion {
       this.arrows[k].setAttribute("d", length > 1 ? path : "");
     });
     this.read(shape);
-    if (this.onPhase) this.onPhase(this.phase);
+    if (this.onPhase) this.onPhase(phase);
   }
 
   drawBar(shape) {
@@ -194,21 +166,10 @@ class Motion {
   }
 
   read(shape) {
-    const degrees = Math.round(360 * this.phase) % 360;
+    const degrees = Math.round(360 * this.player.phase) % 360;
     const stop = this.motion.stops[0];
     const value = stop && shape[stop.station] * this.unit.perSi;
     this.reading.textContent = `${degrees}°` + (stop ? `, contact node at ${significant(value, 4)} ${this.unit.symbol}` : "");
-    if (this.playing) this.slider.value = degrees;
-  }
-
-  tick(now) {
-    // A period in three seconds at normal speed.
-    if (this.playing && this.last !== null) {
-      this.phase = (this.phase + this.speed * Math.min(0.1, (now - this.last) / 1000) / 3) % 1;
-      this.draw();
-    }
-    this.last = now;
-    requestAnimationFrame(next => this.tick(next));
   }
 }
 

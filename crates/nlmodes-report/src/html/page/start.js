@@ -1,6 +1,6 @@
 // The page as a whole: what is chosen, and who is told.
 
-const DATA = JSON.parse(document.getElementById("data").textContent);
+const DATA = unpackData(JSON.parse(document.getElementById("data").textContent));
 
 function begin() {
   const byId = id => document.getElementById(id);
@@ -45,7 +45,7 @@ function begin() {
     const spec = historySpec(`Contacts at point ${shown}`, history, 130);
     const chart = new Chart(html(box, "div", { class: "plot plain" }), spec);
     motion.onPhase = phase => chart.moveCursor(phase * period * spec.clock.perSi);
-    motion.onPhase(motion.phase);
+    motion.onPhase(motion.player.phase);
   }
 
   if (byId("wire") && DATA.wire) new Wire(byId("wire"), DATA.wire);

@@ -4,18 +4,16 @@ const WIRE = { height: 460, margin: 40, turn: 0.02 };
 
 class Wire {
   constructor(box, data) {
-    Object.assign(this, { data, azimuth: 0.6, elevation: 0.45, zoom: 1, phase: 0, last: null });
-    const factor = ([scale, whole]) => whole.map(value => value * scale);
-    const rows = ([scale, all]) => all.map(row => row.map(value => value * scale));
-    this.places = factor(data.places);
-    Object.assign(this, { cosines: rows(data.cosines), sines: rows(data.sines), forces: rows(data.forces) });
+    Object.assign(this, { data, azimuth: 0.6, elevation: 0.45, zoom: 1 });
+    this.places = unpacked(data.places);
+    Object.assign(this, { cosines: unpackedRows(data.cosines), sines: unpackedRows(data.sines), forces: unpackedRows(data.forces) });
     this.measure();
     this.canvas = html(box, "canvas", { class: "wire", tabindex: 0, role: "img", "aria-label": `Wireframe of the motion at ${data.name}; arrows turn it` });
-    this.controls(html(box, "div", { class: "controls" }));
+    const controls = html(box, "div", { class: "controls" });
+    this.player = new Player(controls, () => this.draw());
+    this.player.slider("displacement", { min: -2, max: 1, step: 0.05, value: 0 }, power => { this.scale = this.natural * 10 ** power; });
+    this.reading = html(controls, "output", { class: "reading" });
     this.listen();
-    this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.showPlaying();
-    requestAnimationFrame(now => this.tick(now));
   }
 
   /// Middle and half of the diagonal of the structure, and by how much displacements are drawn larger.
@@ -28,20 +26,6 @@ class Wire {
     this.natural = most > 0 ? 0.3 * this.radius / most : 1;
     this.strongest = Math.max(...this.forces.map(largest), 0);
     this.scale = this.natural;
-  }
-
-  controls(box) {
-    this.button = html(box, "button", { type: "button", class: "play" });
-    this.button.addEventListener("click", () => { this.playing = !this.playing; this.showPlaying(); });
-    const slider = (name, attributes, act) => {
-      const label = html(box, "label", {}, name + " ");
-      const input = html(label, "input", { type: "range", ...attributes });
-      input.addEventListener("input", () => { act(Number(input.value)); this.draw(); });
-      return input;
-    };
-    this.slider = slider("phase", { min: 0, max: 360, step: 1, value: 0 }, degrees => { this.playing = false; this.phase = degrees / 360; this.showPlaying(); });
-    slider("displacement", { min: -2, max: 1, step: 0.05, value: 0 }, power => { this.scale = this.natural * 10 ** power; });
-    this.reading = html(box, "output", { class: "reading" });
   }
 
   listen() {
@@ -68,33 +52,18 @@ class Wire {
     this.draw();
   }
 
-  showPlaying() {
-    this.button.textContent = this.playing ? "❚❚ Pause" : "▶ Play";
-    this.button.setAttribute("aria-pressed", String(this.playing));
-  }
-
-  tick(now) {
-    if (this.playing && this.last !== null) {
-      this.phase = (this.phase + (now - this.last) / 3000) % 1;
-      this.slider.value = Math.round(360 * this.phase);
-      this.draw();
-    }
-    this.last = now;
-    requestAnimationFrame(next => this.tick(next));
-  }
-
   /// Displacements at this phase, x, y, z of one corner after the other.
   displacements() {
     const u = new Float64Array(this.places.length);
     const add = (row, factor) => row.forEach((q, i) => { u[i] += factor * q; });
-    this.cosines.forEach((row, n) => add(row, Math.cos(2 * Math.PI * n * this.phase)));
-    this.sines.forEach((row, n) => add(row, Math.sin(2 * Math.PI * (n + 1) * this.phase)));
+    this.cosines.forEach((row, n) => add(row, Math.cos(2 * Math.PI * n * this.player.phase)));
+    this.sines.forEach((row, n) => add(row, Math.sin(2 * Math.PI * (n + 1) * this.player.phase)));
     return u;
   }
 
   /// Forces at this phase, between the steps in proportion.
   forcesNow() {
-    const steps = this.forces.length, at = this.phase * steps, before = Math.floor(at) % steps, share = at - Math.floor(at);
+    const steps = this.forces.length, at = this.player.phase * steps, before = Math.floor(at) % steps, share = at - Math.floor(at);
     const after = this.forces[(before + 1) % steps] || [];
     return (this.forces[before] || []).map((f, i) => (1 - share) * f + share * (after[i] || 0));
   }
