@@ -23,10 +23,7 @@ pub fn check(
     let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
     let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, findings));
     let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, findings));
-    let damping = match &raw.damping {
-        Some(written) => Some(own_damping(written, findings)),
-        None => None,
-    };
+    let damping = raw.damping.as_ref().map(|written| own_damping(written, findings));
     let segments = match nodes {
         Some(nodes) => segments(raw, section, &nodes.mesh, findings),
         None => Some(Vec::new()),
