@@ -178,7 +178,7 @@ pub fn write(directory: &Path, all: &[(LaidCurve, Vec<Beside>)]) -> Result<(), R
             text += &format!("{name},{},{values}\n", laid.number);
         }
     }
-    write_file(&directory.join("response_overlay.csv"), text.as_bytes())
+    write_file(directory.join("response_overlay.csv"), text.as_bytes())
 }
 
 #[cfg(test)]
