@@ -102,9 +102,9 @@ fn motion_on_the_page_is_that_of_the_branch_to_a_ten_thousandth() {
     // Station 0 is the clamp; of two kinds of coordinates the page shows the axial ones.
     let rows = rows(&frame[0]);
     assert!(frame[1].is_null() && rows.len() == 41 && rows[0].iter().all(|q| *q == 0.0));
-    for station in 1..=40 {
+    for (station, row) in rows.iter().enumerate().skip(1) {
         for (n, q) in branch.points[7].coefficients.of(2 * (station - 1)).iter().enumerate() {
-            let found = rows[station].get(n).copied().unwrap_or(0.0);
+            let found = row.get(n).copied().unwrap_or(0.0);
             assert!((found - q.re).abs() <= 1e-4 * most, "{station} {n}");
         }
     }
