@@ -58,8 +58,11 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// Numbers of harmonics with what they give, and the state of the last at the beginning of its period.
+type Solutions = (Vec<(usize, Quantities)>, Vec<f64>);
+
 /// The solution of largest amplitude with few harmonics, and from it those with more; and the state of the last at the beginning of its period.
-fn solutions(case: &Case) -> Result<(Vec<(usize, Quantities)>, Vec<f64>)> {
+fn solutions(case: &Case) -> Result<Solutions> {
     let mut system = build(case, FIRST)?;
     let mut x = highest(&mut system)?;
     let (mut all, mut state) = (Vec::new(), Vec::new());
