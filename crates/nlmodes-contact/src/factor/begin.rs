@@ -31,7 +31,7 @@ impl Factor {
         for (i, &contact) in contacts.iter().enumerate() {
             let pivot = block[(i, i)] * block[(i, i)];
             // NaN counts as dependent.
-            if !(pivot > self.dependence(matrix, contact)) {
+            if pivot.is_nan() || pivot <= self.dependence(matrix, contact) {
                 self.clear();
                 return false;
             }
