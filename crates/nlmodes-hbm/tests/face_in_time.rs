@@ -207,6 +207,7 @@ fn forces_of_a_face_in_open_modes_converge_to_those_in_time() {
             let whole: f64 = expected.iter().sum();
             let error = found.zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
             assert!(expected.iter().all(|force| *force > 0.01 * whole), "all three touch: {expected:?}");
+            of_forces.push((harmonics as f64, error / whole));
             of_frequency.push((harmonics as f64, (point.omega * second * period / std::f64::consts::TAU - 1.0).abs()));
         }
         // Forces have corners where contacts close and open: their harmonics fall as n⁻², and what is cut off of means and frequencies faster.
