@@ -24,7 +24,8 @@ pub fn jacobian_defect<S: ParametricSystem>(system: &mut S, x: &[f64], p: f64, h
             z
         };
         let (high, low) = (shifted(h), shifted(-h));
-        (plus.entries.clear(), minus.entries.clear());
+        plus.entries.clear();
+        minus.entries.clear();
         system.linearize(&high[..n], high[n], &mut plus)?;
         system.linearize(&low[..n], low[n], &mut minus)?;
         for i in 0..n {
