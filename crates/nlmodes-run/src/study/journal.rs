@@ -29,7 +29,7 @@ enum Line {
     /// A run of the continuation begins here.
     Run(Correction),
     /// It took a step.
-    Step(StepRecord),
+    Step(Box<StepRecord>),
 }
 
 /// A run that is in the file.
@@ -115,7 +115,7 @@ impl<'a> Journal<'a> {
                             return;
                         }
                         run.offsets.push(offset);
-                        run.steps.push(step);
+                        run.steps.push(*step);
                     }
                     Err(_) => return,
                 }
@@ -219,7 +219,7 @@ impl RunLog for Journal<'_> {
 
     fn record(&mut self, step: &StepRecord) -> ControlFlow<()> {
         if self.failure.is_none() {
-            self.failure = self.append(&Line::Step(step.clone())).err();
+            self.failure = self.append(&Line::Step(Box::new(step.clone()))).err();
         }
         if self.failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
