@@ -32,7 +32,7 @@ pub fn figures(study: &Study, collected: &Collected) -> Vec<Named> {
             let x = numbers(&variable.name);
             let points: Vec<(f64, f64)> = x.iter().zip(&y).filter_map(|(x, y)| x.zip(*y)).collect();
             let file = format!("{}_over_{}.svg", plain(&quantity.name), plain(&variable.name));
-            if let Some(svg) = figure(&study.title, &variable.name, &quantity.name, &points)
+            if let Some(svg) = figure(&study.title, &variable.name, &quantity.label(), &points)
                 && figures.len() < MOST
             {
                 figures.push(Named { file, svg });

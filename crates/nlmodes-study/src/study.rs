@@ -122,6 +122,13 @@ pub struct Quantity {
     pub at: Place,
 }
 
+impl Quantity {
+    /// What stands at an axis: the name, and the column it is of, which ends with its unit.
+    pub fn label(&self) -> String {
+        if self.name == self.of { self.name.clone() } else { format!("{} ({})", self.name, self.of) }
+    }
+}
+
 /// A study that was checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {

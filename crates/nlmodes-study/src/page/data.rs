@@ -1,6 +1,6 @@
 //! What the script of the page works on.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::collect::{Collected, Drawn};
 use crate::store::Store;
@@ -22,6 +22,7 @@ pub fn json(study: &Study, collected: &Collected) -> String {
     let data = json!({
         "columns": collected.table.columns.iter().map(column).collect::<Vec<_>>(),
         "links": ids.iter().map(link).collect::<Vec<_>>(),
+        "labels": study.quantities.iter().map(|quantity| (quantity.name.clone(), json!(quantity.label()))).collect::<Map<_, _>>(),
         "quantities": study.quantities.iter().map(|quantity| &quantity.name).collect::<Vec<_>>(),
         "variables": study.variables.iter().map(|variable| &variable.name).collect::<Vec<_>>(),
         "drawn": collected.drawn.iter().map(branch).collect::<Vec<_>>(),

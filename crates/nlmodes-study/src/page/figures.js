@@ -45,7 +45,7 @@ function scatter(box) {
     [x, y] = [column(chosen.x).cells, column(chosen.y).cells];
     rows = rowsOf(x, y);
     band = percentiles(rows, x, y);
-    Object.assign(plot, { names: [chosen.x, chosen.y], x: span(rows.map(row => x[row])), y: span(rows.map(row => y[row])) });
+    Object.assign(plot, { names: [label(chosen.x), label(chosen.y)], x: span(rows.map(row => x[row])), y: span(rows.map(row => y[row])) });
     plot.draw();
   };
   choice(controls, "across", names, chosen.x, name => { chosen.x = name; update(); });
@@ -93,7 +93,7 @@ function histogram(box) {
     for (const value of values) bars[Math.min(n - 1, Math.floor((value - low) / step))][2]++;
     marks = values.length ? [0.05, 0.5, 0.95].map(share => quantile(values, share)) : [];
     const most = Math.max(1, ...bars.map(bar => bar[2]));
-    Object.assign(plot, { names: [name, "cases"], x: span([low, low + n * step]), y: [0, 1.05 * most] });
+    Object.assign(plot, { names: [label(name), "cases"], x: span([low, low + n * step]), y: [0, 1.05 * most] });
     plot.said.textContent = marks.length ? `5 %: ${shown(marks[0])}, median ${shown(marks[1])}, 95 %: ${shown(marks[2])}, ${values.length} cases` : "";
     plot.draw();
   };
