@@ -20,6 +20,11 @@ const MAX_STATIONS: usize = 41;
 /// By how much of its largest value displacement and force of a contact may be missed.
 const CONTACT_TOLERANCE: f64 = 4e-3;
 
+/// Whether a motion can be drawn over the position of its stations: contacts of a structure in space do not lie along an axis.
+pub(super) fn is_along_an_axis(branch: &ModalBranch, stations: &[Station]) -> bool {
+    stations.len() > 1 && stations::kind(branch) != "contact"
+}
+
 /// Cosine coefficients of all stations, and those of the sines where there are any.
 type PackedMotion = (PackedRows, Option<PackedRows>);
 
@@ -65,8 +70,7 @@ impl MotionData {
     pub fn new(report: &HtmlReport<'_>, index: usize, stops: &[StopLine]) -> Option<Self> {
         let branch = report.branches[index];
         let (stations, stops) = shown(report, branch, stops);
-        // Contacts of a reduced structure are not strung along an axis.
-        if stations.len() < 2 || stations::kind(branch) == "contact" {
+        if !is_along_an_axis(branch, &stations) {
             return None;
         }
         let points = chosen_points(report, index, stations.len(), stops.len());

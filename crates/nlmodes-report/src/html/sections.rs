@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::history::thinned;
-use super::motion::{shown, word};
+use super::motion::{is_along_an_axis, shown, word};
 use super::number::{hertz, significant};
 use super::overview::tongue_at_end;
 use super::table::{DataTable, cell, point_cell};
@@ -83,12 +83,18 @@ impl HtmlReport<'_> {
     fn motion_figure(&self) -> String {
         let Some((branch, point)) = self.first_moving() else { return String::new() };
         let (stations, stops) = shown(self, self.branches[branch], &data::stops(self, self.branches[branch]));
+        let details = "<div id=\"details\" class=\"box needs-script\"></div></div>\n";
+        if !is_along_an_axis(self.branches[branch], &stations) {
+            let walk = "<h3>The chosen point</h3><div id=\"walk\" class=\"controls\"></div>";
+            return format!(
+                "<div class=\"beside\"><div class=\"box needs-script\" id=\"moving\">{walk}</div>{details}"
+            );
+        }
         let lines: Vec<(usize, f64, f64)> =
             stops.iter().map(|(number, stop, at)| (*number, stations[*at].0, stop.position)).collect();
         let name = word(stations::kind(self.branches[branch]));
         let point = &self.branches[branch].points[point];
-        let still = stroboscope(point, name, &stations, &lines).filter(|_| stations.len() > 1);
-        let Some(still) = still else { return String::new() };
+        let Some(still) = stroboscope(point, name, &stations, &lines) else { return String::new() };
         let contact = if self.contact_motion.is_some() && !stops.is_empty() {
             "<h4 class=\"needs-script\">Contacts over the period</h4><div id=\"contact\"></div>"
         } else {
@@ -97,8 +103,7 @@ impl HtmlReport<'_> {
         format!(
             "<div class=\"beside\"><div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div id=\"walk\" class=\"controls\"></div>\
              <div id=\"controls\" class=\"controls\"></div>\
-             <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>\
-             <div id=\"details\" class=\"box needs-script\"></div></div>\n",
+             <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>{details}",
             still.as_svg()
         )
     }
