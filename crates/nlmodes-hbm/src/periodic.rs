@@ -11,7 +11,6 @@ mod doubling;
 mod equations;
 mod floquet;
 mod load;
-mod matrix_exponential;
 mod modal_response;
 mod motion;
 mod refine;

@@ -3,6 +3,7 @@
 //! | problem | symbols | shape | item |
 //! | --- | --- | --- | --- |
 //! | `A x = b`, A dense | `P A = L U` | n × n | [`DenseLu`] |
+//! | `e^A`, A dense | scaling and squaring | n × n | [`matrix_exponential`] |
 //! | `A x = b`, A sparse | `P A Q = L U` | n × n | [`SparseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
 //! | its order of elimination, memory and work beforehand | `P` | n × n | [`CholeskyPlan`] |
@@ -35,6 +36,7 @@ mod compressed;
 mod dense;
 mod eigenvalues;
 mod error;
+mod exponential;
 mod modes;
 mod ordering;
 mod sparse;
@@ -46,6 +48,7 @@ pub use compressed::sparse_from_columns;
 pub use dense::DenseLu;
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
+pub use exponential::matrix_exponential;
 pub use faer::Mat;
 pub use modes::{Modes, Pencil, lowest_modes};
 pub use sparse::{

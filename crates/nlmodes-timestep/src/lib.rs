@@ -51,7 +51,6 @@
 mod contact_motion;
 mod dynamics;
 mod error;
-mod exponential;
 mod floquet;
 mod forced;
 mod fourier;

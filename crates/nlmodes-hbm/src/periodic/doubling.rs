@@ -3,7 +3,6 @@ use std::f64::consts::{PI, TAU};
 use nlmodes_linalg::{DenseLu, Mat};
 use num_complex::Complex64;
 
-use super::matrix_exponential::matrix_exponential;
 use super::system::PeriodicSystem;
 use crate::{HbmError, PatternInterval, Symmetry};
 
@@ -32,7 +31,7 @@ impl PeriodicSystem {
             let width = interval.to - interval.from;
             let parts = 2 * ((0.5 * width / TAU * (SAMPLES * (highest + 1)) as f64).ceil() as usize).max(1);
             let part = PatternInterval { to: interval.from + width / parts as f64, ..*interval };
-            let step = matrix_exponential(&self.flow(&self.operator, &part, at.omega, at.xi))?;
+            let step = self.step(&self.operator, &part, at.omega, at.xi)?;
             (0..parts).for_each(|_| monodromy = &step * &monodromy);
             flows.push((*interval, parts, step));
         }

@@ -1,11 +1,10 @@
 use std::f64::consts::TAU;
 
-use nlmodes_linalg::{Mat, eigenvalues};
+use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential};
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
 use super::conditions::OperatingPoint;
-use super::matrix_exponential::matrix_exponential;
 use super::system::PeriodicSystem;
 use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 
@@ -108,13 +107,25 @@ impl PeriodicSystem {
         Ok(y)
     }
 
+    /// What the motion does to a disturbance within an interval of the contact pattern: `e^{𝒜 Δt}`, `𝒜` that of [`flow`](Self::flow).
+    pub(super) fn step(
+        &self,
+        operator: &ContactOperator,
+        interval: &crate::PatternInterval,
+        omega: f64,
+        xi: f64,
+    ) -> Result<Mat<f64>, HbmError> {
+        matrix_exponential(&self.flow(operator, interval, omega, xi))
+            .map_err(|source| HbmError::Linalg { what: "matrix exponential between two contact instants", source })
+    }
+
     /// Multipliers for the contact pattern of an operator, by falling magnitude.
     fn multipliers(&self, operator: &ContactOperator, omega: f64, xi: f64) -> Result<Vec<Complex64>, HbmError> {
         let (states, even) = (self.n_states(), operator.series().symmetry == Symmetry::Even);
         let mut monodromy = Mat::<f64>::identity(states, states);
         let mirrored = operator.intervals().iter().rev().filter(|_| even);
         for interval in operator.intervals().iter().chain(mirrored) {
-            let step = matrix_exponential(&self.flow(operator, interval, omega, xi))?;
+            let step = self.step(operator, interval, omega, xi)?;
             monodromy = step * monodromy;
         }
         let mut multipliers =

@@ -1,8 +1,7 @@
-use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
+use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential};
 
 use super::ForcedStructure;
 use crate::TimestepError;
-use crate::exponential::exponential;
 use crate::phase::{dot, product};
 
 /// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps of a period.
@@ -50,8 +49,8 @@ impl ForcedStructure {
         let row = |i: usize| {
             let mut row = vec![0.0; self.n_augmented()];
             (0..m).for_each(|k| row[k] = self.rows[(i, k)]);
-            for (j, damper) in self.dampers.iter().enumerate().filter(|(_, damper)| damper.0 == i) {
-                row[2 * m + j] = f64::from(u8::from(damper.0 == i));
+            for (j, _) in self.dampers.iter().enumerate().filter(|(_, damper)| damper.0 == i) {
+                row[2 * m + j] = 1.0;
             }
             row[s] = self.gaps[i];
             for (j, load) in self.loads.iter().enumerate() {
@@ -112,7 +111,7 @@ impl ForcedStructure {
         let loads = self.loads.iter().map(|load| load.harmonic as f64 * omega);
         let fastest = found.iter().map(|z| z.norm()).chain(loads).fold(omega, f64::max);
         let step = (TURN / fastest).min(std::f64::consts::TAU / (FEWEST * omega));
-        let over_step = exponential(&Mat::from_fn(n, n, |i, j| step * matrix[(i, j)]));
+        let over_step = scaled_exponential(&matrix, n, step)?;
         let guards = (0..closed.len()).map(guard).collect();
         Ok(Flow { closed: closed.to_vec(), step, matrix, over_step, guards, forces, free, gaps })
     }
@@ -136,6 +135,12 @@ impl ForcedStructure {
     }
 }
 
+/// `e^{t 𝒜}` of the leading n × n part.
+fn scaled_exponential(matrix: &Mat<f64>, n: usize, t: f64) -> Result<Mat<f64>, TimestepError> {
+    matrix_exponential(&Mat::from_fn(n, n, |i, j| t * matrix[(i, j)]))
+        .map_err(TimestepError::during("exponential of a structure with some contacts closed"))
+}
+
 impl Flow {
     /// `w` after a time within a step, by its power series.
     pub fn after(&self, w: &[f64], t: f64) -> Vec<f64> {
@@ -155,11 +160,11 @@ impl Flow {
     }
 
     /// The transition of the state (s × s) over a time within a step.
-    pub fn transition(&self, states: usize, t: f64) -> Mat<f64> {
+    pub fn transition(&self, states: usize, t: f64) -> Result<Mat<f64>, TimestepError> {
         if t == self.step {
-            return Mat::from_fn(states, states, |i, j| self.over_step[(i, j)]);
+            return Ok(Mat::from_fn(states, states, |i, j| self.over_step[(i, j)]));
         }
-        exponential(&Mat::from_fn(states, states, |i, j| t * self.matrix[(i, j)]))
+        scaled_exponential(&self.matrix, states, t)
     }
 
     /// A row, its rate and the rate of that at `w`.

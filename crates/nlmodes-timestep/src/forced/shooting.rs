@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
 
-use super::trajectory::{Propagator, transition};
+use super::trajectory::{Piece, Propagator, transition};
 use super::{ForcedMotion, ForcedStructure};
 use crate::{MAX_SHOOTING_MODES, TimestepError};
 
@@ -13,6 +13,9 @@ const SHORTEST: f64 = 1e-3;
 /// Residual of a motion over its size that counts as periodic, and below which nothing better is looked for.
 const PERIODIC: f64 = 1e-9;
 const ROUNDING: f64 = 1e-15;
+
+/// A first state, the steps from there, and the last state.
+type Shot = (Vec<f64>, Vec<Piece>, Vec<f64>);
 
 impl ForcedStructure {
     /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over so many of its periods: Newton's method on
@@ -49,7 +52,7 @@ impl ForcedStructure {
         let mut iterations = 0;
         while iterations < STEPS && distance(&x, &end) > ROUNDING {
             iterations += 1;
-            let over = transition(&pieces, n);
+            let over = transition(&pieces, n)?;
             let jacobian = Mat::from_fn(n, n, |i, j| over[(i, j)] - f64::from(u8::from(i == j)));
             let lu = DenseLu::factor(&jacobian).map_err(TimestepError::during("derivative of a forced motion"))?;
             let mut step: Vec<f64> = end.iter().zip(&x).map(|(end, x)| end - x).collect();
@@ -62,7 +65,7 @@ impl ForcedStructure {
             return Err(TimestepError::NotConverged { residual, iterations });
         }
         let mut multipliers =
-            eigenvalues(&transition(&pieces, n)).map_err(TimestepError::during("Floquet multipliers"))?;
+            eigenvalues(&transition(&pieces, n)?).map_err(TimestepError::during("Floquet multipliers"))?;
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Ok(ForcedMotion { omega, periods, state: self.in_units(&x, self.rate()), residual, multipliers, pieces })
     }
@@ -89,7 +92,6 @@ impl ForcedStructure {
     }
 
     /// The motion from the first of the shortened steps that comes closer to a period; none where no step does.
-    #[allow(clippy::type_complexity)]
     fn shortened(
         &self,
         propagator: &mut Propagator<'_>,
@@ -97,7 +99,7 @@ impl ForcedStructure {
         step: &[f64],
         before: f64,
         duration: f64,
-    ) -> Result<Option<(Vec<f64>, Vec<super::trajectory::Piece>, Vec<f64>)>, TimestepError> {
+    ) -> Result<Option<Shot>, TimestepError> {
         let mut share = 1.0;
         while share > SHORTEST {
             let next: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - share * s).collect();

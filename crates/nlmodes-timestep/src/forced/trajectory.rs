@@ -110,9 +110,9 @@ impl<'a> Propagator<'a> {
 }
 
 /// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at an instant of contact.
-pub(super) fn transition(pieces: &[Piece], states: usize) -> Mat<f64> {
-    let each = pieces.iter().map(|piece| piece.flow.transition(states, piece.length));
-    each.fold(Mat::identity(states, states), |before, step| step * before)
+pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, TimestepError> {
+    let mut each = pieces.iter().map(|piece| piece.flow.transition(states, piece.length));
+    each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))
 }
 
 fn size(row: &[f64], w: &[f64]) -> f64 {

@@ -1,6 +1,4 @@
-use nlmodes_linalg::{DenseLu, Mat};
-
-use crate::HbmError;
+use crate::{DenseLu, LinalgError, Mat};
 
 /// Coefficients of the diagonal Padé approximation of order 13.
 const PADE: [f64; 14] = [
@@ -23,12 +21,27 @@ const PADE: [f64; 14] = [
 /// Largest 1-norm for which that approximation is good to rounding.
 const LARGEST: f64 = 5.371920351148152;
 
-/// `e^A` of a square matrix, by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193).
-pub(crate) fn matrix_exponential(a: &Mat<f64>) -> Result<Mat<f64>, HbmError> {
+/// `e^A` of a square matrix (n × n), by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193).
+///
+/// ```
+/// use nlmodes_linalg::{Mat, matrix_exponential};
+/// // A quarter of a turn.
+/// let quarter = std::f64::consts::FRAC_PI_2;
+/// let e = matrix_exponential(&Mat::from_fn(2, 2, |i, j| [[0.0, quarter], [-quarter, 0.0]][i][j]))?;
+/// assert!(e[(0, 0)].abs() < 1e-15 && (e[(0, 1)] - 1.0).abs() < 1e-15);
+/// # Ok::<(), nlmodes_linalg::LinalgError>(())
+/// ```
+///
+/// # Errors
+/// [`LinalgError::Dimension`] if `a` is not square, [`LinalgError::NotFinite`].
+pub fn matrix_exponential(a: &Mat<f64>) -> Result<Mat<f64>, LinalgError> {
     let n = a.nrows();
+    if a.ncols() != n {
+        return Err(LinalgError::Dimension { what: "columns of a square matrix", expected: n, found: a.ncols() });
+    }
     let norm = (0..n).map(|j| a.col(j).iter().map(|v| v.abs()).sum::<f64>()).fold(0.0_f64, f64::max);
     if !norm.is_finite() {
-        return Err(HbmError::NotFinite { what: "equations between two contact instants" });
+        return Err(LinalgError::NotFinite { what: "matrix in an exponential" });
     }
     let squarings = (norm / LARGEST).log2().ceil().max(0.0);
     let scale = 2.0_f64.powf(-squarings);
@@ -52,8 +65,7 @@ pub(crate) fn matrix_exponential(a: &Mat<f64>) -> Result<Mat<f64>, HbmError> {
     };
     let u = &a * (sum(1) + high(1));
     let v = sum(0) + high(0);
-    let lu = DenseLu::factor(&(&v - &u))
-        .map_err(|source| HbmError::Linalg { what: "matrix exponential between two contact instants", source })?;
+    let lu = DenseLu::factor(&(&v - &u))?;
     let mut exponential = &v + &u;
     for j in 0..n {
         let mut column: Vec<f64> = exponential.col(j).iter().copied().collect();
@@ -77,6 +89,14 @@ mod tests {
             let e = matrix_exponential(&a).unwrap();
             assert!((e[(0, 0)] - f64::cos(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
             assert!((e[(0, 1)] - f64::sin(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
+        }
+        // A damped oscillator in the coordinates in which it turns and shrinks.
+        for (omega, sigma, t) in [(1.0, 0.1, 0.3), (7.0, 0.2, 5.0), (3.0, 0.0, 40.0)] {
+            let a = Mat::from_fn(2, 2, |i, j| t * [[-sigma, omega], [-omega, -sigma]][i][j]);
+            let (e, size, (sin, cos)) = (matrix_exponential(&a).unwrap(), (-sigma * t).exp(), (omega * t).sin_cos());
+            for (i, j, expected) in [(0, 0, cos), (0, 1, sin), (1, 0, -sin), (1, 1, cos)] {
+                assert!((e[(i, j)] - size * expected).abs() < 1e-12, "{omega} {t}");
+            }
         }
         // A Jordan block: e^{a} [1 1; 0 1].
         let e = matrix_exponential(&Mat::from_fn(2, 2, |i, j| [[-3.0, 1.0], [0.0, -3.0]][i][j])).unwrap();
