@@ -8,8 +8,8 @@
 //! cargo run --release -p nlmodes-benchmarks --example instructions -- --profile  also the functions that a kernel spends its time in
 //! ```
 //!
-//! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on the instruction
-//! set that is found: those of another one are shown, and none counts as worse. Without `--release` the counts are others, kept in
+//! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on the processor:
+//! those of another one are shown, and none counts as worse. Without `--release` the counts are others, kept in
 //! benchmarks/instructions_dev.toml.
 
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ const TOLERANCE: f64 = 0.05;
 /// What stands in the file.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Counts {
-    /// Compiler and machine that they come from.
+    /// Compiler and processor that they come from.
     made_with: String,
     instructions: BTreeMap<String, u64>,
 }
@@ -159,9 +159,13 @@ fn write() -> Result<ExitCode, Failure> {
     compare(&[], false)
 }
 
+/// Compiler and processor: by the latter's instruction sets and caches the kernels choose their code and blocks at run time.
 fn made_with() -> Result<String, Failure> {
     let output = Command::new("rustc").arg("--version").output()?;
-    Ok(format!("{}, {}", String::from_utf8(output.stdout)?.trim(), std::env::consts::ARCH))
+    let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model =
+        known.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ").map(|(_, model)| model));
+    Ok(format!("{}, {}", String::from_utf8(output.stdout)?.trim(), model.unwrap_or(std::env::consts::ARCH)))
 }
 
 /// Where the instructions of the kernels go.
