@@ -141,3 +141,23 @@ def test_what_is_no_contact_is_refused_by_name():
     with pytest.raises((nlmodes.SceneError, nlmodes.RunError), match="symmetric"):
         unsymmetric.mode(max_energy_ratio=2.0)
     assert structure.contact(1, [1, 0, 0], 1.0) is not structure and "0 contact" in repr(structure)
+
+
+def test_a_place_is_the_node_that_is_there():
+    stiffness, mass = chain(4)
+    dofs = np.array([(10 + i, 1, 0.1 * i, 0.0, 2.0) for i in range(4)])
+    structure = nlmodes.Structure(stiffness, mass, dofs)
+    by_place = structure.contact(node=(0.1 + 0.2, 0.0, 2.0), normal=[1, 0, 0], gap_m=1e-3)
+    by_number = structure.contact(node=13, normal=[1, 0, 0], gap_m=1e-3)
+    assert np.array_equal(by_place.mode(max_energy_ratio=1.5).frequency_hz, by_number.mode(max_energy_ratio=1.5).frequency_hz)
+    several = structure.contact(nodes=[11, np.array([0.2, 0.0, 2.0])], normal=[1, 0, 0], gap_m=1e-3)
+    assert "1 contact" in repr(several) and several._contacts[0]["nodes"] == [11, 12]
+    with pytest.raises(ValueError, match=r"node: no node is at \(0.31, 0, 2\) m; the nearest is 13 at \(0.3, 0, 2\) m"):
+        structure.contact(node=[0.31, 0.0, 2.0], normal=[1, 0, 0], gap_m=1e-3)
+    with pytest.raises(ValueError, match="node is a place, but dofs has no places"):
+        nlmodes.Structure(stiffness, mass).contact(node=[0.3, 0.0, 2.0], normal=[1, 0, 0], gap_m=1e-3)
+    with pytest.raises(ValueError, match=r"node has the shape \(2,\)"):
+        structure.contact(node=[0.3, 0.0], normal=[1, 0, 0], gap_m=1e-3)
+    dofs[2, 2:] = dofs[3, 2:]
+    with pytest.raises(ValueError, match="the nodes 12, 13 are all at"):
+        nlmodes.Structure(stiffness, mass, dofs).contact(node=[0.3, 0.0, 2.0], normal=[1, 0, 0], gap_m=1e-3)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from . import _arguments
 
+# Places are those of a node up to rounding: a share of the largest extent.
+_SAME_PLACE = 1e-6
 _COMPONENTS = {name: k for k, name in enumerate(("ux", "uy", "uz", "rotx", "roty", "rotz"), 1)}
 
 
@@ -70,3 +72,32 @@ def _component(given: Any) -> Any:
     if given.lower() not in _COMPONENTS:
         raise ValueError(f"dofs: component {given!r}; expected 1 to 6 or one of: {', '.join(_COMPONENTS)}")
     return _COMPONENTS[given.lower()]
+
+
+def node_of(name: str, given: Any, dofs: NDArray[Any]) -> int:
+    """The number of a node that is given by it, or by its place."""
+    if isinstance(given, (list, tuple)) or np.ndim(given) > 0:
+        return _node_at(name, _arguments.floats(name, given, (3,)), dofs)
+    found = _arguments.count(name, given)
+    if not np.any(dofs["node"] == found):
+        raise ValueError(f"{name} is {found}: no row of dofs belongs to this node")
+    return found
+
+
+def _node_at(name: str, place: NDArray[np.float64], dofs: NDArray[Any]) -> int:
+    """The only node at a place."""
+    if "x" not in (dofs.dtype.names or ()):
+        raise ValueError(f"{name} is a place, but dofs has no places: x, y, z were expected behind node and component")
+    places = np.column_stack([dofs[axis] for axis in "xyz"])
+    distances = np.linalg.norm(places - place, axis=1)
+    there = np.unique(dofs["node"][distances <= _SAME_PLACE * np.ptp(places, axis=0).max()])
+    if len(there) == 1:
+        return int(there[0])
+    if len(there) > 1:
+        raise ValueError(f"{name}: the nodes {', '.join(map(str, there[:5]))} are all at {_text(place)}; give the number of one")
+    nearest = int(np.argmin(distances))
+    raise ValueError(f"{name}: no node is at {_text(place)}; the nearest is {dofs['node'][nearest]} at {_text(places[nearest])}")
+
+
+def _text(place: NDArray[np.float64]) -> str:
+    return f"({', '.join(f'{x:.9g}' for x in place)}) m"

@@ -62,19 +62,20 @@ class Structure:
 
     def contact(
         self,
-        node: int | None = None,
+        node: int | ArrayLike | None = None,
         normal: ArrayLike | None = None,
         gap_m: float | None = None,
         *,
-        nodes: Iterable[int] | None = None,
-        against: Iterable[int] | None = None,
+        nodes: Iterable[int | ArrayLike] | None = None,
+        against: Iterable[int | ArrayLike] | None = None,
         wall_point_m: ArrayLike | None = None,
         pair_tolerance_m: float | None = None,
         stiffness_n_m: float | None = None,
     ) -> Structure:
         """The same structure with more contacts; can be chained.
 
-        One ``node``, or each of several ``nodes``, before a rigid wall, or ``against`` the nearest of other nodes along the normal.
+        One ``node``, or each of several ``nodes``, before a rigid wall, or ``against`` the nearest of other nodes along the normal. A node is
+        given by its number, or by its place (3,) in m.
 
         Parameters
         ----------
@@ -112,10 +113,7 @@ class Structure:
         return more
 
     def _node(self, name: str, node: Any) -> int:
-        found = _arguments.count(name, node)
-        if not np.any(self._dofs["node"] == found):
-            raise ValueError(f"{name} is {found}: no row of dofs belongs to this node")
-        return found
+        return _matrices.node_of(name, node, self._dofs)
 
     def mode(
         self,
@@ -167,7 +165,7 @@ class Structure:
 
     def response(
         self,
-        node: int,
+        node: int | ArrayLike,
         direction: ArrayLike,
         levels_n: float | Sequence[float],
         frequency_hz: float | tuple[float, float],
@@ -187,7 +185,7 @@ class Structure:
         Parameters
         ----------
         node, direction
-            Where the force acts, and its direction (3,).
+            Where the force acts, the number of a node or its place (3,) in m, and its direction (3,).
         levels_n
             Amplitudes of the force, N.
         frequency_hz
