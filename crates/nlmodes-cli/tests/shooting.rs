@@ -93,6 +93,23 @@ fn contact_nodes_with_mass_on_springs_are_those_of_harmonic_balance() -> Outcome
 }
 
 #[test]
+fn a_mass_rule_changes_nothing_where_open_modes_leave_no_mass_at_contacts() -> Outcome {
+    let one = |rule: &str, stiffness: &str| -> Result<Vec<String>, Box<dyn Error>> {
+        let open = ["reduction.kind=\"open-modes\"", "reduction.modes=4", "method.kind=\"shooting\"", rule, stiffness];
+        column(results(&open)?.path(), "frequency_hz")
+    };
+    let any = "method.harmonics=3";
+    for stiffness in ["contact.0.stiffness_n_m=3e10", any] {
+        let plain = one(any, stiffness)?;
+        assert!(plain.len() > 5);
+        for rule in ["none", "move", "conserve"] {
+            assert_eq!(one(&format!("method.mass_redistribution=\"{rule}\""), stiffness)?, plain, "{rule}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
 fn stability_may_be_left_out_or_asked_for() -> Outcome {
     let never = results(&["output.stability=\"never\"", "method.kind=\"shooting\""])?;
     assert!(column(never.path(), "stable")?.iter().all(String::is_empty));

@@ -112,15 +112,22 @@ fn rest(
     subject: &Subject<'_>,
     findings: &mut Findings<'_>,
 ) -> Option<Scene> {
-    let method = raw.method.as_ref().and_then(|method| method::check(method, raw, subject, &contacts, findings));
+    let is_along = matches!(subject.places, Places::Along(_));
+    let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
+    let kind = raw.reduction.as_ref().and_then(|reduction| reduction.kind).unwrap_or(default);
+    let method = raw.method.clone().and_then(|mut method| {
+        if kind == ReductionKind::OpenModes {
+            // No contact has mass: what the scene says of it has no effect.
+            method.mass_redistribution = None;
+        }
+        method::check(&method, raw, subject, &contacts, findings)
+    });
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         if let Some(SceneStructure::Matrices(matrices)) = &mut structure {
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
     }
-    let is_along = matches!(subject.places, Places::Along(_));
-    let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
     let reduction = reduction::check(raw.reduction.as_ref(), raw, (default, &subject.places), findings);
     let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, findings));

@@ -11,7 +11,7 @@ pub const DEFAULT_MAX_HARMONICS: u32 = 60;
 pub const MAX_SAMPLES: u32 = 1 << 20;
 
 /// How the periodic motion is computed.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("required" = [], "oneRequired" = ["harmonics", "accuracy"]))]
 pub struct RawMethod {
