@@ -75,6 +75,32 @@ fn the_fold_within_a_tight_bend_at_the_beginning_is_named_where_it_is() {
     }
 }
 
+/// The same bend on the way, from starts that let it fall anywhere within a step: the change of the piece and the fold behind it are two places, not
+/// one corner.
+#[test]
+fn the_fold_within_a_tight_bend_on_the_way_is_named_where_it_is() {
+    for (stiffness, units) in [(1e4, [1.0, 1.0]), (1e5, [1.0, 1.0]), (1e4, [1024.0, 0.125]), (1e5, [1e-3, 7.0])] {
+        for start in 0..20 {
+            let mut system = Stop { stiffness, units, beyond: false };
+            let [a, b] = units;
+            let (settings, p) = (window(1, -0.6 * b, 0.6 * b), -0.463 + 0.0137 * f64::from(start));
+            let direction = [a, b];
+            let branch =
+                settings.run(&mut system, &[(1.0 + p) * a], p * b, &direction, |_| ControlFlow::Continue(())).unwrap();
+            let changes = events(&branch, |e| matches!(e, EventKind::PatternChange { .. }));
+            let folds = events(&branch, |e| *e == EventKind::ParameterFold);
+            let case = format!("stiffness {stiffness:e}, units {units:?}, start {start}");
+            assert_eq!((changes.len(), folds.len()), (1, 1), "{case}");
+            let at = [changes[0].x[0] / a - 1.0, changes[0].p / b];
+            assert!(at[0].abs() < 1e-8 && at[1].abs() < 1e-8, "{case}: {at:?}");
+            let [x, p] = system.fold();
+            let off = [(folds[0].x[0] - x) / a, (folds[0].p - p) / b];
+            assert!(off[0].abs() < 1e-6 * (x / a - 1.0) + f64::EPSILON && off[1].abs() < 1e-11, "{case}: {off:?}");
+            assert_eq!(branch.points.last().map(|q| q.p), Some(-0.6 * b), "{case}");
+        }
+    }
+}
+
 /// Without a bend that is tight the same fold is one of the branch's steps.
 #[test]
 fn a_soft_stop_has_its_fold_at_the_same_formula() {

@@ -3,7 +3,9 @@
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem, StopReason};
+use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem, Scaling, StopReason};
+
+use crate::samples::events;
 
 /// Singular value of the direction of `y`.
 const SIGMA: f64 = 1e-9;
@@ -58,4 +60,68 @@ fn a_curve_that_rounding_blurs_by_more_than_newtons_method_settles_to_is_followe
         assert!((q.x[1] - q.p.cos()).abs() < 2.0 * NOISE / SIGMA, "{:e} at {}", q.x[1] - q.p.cos(), q.p);
     }
     assert!(branch.points.len() < 400, "{} points", branch.points.len());
+}
+
+/// `x − √(p² + δ²) = 0`, `σ (y − cos p) = 0` in units of unknowns, parameter and equations: the second equation is small beside its unit, and rounded as
+/// what is so small. Within a bend of radius δ the steps must be shorter than it.
+struct SmallRow {
+    units: [f64; 3],
+}
+
+/// Radius of the bend: steps of a third of it are within the shortest one that is permitted, 10⁻⁶, and far below those that rounding of numbers near
+/// one would permit, 50 · 8 ε/σ ≈ 10⁻⁴.
+const RADIUS: f64 = 1e-5;
+
+impl ParametricSystem for SmallRow {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        let [a, b, unit] = self.units;
+        let (x, y, p) = (x[0] / a, x[1] / a, p / b);
+        let root = p.hypot(RADIUS);
+        out.residual = vec![unit * (x - root), unit * SIGMA * (y - p.cos())];
+        let rows = [[1.0, 0.0, -p / root], [0.0, SIGMA, SIGMA * p.sin()]];
+        for (i, row) in rows.iter().enumerate() {
+            row.iter().zip([a, a, b]).enumerate().for_each(|(j, (of, size))| out.jacobian[(i, j)] = unit * of / size);
+        }
+        Ok(())
+    }
+
+    fn scaling(&self) -> Option<Scaling> {
+        let [a, b, unit] = self.units;
+        Some(Scaling { unknowns: vec![a, a, b], equations: vec![unit, unit] })
+    }
+}
+
+/// Were that row taken to be rounded as one near one is, no step short enough for the bend would be tried.
+#[test]
+fn a_row_that_is_small_beside_its_unit_does_not_keep_steps_from_becoming_short_enough_for_a_bend() {
+    for units in [[1.0; 3], [1024.0, 0.125, 4096.0], [3e-4, 7e5, 1e-6]] {
+        let [a, b, _] = units;
+        let settings = Continuation {
+            bounds: vec![Bound { coordinate: 2, min: -0.5 * b, max: 0.5 * b }],
+            watched: vec![0],
+            max_points: 500,
+            ..Continuation::default()
+        };
+        let start = [a * 0.3_f64.hypot(RADIUS), a * 0.3_f64.cos()];
+        let observe = |_: &_| ControlFlow::Continue(());
+        let branch = settings.run(&mut SmallRow { units }, &start, -0.3 * b, &[-a, 0.0, b], observe).unwrap();
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 2, value: 0.5 * b }, "{units:?}");
+        // The bend is followed: it is no kink, has a point where the unknown is least, and several around that.
+        assert!(events(&branch, |e| *e == EventKind::Kink).is_empty(), "{units:?}");
+        let least = events(&branch, |e| *e == EventKind::UnknownFold { index: 0 });
+        assert_eq!(least.len(), 1, "{units:?}");
+        assert!((least[0].p / b).abs() < 1e-4 * RADIUS && (least[0].x[0] / a / RADIUS - 1.0).abs() < 1e-4, "{units:?}");
+        let within = branch.points.iter().filter(|q| (q.p / b).abs() < RADIUS).count();
+        assert!(within >= 5, "{units:?}: {within} points");
+        for q in &branch.points {
+            let (x, y, p) = (q.x[0] / a, q.x[1] / a, q.p / b);
+            assert!((x - p.hypot(RADIUS)).abs() < 1e-11 && (y - p.cos()).abs() < 1e-9, "{units:?} at {p}");
+        }
+    }
 }
