@@ -4,6 +4,7 @@ import gc
 import math
 import os
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -154,18 +155,6 @@ def test_progress_is_told_and_may_end_a_run(rod, tmp_path):
     assert np.array_equal(whole.frequency_hz[: len(left.branches[0])], left.frequency_hz)
 
 
-def test_a_call_costs_less_than_a_millisecond_beside_the_run(rod, tmp_path):
-    beside = []
-    for k in range(20):
-        began = time.perf_counter()
-        outcome = nlmodes.run(rod, out=tmp_path / str(k), progress=False)
-        elapsed = time.perf_counter() - began
-        beside.append(elapsed - outcome.branches[0]._origin.outcome.wall_time_s)
-        _ = outcome.frequency_hz
-    # Reading and checking of the scene, which the run does not count as its own, is in it; the best of the calls, since others compute here too.
-    assert min(beside) < 5e-3, beside
-
-
 def test_the_branch_is_bit_by_bit_that_of_the_command_line(tmp_path):
     program = os.environ.get("NLMODES_CLI")
     if not program:
@@ -199,10 +188,30 @@ def test_figures_are_drawn_on_axes_that_are_returned(rod):
 
 
 def test_a_call_costs_little_beside_its_branch(rod, tmp_path):
-    """Scene, checks and results as objects: the least of some calls, since others may compute on the machine."""
+    """Scene, checks and results as objects: some 0.6 ms in a release build; the least of some calls, since others may compute on the machine."""
     beside = []
     for number in range(20):
         began = time.perf_counter()
         result = nlmodes.run(rod, out=tmp_path / str(number), progress=False)
-        beside.append(time.perf_counter() - began - result.branches[0]._origin.outcome.wall_time_s)
+        elapsed = time.perf_counter() - began
+        beside.append(elapsed - result.branches[0]._origin.outcome.wall_time_s)
+        # What is no longer looked at is no part of the next call.
+        del result
     assert min(beside) < 2e-3, beside
+
+
+def test_no_point_costs_anything_in_python(rod, tmp_path):
+    """A branch of many points calls as many functions of Python as one of few: points are for the compiled part alone."""
+
+    def calls(name, ratio):
+        counted = []
+        sys.setprofile(lambda frame, event, argument: counted.append(event))
+        try:
+            result = nlmodes.run(rod, out=tmp_path / name, progress=False, continuation__max_energy_ratio=ratio)
+        finally:
+            sys.setprofile(None)
+        return len(counted), len(result.branches[0])
+
+    calls("first", 1.5)
+    (few, points), (many, more) = calls("few", 1.5), calls("many", 20.0)
+    assert more > 1.5 * points and many == few

@@ -27,7 +27,7 @@ pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFi
 /// # Errors
 /// [`Refused`] with all that is wrong with any of them, each mistake once.
 pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
-    each_method(&Text::new(name, text), overrides)
+    each_method(Read::new(&Text::new(name, text), overrides, 0), overrides)
 }
 
 /// Reads and checks a scene file of measured records, in the same way.
@@ -54,14 +54,14 @@ pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refus
 /// [`Refused`] with all that is wrong.
 pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let text = Text::new(name, text);
-    let (_, root) = Document::new(&text, overrides, 0, &mut Vec::new());
-    if root.as_ref().is_some_and(|root| planned::is_of_test(root.get_ref())) {
-        return Ok(AnyScene::Test(Box::new(test(&text, overrides)?)));
+    let first = Read::new(&text, overrides, 0);
+    if first.is(planned::is_of_test) {
+        return Ok(AnyScene::Test(Box::new(test(first)?)));
     }
-    if root.is_some_and(|root| planned::is_of_records(root.get_ref())) {
-        return Ok(AnyScene::Records(Box::new(records(&text, overrides)?)));
+    if first.is(planned::is_of_records) {
+        return Ok(AnyScene::Records(Box::new(records(first)?)));
     }
-    Ok(AnyScene::Structure(each_method(&text, overrides)?))
+    Ok(AnyScene::Structure(each_method(first, overrides)?))
 }
 
 /// Reads and checks a scene file for `run`: of a virtual test, or of a structure.
@@ -71,11 +71,11 @@ pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScen
 pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
     let (name, text) = content(path)?;
     let text = Text::new(&name, &text);
-    let (_, root) = Document::new(&text, overrides, 0, &mut Vec::new());
-    if root.is_some_and(|root| planned::is_of_test(root.get_ref())) {
-        return Ok(AnyScene::Test(Box::new(test(&text, overrides)?)));
+    let first = Read::new(&text, overrides, 0);
+    if first.is(planned::is_of_test) {
+        return Ok(AnyScene::Test(Box::new(test(first)?)));
     }
-    Ok(AnyScene::Structure(each_method(&text, overrides)?))
+    Ok(AnyScene::Structure(each_method(first, overrides)?))
 }
 
 /// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the default of the output directory.
@@ -83,7 +83,7 @@ pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Re
 /// # Errors
 /// [`Refused`] with all that is wrong.
 pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
-    one_method(&Text::new(name, text), overrides, 0)
+    one_method(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
@@ -91,7 +91,7 @@ pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, 
 /// # Errors
 /// [`Refused`] with all that is wrong.
 pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
-    records(&Text::new(name, text), overrides)
+    records(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Reads and checks the text of a scene of a virtual test, in the same way.
@@ -99,7 +99,7 @@ pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<Sce
 /// # Errors
 /// [`Refused`] with all that is wrong.
 pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
-    test(&Text::new(name, text), overrides)
+    test(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Name and text of a scene file.
@@ -116,29 +116,51 @@ fn refuse_file(name: &str, error: &FileError) -> Box<Refused> {
     Box::new(Refused::new(document, vec![error.problem()]))
 }
 
-/// The scenes of all methods.
-fn each_method(text: &Text<'_>, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
-    refused::or_all((0..text.n_methods()).map(|number| one_method(text, overrides, number)).collect())
+/// A text with its overrides and one of its methods: what there is before its kind is known.
+struct Read<'t, 'a> {
+    text: &'t Text<'a>,
+    document: Document,
+    root: Option<Spanned<DeTable<'a>>>,
+    problems: Vec<Problem>,
 }
 
-/// The scene with the method `number` of several.
-fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<SceneFile, Box<Refused>> {
-    let mut problems = Vec::new();
-    let (document, root) = Document::new(text, overrides, number, &mut problems);
+impl<'t, 'a> Read<'t, 'a> {
+    fn new(text: &'t Text<'a>, overrides: &'a [String], method: usize) -> Self {
+        let mut problems = Vec::new();
+        let (document, root) = Document::new(text, overrides, method, &mut problems);
+        Self { text, document, root, problems }
+    }
+
+    fn is(&self, of_kind: fn(&DeTable<'_>) -> bool) -> bool {
+        self.root.as_ref().is_some_and(|root| of_kind(root.get_ref()))
+    }
+}
+
+/// The scenes of all methods, of which the first one is read.
+fn each_method<'a>(first: Read<'_, 'a>, overrides: &'a [String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+    let text = first.text;
+    let others = (1..text.n_methods()).map(|number| one_method(Read::new(text, overrides, number)));
+    refused::or_all(std::iter::once(one_method(first)).chain(others).collect())
+}
+
+/// The scene with one method.
+fn one_method(read: Read<'_, '_>) -> Result<SceneFile, Box<Refused>> {
+    let Read { text, document, root, problems } = read;
     let mut findings = Findings::new(&document, problems);
     let other =
         root.as_ref().and_then(|root| planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref())));
     let stem = stem(text.name);
     let scene = if root.as_ref().is_some_and(|root| planned::is_of_matrices(root.get_ref())) {
         let raw: Option<raw::RawMatrixScene> =
-            root.and_then(|root| read(root, other, schema::of_matrices(), &mut findings));
+            root.and_then(|root| tables(root, other, schema::of_matrices(), &mut findings));
         raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut findings))
     } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
         let raw: Option<raw::RawBodiesScene> =
-            root.and_then(|root| read(root, other, schema::of_bodies(), &mut findings));
+            root.and_then(|root| tables(root, other, schema::of_bodies(), &mut findings));
         raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut findings))
     } else {
-        let raw: Option<raw::RawScene> = root.and_then(|root| read(root, other, schema::of_structure(), &mut findings));
+        let raw: Option<raw::RawScene> =
+            root.and_then(|root| tables(root, other, schema::of_structure(), &mut findings));
         raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut findings))
     };
     let mut file = finish(scene, findings)?;
@@ -147,13 +169,12 @@ fn one_method(text: &Text<'_>, overrides: &[String], number: usize) -> Result<Sc
 }
 
 /// The scene of measured records.
-fn records(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
-    let mut problems = Vec::new();
-    let (document, root) = Document::new(text, overrides, 0, &mut problems);
+fn records(read: Read<'_, '_>) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+    let Read { text, document, root, problems } = read;
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
         let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
-        read(root, other, schema::of_records(), &mut findings)
+        tables(root, other, schema::of_records(), &mut findings)
     });
     let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base(text.name), &mut findings));
     let mut file = finish(scene, findings)?;
@@ -162,13 +183,12 @@ fn records(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<RecordScen
 }
 
 /// The scene of a virtual test.
-fn test(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
-    let mut problems = Vec::new();
-    let (document, root) = Document::new(text, overrides, 0, &mut problems);
+fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, Box<Refused>> {
+    let Read { text, document, root, problems } = read;
     let mut findings = Findings::new(&document, problems);
     let raw: Option<raw::RawTestScene> = root.and_then(|root| {
         let other = planned::of_test_and_branch(root.get_ref());
-        read(root, other, schema::of_test(), &mut findings)
+        tables(root, other, schema::of_test(), &mut findings)
     });
     let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &mut findings));
     let mut file = finish(scene, findings)?;
@@ -177,7 +197,7 @@ fn test(text: &Text<'_>, overrides: &[String]) -> Result<SceneFile<TestScene>, B
 }
 
 /// The raw tables, unless the scene is one of another kind.
-fn read<'de, T: Deserialize<'de>>(
+fn tables<'de, T: Deserialize<'de>>(
     mut root: Spanned<DeTable<'de>>,
     other: Option<Problem>,
     schema: &serde_json::Value,

@@ -15,6 +15,7 @@ from ._table import Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+_HARMONICS = "harmonics.npz"
 LABELS = {
     "energy_j": "averaged kinetic energy / J",
     "total_energy_j": "energy / J",
@@ -111,28 +112,28 @@ class Branch(Table):
         origin: Origin | None = None,
         rows: slice | None = None,
     ) -> None:
-        super().__init__(_files.content(folder / "branch.csv"), rows)
+        super().__init__(_files.content(folder, "branch.csv"), rows)
         self.folder = folder
         self.label = label
         self.end_reason = end["reason"] if end else "cut-off"
         self.ended_because = end["message"] if end else "the run was cut off before it wrote a summary"
         self.complete = bool(end and end["complete"])
         self._origin = origin
-        self._archive = folder / "harmonics.npz"
-        self._stamp = _files.stamp(self._archive)
+        self._stamp = _files.stamp(folder, _HARMONICS)
         self._harmonics: dict[str, NDArray[Any]] = {}
-        self._stops = _files.optional(folder / "contacts.csv")
+        self._stops = _files.optional(folder, "contacts.csv")
 
     def __repr__(self) -> str:
         return f"<Branch {self.label!r}: {len(self)} points; ended: {self.ended_because}>"
 
     def _array(self, name: str) -> NDArray[Any]:
         if name not in self._harmonics:
+            path = self.folder / _HARMONICS
             if self._stamp is None:
-                raise RunError(f"there is no {self._archive}: the run did not come to its end")
-            if _files.stamp(self._archive) != self._stamp:
-                raise RunError(f"{self._archive} was written anew since this branch was read")
-            with np.load(self._archive) as archive:
+                raise RunError(f"there is no {path}: the run did not come to its end")
+            if _files.stamp(self.folder, _HARMONICS) != self._stamp:
+                raise RunError(f"{path} was written anew since this branch was read")
+            with np.load(path) as archive:
                 self._harmonics = {key: archive[key] for key in archive.files}
             for array in self._harmonics.values():
                 array.flags.writeable = False

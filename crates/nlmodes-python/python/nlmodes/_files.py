@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import weakref
 from pathlib import Path
@@ -20,42 +21,44 @@ class Scratch:
         self.remove = weakref.finalize(self, shutil.rmtree, self.path, True)
 
 
-def content(path: Path) -> bytes:
-    """The bytes of a file."""
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise RunError(f"{path} cannot be read: {error.strerror}") from None
+def content(folder: Path, name: str) -> bytes:
+    """The bytes of a file in a directory."""
+    found = optional(folder, name)
+    if found is None:
+        raise RunError(f"there is no file {folder / name}")
+    return found
 
 
-def optional(path: Path) -> bytes | None:
-    """The bytes of a file; None where there is none."""
+def optional(folder: Path, name: str) -> bytes | None:
+    """The bytes of a file in a directory; None where there is none."""
     try:
-        return path.read_bytes()
+        # All at once: without a buffer, and without an object for the path.
+        with open(os.path.join(folder, name), "rb", buffering=0) as file:
+            return file.readall()
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
         return None
     except OSError as error:
-        raise RunError(f"{path} cannot be read: {error.strerror}") from None
+        raise RunError(f"{folder / name} cannot be read: {error.strerror}") from None
 
 
-def table(path: Path) -> dict[str, Any]:
-    """The table of a JSON file; empty where there is none."""
-    text = optional(path)
+def table(folder: Path, name: str) -> dict[str, Any]:
+    """The table of a JSON file in a directory; empty where there is none."""
+    text = optional(folder, name)
     if text is None:
         return {}
     try:
         found = json.loads(text)
     except ValueError as error:
-        raise RunError(f"{path} is damaged: {error}") from None
+        raise RunError(f"{folder / name} is damaged: {error}") from None
     if not isinstance(found, dict):
-        raise RunError(f"{path} is damaged")
+        raise RunError(f"{folder / name} is damaged")
     return found
 
 
-def stamp(path: Path) -> tuple[int, int, int] | None:
-    """What changes when a file is written anew; None where there is none."""
+def stamp(folder: Path, name: str) -> tuple[int, int, int] | None:
+    """What changes when a file in a directory is written anew; None where there is none."""
     try:
-        found = path.stat()
+        found = os.stat(os.path.join(folder, name))
     except OSError:
         return None
     return found.st_ino, found.st_mtime_ns, found.st_size

@@ -43,9 +43,9 @@ class Result:
     ) -> None:
         self.directory = directory
         self._scratch = scratch
-        self.summary = _files.table(directory / "summary.json")
+        self.summary = _files.table(directory, "summary.json")
         self.wrong = list(outcome.wrong) if outcome else []
-        table = _files.optional(directory / "modal_points.csv")
+        table = _files.optional(directory, "modal_points.csv")
         self.points = None if table is None else Table(table)
         self.branches = tuple(_branches(directory, self.summary, outcome, scratch)) if self.points is None else ()
         if outcome is not None:
@@ -166,7 +166,7 @@ def _branches(
         for part, told in enumerate(summary["branches"]):
             origin = Origin(outcome, scratch, part, 0) if outcome else None
             folder = directory / told["directory"]
-            yield from _of_part(folder, _files.table(folder / "summary.json"), told["label"], origin)
+            yield from _of_part(folder, _files.table(folder, "summary.json"), told["label"], origin)
     elif "curves" in summary:
         # Responses: all curves in one table.
         origin = Origin(outcome, scratch, -1, 0) if outcome else None

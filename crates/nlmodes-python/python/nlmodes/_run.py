@@ -161,10 +161,11 @@ def run(
             shown.close()
     for text in outcome.warnings:
         warnings.warn(text, SceneWarning, stacklevel=2)
-    if scratch is not None and Path(outcome.directory) != place:
+    written = outcome.directory
+    if scratch is not None and written != place:
         scratch.remove()
         scratch = None
-    return Result(Path(outcome.directory), outcome, scratch)
+    return Result(written, outcome, scratch)
 
 
 def check(scene: Scene, **overrides: Any) -> list[str]:
