@@ -226,5 +226,16 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings
         findings.put(&path(key), problem, label);
         return None;
     }
+    let forces = scene.force.as_deref().unwrap_or_default();
+    if let [first, others @ ..] = forces
+        && first.amplitude_n.is_none()
+        && others.iter().any(|other| other.amplitude_n.is_some())
+    {
+        let problem = Problem::error("levels are of the first force, and its ratio to the others is not known");
+        let problem =
+            problem.help("`amplitude_n` of the first [[force]]: the others keep their ratio to it at every level");
+        findings.put(&path(key), problem, "expected `amplitude_n` in the first [[force]]");
+        return None;
+    }
     Some(levels.clone())
 }
