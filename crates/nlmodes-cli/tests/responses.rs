@@ -335,3 +335,21 @@ fn the_damper_of_a_stop_takes_power_and_adds_to_the_damping_of_the_mode() -> Out
     assert!(elastic < 0.011 && dissipating > 1.5 * elastic, "{elastic} {dissipating}");
     Ok(())
 }
+
+/// What follows nonlinear modes says so of responses, and does not follow something else.
+#[test]
+fn verify_and_compare_refuse_responses() -> Outcome {
+    let folder = tempdir()?;
+    let response = "[[response]]\nkind = \"frequency\"\nfrequency_hz = [0.2, 0.3]\nlevels_n = [0.01]\n";
+    let output = run(folder.path(), &format!("{ROD}{response}"), &["--quiet"])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    for (arguments, text) in [
+        (["verify", "out", "--point", "1"].as_slice(), "these are responses"),
+        (&["compare", "scene.toml"], "not on responses"),
+    ] {
+        let refused = Command::cargo_bin("nlmodes-cli")?.args(arguments).current_dir(folder.path()).output()?;
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(said(&refused).contains(text), "{}", said(&refused));
+    }
+    Ok(())
+}

@@ -10,7 +10,7 @@ pub enum BaseUnit {
     Displacement,
 }
 
-/// A base that moves as `cos Ωt` in one direction.
+/// A base whose displacement is a `cos Ωt` in one direction, and its acceleration a `−cos Ωt`, whichever of them has the level as its amplitude: a motion lags both alike.
 ///
 /// ```text
 /// M q̈ + C q̇ + K q = W λ − (M_LL r_L + M_LB r_B) ü        q relative to the base

@@ -39,6 +39,17 @@ pub enum ResponseError {
         /// Frequency of the mode, rad/s.
         omega: f64,
     },
+    /// The curve begins outside of the window of frequencies.
+    #[error(
+        "the curve begins at {} Hz, outside of the window {} to {} Hz; expected a window that holds its beginning",
+        hz(omega), hz(&window[0]), hz(&window[1])
+    )]
+    OutsideWindow {
+        /// Frequency of the load, or of the mode, at which it begins, rad/s.
+        omega: f64,
+        /// The window, rad/s.
+        window: [f64; 2],
+    },
     /// The level could not be reached at the end of the window from rest.
     #[error(
         "at {omega} rad/s the level {level} could not be reached from rest: the curve over the level ends at {reached} ({why})"
@@ -65,4 +76,10 @@ pub enum ResponseError {
     /// The continuation.
     #[error("the curve")]
     Continuation(#[from] ContinuationError<HbmError>),
+}
+
+/// A frequency in Hz, to nine digits.
+fn hz(omega: &f64) -> f64 {
+    let hz = omega / std::f64::consts::TAU;
+    format!("{hz:.8e}").parse().unwrap_or(hz)
 }

@@ -128,9 +128,9 @@ impl ResponseModel {
             let (what, expected) = ("entries of the base motion", "one for each degree of freedom");
             return Err(ResponseError::Setting { what, value: found as f64, expected });
         }
-        // ü = −ν² u; the level multiplies the amplitude of one or the other.
+        // ü = −ν² u; the level multiplies the amplitude of one or the other, and u is a cosine with both.
         let (acceleration, displacement) = match base.unit {
-            BaseUnit::Acceleration => ((1.0, 0), (-1.0, -2)),
+            BaseUnit::Acceleration => ((-1.0, 0), (1.0, -2)),
             BaseUnit::Displacement => ((-1.0, 2), (1.0, 0)),
         };
         let force: Vec<f64> = base.inertia.iter().map(|m| -m * acceleration.0).collect();

@@ -1,3 +1,4 @@
+use nlmodes_continuation::Bound;
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
 use crate::{Cancel, ResponseError};
@@ -55,6 +56,15 @@ impl ResponseSettings {
 
     pub(crate) fn periodic(&self) -> PeriodicSettings {
         PeriodicSettings { harmonics: self.harmonics, switching: self.switching, coordinates: self.coordinates }
+    }
+
+    /// The window as a bound of the coordinate that is the base frequency over `base`, at which the curve begins.
+    pub(crate) fn bound_from(&self, coordinate: usize, base: f64) -> Result<Bound, ResponseError> {
+        let [low, high] = self.base_window();
+        if !(low..=high).contains(&base) {
+            return Err(ResponseError::OutsideWindow { omega: base * self.subharmonic as f64, window: self.window });
+        }
+        Ok(Bound { coordinate, min: low / base, max: high / base })
     }
 
     /// Window of the base frequency of the motion.

@@ -93,6 +93,19 @@ fn phase_resonance_goes_through_the_peak_of_the_response() {
 }
 
 #[test]
+fn a_curve_that_begins_outside_of_its_window_says_where() {
+    let model = rod_of_two();
+    for refused in [
+        phase_resonance(&model, 0.2, &window(0.5, 0.9, 5)).unwrap_err(),
+        damped_mode(&model, 10.0, &window(0.5, 0.9, 5)).unwrap_err(),
+    ] {
+        let ResponseError::OutsideWindow { omega, window } = &refused else { panic!("{refused}") };
+        assert!(*omega < window[0] && *omega > 0.2 * TAU, "{omega}");
+        assert!(refused.to_string().contains("Hz, outside of the window 0.5 to 0.9 Hz"), "{refused}");
+    }
+}
+
+#[test]
 fn a_damped_mode_reaches_its_energy_and_its_damping_is_its_power() {
     let curve = damped_mode(&rod_of_two(), 10.0, &window(0.3, 0.6, 12)).unwrap();
     assert_eq!(curve.end, CurveEnd::Limit);
@@ -140,11 +153,42 @@ fn a_base_that_shakes_a_rod_linearly_gives_the_exact_discrete_response() {
             let inertia = [[4.0 * m, m], [m, 2.0 * m]];
             let projected: f64 =
                 (0..2).map(|i| open.shapes()[(i, 0)] * (0..2).map(|j| inertia[i][j] * expected[j]).sum::<f64>()).sum();
-            // ü given has the phase of the base turned by half a turn.
-            let sign = if unit == BaseUnit::Displacement { 1.0 } else { -1.0 };
-            let exact = sign * projected * 1e-6 * length;
+            let exact = projected * 1e-6 * length;
             assert!((eta.re / exact - 1.0).abs() < 1e-9 && eta.im.abs() < 1e-9 * exact.abs(), "{eta} {exact}");
         }
+    }
+}
+
+#[test]
+fn a_shaken_base_comes_to_the_same_phase_resonance_in_both_units() {
+    for (ea, rho_a, length) in [(1.0, 1.0, 1.0), (2e8, 40.0, 3.0)] {
+        let gap = 1e-3 * length;
+        let (model, free) =
+            (rod(4, ea, rho_a, length, gap, Support::Clamped), rod(4, ea, rho_a, length, gap, Support::Free));
+        let hz = (ea / rho_a).sqrt() / length / 4.0;
+        let found = [BaseUnit::Displacement, BaseUnit::Acceleration].map(|unit| {
+            let massless = MasslessContactModel::new(&model, &Drop).unwrap();
+            let open = OpenModes::of_massless(&massless, ModeCount::Lowest(4)).unwrap();
+            let mut shaken = ResponseModel::new(open, &Damping::Ratios(vec![0.02])).unwrap();
+            let base = BaseMotion::of_supports(&model, &free, DofKind::Axial, &[3], unit, false).unwrap();
+            shaken.push_base_motion(&base).unwrap();
+            shaken.set_drive(1).unwrap();
+            let level = gap * if unit == BaseUnit::Displacement { 0.2 } else { 0.2 * (TAU * hz).powi(2) };
+            let curve = phase_resonance(&shaken, level, &window(0.8 * hz, 1.6 * hz, 5)).unwrap();
+            assert_eq!(curve.end, CurveEnd::Limit);
+            assert!(curve.points.iter().all(|p| (p.lag() - TAU / 4.0).abs() < 1e-9));
+            assert!(curve.points.iter().any(|p| p.motion.contacts[0].touches > 0));
+            let first = &curve.points[0];
+            (
+                first.omega,
+                first.drive.norm() / first.level
+                    * if unit == BaseUnit::Displacement { 1.0 } else { first.omega.powi(2) },
+            )
+        });
+        assert!(
+            (found[0].0 / found[1].0 - 1.0).abs() < 1e-10 && (found[0].1 / found[1].1 - 1.0).abs() < 1e-9,
+            "{found:?}"
+        );
     }
 }
 

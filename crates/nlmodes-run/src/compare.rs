@@ -26,6 +26,11 @@ pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> 
         let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at each instant";
         return Err(file.error_at("method.kind", title, "expected \"ms-hbm\" or \"hbm\" here", &[help]).into());
     }
+    if !file.scene.responses.is_empty() {
+        let title = "contact solvers are compared on the branch of a nonlinear mode, not on responses";
+        let help = "`run --set method.contact_solver=NAME` computes responses with another solver";
+        return Err(file.error_at("response", title, "expected a scene without [[response]]", &[help]).into());
+    }
     let model = models(file)?.massless;
     let mut reference: Option<ComputedBranch> = None;
     let mut rows = Vec::new();

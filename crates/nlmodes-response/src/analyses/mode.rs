@@ -56,10 +56,7 @@ fn free_motion(
     };
     let (omega, energy) = (system.n_coefficients(), system.dim());
     let unit = start.omega;
-    let bounds = vec![
-        Bound { coordinate: energy, min: -1.0, max: energy_ratio.ln() },
-        Bound { coordinate: omega, min: own.window[0] / unit, max: own.window[1] / unit },
-    ];
+    let bounds = vec![Bound { coordinate: energy, min: -1.0, max: energy_ratio.ln() }, own.bound_from(omega, unit)?];
     let (x, direction) = (start.unknowns(&system), start.direction(&system));
     let drive = model.drive(&own)?;
     let mut curve = Curve { system, x, p: 0.0, direction, bounds, drive, settings: &own, solver: solver.as_ref() };

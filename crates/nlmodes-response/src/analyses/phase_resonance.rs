@@ -43,11 +43,8 @@ pub fn phase_resonance(
     let mut direction = start.clone();
     start.push(1.0);
     direction.extend([0.0, 1.0]);
-    let window = settings.base_window();
-    let bounds = vec![
-        Bound { coordinate: parameter, min: -1.0, max: (to / from).ln() },
-        Bound { coordinate: omega, min: window[0] / base, max: window[1] / base },
-    ];
+    let bounds =
+        vec![Bound { coordinate: parameter, min: -1.0, max: (to / from).ln() }, settings.bound_from(omega, base)?];
     let mut curve =
         Curve { system, x: start, p: 0.0, direction, bounds, drive: Some(drive), settings, solver: solver.as_ref() };
     curve.follow((omega, base * settings.subharmonic as f64))

@@ -26,6 +26,11 @@ pub enum VerifyError {
         /// Their folders.
         folders: Vec<PathBuf>,
     },
+    /// The results are forced or damped motions, which are not kept up without load and damping.
+    #[error(
+        "these are responses; a period is followed of nonlinear modes, without load and damping. `run --certify` compares responses with more harmonics"
+    )]
+    Responses,
     /// A file cannot be read.
     #[error("{} cannot be read", path.display())]
     Read {

@@ -70,6 +70,9 @@ impl Point {
             let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
             return Err(VerifyError::NotASummary { path, source });
         };
+        if !scene.responses.is_empty() {
+            return Err(VerifyError::Responses);
+        }
         if !path.is_file() {
             return Err(VerifyError::Missing { name: HARMONICS });
         }
