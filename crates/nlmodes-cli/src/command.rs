@@ -13,7 +13,7 @@ use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, neares
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::watch::Watch;
-use crate::{Status, check, compare, explore, extract, interrupt, lcp, modes, new, study, told, verify};
+use crate::{Status, check, compare, explore, extract, figures, interrupt, lcp, modes, new, study, told, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -126,6 +126,14 @@ Examples:
 
 The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
     Explore(explore::Arguments),
+    /// The figures of results as PDF or PNG, for papers and slides
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli figures results/beam                                       a PDF beside each SVG
+  nlmodes-cli figures results/beam/frequency_energy.svg --format png --dots-per-inch 600
+
+Their width in print and their titles are output.figure_width_mm and output.figure_titles of the scene.")]
+    Figures(figures::Arguments),
     /// Print what every file of results, its columns and arrays mean, with units and signs
     #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
     Columns {
@@ -208,6 +216,7 @@ pub fn run() -> Status {
         }
         Command::Schema => print(&format!("{:#}", scenes::whole_schema())),
         Command::Explore(arguments) => explore::run(&arguments),
+        Command::Figures(arguments) => figures::run(&arguments),
         Command::Columns { markdown: true } => print(nlmodes::report::columns::markdown().trim_end()),
         Command::Columns { markdown: false } => print(nlmodes::report::columns::text().trim_end()),
         Command::Completions { shell } => {

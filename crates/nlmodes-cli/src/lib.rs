@@ -16,6 +16,7 @@ pub mod command;
 mod compare;
 mod explore;
 mod extract;
+mod figures;
 mod interrupt;
 mod lcp;
 mod modes;

@@ -364,3 +364,34 @@ fn figures_have_the_width_and_the_title_that_are_asked_for() -> Outcome {
     assert_eq!(fs::read(out.join("branch.csv"))?, fs::read(usual.join("branch.csv"))?);
     Ok(())
 }
+
+/// A PDF and a PNG beside each figure; the next run leaves none of them behind.
+#[test]
+fn figures_come_as_pdf_and_png_too() -> Outcome {
+    let (folder, out, _) = run(&["output.figure_width_mm=90"])?;
+    let with_ending = |ending: &str| -> Result<Vec<String>, Box<dyn Error>> {
+        let names = fs::read_dir(&out)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
+        let mut names = names.collect::<Result<Vec<_>, std::io::Error>>()?;
+        names.retain(|name| name.ends_with(ending));
+        names.sort();
+        Ok(names.into_iter().filter_map(|name| name.strip_suffix(ending).map(str::to_owned)).collect())
+    };
+    let place = out.to_string_lossy().into_owned();
+    let call = Command::cargo_bin("nlmodes-cli")?
+        .args(["figures", &place, "--format", "pdf,png", "--dots-per-inch", "50"])
+        .output()?;
+    assert_eq!(call.status.code(), Some(0), "{}", String::from_utf8_lossy(&call.stderr));
+    let figures = with_ending(".svg")?;
+    assert!(figures.len() > 5, "{figures:?}");
+    assert_eq!((with_ending(".pdf")?, with_ending(".png")?), (figures.clone(), figures));
+    let scene = folder.path().join("scene.toml");
+    let again = Command::cargo_bin("nlmodes-cli")?
+        .arg("run")
+        .arg(&scene)
+        .args(["--quiet", "--force", "--set", "output.figures=false", "--out"])
+        .arg(&out)
+        .output()?;
+    assert_eq!(again.status.code(), Some(0), "{}", String::from_utf8_lossy(&again.stderr));
+    assert!(with_ending(".svg")?.is_empty() && with_ending(".pdf")?.is_empty() && with_ending(".png")?.is_empty());
+    Ok(())
+}

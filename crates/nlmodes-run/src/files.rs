@@ -23,6 +23,9 @@ const RESPONSE_FIGURES: [&str; 7] = [
     "force_needed.svg",
 ];
 
+/// A figure, and what may have been made of it.
+const FIGURE_ENDINGS: [&str; 3] = [".svg", ".pdf", ".png"];
+
 /// Most records with a time history.
 pub const HISTORIES: usize = 20;
 
@@ -49,7 +52,9 @@ pub fn remove_figures(directory: &Path) {
     ];
     remove_all(directory, &common);
     remove_all(directory, &RESPONSE_FIGURES);
-    remove_where(directory, |name| name.starts_with("history_P") && name.ends_with(".svg"));
+    remove_where(directory, |name| {
+        name.starts_with("history_P") && FIGURE_ENDINGS.iter().any(|ending| name.ends_with(ending))
+    });
 }
 
 /// Removes the figures and the page of records of an earlier run.
@@ -74,8 +79,14 @@ fn remove_where(directory: &Path, is_one: impl Fn(&str) -> bool) {
     }
 }
 
-/// Removes files of these names, where they are there.
+/// Removes files of these names, where they are there; with a figure what was made of it.
 pub fn remove_all(directory: &Path, names: &[impl AsRef<str>]) {
     // What cannot be removed cannot be overwritten either, which is said when it is.
-    names.iter().for_each(|name| drop(fs::remove_file(directory.join(name.as_ref()))));
+    let remove = |name: &str| drop(fs::remove_file(directory.join(name)));
+    for name in names.iter().map(AsRef::as_ref) {
+        match name.strip_suffix(".svg") {
+            Some(stem) => FIGURE_ENDINGS.iter().for_each(|ending| remove(&format!("{stem}{ending}"))),
+            None => remove(name),
+        }
+    }
 }

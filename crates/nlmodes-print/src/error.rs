@@ -1,0 +1,38 @@
+use thiserror::Error;
+
+/// Why a figure could not be converted.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PrintError {
+    /// The text is no SVG document.
+    #[error("no SVG document")]
+    Svg(#[source] resvg::usvg::Error),
+    /// PDF cannot say what the document holds.
+    #[error("cannot be said in PDF: {reason}")]
+    Pdf {
+        /// What that is.
+        reason: String,
+    },
+    /// The resolution is no positive number.
+    #[error("{dots_per_inch} dots an inch; expected a number greater than 0")]
+    Resolution {
+        /// The number that was asked for.
+        dots_per_inch: f64,
+    },
+    /// The image would be larger than [`MAX_PIXELS`](crate::MAX_PIXELS), or smaller than one pixel.
+    #[error(
+        "an image of {width:.0} × {height:.0} pixels at {dots_per_inch} dots an inch; expected one to {} pixels in all",
+        crate::MAX_PIXELS
+    )]
+    Size {
+        /// Its width in pixels.
+        width: f64,
+        /// Its height in pixels.
+        height: f64,
+        /// The resolution that was asked for.
+        dots_per_inch: f64,
+    },
+    /// The image could not be packed.
+    #[error("cannot be packed as PNG")]
+    Png(#[source] png::EncodingError),
+}
