@@ -285,6 +285,21 @@ mod tests {
     }
 
     #[test]
+    fn extents_are_those_of_the_entries_in_any_unit() {
+        for unit in [2f64.powi(-60), 1.0, 2f64.powi(60)] {
+            for n in 1..23 {
+                let (x, ones) = (vec![-unit; n], vec![1.0; n]);
+                let mut z = vec![0.0; n];
+                let extent = products(&x, &ones, &mut z).unwrap();
+                assert_eq!((max_abs(&x), extent.largest, extent.least), (unit, unit, -unit));
+                assert_eq!(max_abs_min(&x, &ones, &ones, &ones), unit);
+                assert_eq!(rescale(0.5, &mut z, &ones), 0.5 * unit);
+            }
+        }
+        assert_eq!(max_abs(&[0.0; 9]), 0.0);
+    }
+
+    #[test]
     fn a_single_value_that_is_not_finite_is_found() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for at in 0..19 {

@@ -133,3 +133,51 @@ pub(crate) fn exponent(x: f64) -> i32 {
 pub(crate) fn power_of_two(e: i32) -> f64 {
     f64::from_bits(((e.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_exact_and_stay_normal() {
+        for e in [-1022, -1021, -53, -1, 0, 1, 52, 1022, 1023] {
+            assert_eq!(power_of_two(e), 2f64.powi(e), "{e}");
+        }
+        assert_eq!([power_of_two(-5000), power_of_two(5000)], [f64::MIN_POSITIVE, 2f64.powi(1023)]);
+    }
+
+    #[test]
+    fn exponents_are_those_of_the_power_below() {
+        let smallest = 5e-324;
+        for (x, e) in [
+            (1.0, 0),
+            (1.999, 0),
+            (2.0, 1),
+            (0.75, -1),
+            (f64::MIN_POSITIVE, -1022),
+            (f64::MAX, 1023),
+            (smallest, -1074),
+        ] {
+            assert_eq!(exponent(x), e, "{x}");
+        }
+    }
+
+    #[test]
+    fn the_scaled_diagonal_lies_between_one_and_four_whatever_the_units() {
+        let sizes = [3e-290, 1e-9, 0.7, 1.0, 2.0, 5e3, 8e290, 0.0];
+        for first in 0..sizes.len() {
+            let diagonal = |i: usize| sizes[(i + first) % sizes.len()];
+            let scaled = Scaled::new(&Mat::from_fn(8, 8, |i, j| if i == j { diagonal(i) } else { 0.0 }));
+            for i in 0..8 {
+                let (d, exact) = (scaled.diagonal(i), (diagonal(i) * scaled.gap_unit()[i]) * scaled.force_unit()[i]);
+                assert_eq!(d, exact);
+                assert!(
+                    if diagonal(i) == 0.0 { d == 0.0 } else { (1.0..4.0).contains(&d) },
+                    "{} becomes {d}",
+                    diagonal(i)
+                );
+                assert_eq!(scaled.gap_unit()[i] * scaled.inverse_gap_unit()[i], 1.0);
+            }
+        }
+    }
+}
