@@ -66,6 +66,47 @@ fn the_short_records_have_the_answer_they_were_made_with() -> Outcome {
     Ok(())
 }
 
+/// A computed branch lies beside the records in figures and page, with the differences at equal modal amplitude.
+#[test]
+fn a_branch_is_laid_beside_records() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let text = fs::read_to_string(configs().join("measured_record.toml"))?;
+    let records = configs().join("records").to_string_lossy().replace('\\', "/");
+    let text = text.replace("\"records/", &format!("\"{records}/"));
+    let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
+    fs::write(&scene, &text)?;
+    let (status, said, rows) = extract(&scene, &out, &[])?;
+    assert_eq!((status, rows.len(), out.join("overlay.csv").exists()), (0, 2, false), "{said}");
+    // One hertz below what was measured, at amplitudes around it.
+    let mut branch = String::from("frequency_hz,modal_amplitude\n");
+    let amplitudes: Vec<f64> = rows.iter().map(|row| number(row, "modal_amplitude")).collect();
+    let frequencies: Vec<f64> = rows.iter().map(|row| number(row, "frequency_hz")).collect();
+    let slope = (frequencies[1] - frequencies[0]) / (amplitudes[1] - amplitudes[0]);
+    for share in [-0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5] {
+        let amplitude = amplitudes[0] + share * (amplitudes[1] - amplitudes[0]);
+        branch += &format!("{},{amplitude}\n", frequencies[0] + slope * (amplitude - amplitudes[0]) - 1.0);
+    }
+    fs::create_dir(folder.path().join("run"))?;
+    fs::write(folder.path().join("run/branch.csv"), branch)?;
+    fs::write(&scene, format!("{text}\n[[overlay]]\npath = \"run\"\nlabel = \"my model\"\n"))?;
+    let (status, said, _) = extract(&scene, &out, &["--force"])?;
+    assert_eq!(status, 0, "{said}");
+    let differences: Vec<Row> =
+        csv::Reader::from_path(out.join("overlay.csv"))?.deserialize().collect::<Result<_, _>>()?;
+    assert_eq!(differences.len(), 2);
+    for row in &differences {
+        let off = number(row, "frequency_hz") - number(row, "branch_frequency_hz");
+        assert!((off - 1.0).abs() < 1e-6, "{row:?}");
+    }
+    let page = fs::read_to_string(out.join("report.html"))?;
+    assert!(page.contains("test over my model") && page.contains("stiffer"));
+    assert!(fs::read_to_string(out.join("frequency_amplitude.svg"))?.contains("my model"));
+    fs::write(&scene, format!("{text}\n[[overlay]]\npath = \"nowhere\"\n"))?;
+    let (status, said, _) = extract(&scene, &out, &["--force"])?;
+    assert!(status == 2 && said.contains("nowhere"), "{said}");
+    Ok(())
+}
+
 /// One of the short records in another format, with a scene beside it.
 fn rewritten(folder: &Path, name: &str, change: impl Fn(&mut Record)) -> Result<PathBuf, Box<dyn Error>> {
     let scene = fs::read_to_string(configs().join("measured_record.toml"))?;

@@ -13,9 +13,9 @@ use nlmodes_scene::scene::Overlay;
 use crate::{RunError, refusal};
 
 /// What is laid over the results of a scene.
-pub(crate) fn laid_over(file: &SceneFile) -> Result<Vec<Laid>, RunError> {
+pub(crate) fn laid_over<S>(file: &SceneFile<S>, overlays: &[Overlay]) -> Result<Vec<Laid>, RunError> {
     let read = |(k, found): (usize, &Overlay)| {
         read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
     };
-    file.scene.overlays.iter().enumerate().map(read).collect()
+    overlays.iter().enumerate().map(read).collect()
 }

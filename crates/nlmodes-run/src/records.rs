@@ -1,5 +1,6 @@
 //! Measured records into modal points.
 
+pub(crate) mod against;
 pub(crate) mod figures;
 mod modes;
 pub(crate) mod page;
@@ -12,7 +13,9 @@ use nlmodes::experiment::records::{Record, RecordError, RecordTable, Recording};
 use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 
 use crate::claim::Claim;
+use crate::overlay::{self, Laid};
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
+use against::Against;
 use table::Table;
 
 /// A record, and what came of it.
@@ -54,6 +57,7 @@ pub fn extract(
     // Before anything else: earlier results say nothing about files that are not there.
     files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
+    let laid = overlay::laid_over(file, &file.scene.overlays)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
     let extracted = |(name, record): (String, Record)| Outcome {
@@ -64,7 +68,7 @@ pub fn extract(
     };
     let outcomes: Vec<Outcome> = read(file)?.into_iter().map(extracted).collect();
     claim.take_at_once()?;
-    write(&scene, &outcomes).map_err(RunError::Files)?;
+    write(&scene, &outcomes, &laid).map_err(RunError::Files)?;
     Ok(outcomes)
 }
 
@@ -166,14 +170,17 @@ fn help(error: &RecordError) -> &'static [&'static str] {
     }
 }
 
-fn write(scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), Failure> {
+fn write(scene: &RecordScene, outcomes: &[Outcome], laid: &[Laid]) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
     let mut table = Table::new(modes, None)?;
     outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
     table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
-    let drawn = figures::write(directory, &scene.title, outcomes, &[])?;
-    let line = format!("Records: {}", scene.files.join(", "));
-    page::write(directory, &scene.title, &[line], outcomes, (&[], &[]), &drawn, &[])
+    let drawn = figures::write(directory, &scene.title, outcomes, laid)?;
+    let against = Against::new(outcomes, laid);
+    against.write(directory)?;
+    let lines: Vec<String> =
+        std::iter::once(format!("Records: {}", scene.files.join(", "))).chain(against.sentences()).collect();
+    page::write(directory, &scene.title, &lines, outcomes, (laid, &against.tables()), &drawn, &[])
 }

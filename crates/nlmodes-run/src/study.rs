@@ -67,7 +67,7 @@ pub fn run_sharing(
             return Err(no_contact(file).into());
         }
         links::refuse(&file.scene.output_directory)?;
-        overlay::laid_over(file)?;
+        overlay::laid_over(file, &file.scene.overlays)?;
     }
     let claim = claim(&scenes, over, observer)?;
     let of = scenes.len();
@@ -110,7 +110,7 @@ fn one_branch(
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
-    let laid = overlay::laid_over(file)?;
+    let laid = overlay::laid_over(file, &file.scene.overlays)?;
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     let modes = mass::open_modes(file, &model, &massless)?;

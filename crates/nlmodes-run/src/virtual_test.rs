@@ -1,6 +1,5 @@
 //! A virtual test: a rig with its loop, level by level, and what its records give.
 
-mod against;
 mod backbone;
 mod bench;
 mod damped;
@@ -20,6 +19,7 @@ use nlmodes::study::Watch;
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::claim::Claim;
+use crate::overlay;
 use crate::records::table::Table;
 use crate::{Event, Observer, Over, RunError, chain, links, refusal};
 use bench::Rig;
@@ -46,6 +46,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     let (scene, began) = (&file.scene, Instant::now());
     let directory = &scene.output_directory;
     links::refuse(directory)?;
+    let laid = overlay::laid_over(file, &scene.overlays)?;
     let claim = claim(file, over, observer)?;
     let rig = rig(file)?;
     if over == Over::Resumed {
@@ -79,7 +80,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     if observer.is_cancelled() {
         wrong.push(format!("the test was interrupted behind level {n} of {}", scene.schedule.levels.len()));
     }
-    results::write(scene, &rig, &levels, &computed, &wrong, began.elapsed()).map_err(RunError::Files)?;
+    results::write(scene, &rig, &levels, (&computed, &laid), &wrong, began.elapsed()).map_err(RunError::Files)?;
     Ok(TestOutcome { levels, wrong })
 }
 

@@ -151,7 +151,7 @@ fn rest(
         method: method?,
         continuation: continuation?,
         output_directory: output_directory(raw.output.as_ref().and_then(|output| output.directory.as_ref()), stem),
-        overlays: overlays(raw, base),
+        overlays: overlays(raw.overlay.as_deref(), base),
         files: files(raw.output.as_ref()),
         stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
         warnings: Vec::new(),
@@ -164,13 +164,13 @@ fn output_directory(written: Option<&String>, stem: &str) -> PathBuf {
 }
 
 /// What is laid over the results; paths count from `base`.
-fn overlays(raw: &RawStudy, base: &Path) -> Vec<Overlay> {
+fn overlays(raw: Option<&[RawOverlay]>, base: &Path) -> Vec<Overlay> {
     let overlay = |raw: &RawOverlay| {
         let path = base.join(raw.path.as_ref()?);
         let name = path.file_stem().map(|name| name.to_string_lossy().into_owned());
         Some(Overlay { label: raw.label.clone().or(name).unwrap_or_default(), path })
     };
-    raw.overlay.iter().flatten().filter_map(overlay).collect()
+    raw.into_iter().flatten().filter_map(overlay).collect()
 }
 
 fn files(raw: Option<&RawResults>) -> OutputFiles {

@@ -190,7 +190,7 @@ fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, Box<Refused>> {
         let other = planned::of_test_and_branch(root.get_ref());
         tables(root, other, schema::of_test(), &mut findings)
     });
-    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &mut findings));
+    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &base(text.name), &mut findings));
     let mut file = finish(scene, findings)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)

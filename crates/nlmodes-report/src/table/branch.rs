@@ -19,7 +19,11 @@ pub const BRANCH_MEANINGS: [Column; 18] = [
         "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix",
     ),
     Column::new("fundamental_m", "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor"),
-    Column::new("peak_m", "m", "largest displacement at stop 0 toward it"),
+    Column::new(
+        "peak_m",
+        "m",
+        "largest displacement at stop 0 toward it; of a stop that stands still while the base shakes, in space",
+    ),
     Column::new("contact_fraction", "", "share of the period in which stop 0 is touched, 0 to 1"),
     Column::new("contact_intervals", "", "closed intervals a period, all stops together"),
     Column::new(

@@ -16,7 +16,11 @@ pub const RESPONSE_COLUMNS: [Column; 18] = [
     Column::new("acceleration_m_s2", "m/s²", "amplitude of the acceleration of the base"),
     Column::new("base_amplitude_m", "m", "amplitude of the displacement of the base"),
     Column::new("drive_fundamental_m", "m", "amplitude of the drive point at the frequency of the load"),
-    Column::new("drive_lag_deg", "°", "angle by which the drive point lags the load, −180 to 180"),
+    Column::new(
+        "drive_lag_deg",
+        "°",
+        "angle by which the drive point lags the force, or the displacement of the base, −180 to 180",
+    ),
     Column::new("input_power_w", "W", "mean power of the load"),
     Column::new("dissipated_power_w", "W", "mean power that the damping takes out; equals the former"),
     Column::new("damping_ratio", "", "damping ratio ξ/(2ω) of a damped mode"),

@@ -57,7 +57,9 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
         let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
         within.then(|| (at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)))
     });
-    let touches_as_well = |(_, _, force): &(f64, f64, f64)| point.peak_contact_force != 0.0 || *force <= 0.0;
+    // A branch without forces may touch or not.
+    let touches_as_well =
+        |(_, _, force): &(f64, f64, f64)| point.peak_contact_force != 0.0 || force.is_nan() || *force <= 0.0;
     let crossings = crossings.filter(touches_as_well);
     let off = |(omega, ..): &(f64, f64, f64)| (omega - point.omega).abs();
     let (omega, own_impulse, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;

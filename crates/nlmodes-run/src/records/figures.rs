@@ -10,6 +10,7 @@ use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFig
 use super::Outcome;
 use crate::Failure;
 use crate::files::HISTORIES;
+use crate::overlay::Laid;
 
 /// Most records whose points are numbered.
 const NAMED: usize = 12;
@@ -25,15 +26,10 @@ pub struct Drawn {
     pub figure: Figure,
 }
 
-/// Writes frequency over modal amplitude (and over that of computed branches), damping and mode indicator over modal amplitude, and the time histories at the stop.
-pub fn write(
-    directory: &Path,
-    title: &str,
-    outcomes: &[Outcome],
-    computed: &[&ModalBranch],
-) -> Result<Vec<Drawn>, Failure> {
+/// Writes frequency over modal amplitude (with what is laid beside), damping and mode indicator over modal amplitude, and the time histories at the stop.
+pub fn write(directory: &Path, title: &str, outcomes: &[Outcome], beside: &[Laid]) -> Result<Vec<Drawn>, Failure> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
-    let mut all = frequency(title, &found, computed)?;
+    let mut all = frequency(title, &found, beside)?;
     all.extend(damping(title, &found)?);
     all.extend(restitution(title, &found)?);
     for (k, found) in found.iter().take(HISTORIES).enumerate() {
@@ -55,25 +51,31 @@ fn drawn(file: &str, heading: &str, figure: Figure) -> Drawn {
     Drawn { file: file.into(), heading: heading.into(), figure }
 }
 
-fn frequency(title: &str, found: &[&RecordExtraction], computed: &[&ModalBranch]) -> Result<Vec<Drawn>, Failure> {
+fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Result<Vec<Drawn>, Failure> {
     let Some(branch) = measured(found) else { return Ok(Vec::new()) };
     // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
-    let starts =
-        computed.iter().filter_map(|branch| branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
+    let lines = beside.iter().filter(|laid| !laid.is_scattered);
+    let starts = lines.filter_map(|laid| laid.branch.points.first()).map(|point| NEAR_CONTACT * point.modal_amplitude);
     let grazing = starts.reduce(f64::min);
     let mut in_contact = branch.clone();
     in_contact.points.retain(|point| grazing.is_some_and(|least| point.modal_amplitude >= least));
-    let figure = frequency_figure(title, &branch, computed)?;
+    let figure = frequency_figure(title, &branch, beside)?;
     let mut all = vec![drawn("frequency_amplitude.svg", "Frequency over modal amplitude", figure)];
     if !in_contact.points.is_empty() {
         // Without its event the axis does not go down to the linear mode at amplitude zero.
-        let mut close: Vec<ModalBranch> = computed.iter().map(|branch| (*branch).clone()).collect();
-        let starts = close.iter_mut().filter_map(|branch| branch.points.first_mut());
+        let mut close = beside.to_vec();
+        let starts = close.iter_mut().filter_map(|laid| laid.branch.points.first_mut());
         starts.for_each(|point| point.events.retain(|event| *event != Event::Grazing));
-        let figure = frequency_figure(title, &in_contact, &close.iter().collect::<Vec<_>>())?;
+        let figure = frequency_figure(title, &in_contact, &close)?;
         all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
     }
     Ok(all)
+}
+
+/// Numbers of the measured points, of which there are `own` sets, and of those beside them: nothing was measured between records.
+pub fn scattered(beside: &[Laid], own: usize) -> Vec<usize> {
+    let others = beside.iter().enumerate().filter(|(_, laid)| laid.is_scattered).map(|(k, _)| own + k);
+    (0..own).chain(others).collect()
 }
 
 /// The modal points of all records; `None` where no record gives one.
@@ -90,10 +92,10 @@ pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
     })
 }
 
-fn frequency_figure(title: &str, measured: &ModalBranch, computed: &[&ModalBranch]) -> Result<Figure, Failure> {
-    let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(computed.iter().copied()).collect();
-    // Nothing was measured between the records.
-    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title).scattered(&[0]);
+fn frequency_figure(title: &str, measured: &ModalBranch, beside: &[Laid]) -> Result<Figure, Failure> {
+    let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(beside.iter().map(|laid| &laid.branch)).collect();
+    let scattered = scattered(beside, 1);
+    let mut figure = BranchFigure::new(Abscissa::ModalAmplitude, &branches).title(title).scattered(&scattered);
     // More numbers than these would cover each other.
     for k in (0..measured.points.len()).filter(|_| measured.points.len() <= NAMED) {
         figure = figure.mark(0, k, (k + 1).to_string());

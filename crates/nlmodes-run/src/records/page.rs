@@ -8,8 +8,9 @@ use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, HtmlReport};
 
 use super::Outcome;
-use super::figures::{Drawn, measured};
+use super::figures::{Drawn, measured, scattered};
 use crate::Failure;
+use crate::overlay::Laid;
 use nlmodes_scene::number;
 
 /// Most records whose time histories and contact forces are on the page: those with the largest forces.
@@ -24,7 +25,7 @@ pub fn write(
     title: &str,
     lines: &[String],
     outcomes: &[Outcome],
-    (computed, differences): (&[&ModalBranch], &[DataTable]),
+    (beside, differences): (&[Laid], &[DataTable]),
     figures: &[Drawn],
     wrong: &[String],
 ) -> Result<(), Failure> {
@@ -40,9 +41,9 @@ pub fn write(
             wrong.join("; ")
         };
     }
-    let branches: Vec<&ModalBranch> = own.iter().chain(computed.iter().copied()).collect();
-    let scattered: &[usize] = if own.is_some() { &[0] } else { &[] };
-    let mut report = HtmlReport::new(title, &branches).scattered(scattered);
+    let branches: Vec<&ModalBranch> = own.iter().chain(beside.iter().map(|laid| &laid.branch)).collect();
+    let scattered = scattered(beside, usize::from(own.is_some()));
+    let mut report = HtmlReport::new(title, &branches).scattered(&scattered);
     for line in lines {
         report = report.line(line);
     }

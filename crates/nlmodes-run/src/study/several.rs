@@ -164,7 +164,7 @@ fn write_figures(
     let directory = &scene.output_directory;
     let references = histories::references(branches)?;
     let laid = match (files.first(), branches.first()) {
-        (Some(file), Some(own)) => Overlaid::new(&overlay::laid_over(file)?, &own.branch),
+        (Some(file), Some(own)) => Overlaid::new(&overlay::laid_over(file, &file.scene.overlays)?, &own.branch),
         _ => return Ok(()),
     };
     let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();

@@ -10,10 +10,11 @@ use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::json;
 
-use super::against::Against;
 use super::bench::Rig;
 use super::summary;
 use crate::Failure;
+use crate::overlay::Laid;
+use crate::records::against::Against;
 use crate::records::table::Table;
 use crate::records::{Outcome, figures, page};
 use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
@@ -62,7 +63,7 @@ pub fn write(
     scene: &TestScene,
     rig: &Rig,
     levels: &[TestLevel],
-    backbones: &[(BackboneMethod, ModalBranch)],
+    (backbones, laid): (&[(BackboneMethod, ModalBranch)], &[Laid]),
     wrong: &[String],
     wall_time: Duration,
 ) -> Result<(), Failure> {
@@ -78,14 +79,16 @@ pub fn write(
         .zip(&outcomes)
         .map(|(level, outcome)| json!({ "level": level, "extraction": crate::records::summary::record(outcome) }))
         .collect();
-    let against = Against::new(&outcomes, &backbones);
+    let computed = backbones.iter().map(|branch| Laid { branch: (*branch).clone(), is_scattered: false });
+    let beside: Vec<Laid> = computed.chain(laid.iter().cloned()).collect();
+    let against = Against::new(&outcomes, &beside);
     against.write(directory)?;
     let text = summary::json(scene, rig, told, (&backbones, &against), wrong, wall_time);
     write_summary(directory.join("summary.json"), &text)?;
-    let drawn = figures::write(directory, &scene.title, &outcomes, &backbones)?;
+    let drawn = figures::write(directory, &scene.title, &outcomes, &beside)?;
     let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
     let lines: Vec<String> = lines.into_iter().chain(against.sentences()).collect();
-    page::write(directory, &scene.title, &lines, &outcomes, (&backbones, &against.tables()), &drawn, wrong)
+    page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against.tables()), &drawn, wrong)
 }
 
 /// The table of the levels.

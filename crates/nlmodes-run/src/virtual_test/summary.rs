@@ -8,8 +8,8 @@ use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::{Value, json};
 
-use super::against::Against;
 use super::bench::Rig;
+use crate::records::against::Against;
 use nlmodes_scene::scene::TestScene;
 
 fn exciter(scene: &TestScene) -> &'static str {

@@ -31,6 +31,7 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
     Some(RecordScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         files,
+        overlays: super::overlays(raw.overlay.as_deref(), &base),
         base,
         recording: Recording {
             channels: channels?,

@@ -1,5 +1,7 @@
 //! Scenes of virtual tests: what must hold between their values.
 
+use std::path::Path;
+
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::rig::{Exciter, Hold, Schedule, Shaker};
 use nlmodes::virtual_test::BenchNoise;
@@ -22,8 +24,8 @@ const MAX_SAMPLES: f64 = 1e7;
 /// Most samples of a whole test, some hours of computing.
 const MAX_TEST_SAMPLES: f64 = 1e9;
 
-/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
-pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Option<TestScene> {
+/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file, `base` its directory.
+pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<TestScene> {
     let at = raw.virtual_test.as_ref().and_then(|test| test.stop.as_ref()?.position_m);
     let stops: Vec<f64> = at.into_iter().collect();
     let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &stops, findings));
@@ -79,6 +81,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, findings: &mut Findings<'_>) -> Opt
         records,
         backbone,
         settings: settings?,
+        overlays: super::overlays(raw.overlay.as_deref(), base),
         output_directory: super::output_directory(
             raw.output.as_ref().and_then(|output| output.directory.as_ref()),
             stem,

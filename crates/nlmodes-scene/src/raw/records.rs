@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use crate::raw::method::MAX_HARMONICS;
-use crate::raw::{RawOutput, RawStructure};
+use crate::raw::{RawOutput, RawOverlay, RawStructure};
 use crate::scene::{ChannelRole, MeasuredQuantity, Side};
 
 /// Most numbers of a list.
@@ -31,6 +31,8 @@ pub struct RawRecordScene {
     pub extraction: Option<RawExtraction>,
     /// The stop, for restitution and contact stiffness
     pub stop: Option<RawStop>,
+    /// Computed branches, or other tests, that figures and page show beside the records, each under a heading `[[overlay]]`
+    pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawOutput>,
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::raw::method::MAX_HARMONICS;
-use crate::raw::{RawExtraction, RawOutput, RawStructure};
+use crate::raw::{RawExtraction, RawOutput, RawOverlay, RawStructure};
 use crate::scene::{BackboneMethod, ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
 
 /// Most modes, sensors or levels.
@@ -25,6 +25,8 @@ pub struct RawTestScene {
     pub virtual_test: Option<RawVirtualTest>,
     /// What is to be extracted from the record of each level
     pub extraction: Option<RawExtraction>,
+    /// Computed branches, or other tests, that figures and page show beside the levels, each under a heading `[[overlay]]`
+    pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawOutput>,
 }

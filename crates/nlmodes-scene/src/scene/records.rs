@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::experiment::records::Recording;
 
-use super::Structure;
+use super::{Overlay, Structure};
 
 /// Records of a test, and what is to be extracted from them: plain values in SI units, every default filled in.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,8 @@ pub struct RecordScene {
     pub structure: Option<Structure>,
     /// What is to be extracted.
     pub settings: ExtractionSettings,
+    /// Results that figures and page show beside the records.
+    pub overlays: Vec<Overlay>,
     /// Directory of the result files.
     pub output_directory: PathBuf,
     /// What looks wrong with the scene, in words.

@@ -5,7 +5,7 @@ use nlmodes::rig::{Exciter, Schedule};
 use nlmodes::virtual_test::BenchNoise;
 use serde::Serialize;
 
-use super::{BackboneMethod, LoopDetector, RecordFormat, Side, Structure};
+use super::{BackboneMethod, LoopDetector, Overlay, RecordFormat, Side, Structure};
 
 /// A test of a structure on a virtual rig: plain values in SI units, every default filled in.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,8 @@ pub struct TestScene {
     pub backbone: Option<Backbone>,
     /// What is to be extracted from each record; its modes and its stop come from the bench.
     pub settings: ExtractionSettings,
+    /// Results that figures and page show beside the levels.
+    pub overlays: Vec<Overlay>,
     /// Directory of the result files.
     pub output_directory: PathBuf,
     /// What looks wrong with the scene, in words.

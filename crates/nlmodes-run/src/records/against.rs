@@ -1,4 +1,4 @@
-//! The points of a test against what was computed beside it, at equal modal amplitude.
+//! The points of records or of a test against what is laid beside them, at equal modal amplitude.
 
 use std::path::Path;
 
@@ -7,25 +7,25 @@ use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, ReportError};
 use serde_json::{Value, json};
 
+use super::{Outcome, figures};
 use crate::overlay::{Difference, Laid, differences, sentence, table, write};
-use crate::records::{Outcome, figures};
 
-/// The points of the test, and their differences from each computed branch.
+/// The points, and their differences from each branch beside them.
 pub struct Against(Vec<(Laid, Vec<Difference>)>);
 
 impl Against {
     /// Compares the points that records gave.
-    pub fn new(outcomes: &[Outcome], computed: &[&ModalBranch]) -> Self {
+    pub fn new(outcomes: &[Outcome], beside: &[Laid]) -> Self {
         let found: Vec<&RecordExtraction> =
             outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
         let Some(test) = figures::measured(&found) else { return Self(Vec::new()) };
-        let one = |branch: &&ModalBranch| {
-            let label = format!("test over {}", branch.label.trim_start_matches("computed: "));
+        let one = |other: &Laid| {
+            let label = format!("test over {}", other.branch.label.trim_start_matches("computed: "));
             let laid = Laid { branch: ModalBranch { label, ..test.clone() }, is_scattered: true };
-            let found = differences(&laid, branch);
+            let found = differences(&laid, &other.branch);
             (laid, found)
         };
-        Self(computed.iter().map(one).collect())
+        Self(beside.iter().map(one).collect())
     }
 
     /// Writes `overlay.csv`, where there is anything to compare.
