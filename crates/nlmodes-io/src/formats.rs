@@ -141,11 +141,8 @@ pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> R
     let plain = |lower| MatrixData { lower, ..MatrixData::default() };
     let many = matches!(format, Format::Mat | Format::Dmig);
     if let (Some(name), false) = (&address.name, many) {
-        let problem = Problem::Missing {
-            what: "named matrix, as this format holds a single one without a name,",
-            name: name.clone(),
-            known: vec![],
-        };
+        let expected = "the file alone: this format holds a single matrix without a name".into();
+        let problem = Problem::Expected { expected, found: format!("`#{name}` behind it") };
         return Err(ReadError::whole(path, problem));
     }
     match format {

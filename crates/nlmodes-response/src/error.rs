@@ -32,7 +32,7 @@ pub enum ResponseError {
     #[error("phase resonance needs a drive point")]
     NoDrive,
     /// No frequency near the mode has the lag.
-    #[error("the drive point lags the load by {lag_deg} degrees nowhere near the mode at {omega} rad/s")]
+    #[error("the drive point lags the load by {lag_deg} degrees nowhere near the mode at {} Hz", hz(omega))]
     NoPhaseResonance {
         /// The lag, degrees.
         lag_deg: f64,
@@ -52,7 +52,8 @@ pub enum ResponseError {
     },
     /// The level could not be reached at the end of the window from rest.
     #[error(
-        "at {omega} rad/s the level {level} could not be reached from rest: the curve over the level ends at {reached} ({why})"
+        "at {} Hz the level {level} could not be reached from rest: the curve over the level ends at {reached} ({why})",
+        hz(omega)
     )]
     NoStart {
         /// Frequency of the load, rad/s.

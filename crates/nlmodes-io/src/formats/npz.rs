@@ -55,9 +55,21 @@ impl Npz<'_> {
         })
     }
 
-    /// `format` is a text of three letters.
+    /// `format` is a text of three letters. An archive of `numpy.savez` has none.
     fn format(&self) -> Result<String> {
         let mut archive = self.open()?;
+        let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+        if !names.iter().any(|name| name == "format") {
+            names.sort();
+            let expected =
+                "an archive that scipy.sparse.save_npz(\"K.npz\", scipy.sparse.csc_matrix(K)) writes, a matrix a file"
+                    .into();
+            let found = format!(
+                "the arrays {}",
+                names.iter().map(|name| shown(name.as_bytes())).collect::<Vec<_>>().join(", ")
+            );
+            return Err(ReadError::whole(self.path, Problem::Expected { expected, found }));
+        }
         let array = self.array(&mut archive, "format")?;
         let mut bytes = Vec::new();
         let failed = |error| self.part("format", Problem::Io(error));

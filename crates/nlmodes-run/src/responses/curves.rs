@@ -52,7 +52,7 @@ impl ComputedResponse {
 
     /// Whether its points answer a load.
     pub fn is_forced(&self) -> bool {
-        is_forced(self.kind)
+        self.kind.is_forced()
     }
 
     /// What is told of it.
@@ -62,11 +62,6 @@ impl ComputedResponse {
             Err(why) => Err(why),
         }
     }
-}
-
-/// Whether the motions of such a response answer a load.
-pub fn is_forced(kind: ResponseKind) -> bool {
-    matches!(kind, ResponseKind::Frequency | ResponseKind::Force | ResponseKind::PhaseResonance)
 }
 
 /// A curve to compute.
@@ -86,7 +81,7 @@ pub fn jobs(scene: &Scene) -> Vec<Job<'_>> {
         let largest = wanted.levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let levels: Vec<Option<f64>> = match wanted.kind {
             ResponseKind::Frequency => wanted.levels.iter().copied().map(Some).collect(),
-            kind if is_forced(kind) => vec![Some(largest)],
+            kind if kind.is_forced() => vec![Some(largest)],
             _ => vec![None],
         };
         all.extend(levels.into_iter().map(|level| Job { response, wanted, level, from: None }));
@@ -231,7 +226,7 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
     let mode = model.mode_frequency(method.mode).unwrap_or(1.0);
     let window = match (response.frequency_hz.as_slice(), scene.continuation.frequency_hz) {
         (&[low, high], _) => [TAU * low, TAU * high],
-        (_, Some(window)) if !is_forced(response.kind) => window.map(|hz| TAU * hz),
+        (_, Some(window)) if !response.kind.is_forced() => window.map(|hz| TAU * hz),
         _ => WINDOW.map(|share| share * mode),
     };
     let over_frequency = scene.responses.iter().filter(|r| r.kind == ResponseKind::Frequency);

@@ -146,7 +146,7 @@ fn expected(
     subharmonic: usize,
 ) -> Result<Expected, Failure> {
     let motion = &point.motion;
-    if super::curves::is_forced(kind) {
+    if kind.is_forced() {
         let power = system.force_power(motion, subharmonic)?;
         let indicator = power.map_or(f64::NAN, |power| power.indicator());
         return Ok(Expected { force: point.level, indicator, distance: f64::NAN });

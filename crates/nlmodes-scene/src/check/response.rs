@@ -30,8 +30,34 @@ pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findi
     if written.is_empty() {
         without_effect(raw, findings);
     }
-    let responses = written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
+    let responses: Vec<Response> =
+        written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
+    if let Some(method) = method {
+        harmonics_of_forces(raw, &responses, method, findings);
+    }
     Responses { damping, forces, base_motion, responses }
+}
+
+/// A motion of so many harmonics follows no force in a higher one; over several periods of the force its harmonics are as many times higher.
+fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, findings: &mut Findings<'_>) {
+    let forced = responses.iter().filter(|response| response.kind.is_forced());
+    let Some(times) = forced.map(|response| response.subharmonic).max() else { return };
+    for (i, force) in raw.force.iter().flatten().enumerate() {
+        let needed = times * force.harmonic.unwrap_or(1) as usize;
+        if needed > method.harmonics {
+            let problem =
+                Problem::error(format!("a force in harmonic {needed} of the motion, which has {}", method.harmonics));
+            let problem = match times {
+                1 => problem.help("more `method.harmonics`"),
+                _ => problem.help(format!("more `method.harmonics`: with `subharmonic = {times}` harmonic 1 of the force is {times} of the motion")),
+            };
+            findings.put(
+                &format!("force.{i}.harmonic"),
+                problem,
+                format!("expected at most {}", method.harmonics / times),
+            );
+        }
+    }
 }
 
 /// Loads and damping of a scene that has no use for them.
@@ -72,7 +98,7 @@ fn response(
     findings: &mut Findings<'_>,
 ) -> Option<Response> {
     let kind = raw.kind?;
-    let is_mode = matches!(kind, ResponseKind::DampedMode | ResponseKind::Mode | ResponseKind::Appropriation);
+    let is_mode = !kind.is_forced();
     let is_sound = [
         has_damping(i, kind, scene, places, findings),
         has_frequency(i, raw, kind, findings),
@@ -168,7 +194,7 @@ fn has_load(i: usize, kind: ResponseKind, scene: &RawStudy, is_mode: bool, findi
 
 /// Keys that belong to another kind of response have no effect.
 fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut Findings<'_>) -> bool {
-    let is_mode = matches!(kind, ResponseKind::DampedMode | ResponseKind::Mode | ResponseKind::Appropriation);
+    let is_mode = !kind.is_forced();
     let keys = [
         ("lag_deg", raw.lag_deg.is_some() && kind != ResponseKind::PhaseResonance, "phase-resonance"),
         (

@@ -120,3 +120,10 @@ pub struct Response {
     /// Harmonics of the force of appropriation.
     pub controlled_harmonics: usize,
 }
+
+impl ResponseKind {
+    /// Whether the motions answer a load; modes need none.
+    pub fn is_forced(self) -> bool {
+        matches!(self, ResponseKind::Frequency | ResponseKind::Force | ResponseKind::PhaseResonance)
+    }
+}
