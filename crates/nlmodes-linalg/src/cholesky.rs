@@ -174,6 +174,11 @@ impl SparseCholesky {
         self.solve(x.as_mut());
     }
 
+    /// Whether the factor has dense blocks: then several right-hand sides at once cost far less than one after the other.
+    pub(crate) fn has_dense_blocks(&self) -> bool {
+        matches!(self.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_))
+    }
+
     /// Number of rows.
     pub fn dim(&self) -> usize {
         self.symbolic.nrows()

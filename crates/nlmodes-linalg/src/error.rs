@@ -65,7 +65,7 @@ pub enum LinalgError {
         wanted: usize,
         /// Modes found.
         converged: usize,
-        /// Lanczos steps taken.
+        /// Lanczos vectors made.
         iterations: usize,
     },
 }

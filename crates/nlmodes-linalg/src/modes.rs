@@ -1,9 +1,9 @@
-use faer::MatRef;
-
 use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, select, triplets};
 
+mod basis;
 mod full;
 mod lanczos;
+mod orthonormal;
 mod refine;
 
 /// Up to this size, or if more than a third of the modes are wanted, the pencil is solved as a dense one.
@@ -27,7 +27,8 @@ pub struct Modes {
 /// `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
 ///
 /// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for up to 600 rows or if a third of the modes is wanted, else
-/// by Lanczos steps in the inner product of `M`. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
+/// by Lanczos steps in the inner product of `M`, with blocks of vectors where the factor is one of dense blocks, and repeated in the complement of what was found
+/// until nothing is missing: multiple λ come with all their modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
 /// so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate ones.
 /// Uniform chains come out to some 1e-12 of the closed form at any size. With rigid-body modes the rounding of the entries of
 /// `K + sM` counts: up to 1e-16 times the largest λ of the pencil.
@@ -209,11 +210,6 @@ fn orient(vectors: &mut Mat<f64>) {
             vectors.col_mut(j).iter_mut().for_each(|v| *v = -*v);
         }
     }
-}
-
-/// Column `j` as a slice.
-fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
-    a.col(j).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use faer::sparse::{CreationError, SparseColMat, Triplet as FaerTriplet};
 
-use crate::{LinalgError, Mat};
+use crate::{LinalgError, Mat, sparse_from_columns};
 
 /// A sparse matrix in compressed columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
@@ -56,22 +56,51 @@ pub fn multiply(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// `A X` for a dense `X` (columns of `a` × any), column by column.
+/// Columns that are multiplied at once: as many numbers as a line of the cache holds.
+const AT_ONCE: usize = 8;
+
+/// `A X` for a dense `X` (columns of `a` × any), several columns at once.
 ///
 /// # Panics
 /// If `x` has not as many rows as `a` has columns.
 pub fn multiply_many(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
     assert_eq!(x.nrows(), a.ncols(), "rows of X in A X");
     let mut product = Mat::zeros(a.nrows(), x.ncols());
-    for c in 0..x.ncols() {
-        let (from, mut to) = (x.col(c), product.col_mut(c));
-        for j in 0..a.ncols() {
-            for (&i, v) in a.symbolic().row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
-                to[i] += v * from[j];
-            }
+    let first = match x.ncols() % AT_ONCE {
+        // Few columns are not worth the copies.
+        few @ 1..=2 => {
+            (0..few).for_each(|c| multiply_column(a, x, c, &mut product));
+            few
+        }
+        _ => 0,
+    };
+    (first..x.ncols()).step_by(AT_ONCE).for_each(|c| multiply_columns(a, x, c, &mut product));
+    product
+}
+
+fn multiply_column(a: &SparseMatrix, x: &Mat<f64>, c: usize, product: &mut Mat<f64>) {
+    let (mut from, mut to) = (vec![0.0; a.ncols()], vec![0.0; a.nrows()]);
+    from.iter_mut().zip(x.col(c).iter()).for_each(|(to, from)| *to = *from);
+    multiply(a, &from, &mut to);
+    product.col_mut(c).iter_mut().zip(&to).for_each(|(to, from)| *to = *from);
+}
+
+/// Columns `first` and those after it, with the numbers of a row side by side.
+fn multiply_columns(a: &SparseMatrix, x: &Mat<f64>, first: usize, product: &mut Mat<f64>) {
+    let columns = first..(first + AT_ONCE).min(x.ncols());
+    let mut from = vec![[0.0; AT_ONCE]; a.ncols()];
+    let mut to = vec![[0.0; AT_ONCE]; a.nrows()];
+    for (k, c) in columns.clone().enumerate() {
+        from.iter_mut().zip(x.col(c).iter()).for_each(|(to, from)| to[k] = *from);
+    }
+    for (j, from) in from.iter().enumerate() {
+        for (&i, v) in a.symbolic().row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
+            to[i].iter_mut().zip(from).for_each(|(to, from)| *to += v * from);
         }
     }
-    product
+    for (k, c) in columns.enumerate() {
+        product.col_mut(c).iter_mut().zip(&to).for_each(|(to, from)| *to = from[k]);
+    }
 }
 
 /// `Aᵀ X` for a dense `X` (rows of `a` × any): columns of `a` × any.
@@ -102,8 +131,39 @@ pub fn bilinear(x: &[f64], a: &SparseMatrix, y: &[f64]) -> f64 {
 /// # Errors
 /// [`LinalgError::Dimension`] if `b` is larger than `a`, [`LinalgError::NotFinite`] if `s` is not finite.
 pub fn add_scaled(a: &SparseMatrix, s: f64, b: &SparseMatrix) -> Result<SparseMatrix, LinalgError> {
-    let entries: Vec<_> = triplets(a).chain(triplets(b).map(|(i, j, v)| (i, j, s * v))).collect();
-    sparse_from_triplets(a.nrows(), a.ncols(), &entries)
+    if b.nrows() > a.nrows() || b.ncols() > a.ncols() {
+        let (what, expected, found) = if b.nrows() > a.nrows() {
+            ("rows of a sum of matrices", a.nrows(), b.nrows())
+        } else {
+            ("columns of a sum of matrices", a.ncols(), b.ncols())
+        };
+        return Err(LinalgError::Dimension { what, expected, found });
+    }
+    let most = a.compute_nnz() + b.compute_nnz();
+    let (mut starts, mut rows, mut values) = (vec![0], Vec::with_capacity(most), Vec::with_capacity(most));
+    for j in 0..a.ncols() {
+        let of_b =
+            if j < b.ncols() { (b.symbolic().row_idx_of_col_raw(j), b.val_of_col(j)) } else { (&[][..], &[][..]) };
+        add_columns((a.symbolic().row_idx_of_col_raw(j), a.val_of_col(j)), s, of_b, |row, value| {
+            rows.push(row);
+            values.push(value);
+        });
+        starts.push(rows.len());
+    }
+    sparse_from_columns(a.nrows(), a.ncols(), starts, rows, values)
+}
+
+/// `a + s b` of two columns given by ascending rows and values.
+fn add_columns(a: (&[usize], &[f64]), s: f64, b: (&[usize], &[f64]), mut push: impl FnMut(usize, f64)) {
+    let (mut p, mut q) = (0, 0);
+    while p < a.0.len() || q < b.0.len() {
+        let (i, j) = (a.0.get(p).copied().unwrap_or(usize::MAX), b.0.get(q).copied().unwrap_or(usize::MAX));
+        let of_a = if i <= j { Some(a.1[p]) } else { None };
+        let of_b = if j <= i { Some(s * b.1[q]) } else { None };
+        push(i.min(j), of_a.unwrap_or(0.0) + of_b.unwrap_or(0.0));
+        p += usize::from(of_a.is_some());
+        q += usize::from(of_b.is_some());
+    }
 }
 
 /// Submatrix with the given rows and columns, in the given order.
@@ -194,6 +254,29 @@ mod tests {
         assert_eq!(bilinear(&[1.0, 1.0, 1.0], &sample(), &[2.0, 3.0]), 13.0);
         let sum = add_scaled(&sample(), 0.5, &sample()).unwrap();
         assert_eq!(triplets(&sum).map(|t| t.2).collect::<Vec<_>>(), [1.5, -3.0, 7.5]);
+    }
+
+    #[test]
+    fn sums_of_different_patterns_have_the_entries_of_both() {
+        let b = sparse_from_triplets(2, 1, &[(1, 0, 3.0)]).unwrap();
+        let sum = add_scaled(&sample(), 2.0, &b).unwrap();
+        assert_eq!(triplets(&sum).collect::<Vec<_>>(), [(0, 0, 1.0), (1, 0, 6.0), (2, 0, -2.0), (1, 1, 5.0)]);
+        assert!(matches!(add_scaled(&b, 1.0, &sample()), Err(LinalgError::Dimension { expected: 2, found: 3, .. })));
+        assert!(matches!(add_scaled(&b, f64::NAN, &b), Err(LinalgError::NotFinite { .. })));
+    }
+
+    #[test]
+    fn many_columns_are_multiplied_as_one_is() {
+        let x = |columns: usize| Mat::from_fn(2, columns, |i, j| (i + 3 * j) as f64 - 4.0);
+        for columns in [0, 1, 2, 3, 8, 9, 10, 11, 17] {
+            let product = multiply_many(&sample(), &x(columns));
+            assert_eq!((product.nrows(), product.ncols()), (3, columns));
+            for j in 0..columns {
+                let mut y = [9.0; 3];
+                multiply(&sample(), &[x(columns)[(0, j)], x(columns)[(1, j)]], &mut y);
+                assert!((0..3).all(|i| product[(i, j)] == y[i]));
+            }
+        }
     }
 
     #[test]

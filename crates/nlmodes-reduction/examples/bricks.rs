@@ -2,10 +2,13 @@
 //!
 //! `cargo run --release -p nlmodes-reduction --example bricks -- 80 20 20 100 20` takes nodes along X, Y, Z, contacts and modes, and prints CPU
 //! seconds. `minimum-degree` as a sixth word also factors in that order.
+//!
+//! With `-- table 2` it prints the first two rows of a table of sizes instead, each measured in a process of its own; `-- deck 80 20 20` prints the same
+//! solid as a deck for CalculiX that asks for 20 frequencies.
 
 use std::time::Instant;
 
-use nlmodes_linalg::{CholeskyPlan, SparseMatrix, Triplet, sparse_from_triplets};
+use nlmodes_linalg::{CholeskyPlan, Mat, SparseMatrix, Triplet, sparse_from_triplets};
 use nlmodes_model::{Contact, Dof, DofIndex, DofKind, StructuralModel};
 use nlmodes_reduction::{ModeCount, OpenModes};
 
@@ -16,6 +19,12 @@ const STEEL: (f64, f64, f64, f64) = (210e9, 0.3, 7800.0, 0.01);
 
 fn main() -> Result<(), Failure> {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    match words.first().map(String::as_str) {
+        Some("table") => return table(words.get(1).and_then(|w| w.parse().ok()).unwrap_or(1)),
+        Some("row") => return row(&words[1..]),
+        Some("deck") => return deck(&words[1..]),
+        _ => {}
+    }
     let number = |i: usize, default: usize| words.get(i).and_then(|w| w.parse().ok()).unwrap_or(default);
     let size = [number(0, 20), number(1, 6), number(2, 6)];
     let (contacts, modes) = (number(3, 10), number(4, 10));
@@ -28,12 +37,82 @@ fn main() -> Result<(), Failure> {
         report(&other);
         timed("factor, minimum degree", || other.factor(model.stiffness(), "stiffness"))?;
     }
-    timed("factor, dissection", || plan.factor(model.stiffness(), "stiffness"))?;
+    let factor = timed("factor, dissection", || plan.factor(model.stiffness(), "stiffness"))?;
+    for columns in [1, 8, 32] {
+        let mut x = Mat::from_fn(factor.dim(), columns, |i, j| ((7 * i + j) % 11) as f64 - 5.0);
+        timed(&format!("{columns} right-hand sides"), || -> Result<(), Failure> {
+            factor.solve_many(&mut x);
+            Ok(())
+        })?;
+    }
+    drop(factor);
     let open = timed("open modes", || OpenModes::of_model(&model, ModeCount::Lowest(modes)))?;
     let hertz: Vec<f64> = open.omega_squared().iter().map(|w| w.sqrt() / std::f64::consts::TAU).collect();
     println!("frequencies / Hz: {hertz:.2?}");
     println!("residual flexibility of the first contact: {:e} m/N", open.flexibility()[(0, 0)]);
     println!("peak memory: {}", peak_memory());
+    Ok(())
+}
+
+/// Nodes along X, Y, Z, contacts and modes of each row.
+const ROWS: [[usize; 5]; 4] =
+    [[40, 12, 12, 100, 20], [80, 20, 20, 100, 20], [118, 30, 30, 500, 40], [176, 44, 44, 1000, 60]];
+
+fn table(rows: usize) -> Result<(), Failure> {
+    println!(
+        "| degrees of freedom | contacts | modes | estimate: factor, GB | order, s | reduction, s CPU | peak memory, GB |"
+    );
+    println!("| ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
+    for size in ROWS.iter().take(rows) {
+        let words = size.iter().map(usize::to_string);
+        std::process::Command::new(std::env::current_exe()?).arg("row").args(words).status()?;
+    }
+    Ok(())
+}
+
+/// One row: all of the reduction, the order of elimination and the factorisation with it.
+fn row(words: &[String]) -> Result<(), Failure> {
+    let number = |i: usize| words.get(i).and_then(|w| w.parse().ok()).unwrap_or(10);
+    let (contacts, modes) = (number(3), number(4));
+    let model = solid([number(0), number(1), number(2)], contacts)?;
+    let start = cpu_seconds();
+    let bytes = CholeskyPlan::new(model.stiffness(), "stiffness")?.bytes();
+    let order = cpu_seconds() - start;
+    let open = OpenModes::of_model(&model, ModeCount::Lowest(modes))?;
+    let (cpu, n) = (cpu_seconds() - start - order, open.n_dofs());
+    let kilobytes: f64 = peak_memory().split_whitespace().next().and_then(|w| w.parse().ok()).unwrap_or(f64::NAN);
+    let (factor, peak) = (bytes as f64 / 1e9, kilobytes / 1e6);
+    println!("| {n} | {contacts} | {modes} | {factor:.2} | {order:.1} | {cpu:.1} | {peak:.2} |");
+    Ok(())
+}
+
+/// The solid as a deck, clamped at X = 0.
+fn deck(words: &[String]) -> Result<(), Failure> {
+    let number = |i: usize| words.get(i).and_then(|w| w.parse::<usize>().ok()).unwrap_or(10);
+    let [nx, ny, nz] = [number(0), number(1), number(2)];
+    let node = |x: usize, y: usize, z: usize| (x * ny + y) * nz + z + 1;
+    let each = |nx: usize, ny: usize, nz: usize| {
+        (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| (x, y, z))))
+    };
+    let mut text = String::from("*NODE, NSET=ALL\n");
+    let mut line = |words: std::fmt::Arguments<'_>| text.push_str(&format!("{words}\n"));
+    for (x, y, z) in each(nx, ny, nz) {
+        let [a, b, c] = [x, y, z].map(|i| i as f64 * STEEL.3);
+        line(format_args!("{}, {a:.6}, {b:.6}, {c:.6}", node(x, y, z)));
+    }
+    line(format_args!("*ELEMENT, TYPE=C3D8, ELSET=BODY"));
+    for (i, (x, y, z)) in each(nx - 1, ny - 1, nz - 1).enumerate() {
+        let corner = |a: usize, b: usize, c: usize| node(x + a, y + b, z + c);
+        let low = [corner(0, 0, 0), corner(1, 0, 0), corner(1, 1, 0), corner(0, 1, 0)];
+        let [p, q, r, s] = low;
+        line(format_args!("{}, {p}, {q}, {r}, {s}, {}, {}, {}, {}", i + 1, p + 1, q + 1, r + 1, s + 1));
+    }
+    line(format_args!("*NSET, NSET=HELD, GENERATE\n1, {}, 1", ny * nz));
+    let (e, nu, rho, _) = STEEL;
+    line(format_args!("*MATERIAL, NAME=STEEL\n*ELASTIC\n{e:e}, {nu}\n*DENSITY\n{rho}"));
+    line(format_args!("*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL\n*BOUNDARY\nHELD, 1, 3"));
+    line(format_args!("*STEP\n*FREQUENCY\n20\n*END STEP"));
+    print!("{text}");
     Ok(())
 }
 

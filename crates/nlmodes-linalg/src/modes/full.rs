@@ -5,7 +5,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Par, Side};
 
 use super::{Pencil, diagonal};
-use crate::{LinalgError, Mat, add_scaled};
+use crate::{LinalgError, Mat, add_scaled, symmetric_eigen};
 
 /// With `K + sM = L Lᵀ`: the `count` largest eigenvalues of `L⁻¹ M L⁻ᵀ`, whose eigenvectors `u` give `φ = L⁻ᵀ u`. A singular
 /// `M` has eigenvalues zero there, which are left alone. Some vectors more than asked for come back: rounding mixes neighbours
@@ -23,9 +23,8 @@ pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f6
     let mut c = pencil.mass.to_dense();
     solve_lower_triangular_in_place(l, c.as_mut(), Par::Seq);
     solve_lower_triangular_in_place(l, c.as_mut().transpose_mut(), Par::Seq);
-    let failed = LinalgError::ModesNotConverged { wanted: count, converged: 0, iterations: 0 };
-    let eigen = c.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
-    let mut vectors = Mat::from_fn(n, kept, |i, j| eigen.U()[(i, n - 1 - j)]);
+    let (_, eigenvectors) = symmetric_eigen(&c)?;
+    let mut vectors = Mat::from_fn(n, kept, |i, j| eigenvectors[(i, n - 1 - j)]);
     solve_upper_triangular_in_place(l.transpose(), vectors.as_mut(), Par::Seq);
     Ok(vectors)
 }

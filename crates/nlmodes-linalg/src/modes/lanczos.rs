@@ -1,202 +1,197 @@
-//! Large pencils: Lanczos steps with `(K + sM)⁻¹ M`, which is symmetric in the inner product of `M`.
+//! Large pencils: block Lanczos steps with `(K + sM)⁻¹ M`, which is symmetric in the inner product of `M`.
 
-use faer::{Col, ColRef, MatRef, Side};
-
-use super::{Pencil, column, diagonal};
-use crate::{LinalgError, Mat, multiply};
+use super::basis::Basis;
+use super::orthonormal::{Orthonormal, orthonormalise};
+use super::{Pencil, diagonal};
+use crate::{LinalgError, Mat, symmetric_eigen};
 
 /// A Ritz vector has converged when its residual is this share of its `θ`.
 const TOLERANCE: f64 = 1e-12;
 
-/// A deflated run that has nothing above the modes found so far after this many steps will not find it later.
-const VERIFICATION_STEPS: usize = 30;
+/// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own largest `θ`, will not find it later.
+const VERIFICATION: usize = 30;
+
+/// Vectors of a step where the factor has dense blocks: a solution for eight costs little more than one for one.
+const WIDTH: usize = 8;
 
 /// M-orthonormal Ritz vectors of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there are no more.
 ///
-/// One run sees one vector of the space of a multiple `θ`. So the run is repeated in the complement of what was found, until it
-/// finds nothing that belongs to the first `count`.
+/// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the complement of what was found,
+/// until it finds nothing that belongs to the first `count`.
 pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
-    let rank = (0..pencil.mass.nrows()).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
-    let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+    let n = pencil.mass.nrows();
+    let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
+    let width = if pencil.factor.has_dense_blocks() { WIDTH } else { 1 };
+    let (mut theta, mut found) = (Vec::<f64>::new(), Basis::new(n));
     for seed in 1.. {
-        let floor = found.get(count - 1).map_or(0.0, |worst| worst.0 * (1.0 + 1e-10));
-        let Some(run) = Run::start(pencil, &found, seed, rank) else { break };
-        let batch = run.complete(count.saturating_sub(found.len()).max(1), floor, found.len())?;
-        if batch.is_empty() {
+        let floor = descending(&theta).get(count - 1).map_or(0.0, |&worst| theta[worst] * (1.0 + 1e-10));
+        let Some(run) = Run::start(pencil, &found, seed, width, rank) else { break };
+        let wanted = if floor > 0.0 { width } else { count.saturating_sub(theta.len()).max(1) };
+        let batch = run.complete(wanted, floor)?;
+        if batch.0.is_empty() {
             break;
         }
-        found.extend(batch);
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        theta.extend(batch.0);
+        found.extend(batch.1.as_ref());
     }
-    found.truncate(count);
-    Ok(Mat::from_fn(pencil.mass.nrows(), found.len(), |i, j| found[j].1[i]))
+    let mut order = descending(&theta);
+    order.truncate(count);
+    Ok(Mat::from_fn(n, order.len(), |i, j| found.column(order[j])[i]))
+}
+
+/// Indices of the values, largest first.
+fn descending(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
+    order
 }
 
 /// A Lanczos process in the M-orthogonal complement of the vectors found before.
 struct Run<'a> {
     pencil: &'a Pencil<'a>,
-    n: usize,
-    /// Columns found before, then the Lanczos vectors, one after the other.
-    basis: Vec<f64>,
-    locked: usize,
-    most_steps: usize,
-    /// Diagonal and subdiagonal of the projected operator.
-    alpha: Vec<f64>,
-    beta: Vec<f64>,
+    found: &'a Basis,
+    width: usize,
+    most: usize,
+    /// All Lanczos vectors, those of `current` the last ones.
+    basis: Basis,
+    previous: Mat<f64>,
+    current: Mat<f64>,
+    mass_current: Mat<f64>,
+    /// Diagonal blocks of the projected operator, and those below them.
+    alpha: Vec<Mat<f64>>,
+    beta: Vec<Mat<f64>>,
 }
 
 impl<'a> Run<'a> {
     /// Starts from `K⁻¹ M r`, which has no part in the null space of `M`. None if everything has been found.
-    fn start(pencil: &'a Pencil<'a>, found: &[(f64, Vec<f64>)], seed: u64, rank: usize) -> Option<Self> {
-        let (n, locked) = (pencil.mass.nrows(), found.len());
-        let basis = found.iter().flat_map(|f| f.1.iter().copied()).collect();
-        let most_steps = rank.saturating_sub(locked);
-        let mut run = Self { pencil, n, basis, locked, most_steps, alpha: Vec::new(), beta: Vec::new() };
-        let mut v = Col::from_iter(noise(seed, n));
-        run.orthogonalise(&mut v);
-        let mut v = run.apply(&v);
-        let norm = run.orthogonalise(&mut v);
-        (most_steps > 0 && norm > 0.0).then(|| run.append(&v, norm))?;
+    fn start(pencil: &'a Pencil<'a>, found: &'a Basis, seed: u64, width: usize, rank: usize) -> Option<Self> {
+        let n = pencil.mass.nrows();
+        let most = rank.saturating_sub(found.len());
+        let width = width.min(most);
+        let mut random = noise(seed);
+        let mut start = Mat::zeros(n, width);
+        (0..width).for_each(|j| start.col_mut(j).iter_mut().for_each(|v| *v = random()));
+        let basis = Basis::new(n);
+        let mut image = orthonormalise(pencil.mass, [found, &basis], start, 0.0, most).mass_q;
+        pencil.factor.solve_many(&mut image);
+        let first = orthonormalise(pencil.mass, [found, &basis], image, 0.0, most);
+        let none = Mat::zeros(n, 0);
+        let (current, mass_current) = (none.clone(), none.clone());
+        let (alpha, beta) = (Vec::new(), Vec::new());
+        let mut run = Self { pencil, found, width, most, basis, previous: none, current, mass_current, alpha, beta };
+        (first.q.ncols() > 0).then(|| run.append(first))?;
         Some(run)
     }
 
-    /// `(K + sM)⁻¹ M v`.
-    fn apply(&self, v: &Col<f64>) -> Col<f64> {
-        let mut w = self.mass_times(v);
-        self.pencil.factor.solve_in_place(slice_mut(&mut w));
-        w
+    fn append(&mut self, block: Orthonormal) {
+        self.basis.extend(block.q.as_ref());
+        self.previous = std::mem::replace(&mut self.current, block.q);
+        self.mass_current = block.mass_q;
     }
 
-    fn mass_times(&self, v: &Col<f64>) -> Col<f64> {
-        let mut mv = Col::zeros(self.n);
-        multiply(self.pencil.mass, slice(v), slice_mut(&mut mv));
-        mv
+    /// Columns of the projected operator.
+    fn size(&self) -> usize {
+        self.alpha.iter().map(Mat::ncols).sum()
     }
 
-    /// Takes the basis out of `w`, twice if the first pass took most of it, and returns what is left of its M-norm.
-    fn orthogonalise(&self, w: &mut Col<f64>) -> f64 {
-        let basis = MatRef::from_column_major_slice(&self.basis, self.n, self.basis.len() / self.n);
-        let mut before = f64::INFINITY;
-        loop {
-            let mw = self.mass_times(w);
-            let norm = dot(w, &mw).sqrt();
-            // The square root of a negative number, which is rounding of zero, is not positive either.
-            let vanishes = norm.is_nan() || norm == 0.0;
-            if vanishes || norm > 0.7 * before {
-                return if vanishes { 0.0 } else { norm };
-            }
-            before = norm;
-            let overlap = basis.transpose() * &mw;
-            *w -= basis * overlap;
-        }
-    }
-
-    fn append(&mut self, w: &Col<f64>, norm: f64) {
-        self.basis.extend(w.iter().map(|v| v / norm));
-    }
-
-    fn steps(&self) -> usize {
-        self.alpha.len()
-    }
-
-    /// Lanczos vector `j` of this run.
-    fn vector(&self, j: usize) -> ColRef<'_, f64> {
-        let at = (self.locked + j) * self.n;
-        ColRef::from_slice(&self.basis[at..at + self.n])
-    }
-
-    /// One more column of the projected operator. False if the space is exhausted.
+    /// One more block of columns of the projected operator. False if the space is exhausted.
     fn step(&mut self) -> bool {
-        let j = self.steps();
-        let v = self.vector(j).to_owned();
-        let mut w = self.apply(&v);
-        let alpha = dot(&w, &self.mass_times(&v));
-        self.alpha.push(alpha);
+        let mut w = self.mass_current.clone();
+        self.pencil.factor.solve_many(&mut w);
         // The three-term recurrence takes most of it; one pass through the basis is then enough nearly always.
-        w -= alpha * v;
-        if j > 0 {
-            w -= self.beta[j - 1] * self.vector(j - 1);
+        let alpha = self.mass_current.transpose() * &w;
+        w -= &self.current * &alpha;
+        if let Some(beta) = self.beta.last() {
+            w -= &self.previous * beta.transpose();
         }
-        let scale = self.alpha.iter().fold(0.0_f64, |s, a| s.max(a.abs()));
-        let beta = self.orthogonalise(&mut w);
-        self.beta.push(beta);
-        if beta <= 1e-15 * scale || self.steps() == self.most_steps {
-            return false;
+        self.alpha.push(alpha);
+        let scale = self.alpha.iter().flat_map(|a| (0..a.ncols()).map(|i| a[(i, i)].abs())).fold(0.0, f64::max);
+        let left = self.most.saturating_sub(self.basis.len());
+        let next = orthonormalise(self.pencil.mass, [self.found, &self.basis], w, 1e-15 * scale, left);
+        self.beta.push(next.r.clone());
+        let more = next.q.ncols() > 0;
+        if more {
+            self.append(next);
         }
-        self.append(&w, beta);
-        true
+        more
     }
 
-    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with their vectors.
-    fn complete(mut self, wanted: usize, floor: f64, found: usize) -> Result<Vec<(f64, Vec<f64>)>, LinalgError> {
+    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with their vectors, and with those beyond that
+    /// are known as well.
+    fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
         let limit = 20 * wanted + 600;
-        let mut next_look = if floor > 0.0 { VERIFICATION_STEPS } else { 2 * wanted + 10 };
+        let wide = 4 * self.width;
+        let mut next_look = match (floor > 0.0, self.width) {
+            (true, _) => VERIFICATION.max(wide),
+            (false, 1) => 2 * wanted + 10,
+            (false, _) => wanted + wide,
+        };
         loop {
             let more = self.step();
-            if more && self.steps() < next_look {
+            let size = self.size();
+            if more && size < next_look {
                 continue;
             }
-            next_look = self.steps() + (self.steps() / 6).max(5);
-            let (theta, s) = self.projected(wanted + found)?;
+            next_look = size + (size / 6).max(5);
+            let (theta, s) = self.projected()?;
             let noise = 16.0 * f64::EPSILON * theta[0];
-            let last = self.beta[self.steps() - 1];
+            let residual = |i: usize| self.residual(&s, i);
+            let open = |i: usize| residual(i) > TOLERANCE * theta[i] + noise;
             let above = theta.iter().take(wanted).filter(|&&t| t > floor.max(noise * 1e-12)).count();
-            let open = |i: usize| (last * s[(self.steps() - 1, i)]).abs() > TOLERANCE * theta[i] + noise;
             let converged = (0..above).filter(|&i| !open(i)).count();
-            if !more || converged == above {
-                return Ok(self.ritz(&theta, &s, above));
+            // What is below the floor is only known to be so once it is known.
+            let settled = above > 0 || theta[0] + residual(0) < floor || !open(0);
+            if !more || (converged == above && settled) {
+                // As good as the others: what is found beside them later is orthogonal to them.
+                let known = |i: &usize| residual(*i) <= TOLERANCE * theta[*i];
+                let aside = (above..theta.len()).take(self.width).take_while(known).count();
+                let kept = if above == 0 { 0 } else { above + aside };
+                return Ok((theta[..kept].to_vec(), self.basis.combine(s.subcols(0, kept))));
             }
-            if self.steps() >= limit {
-                return Err(LinalgError::ModesNotConverged {
-                    wanted: found + wanted,
-                    converged: found + converged,
-                    iterations: self.steps(),
-                });
+            if size >= limit {
+                let (wanted, converged) = (self.found.len() + wanted, self.found.len() + converged);
+                return Err(LinalgError::ModesNotConverged { wanted, converged, iterations: size });
             }
         }
+    }
+
+    /// Length of the residual of a Ritz vector: what the last block couples it to.
+    fn residual(&self, s: &Mat<f64>, i: usize) -> f64 {
+        let Some(beta) = self.beta.last() else { return 0.0 };
+        let last = s.nrows() - beta.ncols();
+        let coupled = |row: usize| (0..beta.ncols()).map(|k| beta[(row, k)] * s[(last + k, i)]).sum::<f64>();
+        (0..beta.nrows()).map(|row| coupled(row).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Eigenvalues of the projected operator, largest first, and its eigenvectors.
-    fn projected(&self, wanted: usize) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
-        let m = self.steps();
-        let t = Mat::from_fn(m, m, |i, j| match i.abs_diff(j) {
-            0 => self.alpha[i],
-            1 => self.beta[i.min(j)],
-            _ => 0.0,
-        });
-        let failed = LinalgError::ModesNotConverged { wanted, converged: 0, iterations: m };
-        let eigen = t.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
-        let values = eigen.S().column_vector().iter().rev().copied().collect();
-        Ok((values, eigen.U().reverse_cols().to_owned()))
+    fn projected(&self) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+        let m = self.size();
+        let (mut t, mut first) = (Mat::<f64>::zeros(m, m), 0);
+        for (alpha, beta) in self.alpha.iter().zip(&self.beta) {
+            let p = alpha.ncols();
+            for (i, j) in (0..p).flat_map(|i| (0..p).map(move |j| (i, j))) {
+                t[(first + i, first + j)] = 0.5 * (alpha[(i, j)] + alpha[(j, i)]);
+            }
+            let next = first + p;
+            if next < m {
+                for (i, j) in (0..beta.nrows()).flat_map(|i| (0..p).map(move |j| (i, j))) {
+                    (t[(next + i, first + j)], t[(first + j, next + i)]) = (beta[(i, j)], beta[(i, j)]);
+                }
+            }
+            first = next;
+        }
+        let (values, vectors) = symmetric_eigen(&t)?;
+        Ok((values.into_iter().rev().collect(), vectors.reverse_cols().to_owned()))
     }
-
-    /// The first `count` Ritz pairs.
-    fn ritz(&self, theta: &[f64], s: &Mat<f64>, count: usize) -> Vec<(f64, Vec<f64>)> {
-        let own = &self.basis[self.locked * self.n..][..self.steps() * self.n];
-        let vectors = MatRef::from_column_major_slice(own, self.n, self.steps()) * s.subcols(0, count);
-        (0..count).map(|i| (theta[i], column(vectors.as_ref(), i).to_vec())).collect()
-    }
-}
-
-fn dot(a: &Col<f64>, b: &Col<f64>) -> f64 {
-    a.transpose() * b
-}
-
-fn slice(a: &Col<f64>) -> &[f64] {
-    a.try_as_col_major().expect("an owned column is contiguous").as_slice()
-}
-
-fn slice_mut(a: &mut Col<f64>) -> &mut [f64] {
-    a.try_as_col_major_mut().expect("an owned column is contiguous").as_slice_mut()
 }
 
 /// Values in −½ … ½, the same in every run.
-fn noise(seed: u64, n: usize) -> impl Iterator<Item = f64> {
+fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    (0..n).map(move |_| {
+    move || {
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    })
+    }
 }

@@ -1,7 +1,7 @@
 //! Last digits: modes from a nearly invariant subspace, by the quotient of the inverse.
 
-use super::{Modes, Pencil, column};
-use crate::{LinalgError, Mat, multiply};
+use super::{Modes, Pencil};
+use crate::{LinalgError, Mat, multiply, multiply_many};
 
 /// Off-diagonal entries below this share of their diagonal are rounding.
 const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
@@ -14,7 +14,7 @@ const MOST_SWEEPS: usize = 40;
 /// respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
 pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>, count: usize) -> Result<Modes, LinalgError> {
     orthonormalise(pencil, &mut x);
-    let mass_x = mass_times(pencil, &x);
+    let mass_x = multiply_many(pencil.mass, &x);
     let mut y = mass_x.clone();
     pencil.factor.solve_many(&mut y);
     let mut g = mass_x.transpose() * &y;
@@ -26,16 +26,6 @@ pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>, count: usize) -> R
     let eigenvalues = order.iter().map(|&i| (1.0 / g[(i, i)] - pencil.shift).max(0.0)).collect();
     let vectors = Mat::from_fn(rotated.nrows(), order.len(), |i, j| rotated[(i, order[j])]);
     Ok(Modes { eigenvalues, vectors })
-}
-
-fn mass_times(pencil: &Pencil, x: &Mat<f64>) -> Mat<f64> {
-    let mut product = Mat::zeros(x.nrows(), x.ncols());
-    let mut column_of_product = vec![0.0; x.nrows()];
-    for j in 0..x.ncols() {
-        multiply(pencil.mass, column(x.as_ref(), j), &mut column_of_product);
-        product.col_mut(j).iter_mut().zip(&column_of_product).for_each(|(p, v)| *p = *v);
-    }
-    product
 }
 
 /// Gram-Schmidt in the inner product of `M`, twice, from the lowest mode on: it is the high ones that carry traces of the low.
