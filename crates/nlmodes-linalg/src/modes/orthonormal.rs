@@ -27,7 +27,8 @@ pub(super) fn orthonormalise(
     most: usize,
 ) -> Orthonormal {
     let (mut block, mut r) = (w, None::<Mat<f64>>);
-    for round in 1.. {
+    let mut round = 1;
+    loop {
         let mass_block = take_out(mass, bases, &mut block, negligible);
         // From the second round on columns come in with length one: one that is shortened was rounding.
         let least = if round == 1 { negligible } else { 0.5 };
@@ -39,9 +40,8 @@ pub(super) fn orthonormalise(
         if !cancelled || round == MOST_ROUNDS {
             return Orthonormal { q: within.q, mass_q: within.mass_q, r: whole };
         }
-        (block, r) = (within.q, Some(whole));
+        (block, r, round) = (within.q, Some(whole), round + 1);
     }
-    unreachable!("the last round returns")
 }
 
 /// Takes the bases out of the columns of `w`, again as long as a column lost much of its length; returns `M w`.
