@@ -353,3 +353,36 @@ fn verify_and_compare_refuse_responses() -> Outcome {
     }
     Ok(())
 }
+
+/// What the equations leave out, and what a scene says in vain, is told.
+#[test]
+fn dashpots_beyond_the_modes_and_keys_without_effect_are_said() -> Outcome {
+    let folder = tempdir()?;
+    let dashpot = |at: &str| format!("[[damping.dashpot]]\nat_m = {at}\ndamping_n_s_m = 0.1\n[[force]]");
+    let response = "[[response]]\nkind = \"frequency\"\nfrequency_hz = [0.2, 0.3]\nlevels_n = [0.01]\n";
+    for (at, is_told) in [("1.0", true), ("0.5", false)] {
+        let text = ROD
+            .replacen("[[force]]", &dashpot(at), 1)
+            .replace("harmonics = 20", "harmonics = 3\nheld_modes = 1\nsymmetry = \"none\"");
+        let output = run(folder.path(), &format!("{text}{response}"), &["--force"])?;
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        assert_eq!(
+            said(&output).contains("dashpot 0: its force bends the structure beyond the modes"),
+            is_told,
+            "{}",
+            said(&output)
+        );
+        for key in ["held_modes", "symmetry"] {
+            assert!(said(&output).contains(&format!("`method.{key}` has no effect on responses")), "{}", said(&output));
+        }
+        let checks = summary(folder.path())?["certificate"]["checks"].clone();
+        let outcome = |name: &str| {
+            let check = checks.as_array().into_iter().flatten().find(|check| check["name"] == name);
+            check.map(|check| check["outcome"].clone())
+        };
+        assert_eq!(outcome("dashpots"), Some(Value::from(if is_told { "doubtful" } else { "good" })));
+        // The only mode is all there is; its mass at the stop is left out.
+        assert_eq!((outcome("modes"), outcome("contact mass")), (Some("good".into()), Some("doubtful".into())));
+    }
+    Ok(())
+}

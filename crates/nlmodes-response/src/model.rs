@@ -65,6 +65,19 @@ impl ResponseModel {
         Ok(())
     }
 
+    /// What a dashpot moves at its place beyond the modes: `c wᵀ(K⁻¹ − Φ Ω⁻² Φᵀ)w` (s), times a frequency the share of its own displacement that the equations leave out,
+    /// in which dashpots act on modes alone. At a contact node without mass it stays, however many modes are taken.
+    ///
+    /// # Errors
+    /// [`ResponseError::NoSuchDof`], or what the reduction reports.
+    pub fn beyond_modes(&self, dashpot: &Dashpot) -> Result<f64, ResponseError> {
+        self.check_weights(&dashpot.at)?;
+        let mut unit = vec![0.0; self.open.n_dofs()];
+        dashpot.at.iter().for_each(|&(dof, w)| unit[dof] += w);
+        let residual = self.open.load(&unit)?.residual;
+        Ok(dashpot.damping * dashpot.at.iter().map(|&(dof, w)| w * residual[dof]).sum::<f64>())
+    }
+
     /// Adds a force `level · amplitude · cos(harmonic Ωt + phase)` (N a unit of the level, rad) at a degree of freedom.
     ///
     /// # Errors

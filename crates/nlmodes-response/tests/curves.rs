@@ -210,6 +210,20 @@ fn dashpots_couple_modes_and_power_still_balances() {
 }
 
 #[test]
+fn what_a_dashpot_moves_beyond_the_modes_is_its_constant_over_the_stiffness_left_over() {
+    for (ea, rho_a, length) in [(1.0, 1.0, 1.0), (2e8, 40.0, 3.0)] {
+        let massless = MasslessContactModel::new(&rod(2, ea, rho_a, length, length, Support::Clamped), &Drop).unwrap();
+        let open = OpenModes::of_massless(&massless, ModeCount::Lowest(10)).unwrap();
+        let model = ResponseModel::new(open, &Damping::Ratios(vec![0.01])).unwrap();
+        // The tip without mass hangs on one element; the middle moves with the only mode.
+        let (stiffness, damping) = (2.0 * ea / length, 0.3 * (ea * rho_a).sqrt());
+        let beyond = |dof: usize| model.beyond_modes(&Dashpot { at: vec![(dof, 1.0)], damping }).unwrap();
+        assert!((beyond(1) * stiffness / damping - 1.0).abs() < 1e-12);
+        assert!(beyond(0).abs() < 1e-12 * damping / stiffness);
+    }
+}
+
+#[test]
 fn what_cannot_be_computed_is_refused() {
     let model = rod_of_two();
     let settings = window(0.3, 0.6, 5);

@@ -16,8 +16,12 @@ pub const NOTABLE: f64 = 0.005;
 /// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
 /// the frequency is one that was measured: imposed on the mode, or met by parameters.
 pub fn warning(scene: &Scene, open: &OpenModes) -> Option<String> {
-    let shift = shift(scene, open)?;
-    (shift.relative().abs() >= NOTABLE).then(|| text(scene, &shift))
+    shift(scene, open).and_then(|shift| warning_about(scene, &shift))
+}
+
+/// The same, of a change that is known.
+pub(crate) fn warning_about(scene: &Scene, shift: &MassShift) -> Option<String> {
+    (shift.relative().abs() >= NOTABLE).then(|| text(scene, shift))
 }
 
 /// What taking the mass away from the contacts does to the mode that is computed; `None` where nothing is taken, or the frequency is one that was measured.
@@ -34,11 +38,16 @@ pub(crate) fn shift(scene: &Scene, open: &OpenModes) -> Option<MassShift> {
 /// # Errors
 /// [`RunError`] if the structure cannot be made.
 pub fn warning_of(file: &SceneFile) -> Result<Option<String>, RunError> {
+    Ok(shift_of(file)?.and_then(|shift| warning_about(&file.scene, &shift)))
+}
+
+/// [`shift`] of a scene whose modes are not at hand.
+pub(crate) fn shift_of(file: &SceneFile) -> Result<Option<MassShift>, RunError> {
     if file.scene.is_in_open_modes() {
         return Ok(None);
     }
     let Models { model, massless, .. } = models(file)?;
-    Ok(warning(&file.scene, &open_modes(file, &model, &massless)?))
+    Ok(shift(&file.scene, &open_modes(file, &model, &massless)?))
 }
 
 /// The linear modes with open contacts of a scene that is computed.
@@ -77,7 +86,7 @@ fn text(scene: &Scene, shift: &MassShift) -> String {
     };
     format!(
         "taking the mass of the contact nodes away ({name}) moves mode {mode} from {with} to {without} Hz ({percent:+.1} %), and all that \
-         follows with it: refine the mesh around the stop{keep}{kind}",
+         follows with it: refine the mesh around the stop{keep}{kind}, or take reduction.kind = \"open-modes\", which leaves the linear modes as they are",
         name = rule.name(),
         mode = shift.mode,
     )

@@ -75,7 +75,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let began = Instant::now();
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
-    model.warning.iter().for_each(|text| observer.event(Event::Warning(text)));
+    model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
     if claim.resumes() {
         // Curves take seconds: they are computed anew.
         observer.event(Event::NothingToResume { directory: &directory });

@@ -1,10 +1,10 @@
 //! The linear frequency beside that of the next finer mesh, and with the mass of the contacts.
 
-use nlmodes::model::linear_modes;
+use nlmodes::model::{MassShift, linear_modes};
 use nlmodes_scene::assemble::element_model;
 use nlmodes_scene::scene::{Scene, SceneStructure, Structure};
 
-use super::{Check, Number, Sources};
+use super::{Check, Number};
 use crate::mass::NOTABLE;
 
 const MESH: &str = "mesh";
@@ -53,13 +53,13 @@ fn omega(structure: &Structure, mode: usize) -> Option<f64> {
 }
 
 /// Change of the linear frequency by the mass that the contacts lose.
-pub fn contact_mass(sources: Sources<'_>) -> Check {
-    match sources.shift {
+pub(crate) fn contact_mass(shift: Option<MassShift>, is_in_open_modes: bool) -> Check {
+    match shift {
         Some(shift) => {
             let words = format!("linear frequency of mode {} without the mass of the contact nodes", shift.mode);
             Check::found(MASS, OF, shift.relative().abs(), NOTABLE, words)
         }
-        None if sources.open.is_some() => Check::found(MASS, OF, 0.0, NOTABLE, "no mass is taken away"),
+        None if is_in_open_modes => Check::found(MASS, OF, 0.0, NOTABLE, "no mass is taken away"),
         None => {
             let why = "the frequency is one that was measured: imposed, or met by parameters";
             Check::missing(MASS, OF, NOTABLE, why, "the same scene without it")

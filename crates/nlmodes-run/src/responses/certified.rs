@@ -5,10 +5,14 @@ use nlmodes_scene::scene::Scene;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
+use crate::certificate::mesh::contact_mass;
 use crate::certificate::{Certificate, Check, Number, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;
+
+/// Share of a dashpot's motion that moves no result by more than a per cent.
+const DASHPOTS: f64 = 1e-2;
 
 /// How to have the rest looked at.
 const LARGER: &str = "the same scene with method.harmonics twice as large, these results laid over it by [[overlay]]";
@@ -26,7 +30,13 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         Check::missing("harmonics", Some(n), n.limit(), why, LARGER)
     };
     checks.extend(Number::ALL.map(harmonics));
+    checks.push(contact_mass(model.shift, model.reduction.is_some()));
     checks.push(modes(scene, model));
+    if let Some(share) = model.beyond_modes {
+        let words =
+            "what dashpots move beyond the modes that are taken, of what they hold at the frequency of the mode";
+        checks.push(Check::found("dashpots", None, share, DASHPOTS, words));
+    }
     Certificate::new(Vec::new(), checks)
 }
 
@@ -34,6 +44,9 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
 fn modes(scene: &Scene, model: &Model) -> Check {
     let (of, limit) = (Some(Number::Frequency), Number::Frequency.limit());
     let open = model.open_modes();
+    if model.has_all_modes {
+        return Check::found("modes", of, 0.0, limit, format!("all {} modes are kept", open.n_modes()));
+    }
     let mut closed = vec![false; open.n_contacts()];
     closed.iter_mut().take(1).for_each(|first| *first = true);
     let found = scene.method.mode.checked_sub(1).and_then(|mode| open.truncation_error(&closed, mode).ok());

@@ -1,5 +1,6 @@
 use nlmodes::hbm::{HbmError, modal_grazing};
 use nlmodes::modal::Coordinate;
+use nlmodes::model::MassShift;
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::SceneFile;
@@ -35,8 +36,14 @@ pub struct Model {
     pub reduction: Option<OpenStructure>,
     /// Unit of the levels.
     pub unit: &'static str,
-    /// What is to be known about the mass that is left out.
-    pub warning: Option<String>,
+    /// Whether the structure has no other modes than those that are taken.
+    pub has_all_modes: bool,
+    /// What the mode of the scene loses with the mass of the contact nodes, where that is left out or moved.
+    pub shift: Option<MassShift>,
+    /// What dashpots move of what they hold at the frequency of the mode beyond the modes that are taken, the largest; none without dashpots.
+    pub beyond_modes: Option<f64>,
+    /// What is to be known about what is left out.
+    pub warnings: Vec<String>,
 }
 
 impl Model {
@@ -69,10 +76,14 @@ impl Model {
             }
             Ok(weights)
         };
+        let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
+        let mut beyond_modes = Vec::new();
         for (i, dashpot) in scene.damping.iter().flat_map(|d| &d.dashpots).enumerate() {
             let path = format!("damping.dashpot.{i}.at_m");
-            let one = [Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping }];
-            response.add_dashpots(&one).map_err(|error| failed(&path, &error))?;
+            let one = Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping };
+            let share = response.beyond_modes(&one).map_err(|error| failed(&path, &error))?;
+            beyond_modes.push(omega * share);
+            response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
         }
         for (i, contact) in scene.contacts.iter().enumerate() {
             let Some(damper) = contact.damping else { continue };
@@ -128,7 +139,10 @@ impl Model {
             contact_coordinates,
             contacts,
             unit,
-            warning: parts.warning,
+            has_all_modes: parts.has_all_modes,
+            shift: parts.shift,
+            warnings: parts.warning.into_iter().chain(give_way(&beyond_modes)).collect(),
+            beyond_modes: beyond_modes.into_iter().reduce(f64::max),
             reduction: parts.reduction,
         })
     }
@@ -196,4 +210,19 @@ fn sides(scene: &Scene, contacts: &[Weights]) -> Vec<f64> {
 fn coordinate(weights: &Weights, recorded: &[usize]) -> Option<usize> {
     let [(dof, _)] = weights[..] else { return None };
     recorded.iter().position(|own| *own == dof)
+}
+
+/// Share of what a dashpot holds that it may move beyond the modes without a word.
+pub const SMALL: f64 = 1e-3;
+
+/// Says which dashpots hold more than the modes that are taken know of.
+fn give_way(beyond_modes: &[f64]) -> impl Iterator<Item = String> {
+    let large = beyond_modes.iter().enumerate().filter(|(_, share)| **share > SMALL);
+    large.map(|(i, share)| {
+        format!(
+            "dashpot {i}: its force bends the structure beyond the modes that are taken, by {:.1} % of its own displacement at the frequency of the mode (ω c a, a the flexibility \
+             that these modes leave over), which is left out; more reduction.modes, or a place beside the contact node",
+            100.0 * share
+        )
+    })
 }

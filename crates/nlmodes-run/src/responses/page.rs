@@ -48,7 +48,7 @@ pub fn write(
     for table in tables(certificate, None) {
         report = report.closing_table(table);
     }
-    if let Some(text) = &model.warning {
+    for text in &model.warnings {
         report = report.line(format!("Warning: {text}"));
     }
     for sentence in sentences {

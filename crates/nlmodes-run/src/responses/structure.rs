@@ -1,10 +1,12 @@
 //! From a scene to a structure in open modes, and to places on it.
 
+use std::collections::BTreeSet;
+
 use nlmodes::fem::FemError;
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{multiply, triplets};
 use nlmodes::modal::Coordinate;
-use nlmodes::model::{Dof, DofKind, MasslessContactModel, StructuralModel};
+use nlmodes::model::{Dof, DofKind, MassShift, MasslessContactModel, StructuralModel};
 use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
@@ -21,6 +23,10 @@ pub struct Reduced {
     pub recorded: Vec<usize>,
     /// What they are.
     pub coordinates: Vec<Coordinate>,
+    /// Whether the structure has no other modes.
+    pub has_all_modes: bool,
+    /// What the mode of the scene loses with the mass of the contact nodes, where that is left out or moved.
+    pub shift: Option<MassShift>,
     /// What is to be known about the mass that is left out.
     pub warning: Option<String>,
     /// The reduction where the scene, or its structure, asks for open modes.
@@ -74,7 +80,17 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
         let source = if bodies.is_empty() { Source::Files(reduction.dofs.clone()) } else { Source::Several(bodies) };
         let open = reduction.modes.clone();
         let warning = scene.base_motion.and_then(|base| missing_mass(&reduction, base.direction));
-        return Ok(Reduced { open, recorded, coordinates, warning, reduction: Some(reduction), source });
+        let reduction = Some(reduction);
+        return Ok(Reduced {
+            open,
+            recorded,
+            coordinates,
+            has_all_modes: false,
+            shift: None,
+            warning,
+            reduction,
+            source,
+        });
     };
     let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
     if let Some(reduction) = reduction {
@@ -83,7 +99,17 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
         let (recorded, coordinates) = recorded(model.dofs(), &reduction.modes);
         let source = Source::Straight { elements, model: Box::new(model), massless: None };
         let open = reduction.modes.clone();
-        return Ok(Reduced { open, recorded, coordinates, warning: None, reduction: Some(reduction), source });
+        let (reduction, warning) = (Some(reduction), None);
+        return Ok(Reduced {
+            open,
+            recorded,
+            coordinates,
+            has_all_modes: false,
+            shift: None,
+            warning,
+            reduction,
+            source,
+        });
     }
     let massless = redistribution(scene)
         .map(|rule| MasslessContactModel::new(&model, rule))
@@ -91,9 +117,14 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
         .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
     let open = modes(scene, &model, massless.as_ref()).map_err(|error| refusal::at(file, "structure", &error))?;
     let (recorded, coordinates) = recorded(model.dofs(), &open);
-    let warning = mass::warning_of(file)?;
+    let shift = mass::shift_of(file)?;
+    let warning = shift.and_then(|shift| mass::warning_about(scene, &shift));
+    let has_all_modes = massless.as_ref().is_some_and(|massless| {
+        let without_mass: BTreeSet<usize> = massless.contacts().iter().map(|contact| contact.dof).collect();
+        open.n_modes() + without_mass.len() == open.n_dofs()
+    });
     let source = Source::Straight { elements, model: Box::new(model), massless: massless.map(Box::new) };
-    Ok(Reduced { open, recorded, coordinates, warning, reduction: None, source })
+    Ok(Reduced { open, recorded, coordinates, has_all_modes, shift, warning, reduction: None, source })
 }
 
 /// The structures of a scene of several.

@@ -26,7 +26,10 @@ pub fn check(
         let path = format!("reduction.{key}");
         if kind == ReductionKind::HeldModes && findings.has(&path) {
             let problem = Problem::warning(format!("`{path}` has no effect"));
-            let problem = problem.help("`method.held_modes` is the number of held modes");
+            let problem = match scene.response.as_ref().is_some_and(|responses| !responses.is_empty()) {
+                true => problem.help("a response has as many modes as its harmonics reach"),
+                false => problem.help("`method.held_modes` is the number of held modes"),
+            };
             findings.put(&path, problem, "only reduction.kind = \"open-modes\" uses it");
         }
     }

@@ -75,6 +75,19 @@ fn without_effect(raw: &RawStudy, findings: &mut Findings<'_>) {
 }
 
 fn of_method(method: &Method, findings: &mut Findings<'_>) {
+    let unused = [
+        (
+            "held_modes",
+            "responses are computed in open modes: reduction.kind = \"open-modes\" and `reduction.modes` say how many",
+        ),
+        ("symmetry", "responses have cosines and sines"),
+    ];
+    for (key, why) in unused {
+        let path = format!("method.{key}");
+        if findings.has(&path) {
+            findings.put(&path, Problem::warning(format!("`{path}` has no effect on responses")), why);
+        }
+    }
     if method.kind == MethodKind::Shooting {
         let problem = Problem::error("responses are computed with method \"ms-hbm\" or \"hbm\"");
         findings.put("method.kind", problem, "expected \"ms-hbm\" or \"hbm\"");
