@@ -51,9 +51,7 @@ impl Arms {
         corrector.evaluate(system, center).ok()?;
         let free = corrector.singular_directions()?;
         let (tolerance, resolution) = (corrector.tolerance, corrector.resolution.max(corrector.blur));
-        let mut own = Corrector::with_solver(system.solver(), center.len() - 1, tolerance, ITERATIONS);
-        (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
-        own.rounding.clone_from(&corrector.rounding);
+        let mut own = searching(system, corrector, center.len() - 1);
         let surface = Surface::Sphere { center: center.to_vec(), radius };
         let back = own.correct(system, back, &surface).ok()?;
         let sphere = Sphere { center, radius, tolerance, resolution, rounding: &corrector.rounding, nesting };
@@ -88,9 +86,7 @@ impl Arms {
         radius: f64,
         least: f64,
     ) -> (Self, usize) {
-        let mut own = Corrector::with_solver(system.solver(), center.len() - 1, corrector.tolerance, ITERATIONS);
-        (own.trials, own.resolution, own.blur) = (TRIALS, corrector.resolution, corrector.blur);
-        own.rounding.clone_from(&corrector.rounding);
+        let mut own = searching(system, corrector, center.len() - 1);
         let mut closer = |arm: &Correction, radius: f64| {
             let guess = along(center, radius, &outward(center, &arm.z));
             let surface = Surface::Sphere { center: center.to_vec(), radius };
@@ -125,6 +121,14 @@ impl Arms {
         }
         best_partner(&directions).map(|k| k - 1)
     }
+}
+
+/// A corrector like another one that goes on for longer, for systems with n unknowns: a search for arms begins further from them.
+pub(crate) fn searching<S: ParametricSystem>(system: &S, like: &Corrector, n: usize) -> Corrector {
+    let mut own = Corrector::with_solver(system.solver(), n, like.tolerance, ITERATIONS);
+    (own.trials, own.resolution, own.blur) = (TRIALS, like.resolution, like.blur);
+    own.rounding.clone_from(&like.rounding);
+    own
 }
 
 /// Sums and differences of neighbours.

@@ -1,28 +1,11 @@
 //! Tight bends at boundaries of smooth pieces: where a contact sets in that is far stiffer than what moves it.
 
-use nlmodes_linalg::{Mat, symmetric_eigen};
-
+use crate::ParametricSystem;
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
+use crate::expansion::{ABOVE_ROUNDING, CONFIRMED, DEPTH, POWERS, SHALLOW, free_beyond, gradient};
 use crate::roots::bracketed_root;
-use crate::singular::SingularDirections;
 use crate::step::{Foot, StepSettings};
 use crate::vectors::{along, distance, dot};
-use crate::{Boundary, Linearization, ParametricSystem};
-
-/// Distance beyond the boundary at which it is looked what sets in there.
-const DEPTH: f64 = 1e-6;
-
-/// Powers of the depth with which that may grow: a contact force grows with 3/2.
-const POWERS: std::ops::RangeInclusive<f64> = 1.2..=2.5;
-
-/// What sets in, over the rounding of the equations, from which on it is known well enough.
-const ABOVE_ROUNDING: f64 = 1e3;
-
-/// Largest depth, over the length of a step, for which a bend is tight.
-const SHALLOW: f64 = 0.3;
-
-/// Distance from the predicted point, over the step, and cosine of the angle between the tangents up to which the prediction is confirmed.
-const CONFIRMED: (f64, f64) = (0.3, 0.9);
 
 /// What an expansion about a boundary tells of the branch beyond it.
 ///
@@ -158,7 +141,8 @@ impl Expansion {
         }
         let force: Vec<f64> = force.iter().map(|force| force / length).collect();
         // Another direction that is nearly free may belong to another branch.
-        let (vector, free) = free_beyond(&at, &force, &inward, corrector)?;
+        let outward: Vec<f64> = slope.iter().map(|s| s / size).collect();
+        let (vector, free) = free_beyond(&at, &[&force], &[&outward], corrector)?;
         let (share, tangent) = vector.split_last()?;
         let tangent: Vec<f64> = tangent.iter().map(|t| t * share.signum()).collect();
         let size = dot(&tangent, &tangent).sqrt();
@@ -190,48 +174,4 @@ impl Expansion {
             && end.orientation * foot.orientation > 0.0;
         as_expected.then_some(end)
     }
-}
-
-/// The unit vector of unknowns, parameter and force that the equations and the boundary leave free, `[J, F; ∇gᵀ, 0]`, and the next smallest singular
-/// value of that.
-fn free_beyond(at: &Linearization, force: &[f64], inward: &[f64], corrector: &Corrector) -> Option<(Vec<f64>, f64)> {
-    let n = force.len();
-    if corrector.solver().is_sparse() {
-        let mut beyond = Linearization::sparse(n + 1);
-        beyond.sizes[..n].copy_from_slice(&at.sizes);
-        beyond.entries.extend_from_slice(&at.entries);
-        beyond.entries.extend(force.iter().enumerate().map(|(i, force)| (i, n + 1, *force)));
-        beyond.entries.extend(inward.iter().enumerate().map(|(j, inward)| (n, j, -inward)));
-        let free = SingularDirections::of(&beyond, corrector.solver())?;
-        return Some((free.tangent, free.value));
-    }
-    let entry = |i: usize, j: usize| match (i < n, j <= n) {
-        (true, true) => at.jacobian[(i, j)] / at.sizes[i],
-        (true, false) => force[i] / at.sizes[i],
-        (false, true) => -inward[j],
-        (false, false) => 0.0,
-    };
-    let matrix = Mat::from_fn(n + 1, n + 2, entry);
-    let (squares, vectors) = symmetric_eigen(&(matrix.transpose() * &matrix)).ok()?;
-    let vector = (0..n + 2).map(|j| vectors[(j, 0)]).collect();
-    Some((vector, squares.get(1)?.max(0.0).sqrt()))
-}
-
-/// The gradient of the function of a boundary, by central differences.
-fn gradient(boundary: &Boundary, z: &[f64]) -> Option<Vec<f64>> {
-    const STEP: f64 = 1e-5;
-    let mut at = z.to_vec();
-    let slope: Vec<f64> = (0..z.len())
-        .map(|j| {
-            let mut value = |s: f64| {
-                at[j] = z[j] + s;
-                let value = boundary.value(&at);
-                at[j] = z[j];
-                value
-            };
-            (value(STEP) - value(-STEP)) / (2.0 * STEP)
-        })
-        .collect();
-    let size = dot(&slope, &slope);
-    (size.is_finite() && size > 0.0).then_some(slope)
 }

@@ -4,6 +4,7 @@ use crate::ParametricSystem;
 use crate::arms::{Arms, outward};
 use crate::corrector::{Correction, Corrector};
 use crate::crossing::Choice;
+use crate::onsets;
 use crate::singular::NEARLY_FREE;
 use crate::step::{Foot, StepSettings, reach, step};
 use crate::vectors::{along, distance, dot};
@@ -35,6 +36,16 @@ pub(crate) fn pass<S: ParametricSystem>(
     foot: &Foot,
     way_back: impl Fn(f64) -> Vec<f64>,
 ) -> Option<Passage> {
+    if nesting == 0
+        && let Some(arms) = onsets::arms(system, corrector, settings, foot, &way_back(10.0 * settings.min))
+        && let Some(own) = arms.partner(&foot.z)
+    {
+        match arms.onward.as_slice() {
+            [only] if only.orientation * foot.orientation > 0.0 => return Some(Passage::Corner(only.clone())),
+            [_] => {}
+            _ => return Some(Passage::Crossing(arms.choice(&foot.z, own))),
+        }
+    }
     let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE);
     if let Some(next) = next.or_else(|| short_step(system, corrector, settings, foot)) {
         return Some(Passage::Corner(next));

@@ -1,5 +1,7 @@
 //! Where within a step something happens: roots of test functions along the branch.
 
+mod changes;
+
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::predictor::Hermite;
 use crate::roots::bracketed_root;
@@ -12,9 +14,6 @@ const SIGNIFICANT: f64 = 1e-9;
 
 /// Distance below which events happen at one point.
 const COINCIDENT: f64 = 1e-8;
-
-/// Most changes of pattern looked for within a step.
-const MOST_CHANGES: usize = 8;
 
 /// Shares of the bracket of a root that are tried where the branch is not found at the first.
 const ELSEWHERE: [f64; 3] = [0.5, 0.25, 0.75];
@@ -148,64 +147,6 @@ impl<S: ParametricSystem> Search<'_, S> {
         Some(Correction { z, tangent, residual, regularity: 0.0, ..high.at.clone() })
     }
 
-    /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one stands for the rest.
-    pub fn pattern_changes(&mut self) -> Vec<Located> {
-        let [mut low, end] = self.whole();
-        let mut found = Vec::new();
-        while low.at.pattern != self.end.pattern {
-            let from = low.at.pattern;
-            if found.len() == MOST_CHANGES {
-                let kinds = vec![EventKind::PatternChange { from, to: self.end.pattern }];
-                found.push(Located { s: self.h, kinds, point: self.end.clone() });
-                break;
-            }
-            let (located, beyond) = self.first_change(low, end.clone());
-            found.push(located);
-            low = beyond;
-        }
-        found
-    }
-
-    /// A change of the pattern between two points, and a point beyond it from which the next one is looked for.
-    ///
-    /// Two points are brought together until the system knows the boundary between their pieces, whose function then tells the place.
-    fn first_change(&mut self, mut low: Mark, mut high: Mark) -> (Located, Mark) {
-        let from = low.at.pattern;
-        let change = |s: f64, point: Correction, to: u64| {
-            let kinds = vec![EventKind::PatternChange { from, to }];
-            Located { s, kinds, point: Correction { pattern: to, ..point } }
-        };
-        for _ in 0..MOST_CORRECTIONS {
-            let root = self.on_boundary(&low, &high);
-            if high.s - low.s <= self.located() {
-                break;
-            }
-            let s = root.as_ref().map_or(high.s, |root| root.s);
-            let middle = ELSEWHERE.into_iter().find_map(|share| self.reach(&low, &high, low.s + share * (s - low.s)));
-            match (middle, root) {
-                // Nothing else happens before.
-                (Some(middle), Some(root)) if middle.at.pattern == from => {
-                    return (change(root.s, root.point, high.at.pattern), high);
-                }
-                (Some(middle), _) if middle.at.pattern == from => low = middle,
-                (Some(middle), _) => high = middle,
-                (None, _) => break,
-            }
-        }
-        (change(high.s, high.at.clone(), high.at.pattern), high)
-    }
-
-    /// The point between two at which the branch passes the boundary of their pieces, where the system knows that.
-    fn on_boundary(&mut self, low: &Mark, high: &Mark) -> Option<Root> {
-        let boundary = self.system.boundary(&low.at.z, &high.at.z)?;
-        let value = |c: &Correction| boundary.value(&c.z);
-        if value(&low.at) <= 0.0 || value(&high.at) >= 0.0 {
-            return None;
-        }
-        let root = self.find(&ELSEWHERE, [low.clone(), high.clone()], &value);
-        root.settled.then_some(root)
-    }
-
     /// Where `test`, a smooth function of point and tangent that is negative at the end, turns so. Where a point of
     /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side stands for the root.
     pub fn root(&mut self, test: impl Fn(&Correction) -> f64) -> Root {
@@ -230,21 +171,28 @@ impl<S: ParametricSystem> Search<'_, S> {
     }
 
     /// The root of a smooth function in a bracket. It is followed along the curve through both ends, at no expense, and the branch is corrected at
-    /// its root there, until that stays where it is; a bracket that hardly becomes narrower is halved.
+    /// its root there, until that stays where it is. Where the bracket hardly becomes narrower, since all these points lie on one side, the next is as far
+    /// beyond the root as that has moved; where that does not help either, the bracket is halved.
     fn find(&mut self, elsewhere: &[f64], [mut low, mut high]: [Mark; 2], test: &dyn Fn(&Correction) -> f64) -> Root {
         let width = self.located();
         let (mut f_low, mut f_high) = (test(&low.at).max(f64::MIN_POSITIVE), test(&high.at));
         let zero = ZERO * f_low.max(f_high.abs());
         let mut known = (high.clone(), f_high);
-        let mut halve = false;
+        let mut idle = 0;
         for _ in 0..MOST_CORRECTIONS {
             let before = high.s - low.s;
             if before <= width || known.1.abs() <= zero {
                 break;
             }
-            let middle = 0.5 * (low.s + high.s);
-            let s = if halve { middle } else { self.root_between((&low, f_low), (&high, f_high), test) };
-            if (s - known.0.s).abs() <= width {
+            let (middle, root) = (0.5 * (low.s + high.s), self.root_between((&low, f_low), (&high, f_high), test));
+            let moved = root - known.0.s;
+            let s = match idle % 3 {
+                1 if moved > 0.0 => (root + moved).min(middle.max(root)),
+                1 => (root + moved).max(middle.min(root)),
+                2 => middle,
+                _ => root,
+            };
+            if moved.abs() <= width {
                 break;
             }
             let others = elsewhere.iter().map(|share| low.s + share * before);
@@ -258,7 +206,7 @@ impl<S: ParametricSystem> Search<'_, S> {
             } else {
                 (high, f_high) = (mark, f);
             }
-            halve = !halve && high.s - low.s > 0.5 * before;
+            idle = if high.s - low.s > 0.5 * before { idle + 1 } else { 0 };
         }
         let Mark { s, at: point } = known.0;
         Root { s, point, settled: true }

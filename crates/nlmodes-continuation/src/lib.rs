@@ -66,6 +66,8 @@ mod corrector;
 mod crossing;
 mod error;
 mod events;
+mod expansion;
+mod onsets;
 mod pencil;
 mod predictor;
 mod record;

@@ -232,6 +232,11 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         self.system.pattern()
     }
 
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        let in_units: Vec<f64> = z.iter().zip(&self.scales.unknowns).map(|(z, size)| z * size).collect();
+        self.system.pattern_at(&in_units)
+    }
+
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         if self.unit {
             return self.system.boundary(from, to);

@@ -97,6 +97,13 @@ pub trait ParametricSystem {
         0
     }
 
+    /// The smooth piece on which the point `z = (x, p)` lies, [`pattern`](Self::pattern), where that is known at less expense than by an evaluation of
+    /// residual and Jacobian; else None. By it a piece is seen that a step enters and leaves again.
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        let _ = z;
+        None
+    }
+
     /// The boundary between the pieces of two points `z = (x, p)` that differ in one thing only: a function that is positive at `from` and
     /// negative at `to`, and smooth between them. By it a change of the pattern is located in a few evaluations; without, by halving a step.
     ///

@@ -47,31 +47,21 @@ impl PatternBoundary {
 
     /// The same for halves of periods, at whose ends even motions have their extrema.
     fn between_halves(sets: &SetTable, from: &[PatternInterval], to: &[PatternInterval]) -> Option<Self> {
-        let before = from.iter().zip(to).take_while(|(a, b)| a.set == b.set).count();
-        let rest = from.len().min(to.len()) - before;
-        let behind = from.iter().rev().zip(to.iter().rev()).take(rest).take_while(|(a, b)| a.set == b.set).count();
-        match (&from[before..from.len() - behind], &to[before..to.len() - behind]) {
-            ([], more) => Self::appearing_in_half(sets, to, before, more.len(), 1.0),
-            (more, []) => Self::appearing_in_half(sets, from, before, more.len(), -1.0),
-            ([a], [b]) => Self::exchanged(sets, from.get(before.checked_sub(1)?)?.set, a, b),
-            _ => None,
-        }
-    }
-
-    /// One more interval, number `at` of the sequence `with` that has it.
-    fn appearing_in_half(
-        sets: &SetTable,
-        with: &[PatternInterval],
-        at: usize,
-        more: usize,
-        sense: f64,
-    ) -> Option<Self> {
-        let last = with.len() - 1;
-        match (more, at) {
-            (2, at) if at > 0 && at < last => Self::appearing(sets, &with[at], &with[at - 1], middle(&with[at]), sense),
-            (1, 0) if last > 0 => Self::appearing(sets, &with[0], &with[1], with[0].from, sense),
-            (1, at) if at == last && last > 0 => {
-                Self::appearing(sets, &with[last], &with[last - 1], with[last].to, sense)
+        let (few, many, sense) = if from.len() < to.len() { (from, to, 1.0) } else { (to, from, -1.0) };
+        let last = many.len().checked_sub(1)?;
+        match many.len() - few.len() {
+            0 => {
+                let mut different = (0..=last).filter(|&i| from[i].set != to[i].set);
+                let at = different.next().filter(|_| different.next().is_none())?;
+                Self::exchanged(sets, from.get(at.checked_sub(1)?)?.set, &from[at], &to[at])
+            }
+            1 if same_sets(few, &many[1..]) => Self::appearing(sets, &many[0], &many[1], many[0].from, sense),
+            1 if same_sets(few, &many[..last]) => {
+                Self::appearing(sets, &many[last], many.get(last.checked_sub(1)?)?, many[last].to, sense)
+            }
+            2 => {
+                let at = one_more(few, many)?;
+                Self::appearing(sets, &many[at], &many[at - 1], middle(&many[at]), sense)
             }
             _ => None,
         }
@@ -127,6 +117,20 @@ impl PatternBoundary {
         };
         self.sense * guard.evaluate(tau)[0]
     }
+}
+
+fn same_sets(a: &[PatternInterval], b: &[PatternInterval]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.set == b.set)
+}
+
+/// Which interval, not the first or the last one, is there in addition. Where contacts close and open in turn that may be any of them: without it the
+/// instants are those that the others are nearest to.
+fn one_more(few: &[PatternInterval], many: &[PatternInterval]) -> Option<usize> {
+    let without = |k: usize| (0..many.len()).filter(move |i| *i != k && *i + 1 != k).map(|i| &many[i]);
+    let fits =
+        |k: &usize| many[k - 1].set == many[k + 1].set && without(*k).zip(few).all(|(rest, few)| rest.set == few.set);
+    let apart = |k: usize| without(k).zip(few).map(|(rest, few)| (rest.to - few.to).abs()).sum::<f64>();
+    (1..many.len() - 1).filter(fits).min_by(|a, b| apart(*a).total_cmp(&apart(*b)))
 }
 
 fn middle(interval: &PatternInterval) -> f64 {

@@ -252,6 +252,11 @@ impl ParametricSystem for MixedShooting<'_> {
         self.sweep.pattern()
     }
 
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        self.intervals_at(z)?;
+        Some(self.sweep.pattern())
+    }
+
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         self.intervals_at(from)?;
         let intervals = self.sweep.intervals.clone();

@@ -28,9 +28,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             let choice = self.arms_at(&crossing, end, h).ok_or(Refusal::OtherArm)?;
             return Ok((Some((crossing, choice)), None));
         }
-        let changes = (end.pattern != self.foot.pattern).then(|| search.pattern_changes());
-        let touched = changes.as_ref().and_then(|changes| self.touched_corner(changes, end, border, h));
-        Ok((touched, changes))
+        let changes = search.pattern_changes();
+        Ok((self.touched_corner(&changes, end, border, h), Some(changes)))
     }
 
     /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of

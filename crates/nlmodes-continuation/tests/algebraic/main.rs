@@ -4,6 +4,8 @@ mod bends;
 mod corners;
 mod crossings;
 mod ends;
+mod onsets;
+mod pieces;
 mod resumed;
 mod rounding;
 mod samples;

@@ -198,6 +198,13 @@ impl ParametricSystem for Periodic<'_> {
         }
     }
 
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.pattern_at(z),
+            _ => None,
+        }
+    }
+
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.boundary(from, to),

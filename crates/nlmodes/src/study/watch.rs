@@ -186,6 +186,10 @@ impl<S: ParametricSystem> ParametricSystem for Watched<'_, S> {
         self.system.pattern()
     }
 
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        self.system.pattern_at(z)
+    }
+
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         self.system.boundary(from, to)
     }

@@ -1,0 +1,92 @@
+//! What sets in beyond a boundary.
+
+use nlmodes_linalg::{DenseLu, Mat};
+
+use crate::corrector::Corrector;
+use crate::expansion::{ABOVE_ROUNDING, DEPTH, POWERS};
+use crate::vectors::{along, dot};
+use crate::{Linearization, ParametricSystem};
+
+/// How much more sets in on one side of a boundary than on the other.
+const ONE_SIDED: f64 = 10.0;
+
+/// Ratio of the pivots below which gradients are not told apart.
+const DEPENDENT: f64 = 1e-6;
+
+/// What sets in beyond a boundary.
+pub(super) struct Onset {
+    /// Unit vector away from what sets in.
+    pub slope: Vec<f64>,
+    /// The vector that leads beyond this boundary by one, and along the others.
+    pub inward: Vec<f64>,
+    /// What sets in: a vector of unit length over the sizes of the equations, and its length at the depth [`DEPTH`].
+    pub force: Vec<f64>,
+    pub length: f64,
+    /// Power of the depth with which that grows.
+    pub power: f64,
+}
+
+impl Onset {
+    /// What sets in at `z` beyond the boundary with this gradient of unit length, on the one side or the other; `across` leads across it alone.
+    pub fn measured<S: ParametricSystem>(
+        system: &mut S,
+        corrector: &mut Corrector,
+        z: &[f64],
+        slope: &[f64],
+        across: &[f64],
+    ) -> Option<Self> {
+        // At a multiple of the depth, each entry over the size of its equation.
+        let mut residual = |s: f64| {
+            corrector.evaluate(system, &along(z, s * DEPTH, across)).ok()?;
+            let Linearization { residual, sizes, .. } = corrector.linearization();
+            Some(residual.iter().zip(sizes).map(|(r, size)| r / size).collect::<Vec<f64>>())
+        };
+        let here = residual(0.0)?;
+        // What is not linear.
+        let mut bent = |s: f64| {
+            let (near, far) = (residual(s)?, residual(2.0 * s)?);
+            Some(
+                far.iter()
+                    .zip(&near)
+                    .zip(&here)
+                    .map(|((far, near), here)| far - 2.0 * near + here)
+                    .collect::<Vec<f64>>(),
+            )
+        };
+        let (up, down) = (bent(1.0)?, bent(-1.0)?);
+        let (sign, force, other) = if size(&up) > size(&down) { (1.0, up, down) } else { (-1.0, down, up) };
+        let (length, twice) = (size(&force), size(&bent(2.0 * sign)?));
+        let power = (twice / length).log2();
+        let rounding = corrector.rounding.iter().fold(0.0_f64, |m, r| m.max(*r));
+        if !(length > (ONE_SIDED * size(&other)).max(ABOVE_ROUNDING * rounding) && POWERS.contains(&power)) {
+            return None;
+        }
+        let sizes = &corrector.linearization().sizes;
+        Some(Self {
+            slope: slope.iter().map(|s| -sign * s).collect(),
+            inward: across.iter().map(|a| sign * a).collect(),
+            force: force.iter().zip(sizes).map(|(f, size)| f * size / length).collect(),
+            length: length / (power.exp2() - 2.0),
+            power,
+        })
+    }
+}
+
+fn size(v: &[f64]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+/// Vectors in the span of these whose products with them are one for the same and zero for the others.
+pub(super) fn dual(slopes: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let k = slopes.len();
+    let lu = DenseLu::factor(&Mat::from_fn(k, k, |i, j| dot(&slopes[i], &slopes[j]))).ok()?;
+    if lu.pivot_ratio() < DEPENDENT {
+        return None;
+    }
+    let dual = (0..k).map(|j| {
+        let mut weights: Vec<f64> = (0..k).map(|i| if i == j { 1.0 } else { 0.0 }).collect();
+        lu.solve_in_place(&mut weights);
+        slopes.iter().zip(weights).fold(vec![0.0; slopes[0].len()], |sum, (slope, w)| along(&sum, w, slope))
+    });
+    Some(dual.collect())
+}
