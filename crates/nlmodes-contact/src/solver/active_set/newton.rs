@@ -144,7 +144,7 @@ impl Newton {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LcpMatrix, Mat};
+    use crate::{LcpMatrix, Mat, factor::tests::smooth};
 
     #[test]
     fn contacts_are_guessed_closed_where_there_is_a_force_and_less_gap_than_that() {
@@ -156,5 +156,18 @@ mod tests {
         newton.guess_from_forces(&sample);
         let closed: Vec<bool> = (0..6).map(|i| newton.set.contains(i)).collect();
         assert_eq!(closed, [true, false, false, true, false, false]);
+    }
+
+    #[test]
+    fn wrong_signs_are_exchanged_until_all_are_right() {
+        let gaps: Vec<f64> = (0..40).map(|i| 1e-4 * (0.3 + (0.4 * f64::from(i)).cos())).collect();
+        for all_closed in [false, true] {
+            let mut sample = Sample::new(&smooth(40));
+            sample.load(&gaps).unwrap();
+            let mut newton = Newton::new(40);
+            newton.guess(&[all_closed; 40]);
+            let outcome = newton.run(&mut sample, 8).unwrap();
+            assert!(outcome.verdict.violation() < 1e-13 && outcome.iterations <= 10, "{outcome:?}");
+        }
     }
 }
