@@ -128,6 +128,7 @@ fn stops_have_a_row_each_that_agrees_with_the_branch_and_with_their_histories() 
         assert_eq!(number(&point[7])?, of(2)?[0]);
         assert_eq!(number(&point[9])?, of(3)?.into_iter().fold(0.0, f64::max));
         assert_eq!(number(&point[8])?, of(6)?.iter().sum::<f64>());
+        assert_eq!(number(&point[18])?, of(5)?.iter().sum::<f64>());
         let period = 1.0 / number(&point[1])?;
         for (mean, impulse) in of(4)?.into_iter().zip(of(5)?) {
             assert!((mean * period - impulse).abs() <= 1e-12 * impulse);

@@ -69,6 +69,11 @@ fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, las
 }
 
 impl ModalPoint {
+    /// The integral of all contact forces over a period, N·s; `None` where no contact is known.
+    pub fn impulse(&self) -> Option<f64> {
+        (!self.contacts.is_empty()).then(|| self.contacts.iter().map(|contact| contact.impulse).sum())
+    }
+
     /// Whether this event happens here.
     pub fn has_event(&self, event: Event) -> bool {
         self.events.contains(&event)

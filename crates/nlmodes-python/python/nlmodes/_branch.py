@@ -25,6 +25,7 @@ LABELS = {
     "drive_fundamental_m": "fundamental of the drive point / m",
     "fundamental_m": "fundamental of the first contact / m",
     "peak_contact_force_n": "largest contact force / N",
+    "impulse_ns": "impulse of all contacts over a period / (N s)",
     "contact_fraction": "share of the period in contact",
     "damping_ratio": "damping ratio",
 }

@@ -8,7 +8,7 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Columns of `branch.csv`, in their order, with their meaning.
-pub const BRANCH_MEANINGS: [Column; 18] = [
+pub const BRANCH_MEANINGS: [Column; 19] = [
     Column::new("point", "", "number of the point, from 0"),
     Column::new("frequency_hz", "Hz", "nonlinear modal frequency, ω/2π"),
     Column::new("energy_j", "J", "averaged kinetic energy over a period, the path parameter"),
@@ -29,7 +29,7 @@ pub const BRANCH_MEANINGS: [Column; 18] = [
     Column::new(
         "peak_contact_force_n",
         "N",
-        "largest contact force of all stops; of short blows it need not converge with harmonics, `impulse_ns` of `contacts.csv` does",
+        "largest contact force of all stops; of short blows it need not converge with harmonics, `impulse_ns` does",
     ),
     Column::new("residual", "", "norm of the scaled residual"),
     Column::new(
@@ -55,6 +55,7 @@ pub const BRANCH_MEANINGS: [Column; 18] = [
         "",
         "estimated relative error of the frequency at the same energy, where `method.accuracy` asks for one",
     ),
+    Column::new("impulse_ns", "N·s", "integral of all contact forces over the period, which converges with harmonics"),
 ];
 
 /// Names of the columns of `branch.csv`, in their order.
@@ -203,6 +204,7 @@ fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
         point.stability.filter(|s| !s.stable).map_or_else(String::new, |s| number(s.angle_deg())),
         point.coefficients.n_harmonics().to_string(),
         point.error_estimate.map_or_else(String::new, number),
+        point.impulse().map_or_else(String::new, number),
     ]
 }
 

@@ -69,6 +69,7 @@ fn columns(points: &[ModalPoint]) -> Value {
         ("multiplier_angle_deg", of(&|p| unknown(p.stability.filter(|s| !s.stable).map(|s| s.angle_deg())))),
         ("harmonics", of(&|p| p.coefficients.n_harmonics() as f64)),
         ("error_estimate", of(&|p| unknown(p.error_estimate))),
+        ("impulse_ns", of(&|p| unknown(p.impulse()))),
     ])
 }
 

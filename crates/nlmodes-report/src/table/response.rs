@@ -1,7 +1,7 @@
 use crate::columns::Column;
 
 /// Columns of `branch.csv` of a scene with responses, behind those of every branch.
-pub const RESPONSE_COLUMNS: [Column; 18] = [
+pub const RESPONSE_COLUMNS: [Column; 17] = [
     Column::new("response", "", "number of the response in the scene, from 1"),
     Column::new("kind", "", "what it follows: frequency, force, phase-resonance, damped-mode, mode, appropriation"),
     Column::new("curve", "", "number of the curve of this run, from 0"),
@@ -34,7 +34,6 @@ pub const RESPONSE_COLUMNS: [Column; 18] = [
         "",
         "estimated error of the largest multiplier; within it the stability is not said",
     ),
-    Column::new("impulse_ns", "N·s", "integral of all contact forces over the period"),
     Column::new(
         "mode_distance",
         "",

@@ -76,9 +76,9 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
     })
 }
 
-/// The integral of all contact forces over a period, N·s; NaN where no contact is known.
+/// That of the point, NaN where no contact is known.
 fn impulse(point: &ModalPoint) -> f64 {
-    if point.contacts.is_empty() { f64::NAN } else { point.contacts.iter().map(|contact| contact.impulse).sum() }
+    point.impulse().unwrap_or(f64::NAN)
 }
 
 /// Mean, least and largest of the relative differences in per cent; none without a pair of values.

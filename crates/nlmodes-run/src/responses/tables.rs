@@ -97,6 +97,7 @@ impl Row<'_> {
             judged(&|s| cell(s.largest.arg().to_degrees())),
             (motion.eta.len() - 1).to_string(),
             String::new(),
+            cell(impulse),
             (self.computed.response + 1).to_string(),
             self.computed.kind.name().to_owned(),
             self.curve.to_string(),
@@ -116,7 +117,6 @@ impl Row<'_> {
             when(self.computed.kind == ResponseKind::DampedMode, motion.damping_ratio()),
             cell(expected.indicator),
             judged(&|s| cell(s.error)),
-            cell(impulse),
             cell(expected.distance),
         ])
     }
