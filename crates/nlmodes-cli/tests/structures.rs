@@ -88,12 +88,13 @@ fn run(scene: &Path, out: &Path, set: &[&str]) -> Outcome<Vec<[f64; 2]>> {
     table.records().map(|record| row(record?)).collect()
 }
 
-/// Energies of the one are `factor` times those of the other.
+/// Energies of the one are `factor` times those of the other. Where a contact comes or goes the point is located to 1e-10 of a step, along which the energy moves: it gets
+/// ten times the tolerance of the frequency.
 fn assert_same(one: &[[f64; 2]], other: &[[f64; 2]], factor: f64, tolerance: f64) {
     assert_eq!(one.len(), other.len());
     for (a, b) in one.iter().zip(other) {
         let off = [a[0] / b[0] - 1.0, a[1] / (factor * b[1]) - 1.0];
-        assert!(off.iter().all(|off| off.abs() < tolerance), "{a:?} {b:?}: {off:?}");
+        assert!(off[0].abs() < tolerance && off[1].abs() < 10.0 * tolerance, "{a:?} {b:?}: {off:?}");
     }
 }
 

@@ -4,6 +4,7 @@ mod loads;
 mod place;
 
 use crate::raw::{RawResponse, RawStudy};
+use crate::rule::number;
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
 use crate::{Findings, Problem};
 pub use loads::own_damping;
@@ -268,13 +269,15 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings
     let forces = scene.force.as_deref().unwrap_or_default();
     if let [first, others @ ..] = forces
         && first.amplitude_n.is_none()
-        && others.iter().any(|other| other.amplitude_n.is_some())
+        && let Some(other) = others.iter().filter_map(|other| other.amplitude_n).find(|other| other.abs() != 1.0)
     {
-        let problem = Problem::error("levels are of the first force, and its ratio to the others is not known");
-        let problem =
-            problem.help("`amplitude_n` of the first [[force]]: the others keep their ratio to it at every level");
-        findings.put(&path(key), problem, "expected `amplitude_n` in the first [[force]]");
-        return None;
+        let title = format!(
+            "levels are of the first force; that of {} N grows with them, as {0} N for each newton",
+            number(other)
+        );
+        let problem = Problem::warning(title)
+            .help("`amplitude_n` of the first [[force]]: the others keep their ratio to it at every level");
+        findings.put(&path(key), problem, "the first force states no amplitude, which counts as 1 N");
     }
     Some(levels.clone())
 }
