@@ -99,6 +99,7 @@ fn walls(model: &FeModel) -> Result<Vec<NodeContact>, Failure> {
         normal: [0.0, 0.0, 1.0],
         gap: 1e-4,
         stiffness: None,
+        damping: None,
         origin: 0,
     };
     Ok(free.map(wall).collect())

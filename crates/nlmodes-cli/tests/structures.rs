@@ -235,6 +235,69 @@ fn all_open_modes_are_all_held_modes_where_the_contact_node_has_no_mass() -> Out
     Ok(())
 }
 
+/// Frequency, damping ratio and energy of the damped mode of a scene.
+fn damped_mode(scene: &Path) -> Outcome<Vec<[f64; 3]>> {
+    let out = scene.with_extension("out");
+    let call = call(&["run", &scene.to_string_lossy(), "--out", &out.to_string_lossy(), "--quiet", "--force"])?;
+    assert_eq!(call.status.code(), Some(0), "{}", text(&call.stderr));
+    let mut table = csv::Reader::from_path(out.join("branch.csv"))?;
+    let names = table.headers()?.clone();
+    let place = |name: &str| names.iter().position(|found| found == name).ok_or(format!("no {name} in {names:?}"));
+    let places = [place("frequency_hz")?, place("damping_ratio")?, place("total_energy_j")?];
+    let row = |row: csv::StringRecord| -> Outcome<[f64; 3]> {
+        Ok([row[places[0]].parse()?, row[places[1]].parse()?, row[places[2]].parse()?])
+    };
+    table.records().map(|record| row(record?)).collect()
+}
+
+#[test]
+fn stops_that_dissipate_do_so_for_a_rod_from_files_as_for_one_of_elements() -> Outcome {
+    let folder = tempdir()?;
+    let at = |name: &str| folder.path().join(name);
+    let stop = "gap_m = 1e-4\nstiffness_n_m = 2e7\n";
+    let rest = "[reduction]\nkind = \"open-modes\"\nmodes = 10\n[damping]\nratio = 0.004\n\
+                [[response]]\nkind = \"damped-mode\"\n[method]\nharmonics = 3\n\
+                [continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\nfigures = false\npage = false\n";
+    let rod_text = |damper: &str| {
+        format!(
+            "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 12\nstart = \"clamped\"\n\
+             material = {{ youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
+             [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\n{stop}{damper}{rest}"
+        )
+    };
+    let damper = "damping_n_s_m = 800.0\n";
+    fs::write(at("rod.toml"), rod_text(damper))?;
+    fs::write(at("elastic.toml"), rod_text(""))?;
+    let (rod_mode, elastic) = (damped_mode(&at("rod.toml"))?, damped_mode(&at("elastic.toml"))?);
+    let ratio = |mode: &[[f64; 3]]| mode.last().map_or(f64::NAN, |point| point[1]);
+    assert!(ratio(&rod_mode) > 1.1 * ratio(&elastic), "{} {}", ratio(&rod_mode), ratio(&elastic));
+    // The same rod in N, m, kg and in N, mm, t; its stop at one node by number, and as a list.
+    let (k, m) = rod(12);
+    let scaled = |a: &Matrix, by: f64| a.iter().map(|row| row.iter().map(|v| v * by).collect()).collect::<Matrix>();
+    let table: Vec<String> = (1..=12).map(|i| format!("{i},{i},ux")).collect();
+    fs::write(at("dofs.csv"), table.join("\n"))?;
+    for (units, by, node) in [("m-kg-s", 1.0, "node = 12"), ("mm-t-s", 1e-3, "nodes = [12]")] {
+        fs::write(at("k.mtx"), matrix_market(&scaled(&k, by)))?;
+        fs::write(at("m.mtx"), matrix_market(&scaled(&m, by)))?;
+        let text = format!(
+            "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nunits = \"{units}\"\n\
+             [[contact]]\n{node}\nnormal = [1.0, 0.0, 0.0]\n{stop}{damper}{rest}"
+        );
+        fs::write(at("files.toml"), text)?;
+        let files = damped_mode(&at("files.toml"))?;
+        assert_eq!(files.len(), rod_mode.len(), "{units}");
+        for (a, b) in files.iter().zip(&rod_mode) {
+            assert!((0..3).all(|i| (a[i] / b[i] - 1.0).abs() < 1e-8), "{units}: {a:?} {b:?}");
+        }
+    }
+    // A rigid stop has no damper.
+    fs::write(at("rigid.toml"), fs::read_to_string(at("files.toml"))?.replace("stiffness_n_m = 2e7\n", ""))?;
+    let output = call(&["check", &at("rigid.toml").to_string_lossy()])?;
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("stands beside a rigid stop"), "{}", text(&output.stderr));
+    Ok(())
+}
+
 #[test]
 fn a_rod_of_the_scene_in_open_modes_is_the_same_rod_from_files() -> Outcome {
     let folder = tempdir()?;

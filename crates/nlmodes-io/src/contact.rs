@@ -30,6 +30,8 @@ pub struct NodeContact {
     pub gap: f64,
     /// Contact stiffness, N/m; none of a rigid contact.
     pub stiffness: Option<f64>,
+    /// Damper beside that stiffness, N s/m; none of a contact that does not dissipate.
+    pub damping: Option<f64>,
     /// The choice that it comes from, from 0.
     pub origin: usize,
 }

@@ -133,7 +133,7 @@ fn rest(
     let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, findings));
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|raw| updating::check(raw, uniform, findings));
-    contact::dampers(&contacts, has_responses, findings);
+    contact::dampers(&contacts, structure.as_ref(), has_responses, findings);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), findings);
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),

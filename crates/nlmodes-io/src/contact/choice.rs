@@ -14,6 +14,9 @@ pub struct ContactChoice {
     pub gap: Option<GapChoice>,
     /// Contact stiffness, N/m; none of rigid contacts.
     pub stiffness: Option<f64>,
+    /// Damper beside that stiffness, N s/m; none of contacts that do not dissipate.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub damping: Option<f64>,
 }
 
 /// Nodes, one by one or as a set of the mesh.

@@ -75,7 +75,8 @@ impl One<'_> {
             (None, Some(GapChoice::WallPoint(point))) => dot(minus(point, self.place(node)?), normal),
             (None, None) => return Err(ContactProblem::Unsaid { node, what: "gap" }),
         };
-        Ok(NodeContact { node, against, normal, gap, stiffness: self.choice.stiffness, origin: self.origin })
+        let ContactChoice { stiffness, damping, .. } = *self.choice;
+        Ok(NodeContact { node, against, normal, gap, stiffness, damping, origin: self.origin })
     }
 
     fn nodes(&self, choice: &ContactNodes) -> Outcome<Vec<u64>> {

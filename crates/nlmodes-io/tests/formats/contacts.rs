@@ -45,6 +45,7 @@ fn wall(nodes: &[u64], normal: [f64; 3], gap: f64) -> ContactChoice {
         normal: Some(NormalChoice::Vector(normal)),
         gap: Some(GapChoice::Same(gap)),
         stiffness: None,
+        damping: None,
     }
 }
 
@@ -63,6 +64,7 @@ fn directions_point_to_the_wall_and_between_partners() {
         normal: None,
         gap: None,
         stiffness: Some(1e6),
+        damping: Some(30.0),
     };
     let plane =
         ContactChoice { gap: Some(GapChoice::WallPoint([-5e-3, 7.0, 7.0])), ..wall(&[2], [-1.0, 0.0, 0.0], 0.0) };
@@ -96,6 +98,7 @@ fn contacts_that_cannot_be_are_refused() {
         normal: None,
         gap: None,
         stiffness: None,
+        damping: None,
     };
     let surface = ContactChoice { normal: Some(NormalChoice::Surface), ..wall(&[1], x, 0.0) };
     let cases = [

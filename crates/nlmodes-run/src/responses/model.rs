@@ -85,10 +85,9 @@ impl Model {
             beyond_modes.push(omega * share);
             response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
         }
-        for (i, contact) in scene.contacts.iter().enumerate() {
-            let Some(damper) = contact.damping else { continue };
-            let path = format!("contact.{i}.damping_n_s_m");
-            response.add_stop_damper(i, damper).map_err(|error| failed(&path, &error))?;
+        for (contact, table, damper) in stop_dampers(scene, &parts) {
+            let path = format!("contact.{table}.damping_n_s_m");
+            response.add_stop_damper(contact, damper).map_err(|error| failed(&path, &error))?;
         }
         let unit = scene.forces.first().map_or(1.0, |force| force.amplitude.abs());
         let mut force_places: Vec<Weights> = Vec::new();
@@ -171,6 +170,14 @@ impl Model {
     pub fn open_modes(&self) -> &OpenModes {
         self.response.open_modes()
     }
+}
+
+/// Contacts with dampers: number, table of the scene, damper in N s/m. A table of nodes from files is many contacts.
+fn stop_dampers(scene: &Scene, parts: &Reduced) -> Vec<(usize, usize, f64)> {
+    let nodes = parts.reduction.iter().filter_map(|open| open.files.as_ref()).flat_map(|(_, contacts)| contacts);
+    let of_nodes = nodes.enumerate().filter_map(|(i, contact)| Some((i, contact.origin, contact.damping?)));
+    let of_elements = scene.contacts.iter().enumerate().filter_map(|(i, contact)| Some((i, i, contact.damping?)));
+    of_nodes.chain(of_elements).collect()
 }
 
 /// The mode from which nonlinear modes and phase resonance begin must meet a stop.

@@ -4,7 +4,7 @@ use crate::check::nodes::{beside, node_at};
 use crate::check::parts::no_such_structure;
 use crate::raw::{RawAgainst, RawContact, RawStructure};
 use crate::rule::number;
-use crate::scene::{Contact, Direction, Facing, StructureKind, Support, holds};
+use crate::scene::{Contact, Direction, Facing, SceneStructure, StructureKind, Support, holds};
 use crate::{Findings, Problem};
 
 /// A structure that contacts can belong to.
@@ -71,10 +71,18 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], findings: &mut Finding
 }
 
 /// Dampers of stops: each stands beside a stiffness, and conservative modes leave it out.
-pub fn dampers(contacts: &[Contact], has_responses: bool, findings: &mut Findings<'_>) {
-    for (i, contact) in contacts.iter().enumerate().filter(|(_, contact)| contact.damping.is_some()) {
+pub fn dampers(
+    contacts: &[Contact],
+    structure: Option<&SceneStructure>,
+    has_responses: bool,
+    findings: &mut Findings<'_>,
+) {
+    let of_elements = contacts.iter().map(|contact| (contact.stiffness, contact.damping));
+    let nodes = structure.and_then(SceneStructure::matrices).into_iter().flat_map(|matrices| &matrices.contacts);
+    let stops = of_elements.chain(nodes.map(|contact| (contact.stiffness, contact.damping)));
+    for (i, (stiffness, _)) in stops.enumerate().filter(|(_, (_, damping))| damping.is_some()) {
         let path = format!("contact.{i}.damping_n_s_m");
-        if contact.stiffness.is_none() {
+        if stiffness.is_none() {
             let problem = Problem::error(format!("`{path}` stands beside a rigid stop"));
             let help = "a stop that dissipates yields: its damper stands beside `stiffness_n_m`";
             findings.put(&path, problem.help(help), "expected `stiffness_n_m` in this table too");

@@ -58,7 +58,8 @@ fn contact(raw: &RawNodeContact, i: usize, base: &Path, findings: &mut Findings<
     let normal = normal(raw, i, findings);
     let gap = gap(raw, i, findings);
     let sound = findings.count() == before;
-    sound.then_some(ContactChoice { nodes: nodes?, partner, normal, gap, stiffness: raw.stiffness_n_m })
+    let (stiffness, damping) = (raw.stiffness_n_m, raw.damping_n_s_m);
+    sound.then_some(ContactChoice { nodes: nodes?, partner, normal, gap, stiffness, damping })
 }
 
 /// A problem of contact `i`, at the key if there is one.

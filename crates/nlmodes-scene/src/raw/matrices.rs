@@ -105,6 +105,9 @@ pub struct RawNodeContact {
     /// Contact stiffness of each; left out, they are rigid
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
+    /// Damper of each beside its stiffness, for responses and damped modes; conservative modes leave it out
+    #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
+    pub damping_n_s_m: Option<f64>,
 }
 
 fn numbers_or_names(_: &mut SchemaGenerator) -> Schema {
