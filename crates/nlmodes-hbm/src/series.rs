@@ -80,22 +80,21 @@ impl RealSeries {
         if self.symmetry == Symmetry::Even {
             return self.even_multiplication(averages, matrix);
         }
-        let cosine = |k: isize| averages[k.unsigned_abs()].re;
-        let sine = |k: isize| -averages[k.unsigned_abs()].im * k.signum() as f64;
-        for i in 0..width {
+        let h = self.n_harmonics;
+        // C_k and S_k, k = −H … 2H: a row takes stretches of them that begin m before and m behind.
+        let below = averages[1..=h].iter().rev();
+        let cosines: Vec<f64> = below.clone().chain(averages).map(|z| z.re).collect();
+        let sines: Vec<f64> = below.map(|z| z.im).chain([0.0]).chain(averages[1..].iter().map(|z| -z.im)).collect();
+        for (i, row) in matrix.chunks_exact_mut(width).enumerate() {
             let (m, row_is_sine) = self.harmonic(i);
             let scale = if m == 0 { 0.5 } else { 1.0 };
-            let m = m as isize;
-            for j in 0..width {
-                let (n, column_is_sine) = self.harmonic(j);
-                let n = n as isize;
-                matrix[i * width + j] = scale
-                    * match (row_is_sine, column_is_sine) {
-                        (false, false) => cosine(m - n) + cosine(m + n),
-                        (false, true) => sine(n + m) + sine(n - m),
-                        (true, false) => sine(m + n) + sine(m - n),
-                        (true, true) => cosine(m - n) - cosine(m + n),
-                    };
+            let (of_cosines, of_sines) = row.split_at_mut(h + 1);
+            if row_is_sine {
+                fill(of_cosines, around(&sines, h, m), |near, far| far - near);
+                fill(of_sines, around(&cosines, h + 1, m), |near, far| near - far);
+            } else {
+                fill(of_cosines, around(&cosines, h, m), |near, far| scale * (near + far));
+                fill(of_sines, around(&sines, h + 1, m), |near, far| scale * (far + near));
             }
         }
     }
@@ -119,6 +118,15 @@ impl RealSeries {
             *value = scale * if is_sine { -averages[n].im } else { averages[n].re };
         }
     }
+}
+
+/// What begins `m` before `first`, and `m` behind it.
+fn around(all: &[f64], first: usize, m: usize) -> (&[f64], &[f64]) {
+    (&all[first - m..], &all[first + m..])
+}
+
+fn fill(row: &mut [f64], (near, far): (&[f64], &[f64]), entry: impl Fn(f64, f64) -> f64) {
+    row.iter_mut().zip(near.iter().zip(far)).for_each(|(to, (near, far))| *to = entry(*near, *far));
 }
 
 #[cfg(test)]

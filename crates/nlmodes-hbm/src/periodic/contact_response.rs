@@ -89,8 +89,9 @@ impl LinearResponse for ContactResponse {
         out.reset(c, m);
         let stiffness: Vec<_> = (0..m).map(|k| dynamic_stiffness(&self.structure, n, k, at)).collect();
         out.d.iter_mut().zip(&stiffness).for_each(|(d, s)| *d = s.0);
-        let resonance = |k: &usize| self.coupling[*k] / stiffness[*k].0.norm();
-        let pole = self.moving.iter().copied().max_by(|a, b| resonance(a).total_cmp(&resonance(b)));
+        let resonance = |k: usize| self.coupling[k] / stiffness[k].0.norm();
+        let resonances = self.moving.iter().map(|&k| (k, resonance(k)));
+        let pole = resonances.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
         let (mut v, mut dv) = (x.to_vec(), [0, 1, 2].map(|_| vec![Complex64::default(); c]));
         for k in (0..m).filter(|k| Some(*k) != pole) {
             let p = load.modal(n, k, at);
