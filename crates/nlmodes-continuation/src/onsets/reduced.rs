@@ -61,7 +61,7 @@ impl Reduced {
                 }
             }
             let length = dot(&direction, &direction).sqrt();
-            if !(length > DEPENDENT * before) {
+            if length.is_nan() || length <= DEPENDENT * before {
                 return None;
             }
             directions.push(direction.iter().map(|d| d / length).collect());
