@@ -2,6 +2,9 @@
 
 use crate::svg::escape;
 
+/// Rows beyond which a table is laid out only when it comes into view: thousands take a browser seconds.
+const LONG: usize = 100;
+
 /// A table with a title, as text.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DataTable {
@@ -37,8 +40,9 @@ impl DataTable {
             names.map(|(k, name)| format!("<th scope=\"col\"{}>{}</th>", class(k), escape(name))).collect();
         let body: String = rows.iter().map(|cells| format!("<tr>{}</tr>\n", cells.concat())).collect();
         let title = escape(&self.title);
+        let long = if rows.len() > LONG { " long" } else { "" };
         format!(
-            "<section><h3>{title}</h3><div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{title}\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
+            "<section><h3>{title}</h3><div class=\"scroll{long}\" role=\"region\" tabindex=\"0\" aria-label=\"{title}\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
         )
     }
 }
