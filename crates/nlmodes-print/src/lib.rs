@@ -3,7 +3,7 @@
 //! | from | to | item |
 //! | --- | --- | --- |
 //! | an SVG document, a pixel of which is 1/96 inch | PDF of that size, lines as lines, its font embedded | [`pdf`] |
-//! | | PNG with so many dots an inch, on white | [`png`] |
+//! | | PNG with so many dots an inch, on white | [`png()`] |
 //!
 //! Letters, Latin and Greek, come from a font of this crate (Arimo, as wide as Helvetica and Arial); fonts of the machine are looked for only where a text has others.
 //!
