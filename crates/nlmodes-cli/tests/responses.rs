@@ -238,6 +238,65 @@ harmonics = 8
 stability = "never"
 "#;
 
+/// The same example as it is, as a rod of two lumped elements: masses of 1 kg on springs of 1 N/m, a spring of 100 N/m before the tip.
+const LUMPS: &str = r#"
+[structure]
+kind = "rod"
+length_m = 2.0
+elements = 2
+mass_matrix = "lumped"
+start = "clamped"
+end = "free"
+material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }
+section = { area_m2 = 1.0 }
+[[structure.mass_point]]
+at_m = 2.0
+mass_kg = 0.5
+[[contact]]
+at_m = 2.0
+direction = "axial"
+side = "positive"
+gap_m = 1.0
+stiffness_n_m = 100.0
+[damping]
+rayleigh = { stiffness_s = 0.03 }
+[[force]]
+at_m = 1.0
+direction = "axial"
+[[response]]
+kind = "frequency"
+frequency_hz = [0.09, 0.1195547349434]
+levels_n = [0.1]
+[method]
+kind = "hbm"
+harmonics = 63
+[output]
+stability = "never"
+figures = false
+page = false
+"#;
+
+#[test]
+fn a_structure_of_few_masses_before_an_elastic_stop_moves_in_all_its_modes() -> Outcome {
+    let folder = tempdir()?;
+    let out = run(folder.path(), LUMPS, &[])?;
+    assert!(out.status.success(), "{}", said(&out));
+    let branch = rows(folder.path().join("out/branch.csv"))?;
+    // Below contact: `((1 + iγ) K − Ω²) q = f`, γ = 0.03 Ω, of two masses, by Cramer's rule.
+    let omega = TAU * 0.09;
+    let (gamma, square) = (0.03 * omega, omega * omega);
+    let free = (1.0 - square, gamma);
+    // (a + iγ)(b + 2iγ) − (1 + iγ)² with a = 1 − Ω², b = 2 − Ω²
+    let real = free.0 * (2.0 - square) - 2.0 * gamma * gamma - (1.0 - gamma * gamma);
+    let imaginary = gamma * (2.0 * free.0 + 2.0 - square - 2.0);
+    let linear = 0.1 * free.0.hypot(free.1) / real.hypot(imaginary);
+    assert!((number(&branch[0], "drive_fundamental_m") / linear - 1.0).abs() < 1e-9, "{linear}");
+    // With 63 harmonics by other code, next to its peak; exact are 0.9363056809.
+    let peak = branch.iter().map(|row| number(row, "drive_fundamental_m")).fold(0.0, f64::max);
+    assert!((peak / 0.9363067661 - 1.0).abs() < 1e-7, "{peak}");
+    Ok(())
+}
+
 #[test]
 fn a_detached_curve_is_followed_from_a_phase_resonance_and_named() -> Outcome {
     let folder = tempdir()?;

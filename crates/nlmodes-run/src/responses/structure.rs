@@ -166,11 +166,12 @@ fn modes(
     structure: &StructuralModel,
     massless: Option<&MasslessContactModel>,
 ) -> Result<OpenModes, ReductionError> {
-    // Without the mass of the contact nodes there are fewer modes; a rigid stop needs flexibility that they leave over.
-    let available = structure.dofs().len();
+    // Without the mass of the contact nodes there are fewer modes; a rigid stop needs flexibility that they leave over, one with a stiffness has its own.
+    let has_rigid_stop = structure.contacts().iter().any(|contact| contact.law.compliance() == 0.0);
+    let available = structure.dofs().len().saturating_sub(usize::from(has_rigid_stop)).max(1);
     let open = match massless {
         Some(massless) => OpenModes::of_massless(massless, ModeCount::Lowest(MOST))?,
-        None => OpenModes::of_model(structure, ModeCount::Lowest(MOST.min(available.saturating_sub(1)).max(1)))?,
+        None => OpenModes::of_model(structure, ModeCount::Lowest(MOST.min(available)))?,
     };
     let mode = open.omega_squared().get(scene.method.mode - 1).copied().unwrap_or(0.0).max(0.0).sqrt();
     let reach = (REACH * scene.method.harmonics as f64 * mode).powi(2);
