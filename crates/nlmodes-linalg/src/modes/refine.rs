@@ -48,17 +48,18 @@ fn orthonormalise(pencil: &Pencil, x: &mut Mat<f64>) {
 }
 
 /// Cyclic Jacobi iteration: makes the symmetric `g` diagonal and returns the product of the rotations.
-fn diagonalise(g: &mut Mat<f64>) -> Mat<f64> {
-    let n = g.nrows();
-    let mut product = Mat::identity(n, n);
+fn diagonalise(matrix: &mut Mat<f64>) -> Mat<f64> {
+    let n = matrix.nrows();
+    let mut g: Vec<Vec<f64>> = (0..n).map(|j| matrix.col(j).iter().copied().collect()).collect();
+    let mut product: Vec<Vec<f64>> = (0..n).map(|j| (0..n).map(|i| f64::from(i == j)).collect()).collect();
     for _ in 0..MOST_SWEEPS {
         let mut quiet = true;
         for (p, q) in (0..n).flat_map(|p| (p + 1..n).map(move |q| (p, q))) {
-            let off = 0.5 * (g[(p, q)] + g[(q, p)]);
-            if off.abs() > NEGLIGIBLE * (g[(p, p)] * g[(q, q)]).abs().sqrt() {
-                let (cos, sin) = rotation(g[(p, p)], off, g[(q, q)]);
-                rotate_columns(g, p, q, cos, sin);
-                rotate_rows(g, p, q, cos, sin);
+            let off = 0.5 * (g[q][p] + g[p][q]);
+            if off.abs() > NEGLIGIBLE * (g[p][p] * g[q][q]).abs().sqrt() {
+                let (cos, sin) = rotation(g[p][p], off, g[q][q]);
+                rotate_columns(&mut g, p, q, cos, sin);
+                rotate_rows(&mut g, p, q, cos, sin);
                 rotate_columns(&mut product, p, q, cos, sin);
                 quiet = false;
             }
@@ -67,7 +68,8 @@ fn diagonalise(g: &mut Mat<f64>) -> Mat<f64> {
             break;
         }
     }
-    product
+    *matrix = Mat::from_fn(n, n, |i, j| g[j][i]);
+    Mat::from_fn(n, n, |i, j| product[j][i])
 }
 
 /// Cosine and sine that make `[a b; b d]` diagonal, of the smaller of the two angles.
@@ -78,17 +80,18 @@ fn rotation(a: f64, b: f64, d: f64) -> (f64, f64) {
     (cos, cos * tangent)
 }
 
-fn rotate_columns(a: &mut Mat<f64>, p: usize, q: usize, cos: f64, sin: f64) {
-    for i in 0..a.nrows() {
-        let (u, v) = (a[(i, p)], a[(i, q)]);
-        (a[(i, p)], a[(i, q)]) = (cos * u - sin * v, sin * u + cos * v);
+/// Of a matrix that is given by its columns, `p` before `q`.
+fn rotate_columns(a: &mut [Vec<f64>], p: usize, q: usize, cos: f64, sin: f64) {
+    let (before, behind) = a.split_at_mut(q);
+    for (u, v) in before[p].iter_mut().zip(&mut behind[0]) {
+        (*u, *v) = (cos * *u - sin * *v, sin * *u + cos * *v);
     }
 }
 
-fn rotate_rows(a: &mut Mat<f64>, p: usize, q: usize, cos: f64, sin: f64) {
-    for j in 0..a.ncols() {
-        let (u, v) = (a[(p, j)], a[(q, j)]);
-        (a[(p, j)], a[(q, j)]) = (cos * u - sin * v, sin * u + cos * v);
+fn rotate_rows(a: &mut [Vec<f64>], p: usize, q: usize, cos: f64, sin: f64) {
+    for column in a {
+        let (u, v) = (column[p], column[q]);
+        (column[p], column[q]) = (cos * u - sin * v, sin * u + cos * v);
     }
 }
 
