@@ -1,10 +1,12 @@
 //! How a branch goes on where no step ahead exists: at corners of a piecewise smooth curve, and at crossings.
 
 use crate::ParametricSystem;
-use crate::arms::{Arms, outward};
+use crate::arms::Arms;
 use crate::corrector::{Correction, Corrector};
 use crate::crossing::Choice;
+use crate::meeting::radii;
 use crate::onsets;
+use crate::pencil::GROWN_NEAR;
 use crate::singular::NEARLY_FREE;
 use crate::step::{Foot, StepSettings, reach, step};
 use crate::vectors::{along, distance, dot};
@@ -46,8 +48,10 @@ pub(crate) fn pass<S: ParametricSystem>(
             _ => return Some(Passage::Crossing(arms.choice(&foot.z, own))),
         }
     }
-    let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE);
-    if let Some(next) = next.or_else(|| short_step(system, corrector, settings, foot)) {
+    let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE)
+        .or_else(|| short_step(system, corrector, settings, foot))
+        .or_else(|| regular_corner(system, corrector, settings, foot, &way_back(10.0 * settings.min)));
+    if let Some(next) = next {
         return Some(Passage::Corner(next));
     }
     let mut crossing = None;
@@ -81,80 +85,6 @@ pub(crate) fn pass<S: ParametricSystem>(
         [only] => Some(Passage::Corner(only.clone())),
         _ => Some(Passage::Crossing(arms.choice(&foot.z, own))),
     }
-}
-
-/// Distances at which arms are looked for, descending.
-fn radii(settings: &StepSettings) -> impl Iterator<Item = f64> + use<> {
-    let least = 10.0 * settings.min;
-    let first = settings.arm.max(least);
-    std::iter::successors(Some(first), |r| Some(0.1 * r)).take_while(move |r| *r >= 0.99 * least)
-}
-
-/// The arms at `center`, a regular point but for a crossing, through which the branch goes along `tangent`; `None` if only two meet.
-///
-/// Close by, what bends the arms may be below the last digits of the unknowns: arms are looked for at a distance first, and taken where all of
-/// them are found again ever closer.
-pub(crate) fn crossing<S: ParametricSystem>(
-    system: &mut S,
-    corrector: &mut Corrector,
-    settings: &StepSettings,
-    center: &[f64],
-    tangent: &[f64],
-) -> Option<Choice> {
-    let least = 10.0 * settings.min;
-    let mut closest = None;
-    for radius in radii(settings) {
-        let back = along(center, -radius, tangent);
-        closest = Arms::around(system, corrector, center, radius, 0, &back);
-        // With the way back they are even in number.
-        if let Some(arms) = &closest
-            && arms.onward.len() > 2
-            && arms.onward.len() % 2 == 1
-        {
-            let (inward, lost) = arms.followed_inward(system, corrector, center, radius, least);
-            if lost == 0 {
-                return straight_on(inward, center, tangent);
-            }
-        }
-    }
-    straight_on(closest.filter(|arms| arms.onward.len() > 2)?, center, tangent)
-}
-
-/// The same where several directions become free at once: cubic terms are drowned by rounding close by, so arms are looked for at a distance
-/// first; those that lead to the center belong to it.
-pub(crate) fn crossing_of_several<S: ParametricSystem>(
-    system: &mut S,
-    corrector: &mut Corrector,
-    settings: &StepSettings,
-    center: &[f64],
-    tangent: &[f64],
-) -> Option<Choice> {
-    let least = 10.0 * settings.min;
-    let mut most: Option<Arms> = None;
-    for radius in radii(settings) {
-        let back = along(center, -radius, tangent);
-        let Some(arms) = Arms::around(system, corrector, center, radius, 0, &back) else { continue };
-        let more = arms.onward.len() > most.as_ref().map_or(2, |most| most.onward.len());
-        let mut leading_inward = || {
-            let (inward, _) = arms.followed_inward(system, corrector, center, radius, least);
-            inward.onward.len()
-        };
-        if more && leading_inward() > 2 {
-            most = Some(arms);
-        }
-        // With the way back they are even in number, unless one is missing.
-        if most.as_ref().is_some_and(|most| most.onward.len() % 2 == 1) {
-            break;
-        }
-    }
-    straight_on(most?, center, tangent)
-}
-
-/// Of several arms, the one that lies most ahead.
-fn straight_on(arms: Arms, center: &[f64], tangent: &[f64]) -> Option<Choice> {
-    let ahead = |k: &usize| dot(&outward(center, &arms.onward[*k].z), tangent);
-    let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
-    Some(arms.choice(center, own))
 }
 
 /// Shares of the shortest step with which a corner is tried.
@@ -205,6 +135,29 @@ fn across_boundary<S: ParametricSystem>(
             && end.pattern != foot.pattern;
         credible.then_some(end)
     })
+}
+
+/// The same where directions are nearly free all along the branch, and no more so at the corner: through a point on one boundary, on neither side of which
+/// the Jacobian becomes singular, leads one way.
+fn regular_corner<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    settings: &StepSettings,
+    foot: &Foot,
+    behind: &[f64],
+) -> Option<Correction> {
+    let ahead = along(&foot.z, 10.0 * settings.min, &foot.tangent);
+    system.boundary(behind, &ahead)?;
+    let at = corrector.border_at(system, &foot.z, &foot.tangent)?;
+    let before = corrector.border_at(system, behind, &foot.tangent)?;
+    if at.is_singular_beside(&before, GROWN_NEAR) {
+        return None;
+    }
+    let next = across_boundary(system, corrector, settings, foot, 0.0)?;
+    let beyond = corrector.border_at(system, &next.z, &next.tangent)?;
+    let close = along(&foot.z, settings.min, &next.tangent);
+    let close = corrector.border_at(system, &close, &next.tangent)?;
+    (system.pattern() == next.pattern && !close.is_singular_beside(&beyond, GROWN_NEAR)).then_some(next)
 }
 
 /// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on the branch and

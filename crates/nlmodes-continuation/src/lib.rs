@@ -67,6 +67,7 @@ mod crossing;
 mod error;
 mod events;
 mod expansion;
+mod meeting;
 mod onsets;
 mod pencil;
 mod predictor;

@@ -22,9 +22,10 @@ const REAL: f64 = 0.05;
 /// may be repeated.
 const LARGE: (usize, usize) = (48, 4);
 
-/// Growth of a vector by which a Jacobian is known to be nearly singular beside another one, and steps in which it would show.
-const GROWN: f64 = 1e3;
-const INVERSE_STEPS: usize = 3;
+/// Eigenvalue by which a Jacobian is known to be nearly singular beside another one, far away and close by, and steps in which it would show.
+pub(crate) const GROWN: f64 = 1e3;
+pub(crate) const GROWN_NEAR: f64 = 1e2;
+const INVERSE_STEPS: usize = 4;
 
 /// `B = [J; cᵀ]` at a point: the Jacobian, with the row that was below it when the point was found, and its factors.
 #[derive(Debug, Clone)]
@@ -115,18 +116,21 @@ impl Bordered {
         Some(μ / (μ - 1.0)).filter(|share| share.is_finite())
     }
 
-    /// Whether this Jacobian is nearly singular beside another one: a few steps of the power method for the inverse, which a direction that is
-    /// nearly free makes grow at once.
-    pub fn is_singular_beside(&self, other: &Self) -> bool {
+    /// Whether this Jacobian is nearly singular beside another one, `B⁻¹ B'` having an eigenvalue above `grown`: a few steps of the power method, in which a
+    /// direction that is nearly free outgrows the rest. The first of them tells the norm, which is large too where the units of the equations differ.
+    pub fn is_singular_beside(&self, other: &Self, grown: f64) -> bool {
         let mut signs = Signs::default();
         let mut v: Vec<f64> = self.row.iter().map(|_| signs.draw_between()).collect();
         let mut length = dot(&v, &v).sqrt();
-        (0..INVERSE_STEPS).any(|_| {
+        for _ in 0..INVERSE_STEPS {
             v.iter_mut().for_each(|v| *v /= length);
             v = self.in_terms(other, &v);
             length = dot(&v, &v).sqrt();
-            !length.is_finite() || length > GROWN
-        })
+            if !length.is_finite() {
+                return true;
+            }
+        }
+        length > grown
     }
 
     /// Eigenvalues of `B⁻¹ B'`: all of them, or where the solver is sparse those that lie outside of the rest. Those of a short step are one but

@@ -217,7 +217,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
     fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
         let watched = watched_step(self.system, &mut self.corrector, &self.control.limits, &self.foot, h)?;
         let Watched { end, border, singular } = watched;
-        let (crossing, changes) = match self.several_passed(&end, h, &singular)? {
+        let (crossing, changes) = match self.several_passed(&end, h, border.as_deref(), &singular)? {
             Some(crossing) => (Some(crossing), None),
             None => self.crossing_passed(&end, border.as_deref(), h)?,
         };

@@ -5,8 +5,8 @@ use crate::corrector::{Correction, Corrector, Hyperplane, ROUNDING, Surface};
 use crate::events::Search;
 use crate::predictor::Behind;
 use crate::step::{Foot, step};
-use crate::vectors::{distance, dot};
-use crate::{LinearSolver, Linearization, ParametricSystem, StepSettings};
+use crate::vectors::{along, distance, dot};
+use crate::{Boundary, LinearSolver, Linearization, ParametricSystem, StepSettings};
 
 /// Distance over the radius, and Newton step, to which points of such a curve are known at best.
 const RESOLUTION: f64 = 1e-7;
@@ -99,6 +99,12 @@ impl<E: std::error::Error + 'static> ParametricSystem for Relaxed<'_, E> {
 
     fn pattern(&self) -> u64 {
         self.system.pattern()
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        let boundary = self.system.boundary(&self.sphere.point(from), &self.sphere.point(to))?;
+        let (center, radius) = (self.sphere.center.to_vec(), self.sphere.radius);
+        Some(Boundary::new(move |zeta| boundary.value(&along(&center, radius, zeta)) / radius))
     }
 }
 

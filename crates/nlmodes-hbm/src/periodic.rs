@@ -13,6 +13,7 @@ mod floquet;
 mod load;
 mod modal_response;
 mod motion;
+mod pieces;
 mod refine;
 mod rows;
 mod start;

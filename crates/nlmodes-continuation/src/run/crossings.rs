@@ -3,12 +3,14 @@
 use std::ops::ControlFlow;
 
 use super::{Crossing, Run, between};
-use crate::corner;
 use crate::corrector::Correction;
 use crate::crossing::Choice;
 use crate::events::{Located, Search};
-use crate::pencil::Bordered;
+use crate::meeting;
+use crate::pencil::{Bordered, GROWN, GROWN_NEAR};
 use crate::singular::NEARLY_FREE;
+use crate::step::reach;
+use crate::vectors::dot;
 use crate::{BranchPoint, EventKind, Refusal, StopReason};
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
@@ -51,24 +53,36 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         })
     }
 
-    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends, or where these are not known by itself.
-    fn becomes_singular(&mut self, z: &[f64], end: Option<&Bordered>) -> bool {
-        let foot = self.foot.border.clone();
-        let ends = [foot.as_deref(), end].into_iter().flatten();
-        if let (Some(_), Some(_)) = (&foot, end) {
-            let at = self.corrector.border_at(self.system, z, &self.foot.tangent);
-            // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by itself.
-            return at.is_none_or(|at| ends.into_iter().all(|end| at.is_singular_beside(end)));
-        }
-        self.corrector.evaluate(self.system, z).is_ok()
-            && self.corrector.singular_directions().is_some_and(|free| free.ratio <= NEARLY_FREE)
+    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends and those close by, or where the former are not known by
+    /// itself.
+    pub(super) fn becomes_singular(&mut self, z: &[f64], end: Option<&Bordered>) -> bool {
+        let (Some(foot), Some(end)) = (self.foot.border.clone(), end) else {
+            return self.corrector.evaluate(self.system, z).is_ok()
+                && self.corrector.singular_directions().is_some_and(|free| free.ratio <= NEARLY_FREE);
+        };
+        let Some(at) = self.corrector.border_at(self.system, z, &self.foot.tangent) else { return true };
+        // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by itself.
+        [&*foot, end].into_iter().all(|end| at.is_singular_beside(end, GROWN))
+            && self.is_singular_beside_neighbours(&at, z)
+    }
+
+    /// Whether this Jacobian, at `z`, is nearly singular beside those on the branch at the least distance at which arms are looked for: where others meet
+    /// it, it is so to the last digits of the place.
+    fn is_singular_beside_neighbours(&mut self, at: &Bordered, z: &[f64]) -> bool {
+        let s = dot(z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
+        let near = 10.0 * self.control.limits.min;
+        [-near, near].into_iter().all(|d| {
+            let reached = reach(self.system, &mut self.corrector, &self.foot, s + d).ok();
+            let beside = reached.and_then(|_| self.corrector.border());
+            beside.is_none_or(|beside| at.is_singular_beside(&beside, GROWN_NEAR))
+        })
     }
 
     /// The arms at a point of a step; `None` if only two meet.
     fn arms_at(&mut self, at: &Located, end: &Correction, h: f64) -> Option<Choice> {
         // The Jacobian has no tangent to offer where arms meet.
         let tangent = between(&self.foot.tangent, &end.tangent, at.s / h);
-        corner::crossing(self.system, &mut self.corrector, &self.control.limits, &at.point.z, &tangent)
+        meeting::of_one(self.system, &mut self.corrector, &self.control.limits, &at.point.z, &tangent)
     }
 
     /// The arm on which the branch is to leave a crossing; `None` if that has been passed before.

@@ -1,9 +1,10 @@
 //! Crossings at which several directions become free at once: `det [J; tᵀ]` need not change its sign.
 
 use super::{Crossing, Run, between};
-use crate::corner;
 use crate::corrector::Correction;
 use crate::events::Located;
+use crate::meeting;
+use crate::pencil::Bordered;
 use crate::step::reach;
 use crate::vectors::along;
 use crate::{EventKind, Refusal};
@@ -21,6 +22,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         &mut self,
         end: &Correction,
         h: f64,
+        border: Option<&Bordered>,
         singular: &[f64],
     ) -> Result<Option<Crossing>, Refusal> {
         if singular.len() < 2 {
@@ -30,8 +32,12 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let located = self.singular_point(mean * h, end, h);
         let tangent = between(&self.foot.tangent, &end.tangent, located.s / h);
         let center = &located.point.z;
-        let choice =
-            corner::crossing_of_several(self.system, &mut self.corrector, &self.control.limits, center, &tangent);
+        // Where a contact sets in, the Jacobian changes unevenly: it may seem to become singular and be regular all the way.
+        let choice = if self.becomes_singular(center, border) {
+            meeting::of_several(self.system, &mut self.corrector, &self.control.limits, center, &tangent)
+        } else {
+            None
+        };
         match choice {
             Some(choice) => Ok(Some((located, choice))),
             None if h > 10.0 * self.control.limits.min => Err(Refusal::CloseCurves),

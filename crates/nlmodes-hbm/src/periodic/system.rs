@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
 use num_complex::Complex64;
 
 use super::analysis::Coordinates;
@@ -161,20 +161,9 @@ impl PeriodicSystem {
         if !(at.omega.is_finite() && at.omega > 0.0 && at.xi.is_finite() && at.level.is_finite()) {
             return Err(HbmError::OperatingPoint { omega: at.omega, xi: at.xi, level: at.level });
         }
-        let (series, unit, d) = (self.series(), self.unit(), self.response.n_coordinates());
-        let (c, width) = (self.structure.n_contacts(), series.width());
-        let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
-        self.y.fill(0.0);
-        for i in 0..c {
-            let y = &mut self.y[i * width..(i + 1) * width];
-            for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
-                let factor = self.gap_map[i * d + j];
-                y.iter_mut().zip(&coefficients[j * width..]).for_each(|(y, x)| *y += factor * x);
-            }
-            y[0] += self.structure.gaps()[i];
-        }
+        let series = self.series();
         let moved = self.load_gaps(at);
-        self.y.iter_mut().zip(&moved[3]).for_each(|(y, a)| *y += a);
+        self.form_gaps(x, &moved[3]);
         self.operator.solve(&self.y)?;
         if self.rest.is_empty() {
             self.operator.apply(&self.y, &mut self.forces);
@@ -183,6 +172,8 @@ impl PeriodicSystem {
             self.operator.fine_forces(&gaps, &mut self.forces);
         }
         let generalised = self.generalised(&self.forces);
+        let unit = self.unit();
+        let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
         for n in 0..=series.n_harmonics {
             let x = complex_harmonic(series, &coefficients, n);
             let force = complex_harmonic(series, &generalised, n);
@@ -191,8 +182,22 @@ impl PeriodicSystem {
         Ok(at)
     }
 
+    /// Gaps without contact forces of the coefficients `x`; `moved` (c × width, m) is what the load adds.
+    pub(super) fn form_gaps(&mut self, x: &[f64], moved: &[f64]) {
+        let (unit, d) = (self.unit(), self.response.n_coordinates());
+        let width = self.series().width();
+        for (i, y) in self.y.chunks_mut(width).enumerate() {
+            y.copy_from_slice(&moved[i * width..(i + 1) * width]);
+            for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
+                let factor = self.gap_map[i * d + j] * unit;
+                y.iter_mut().zip(&x[j * width..]).for_each(|(y, x)| *y += factor * x);
+            }
+            y[0] += self.structure.gaps()[i];
+        }
+    }
+
     /// What the load adds to the gaps (c × width): derivatives with respect to ω, ξ and the level, and, last, the value.
-    fn load_gaps(&self, at: OperatingPoint) -> [Vec<f64>; 4] {
+    pub(super) fn load_gaps(&self, at: OperatingPoint) -> [Vec<f64>; 4] {
         let (series, c) = (self.series(), self.structure.n_contacts());
         let mut moved = [0, 1, 2, 3].map(|_| vec![0.0; c * series.width()]);
         if !self.load.moves_gaps() {
@@ -351,6 +356,14 @@ impl ParametricSystem for PeriodicSystem {
 
     fn pattern(&self) -> u64 {
         self.operator.pattern()
+    }
+
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        self.piece_at(z)
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        self.boundary_between(from, to)
     }
 
     fn accepted(&mut self, x: &[f64], _p: f64) {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{
-    Bound, Continuation, Linearization, ParametricSystem, RunLog, Scaling, StepSettings, StopReason,
+    Bound, Boundary, Continuation, Linearization, ParametricSystem, RunLog, Scaling, StepSettings, StopReason,
 };
 use thiserror::Error;
 
@@ -77,6 +77,16 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
 
     fn pattern(&self) -> u64 {
         self.system.pattern()
+    }
+
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        self.system.pattern_at(&z[..=self.defect.len()])
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        let n = self.defect.len();
+        let boundary = self.system.boundary(&from[..=n], &to[..=n])?;
+        Some(Boundary::new(move |z| boundary.value(&z[..=n])))
     }
 
     fn accepted(&mut self, z: &[f64], _: f64) {

@@ -201,15 +201,17 @@ impl ParametricSystem for Periodic<'_> {
     fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.pattern_at(z),
-            _ => None,
+            Equations::Modal(problem) => problem.system.pattern_at(z),
+            Equations::Exact(_) => None,
         }
     }
 
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.boundary(from, to),
-            // Halving finds changes of the others.
-            _ => None,
+            Equations::Modal(problem) => problem.system.boundary(from, to),
+            // Halving finds its changes.
+            Equations::Exact(_) => None,
         }
     }
 

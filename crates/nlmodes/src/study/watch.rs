@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, AtomicUsize, Ordering};
 
-use nlmodes_continuation::{Boundary, Correction, Linearization, ParametricSystem, RunLog, StepRecord};
+use nlmodes_continuation::{
+    Boundary, Correction, LinearSolver, Linearization, ParametricSystem, RunLog, Scaling, StepRecord,
+};
 use thiserror::Error;
 
 /// What a study is doing.
@@ -180,6 +182,14 @@ impl<S: ParametricSystem> ParametricSystem for Watched<'_, S> {
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Self::Error> {
         self.watch.evaluates()?;
         self.system.linearize(x, p, out).map_err(WatchedError::System)
+    }
+
+    fn solver(&self) -> Box<dyn LinearSolver> {
+        self.system.solver()
+    }
+
+    fn scaling(&self) -> Option<Scaling> {
+        self.system.scaling()
     }
 
     fn pattern(&self) -> u64 {
