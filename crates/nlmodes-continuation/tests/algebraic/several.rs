@@ -76,8 +76,8 @@ fn a_branch_point_of_one_to_four_free_directions_is_found_from_any_start_in_any_
 }
 
 /// `Δu + p (u − u³) = 0` on a square of m × m inner nodes, in five-point differences times h².
-struct Square {
-    m: usize,
+pub struct Square {
+    pub m: usize,
 }
 
 impl ParametricSystem for Square {

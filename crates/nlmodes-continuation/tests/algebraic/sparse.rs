@@ -8,7 +8,7 @@ use nlmodes_continuation::{
 
 use crate::bends::Stop;
 use crate::samples::{Embedded, piecewise, smooth, window};
-use crate::several::Modes;
+use crate::several::{Modes, Square};
 
 /// A system that writes the entries of its Jacobian which are not zero.
 struct Sparse<S>(S);
@@ -155,6 +155,22 @@ fn points_where_several_directions_become_free_have_the_same_arms() {
         let along: Vec<f64> = (0..=n).map(|j| if j == n { 1.0 } else { 0.0 }).collect();
         let branch = same_branch(&window(n, -2.0, 0.5), system, (&vec![0.0; n], -0.37), &along, 1e-7);
         assert_eq!(branch.crossings[0].arms.len(), 3_usize.pow(n as u32));
+    }
+}
+
+#[test]
+fn all_arms_of_the_double_branch_point_of_a_square_are_found() {
+    for m in [2, 4, 5] {
+        let angle = |k: usize| (k as f64 * std::f64::consts::PI / (m + 1) as f64).cos();
+        let (first, double) = (4.0 - 4.0 * angle(1), 4.0 - 2.0 * angle(1) - 2.0 * angle(2));
+        let n = m * m;
+        let along: Vec<f64> = (0..=n).map(|j| if j == n { 1.0 } else { 0.0 }).collect();
+        let settings = window(n, 0.0, double + 0.3 * (double - first));
+        let branch = followed(&settings, Sparse(Square { m }), (&vec![0.0; n], 0.3317 * first), &along);
+        let found: Vec<(usize, usize)> = branch.crossings.iter().map(|c| (c.arms.len(), c.unsearched)).collect();
+        assert_eq!(found, [(3, 0), (9, 0)], "m = {m}");
+        let off = |k: usize, p: f64| (branch.crossings[k].z[n] - p).abs();
+        assert!(off(0, first) < 1e-6 && off(1, double) < 1e-6, "m = {m}");
     }
 }
 
