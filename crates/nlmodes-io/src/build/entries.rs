@@ -23,11 +23,11 @@ struct Entry {
     value: f64,
 }
 
-/// Collects entries in any order: 16 bytes for each that is not zero, in blocks that are freed as the columns fill.
+/// Collects entries in any order: 16 bytes for each that is not zero, in blocks that are freed as the columns fill, and nothing for the rows between, whose
+/// number nobody has checked yet.
 pub(crate) struct EntryBuilder {
     triangles: Triangles,
     blocks: Vec<Vec<Entry>>,
-    counts: Vec<usize>,
     watched: Option<Fault>,
     seen: bool,
 }
@@ -35,7 +35,7 @@ pub(crate) struct EntryBuilder {
 impl EntryBuilder {
     /// With an entry to look out for: the second one at the place of a duplicate is an error, and the first at that of an asymmetry.
     pub(crate) fn new(triangles: Triangles, watched: Option<Fault>) -> Self {
-        Self { triangles, blocks: Vec::new(), counts: Vec::new(), watched, seen: false }
+        Self { triangles, blocks: Vec::new(), watched, seen: false }
     }
 
     /// Takes an entry with indices from 0, below [`MAX_ORDER`](super::MAX_ORDER).
@@ -47,10 +47,6 @@ impl EntryBuilder {
         if value == 0.0 {
             return Ok(());
         }
-        if self.counts.len() <= low {
-            self.counts.resize(low + 1, 0);
-        }
-        self.counts[low] += 1;
         let upper = if row < column && self.triangles == Triangles::Both { UPPER } else { 0 };
         let entry = Entry { row: (high | upper) as u32, column: low as u32, value };
         match self.blocks.last_mut().filter(|block| block.len() < BLOCK) {
@@ -82,7 +78,7 @@ impl EntryBuilder {
 
     /// Number of entries so far.
     pub(crate) fn n_entries(&self) -> usize {
-        self.counts.iter().sum()
+        self.blocks.iter().map(Vec::len).sum()
     }
 
     /// Sorts the entries into the columns of a matrix of `order` rows. With `to`, entry `(i, j)` goes to `(to[i], to[j])`, and where there is
@@ -102,14 +98,8 @@ impl EntryBuilder {
             Some((i.max(j), mark, i.min(j)))
         };
         let mut starts = vec![0; order + 1];
-        if to.is_none() {
-            for (j, count) in self.counts.iter().enumerate() {
-                starts[j + 1] = *count;
-            }
-        } else {
-            for (_, _, j) in self.blocks.iter().flatten().filter_map(target) {
-                starts[j + 1] += 1;
-            }
+        for (_, _, j) in self.blocks.iter().flatten().filter_map(target) {
+            starts[j + 1] += 1;
         }
         for j in 0..order {
             starts[j + 1] += starts[j];
@@ -262,6 +252,16 @@ mod tests {
             let placed = builder.finish(2, Some(&[None, Some(1), Some(0)])).unwrap();
             assert_eq!(placed.entries().collect::<Vec<_>>(), [(0, 0, 5.0), (1, 0, 4.0), (1, 1, 3.0)]);
         }
+    }
+
+    #[test]
+    fn an_index_alone_takes_no_memory() {
+        let mut builder = EntryBuilder::new(Triangles::One, None);
+        let last = super::super::MAX_ORDER as usize - 1;
+        builder.push(last, last, 1.0).unwrap();
+        assert_eq!(builder.n_entries(), 1);
+        let held: usize = builder.blocks.iter().map(Vec::capacity).sum();
+        assert!(held <= 64, "{held} entries for one, of row {last}");
     }
 
     #[test]
