@@ -25,7 +25,7 @@ pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> Str
     }
     lines.extend(matrices::rows(scene, open));
     for (i, contact) in scene.contacts.iter().enumerate() {
-        lines.push(row(&format!("contact {i}"), &stop(contact)));
+        lines.push(row(&format!("contact {i}"), &stop(contact, bodies.len() > 1)));
     }
     lines.extend(scene.updating.as_ref().map(|updating| row("updating", &fitted(updating))));
     lines.extend(open.map(|open| matrices::reduction(scene, open)));
@@ -117,7 +117,7 @@ fn mesh(structure: &Structure) -> String {
     format!("{elements} {grading}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
 }
 
-fn stop(contact: &Contact) -> String {
+fn stop(contact: &Contact, several: bool) -> String {
     let law = contact.stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)));
     if let Some(other) = contact.against {
         return format!(
@@ -131,8 +131,9 @@ fn stop(contact: &Contact) -> String {
             number(contact.gap)
         );
     }
+    let of = if several { format!("structure {} at ", contact.structure + 1) } else { String::new() };
     format!(
-        "{} m (node {}), {}, on the {} side, gap {} m, {law}",
+        "{of}{} m (node {}), {}, on the {} side, gap {} m, {law}",
         number(contact.at),
         contact.node,
         contact.direction.name(),

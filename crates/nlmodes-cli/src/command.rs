@@ -1,194 +1,19 @@
-//! The command line.
+//! From the command line to what it asks for.
 
 use std::path::PathBuf;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Args, CommandFactory, Parser, Subcommand};
-use clap_complete::Shell;
+use clap::{CommandFactory, Parser};
 use nlmodes_run::updating::updated;
 use nlmodes_run::{chain, no_contact};
 use nlmodes_scene::scene::TestScene;
 use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, nearest};
 
+use crate::arguments::{Command, CommandLine, Experiment, SceneArguments};
+use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::watch::Watch;
 use crate::{Status, check, compare, explore, extract, figures, interrupt, lcp, modes, new, study, told, verify};
-
-/// Nonlinear modes of structures with one-sided contact
-///
-/// A scene, a TOML file, describes a rod or beam, its stops, and what is to be computed. From it come the branch of a nonlinear mode
-/// (frequency, shape and contact force over energy), a virtual test of it, or the same from measured records: as tables, figures and a page.
-#[derive(Debug, Parser)]
-#[command(name = "nlmodes-cli", version, arg_required_else_help = true, after_help = EXAMPLES)]
-struct CommandLine {
-    #[command(subcommand)]
-    command: Command,
-}
-
-const EXAMPLES: &str = "\
-First steps:
-  nlmodes-cli new rod my_rod.toml             write a scene with comments
-  nlmodes-cli check my_rod.toml               is it sound, and what would be computed?
-  nlmodes-cli run my_rod.toml                 compute it; open results/my_rod/report.html in a browser
-  nlmodes-cli run my_rod.toml --set method.harmonics=5 --out results/my_rod_5
-  nlmodes-cli run my_rod.toml --resume        go on after Ctrl-C, a power cut or a full disk
-
-Exit status:
-  0  done
-  1  the computation ended early: what was found is written, and why it ended is said
-  2  the scene or the call is wrong: nothing is written";
-
-const SET_HELP: &str = "\
-Replaces a value of the scene, or adds one. The key is a dotted path; stops go by number, from 0. May be given several times.";
-
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Compute the branch, or run the virtual test, that a scene describes, and write its tables and figures
-    #[command(after_help = "\
-Examples:
-  nlmodes-cli run configs/rod.toml                               results go to the directory that the scene names
-  nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap
-  nlmodes-cli run configs/rod.toml --set 'method.harmonics=[1,2,3]' --out results/harmonics
-  nlmodes-cli run configs/rod.toml --resume                      go on where a run was interrupted
-
-Every point is on disk when it is found. Ctrl-C ends the computation where it is and writes summary and figures; a second one ends at once.
-A directory with the results of another scene is left as it is, unless `--force` is given.")]
-    Run {
-        #[command(flatten)]
-        scene: SceneArguments,
-        /// Directory of the result files, instead of the one that the scene names
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        #[command(flatten)]
-        options: RunOptions,
-    },
-    /// Write a scene with comments, to begin with
-    #[command(after_help = "\
-Examples:
-  nlmodes-cli new rod                        writes rod.toml
-  nlmodes-cli new virtual-test my_test.toml
-
-A file that is there already is left as it is.")]
-    New(new::Arguments),
-    /// Print the linear modes, with and without mass at the contacts
-    #[command(after_help = "Example:\n  nlmodes-cli modes configs/beam.toml --set structure.elements=40")]
-    Modes {
-        #[command(flatten)]
-        scene: SceneArguments,
-    },
-    /// Compute the branch of a scene with several contact solvers, and compare time, iterations, violation and result
-    #[command(after_help = "\
-Example:
-  nlmodes-cli compare configs/beam_ten_stops.toml --contact-solver active-set,lemke")]
-    Compare {
-        #[command(flatten)]
-        scene: SceneArguments,
-        #[command(flatten)]
-        compare: compare::Arguments,
-    },
-    /// Solve contact problems 0 ≤ A λ + b ⊥ λ ≥ 0 of a NumPy archive
-    #[command(after_help = "\
-Example:
-  python -c 'import numpy as n; n.savez(\"problem.npz\", A=n.array([[2., 1.], [1., 2.]]), b=n.array([[-1., 1.], [-1., -1.]]))'
-  nlmodes-cli lcp problem.npz --contact-solver lemke --out solution.npz
-
-Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
-    Lcp(lcp::Arguments),
-    /// A quantity over parameters: thousands of branches, their table, spread and sensitivity
-    #[command(subcommand)]
-    Study(study::Command),
-    /// Measured records
-    #[command(subcommand)]
-    Experiment(Experiment),
-    /// Start the full structure from a computed point, and say by how much it fails to return after a period
-    #[command(after_help = "\
-Example:
-  nlmodes-cli run configs/rod.toml
-  nlmodes-cli verify results/rod --point 100
-
-Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
-    Verify(verify::Arguments),
-    /// Read and check a scene, and say what would be computed; computes no more than linear modes, writes nothing
-    #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
-    Check {
-        #[command(flatten)]
-        scene: SceneArguments,
-    },
-    /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
-    #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
-    Schema,
-    /// Change a scene by sliders in a browser, its branch computed anew while you drag
-    #[command(after_help = "\
-Examples:
-  nlmodes-cli explore configs/beam_two_stops.toml
-  nlmodes-cli explore configs/rod.toml --set method.harmonics=1
-
-The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
-    Explore(explore::Arguments),
-    /// The figures of results as PDF or PNG, for papers and slides
-    #[command(after_help = "\
-Examples:
-  nlmodes-cli figures results/beam                                       a PDF beside each SVG
-  nlmodes-cli figures results/beam/frequency_energy.svg --format png --dots-per-inch 600
-
-Their width in print and their titles are output.figure_width_mm and output.figure_titles of the scene.")]
-    Figures(figures::Arguments),
-    /// Print what every file of results, its columns and arrays mean, with units and signs
-    #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
-    Columns {
-        /// As Markdown
-        #[arg(long)]
-        markdown: bool,
-    },
-    /// Print completions of this command line for a shell
-    #[command(after_help = "\
-Examples:
-  nlmodes-cli completions bash > ~/.local/share/bash-completion/completions/nlmodes-cli
-  nlmodes-cli completions zsh > ~/.zfunc/_nlmodes-cli            with ~/.zfunc in $fpath
-  nlmodes-cli completions fish > ~/.config/fish/completions/nlmodes-cli.fish
-
-They work in the next shell that is opened.")]
-    Completions {
-        /// The shell
-        shell: Shell,
-    },
-}
-
-#[derive(Debug, Subcommand)]
-enum Experiment {
-    /// Turn measured records into points of a nonlinear mode: a table, figures, and what a careful experimenter wants to be told
-    #[command(after_help = "\
-Example:
-  nlmodes-cli experiment extract configs/measured_record.toml --out results/measured
-
-Exit status 1 where a record gives no point, with the reason in the table; 2 where a file cannot be read, and nothing is written.")]
-    Extract {
-        #[command(flatten)]
-        scene: SceneArguments,
-        /// Directory of the result files, instead of the one that the scene names
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        /// Overwrite the results of another scene
-        #[arg(long)]
-        force: bool,
-        /// Warnings and errors only
-        #[arg(long, short)]
-        quiet: bool,
-    },
-}
-
-#[derive(Debug, Args)]
-struct SceneArguments {
-    /// The scene, a TOML file
-    #[arg(value_name = "SCENE")]
-    path: PathBuf,
-    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP, allow_hyphen_values = true)]
-    overrides: Vec<String>,
-    /// Most memory that the scene may take, as 8GiB; default: three quarters of the machine's
-    #[arg(long, value_name = "SIZE")]
-    memory_limit: Option<memory::Limit>,
-}
 
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
@@ -321,7 +146,7 @@ fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOp
             )),
         };
     }
-    let mut watch = Watch::new(options);
+    let mut watch = TerminalObserver::new(options);
     match nlmodes_run::run(files, options.over(), &mut watch) {
         Ok(outcome) => {
             if let Some(error) = &outcome.failure {
@@ -335,7 +160,7 @@ fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOp
 
 /// Runs the responses of a scene.
 fn run_responses(file: &SceneFile, options: RunOptions) -> Status {
-    let outcome = match nlmodes_run::responses::run(file, options.over(), &mut Watch::new(options)) {
+    let outcome = match nlmodes_run::responses::run(file, options.over(), &mut TerminalObserver::new(options)) {
         Ok(outcome) => outcome,
         Err(error) => return refuse_run(&error),
     };
@@ -356,7 +181,7 @@ fn run_responses(file: &SceneFile, options: RunOptions) -> Status {
 
 /// Runs a virtual test.
 fn run_test(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
-    let outcome = match nlmodes_run::virtual_test::run(file, options.over(), &mut Watch::new(options)) {
+    let outcome = match nlmodes_run::virtual_test::run(file, options.over(), &mut TerminalObserver::new(options)) {
         Ok(outcome) => outcome,
         Err(error) => return refuse_run(&error),
     };

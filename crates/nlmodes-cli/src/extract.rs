@@ -8,13 +8,13 @@ use nlmodes_run::records::{Outcome, extract};
 use nlmodes_scene::{RecordScene, SceneFile, number};
 
 use crate::Status;
+use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse_run};
-use crate::watch::Watch;
 
 /// Extracts from all records, and says what came of each.
 pub fn run(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
-    let outcomes = match extract(file, options.over(), &mut Watch::new(options)) {
+    let outcomes = match extract(file, options.over(), &mut TerminalObserver::new(options)) {
         Ok(outcomes) => outcomes,
         Err(error) => return refuse_run(&error),
     };

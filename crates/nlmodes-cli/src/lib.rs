@@ -11,6 +11,7 @@ macro_rules! say {
     }};
 }
 
+mod arguments;
 mod check;
 pub mod command;
 mod compare;
@@ -21,6 +22,7 @@ mod interrupt;
 mod lcp;
 mod modes;
 mod new;
+mod observer;
 mod options;
 mod progress;
 mod status;
@@ -28,6 +30,5 @@ mod study;
 mod terminal;
 mod told;
 mod verify;
-mod watch;
 
 pub use status::Status;

@@ -112,6 +112,11 @@ impl ContactBody {
         &self.compliance_w
     }
 
+    /// Gaps `g₀` of the undeformed body, c, m.
+    pub fn gaps(&self) -> &[f64] {
+        &self.gaps
+    }
+
     /// Number of displacements n.
     pub fn n_displacements(&self) -> usize {
         self.w.nrows()

@@ -19,7 +19,6 @@ mod contact;
 mod drift;
 mod error;
 mod extract;
-mod figures;
 mod finding;
 mod frequency;
 mod guess;
@@ -35,6 +34,7 @@ mod result;
 mod scale;
 mod settings;
 mod skew;
+mod values;
 mod window;
 
 pub use error::ExtractionError;

@@ -53,7 +53,6 @@ pub struct CondensedStructure {
     pub(crate) residual: ResidualMass,
     /// The contact degrees of freedom with `C = K_NN⁻¹`.
     pub(crate) body: ContactBody,
-    pub(crate) gaps: Vec<f64>,
     /// The held modes once more, laid out for sums over all of them.
     pub(crate) sums: HeldSums,
     pub(crate) recording: Recording,
@@ -74,7 +73,7 @@ impl CondensedStructure {
         let t0 = solve_columns(&k_nn, &(-coupling));
         refuse_stiff_springs(&model, &t0)?;
         let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
-        let body = ContactBody::new(model.w().clone(), solve_columns(&k_nn, model.w()), gaps.clone())
+        let body = ContactBody::new(model.w().clone(), solve_columns(&k_nn, model.w()), gaps)
             .and_then(|body| body.with_stop_compliance(&model.stop_compliance()))
             .map_err(HbmError::Compliance)?;
         separate_repeated(&mut held, &model, &k_nn)?;
@@ -99,7 +98,7 @@ impl CondensedStructure {
         let inverse = solve_columns(&k_nn, &Mat::identity(psi.ncols(), psi.ncols()));
         let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
         let recording = Recording::new(&model, &modes, &held.shapes, &psi, &residual.shapes);
-        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, gaps, sums, recording, n_held })
+        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, sums, recording, n_held })
     }
 
     /// The structure that was reduced.
@@ -145,7 +144,7 @@ impl CondensedStructure {
 
     /// Number of contacts c.
     pub fn n_contacts(&self) -> usize {
-        self.gaps.len()
+        self.body.gaps().len()
     }
 }
 

@@ -68,7 +68,6 @@
 
 mod boundary;
 mod closed_set;
-mod closing;
 mod condensed;
 mod contact_operator;
 mod contact_statistics;
@@ -86,12 +85,12 @@ mod periodic;
 mod projection;
 mod recording;
 mod series;
+mod shrinking_gaps;
 mod start;
 mod switching;
 mod transfer;
 mod trigonometric;
 
-pub use closing::Closing;
 pub use condensed::{CondensedStructure, HeldMode};
 pub use contact_operator::{ContactOperator, PatternInterval, Switching};
 pub use error::HbmError;
@@ -107,4 +106,5 @@ pub use periodic::{
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;
 pub use series::{RealSeries, Symmetry};
+pub use shrinking_gaps::ShrinkingGaps;
 pub use start::{Grazing, grazing, grazing_opened};

@@ -7,10 +7,10 @@ use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
 use self::contact::Gaps;
 use self::rows::{EnergyTotals, Nu};
 use crate::closed_set::NodeResponse;
-use crate::closing::Opening;
 use crate::contact_operator::{ContactOperator, Switching};
 use crate::energy::KineticEnergy;
 use crate::series::{RealSeries, Symmetry};
+use crate::shrinking_gaps::Opening;
 use crate::transfer::Plane;
 use crate::{CondensedStructure, HbmError};
 

@@ -142,7 +142,7 @@ impl MixedShooting<'_> {
             }
             harmonic_energy.push(kinetic);
         }
-        let preload: f64 = self.mean_forces().iter().zip(&structure.gaps).map(|(λ, g)| λ * g).sum();
+        let preload: f64 = self.mean_forces().iter().zip(structure.body.gaps()).map(|(λ, g)| λ * g).sum();
         (harmonic_energy, strain - 0.5 * preload)
     }
 

@@ -1,14 +1,15 @@
 //! Damped, forced and conservative periodic motions of a structure in open modes, put together from a linear response, the contact
 //! operator and closing conditions.
 
-mod analysis;
+mod analyses;
 mod block;
-mod conditions;
+mod closing_conditions;
+mod closing_equations;
 mod contact_response;
+mod damped_stop;
 mod damping;
 mod directions;
 mod doubling;
-mod equations;
 mod floquet;
 mod load;
 mod modal_response;
@@ -20,14 +21,15 @@ mod start;
 mod structure;
 mod system;
 
-pub use analysis::Coordinates;
-pub use conditions::{ClosingConditions, Column, OperatingPoint, Source};
+pub use analyses::Coordinates;
+pub use closing_conditions::{ClosingConditions, Column, OperatingPoint, Source};
+pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseAnchor, PhaseLag};
+pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
-pub use equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseAnchor, PhaseLag};
 pub use floquet::{Floquet, Instability};
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion};
 pub use refine::Refined;
 pub use start::{ModalGrazing, modal_grazing};
-pub use structure::{DampedStop, ModalStructure, ResponseRow};
+pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

@@ -92,7 +92,7 @@ impl Grazing {
 pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, HbmError> {
     let start = LinearStart::of(structure, mode)?;
     match start.touching.first() {
-        Some(&contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.gaps[contact] }),
+        Some(&contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.body.gaps()[contact] }),
         None => {
             let (contact, amplitude) = start.first_change().ok_or_else(|| start.never_touches(structure))?;
             Ok(start.at(contact, amplitude, vec![0.0; structure.n_contacts()]))
@@ -156,7 +156,7 @@ impl LinearStart {
             (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
         };
         let y_unit = project(&unit);
-        let y_rest: Vec<f64> = project(&rest.b).iter().zip(&structure.gaps).map(|(y, g)| y + g).collect();
+        let y_rest: Vec<f64> = project(&rest.b).iter().zip(structure.body.gaps()).map(|(y, g)| y + g).collect();
         let guards: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_rest)).collect();
         let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
         let largest = structure.model.dofs().iter().zip(&shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
@@ -208,7 +208,7 @@ struct Rest {
 impl Rest {
     fn of(structure: &CondensedStructure) -> Result<Self, HbmError> {
         let (c, n) = (structure.n_contacts(), structure.n_contact_dofs());
-        if structure.gaps.iter().all(|g| *g >= 0.0) {
+        if structure.body.gaps().iter().all(|g| *g >= 0.0) {
             return Ok(Self { closed: vec![false; c], b: vec![0.0; n], compliance: 0.0, noise: 0.0 });
         }
         // q_0 = (K_NN (I − T_0))⁻¹ W λ: the whole structure yields, not only the contact node.
@@ -230,9 +230,9 @@ impl Rest {
         let (mut closed, mut lambda) = (vec![false; c], vec![0.0; c]);
         solver_by_name("active-set")
             .and_then(|solver| solver.workspace(&compliance))
-            .and_then(|mut workspace| workspace.solve(&structure.gaps, &mut closed, &mut lambda))
+            .and_then(|mut workspace| workspace.solve(structure.body.gaps(), &mut closed, &mut lambda))
             .map_err(HbmError::Compliance)?;
-        let noise = ROUNDING * structure.gaps.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let noise = ROUNDING * structure.body.gaps().iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let a = compliance.a();
         // A force that is nothing but rounding does not hold a contact.
         (0..c).for_each(|i| closed[i] &= a[(i, i)] * lambda[i] > noise);

@@ -14,6 +14,10 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
     if !a.is_all_finite() {
         return Err(LinalgError::NotFinite { what: "symmetric matrix" });
     }
+    // The solver below subtracts one from the size.
+    if n == 0 {
+        return Ok((Vec::new(), Mat::zeros(0, 0)));
+    }
     let scale = scale(a);
     let scaled = Mat::from_fn(n, n, |i, j| scale * a[(i, j)]);
     let failed = |_| LinalgError::ModesNotConverged { wanted: n, converged: 0, iterations: 0 };
@@ -30,6 +34,12 @@ fn scale(a: &Mat<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_matrix_without_rows_has_no_eigenvalues() {
+        let (values, vectors) = symmetric_eigen(&Mat::zeros(0, 0)).unwrap();
+        assert!(values.is_empty() && vectors.ncols() == 0);
+    }
 
     #[test]
     fn a_rotated_diagonal_is_found_again() {

@@ -1,5 +1,5 @@
 //! The compiled part of the Python package `nlmodes`: what computes. Arrays come in checked by `nlmodes._arguments`, and go out as arrays of
-//! NumPy; results of runs are read from their files by `nlmodes._read`.
+//! NumPy; results of runs are read from their files by `nlmodes._result`.
 //!
 //! | item | what |
 //! | --- | --- |

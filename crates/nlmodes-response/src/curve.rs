@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use nlmodes_continuation::StopReason;
-use nlmodes_hbm::{Instability, PeriodicMotion, PeriodicSystem};
+use nlmodes_hbm::{Floquet, Instability, PeriodicMotion, PeriodicSystem};
 use nlmodes_modal::{EndReason, Event};
 use num_complex::Complex64;
 
@@ -17,6 +17,18 @@ pub struct Stability {
     pub error: f64,
     /// How stability is lost by it.
     pub instability: Instability,
+}
+
+impl Stability {
+    /// By the multipliers of a motion.
+    pub(crate) fn of(floquet: &Floquet) -> Self {
+        Self {
+            stable: floquet.is_stable(),
+            largest: floquet.largest(),
+            error: floquet.error,
+            instability: floquet.instability(),
+        }
+    }
 }
 
 /// A point of a curve.

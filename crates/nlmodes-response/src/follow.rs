@@ -145,13 +145,7 @@ impl Curve<'_> {
     }
 
     fn stability(&mut self, x: &[f64], p: f64) -> Result<Stability, ResponseError> {
-        let floquet = self.system.floquet(x, p, self.solver)?;
-        Ok(Stability {
-            stable: floquet.is_stable(),
-            largest: floquet.largest(),
-            error: floquet.error,
-            instability: floquet.instability(),
-        })
+        Ok(Stability::of(&self.system.floquet(x, p, self.solver)?))
     }
 
     /// Number of unknowns, which is the coordinate of the parameter.

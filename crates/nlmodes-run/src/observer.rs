@@ -89,6 +89,8 @@ pub enum Event<'a> {
     CurveDone {
         /// Its name.
         name: &'a str,
+        /// Whether it stands behind the one that was announced: a branch of that, or the curve from the other end of the window.
+        is_further: bool,
         /// Points, and in words why there are no more; or why there are none.
         outcome: Result<(usize, &'a str), &'a str>,
         /// Whether it ended where it was meant to.

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use nlmodes::hbm::HbmError;
+use nlmodes::model::ModelError;
 use nlmodes::study::StudyError;
 use nlmodes::timestep::TimestepError;
 use nlmodes_scene::scene::{Direction, Scene, StructureKind};
@@ -55,6 +56,10 @@ pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
         StudyError::NoStart { .. } => "continuation.start_frequency_hz",
         StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
         StudyError::Contact(_) => "method.contact_solver",
+        StudyError::Hbm(HbmError::Model(ModelError::HeldRigidBody { .. })) => {
+            let help = "supports, or springs in this direction (`[[structure.spring]]`), hold it; with `reduction.kind = \"open-modes\"` it may float";
+            return file.error_at("structure", &chain(error), "", &[help]).into();
+        }
         StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
         _ => "method",
     };

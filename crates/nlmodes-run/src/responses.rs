@@ -85,9 +85,10 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let mut compute = |job: Job<'_>, number: usize, of: usize, curves: &mut Vec<ComputedResponse>| {
         let name = job.name(&file.scene, &model);
         observer.event(Event::Curve { number, of, name: &name });
-        for computed in follow(&model, &file.scene, job, &name, observer.watch()) {
+        for (further, computed) in follow(&model, &file.scene, job, &name, observer.watch()).into_iter().enumerate() {
             observer.event(Event::CurveDone {
                 name: &computed.name,
+                is_further: further > 0,
                 outcome: computed.said(),
                 is_complete: computed.is_complete(),
             });

@@ -1,5 +1,6 @@
 //! From a checked scene to the structural model.
 
+mod contact;
 mod open;
 mod parts;
 mod several;
@@ -11,7 +12,7 @@ use std::f64::consts::TAU;
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, Support};
 use nlmodes::model::{
     Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
-    ModelError, Move, Side, StructuralModel,
+    ModelError, Move, StructuralModel,
 };
 use nlmodes_io::{ContactError, ReadError, find_contacts};
 use nlmodes_linalg::LinalgError;
@@ -239,8 +240,9 @@ fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel,
 /// # Errors
 /// What the element library has against it.
 pub fn element_model(structure: &scene::Structure, contacts: &[scene::Contact]) -> Result<StructuralModel, FemError> {
-    let stops: Vec<Stop> = contacts.iter().map(stop).collect();
-    Elements::new(structure)?.assemble(&stops)
+    let model = Elements::new(structure)?.assemble(&[])?;
+    let contacts = contacts.iter().map(|of| contact::contact(of, model.dofs(), &[0])).collect::<Result<Vec<_>, _>>()?;
+    Ok(model.with_contacts(contacts)?)
 }
 
 /// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there are none.
@@ -296,21 +298,5 @@ fn support(support: scene::Support) -> Support {
         scene::Support::Pinned => Support::Pinned,
         scene::Support::Sliding => Support::Sliding,
         scene::Support::Free => Support::Free,
-    }
-}
-
-fn stop(contact: &scene::Contact) -> Stop {
-    let direction = match contact.direction {
-        scene::Direction::Axial => nlmodes::fem::Direction::Axial,
-        scene::Direction::Transverse => nlmodes::fem::Direction::Transverse,
-    };
-    let stop = Stop::rigid(contact.at, direction, side(contact.side), contact.gap);
-    contact.stiffness.map_or(stop, |stiffness| stop.on_spring(stiffness))
-}
-
-fn side(side: scene::Side) -> Side {
-    match side {
-        scene::Side::Positive => Side::Positive,
-        scene::Side::Negative => Side::Negative,
     }
 }

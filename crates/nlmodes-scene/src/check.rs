@@ -29,7 +29,7 @@ use parts::Fixed;
 use crate::Findings;
 use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{RawBodiesScene, RawMatrixScene, RawOverlay, RawResults, RawScene, RawStructure, RawStudy};
+use crate::raw::{RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure, RawStudy};
 use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure};
 
 /// What a scene computes with, as far as its other tables have to fit it.
@@ -173,7 +173,7 @@ fn overlays(raw: Option<&[RawOverlay]>, base: &Path) -> Vec<Overlay> {
     raw.into_iter().flatten().filter_map(overlay).collect()
 }
 
-fn files(raw: Option<&RawResults>) -> OutputFiles {
+fn files(raw: Option<&RawOutput>) -> OutputFiles {
     let (Some(raw), default) = (raw, OutputFiles::default()) else { return OutputFiles::default() };
     let mut histories = raw.histories.clone().unwrap_or_default();
     histories.sort_unstable();

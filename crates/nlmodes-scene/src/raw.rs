@@ -8,12 +8,12 @@
 mod continuation;
 mod matrices;
 mod method;
+mod output;
 mod overlay;
 mod parts;
 mod records;
 mod reduction;
 mod response;
-mod results;
 mod structure;
 mod updating;
 mod virtual_test;
@@ -21,6 +21,7 @@ mod virtual_test;
 pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
+pub use output::RawOutput;
 pub use overlay::RawOverlay;
 pub use parts::{RawMassPoint, RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
@@ -28,7 +29,6 @@ pub use reduction::RawReduction;
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawOwnDamping, RawRayleigh, RawResponse,
 };
-pub use results::RawResults;
 pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
 pub use updating::RawUpdating;
 pub use virtual_test::{
@@ -69,7 +69,7 @@ pub struct RawStudy {
     /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
-    pub output: Option<RawResults>,
+    pub output: Option<RawOutput>,
 }
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
@@ -144,7 +144,7 @@ pub struct RawAgainst {
 /// Where results go.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RawOutput {
+pub struct RawDirectory {
     /// Directory of the result files, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,

@@ -105,7 +105,7 @@ fn fits(study: &Study, findings: &mut Findings<'_>) {
 
 /// Columns of the table have names of their own.
 fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], findings: &mut Findings<'_>) {
-    let mut known: Vec<&str> = crate::table::FIXED.to_vec();
+    let mut known: Vec<&str> = crate::collect::FIXED.to_vec();
     let named = variables.iter().enumerate().map(|(k, variable)| (format!("vary.{k}"), variable.name.as_str()));
     let wanted = quantities.iter().enumerate().map(|(k, quantity)| (format!("quantity.{k}"), quantity.name.as_str()));
     let errors: Vec<String> = quantities.iter().map(|quantity| crate::collect::error_column(&quantity.name)).collect();

@@ -2,6 +2,7 @@
 
 mod band;
 mod row;
+mod table;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -9,10 +10,11 @@ use std::thread;
 use crate::case::{Case, cases};
 use crate::statistics::Statistics;
 use crate::store::Store;
-use crate::study::{Place, Study};
-use crate::table::{Cells, Table};
+use crate::study::Study;
+use crate::table::Table;
 pub use band::{Band, Drawn};
 pub use row::{Row, State};
+pub use table::{FIXED, error_column};
 
 /// Most branches that are kept for the page.
 const MOST_DRAWN: usize = 1500;
@@ -55,7 +57,7 @@ impl Collected {
         let cases = cases(study, threads);
         let store = Store::new(&study.directory);
         let rows = rows(study, &store, &cases, threads);
-        let table = table(study, &cases, &rows);
+        let table = table::table(study, &cases, &rows);
         let mut counts = Counts { cases: rows.len(), ..Counts::default() };
         rows.iter().for_each(|row| counts.take(row.state));
         let statistics = study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
@@ -107,38 +109,4 @@ fn rows(study: &Study, store: &Store, cases: &[Case], threads: usize) -> Vec<Row
     });
     all.sort_by_key(|(k, _)| *k);
     all.into_iter().map(|(_, row)| row).collect()
-}
-
-fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
-    let mut table = Table::default();
-    table.push("case", Cells::Integers(cases.iter().map(|case| Some(case.number as i64)).collect()));
-    for (k, variable) in study.variables.iter().enumerate() {
-        table.push(&variable.name, Cells::of_values(cases.iter().filter_map(|case| case.values.get(k))));
-    }
-    // One case may have no scene, and with it no method.
-    let methods = || cases.iter().filter(|case| case.harmonics > 0);
-    if methods().any(|case| case.part > 0) {
-        let known = |case: &Case| case.harmonics > 0;
-        table.push("method", Cells::Texts(cases.iter().map(|c| known(c).then(|| c.method.to_owned())).collect()));
-        table
-            .push("harmonics", Cells::Integers(cases.iter().map(|c| known(c).then_some(c.harmonics as i64)).collect()));
-    }
-    for (k, quantity) in study.quantities.iter().enumerate() {
-        let cell = |row: &Row| row.values.get(k).copied().flatten();
-        table.push(&quantity.name, Cells::Numbers(rows.iter().map(|row| cell(row).map(|v| v[0])).collect()));
-        if matches!(quantity.at, Place::Column { .. }) {
-            let error = rows.iter().map(|row| cell(row).map(|v| v[1])).collect();
-            table.push(error_column(&quantity.name), Cells::Numbers(error));
-        }
-    }
-    table.push("points", Cells::Integers(rows.iter().map(|row| row.points.map(|n| n as i64)).collect()));
-    table.push("status", Cells::Texts(rows.iter().map(|row| Some(row.state.name().to_owned())).collect()));
-    table.push("reason", Cells::Texts(rows.iter().map(|row| Some(row.reason.clone())).collect()));
-    table.push("id", Cells::Texts(cases.iter().map(|case| case.id.as_ref().ok().cloned()).collect()));
-    table
-}
-
-/// Name of the column with the estimated error of interpolation.
-pub fn error_column(quantity: &str) -> String {
-    format!("{quantity}_error")
 }

@@ -1,10 +1,7 @@
-//! The table of a study: a row a case.
+//! Columns of cells, whatever they hold, and the files that they go to. Which columns a study has stands in `collect/table.rs`.
 
 mod cells;
 mod csv;
 mod parquet;
 
 pub use cells::{Cells, Column, Table};
-
-/// Columns that every table has or may have.
-pub const FIXED: [&str; 7] = ["case", "method", "harmonics", "points", "status", "reason", "id"];

@@ -49,6 +49,7 @@ fn list(values: &[f64]) -> String {
 
 fn of_modes(damping: &ModeDamping) -> String {
     match damping {
+        ModeDamping::Ratios(ratios) if ratios.iter().all(|ratio| *ratio == 0.0) => "none of the modes".to_owned(),
         ModeDamping::Ratios(ratios) => format!("ratios {} with open contacts, the last one goes on", list(ratios)),
         ModeDamping::Rayleigh { mass, stiffness } => {
             format!("{} 1/s of the mass and {} s of the stiffness", number(*mass), number(*stiffness))

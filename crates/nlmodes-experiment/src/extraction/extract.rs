@@ -3,10 +3,10 @@ use num_complex::Complex64;
 use crate::extraction::blocks::{Blocks, take_out_delay};
 use crate::extraction::contact::Evidence;
 use crate::extraction::drift::Drift;
-use crate::extraction::figures::Method;
 use crate::extraction::judgement::Judgement;
 use crate::extraction::layout::{Layout, Place, modes_at};
 use crate::extraction::repeated::{Repeated, rate_deviation};
+use crate::extraction::values::Method;
 use crate::extraction::window::Window;
 use crate::extraction::{
     ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, RecordExtraction, clipping,
@@ -118,7 +118,7 @@ impl Analysis<'_> {
             window: &window,
             method: &method,
             blocks: &blocks,
-            figures: &repeated.all,
+            values: &repeated.all,
         };
         let damping = modal.as_ref().and_then(|modal| Some(modal.damping?.value));
         let before = findings.len();

@@ -1,14 +1,14 @@
-//! What a careful experimenter looks at once the figures are there: delays, scales, signs, phases, forces, the state of the vibration.
+//! What a careful experimenter looks at once the values are there: delays, scales, signs, phases, forces, the state of the vibration.
 
 use num_complex::Complex64;
 
 use crate::extraction::balance::Balance;
 use crate::extraction::blocks::Blocks;
 use crate::extraction::consensus::{Consensus, Row};
-use crate::extraction::figures::{Figures, Method};
 use crate::extraction::layout::{Layout, Place, member};
 use crate::extraction::scale::{Scales, likely_unit};
 use crate::extraction::skew::Comparison;
+use crate::extraction::values::{Method, Values};
 use crate::extraction::window::Window;
 use crate::extraction::{ContactFigures, ExtractionSettings, Finding, Measured, quadrature};
 use crate::records::{Quantity, Record};
@@ -28,7 +28,7 @@ pub struct Judgement<'a> {
     pub window: &'a Window,
     pub method: &'a Method<'a>,
     pub blocks: &'a Blocks,
-    pub figures: &'a Figures,
+    pub values: &'a Values,
 }
 
 impl Judgement<'_> {
@@ -110,12 +110,12 @@ impl Judgement<'_> {
         let name = |place: &Place| self.name_at(place);
         let tolerance = self.settings.tolerances.quadrature;
         let places = &self.method.shape_places;
-        quadrature::report(&self.figures.motion, modal.as_deref(), anchor, tolerance, name, places, findings);
+        quadrature::report(&self.values.motion, modal.as_deref(), anchor, tolerance, name, places, findings);
     }
 
     /// Modal coordinates of the fundamental.
     fn modal(&self) -> Option<Vec<Complex64>> {
-        let coordinates = &self.figures.modal.as_ref()?.coordinates;
+        let coordinates = &self.values.modal.as_ref()?.coordinates;
         Some((0..coordinates.n_coordinates()).map(|k| coordinates.of(k)[1]).collect())
     }
 

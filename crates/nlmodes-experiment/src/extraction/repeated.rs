@@ -1,19 +1,19 @@
-//! Figures of all periods with those of single ones: what they scatter, and what the sampling rate leaves open.
+//! Values of all periods with those of single ones: what they scatter, and what the sampling rate leaves open.
 
 use nlmodes_modal::{LinearDissipation, LinearModes};
 
-use crate::extraction::figures::{Figures, Method};
+use crate::extraction::values::{Method, Values};
 use crate::extraction::{ExcitationFigures, ExtractionError, Measured, ModalFigures};
 
 use num_complex::Complex64;
 
-/// Figures of one record.
+/// Values of one record.
 #[derive(Debug)]
 pub struct Repeated {
-    pub all: Figures,
-    single: Vec<Figures>,
-    /// The figures at a frequency that is higher by the standard error of the sampling rate, where that has one.
-    stretched: Option<Figures>,
+    pub all: Values,
+    single: Vec<Values>,
+    /// The values at a frequency that is higher by the standard error of the sampling rate, where that has one.
+    stretched: Option<Values>,
 }
 
 /// Standard error of the sampling rate, relative: its error is anywhere within the bound.
@@ -31,13 +31,13 @@ impl Repeated {
     ) -> Result<Self, ExtractionError> {
         // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are taken, nothing else.
         let stretched = Method { omega: method.omega * (1.0 + rate_deviation(rate_error)), ..method.clone() };
-        let stretched = (rate_error > 0.0).then(|| stretched.figures(all)).transpose()?;
-        let single = single.iter().map(|q| method.figures(q)).collect::<Result<_, _>>()?;
-        Ok(Self { all: method.figures(all)?, single, stretched })
+        let stretched = (rate_error > 0.0).then(|| stretched.values(all)).transpose()?;
+        let single = single.iter().map(|q| method.values(q)).collect::<Result<_, _>>()?;
+        Ok(Self { all: method.values(all)?, single, stretched })
     }
 
     /// A figure with its uncertainty.
-    pub fn measured(&self, of: impl Fn(&Figures) -> Option<f64>) -> Option<Measured> {
+    pub fn measured(&self, of: impl Fn(&Values) -> Option<f64>) -> Option<Measured> {
         let repeated: Vec<f64> = self.single.iter().filter_map(&of).collect();
         let measured = Measured::new(of(&self.all)?, &repeated);
         let rate = self.stretched.as_ref().and_then(&of).map_or(0.0, |stretched| stretched - measured.value);
@@ -46,7 +46,7 @@ impl Repeated {
 
     /// The figures of the excitation.
     pub fn excitation(&self) -> Option<ExcitationFigures> {
-        let lags: Vec<f64> = self.single.iter().filter_map(|figures| figures.lag).collect();
+        let lags: Vec<f64> = self.single.iter().filter_map(|values| values.lag).collect();
         Some(ExcitationFigures {
             power: self.all.power?,
             fundamental_power: self.measured(|f| Some(f.power?.fundamental))?,

@@ -58,7 +58,7 @@ impl MixedShooting<'_> {
 
     /// Gaps of the contacts where the motion is zero, m, c.
     pub(super) fn gaps_at_rest(&self) -> Vec<f64> {
-        self.structure.gaps.iter().zip(&self.standing_back).map(|(gap, back)| gap + back).collect()
+        self.structure.body.gaps().iter().zip(&self.standing_back).map(|(gap, back)| gap + back).collect()
     }
 
     /// Gaps without contact forces, `y = Wᵀ b + g₀`, of each contact.
@@ -67,7 +67,7 @@ impl MixedShooting<'_> {
         let (width, mut of_dof) = (series.width(), vec![Complex64::default(); series.n_harmonics + 1]);
         for (i, y) in self.sweep.y.iter_mut().enumerate() {
             y.fill(Complex64::default());
-            y[0].re = self.structure.gaps[i] + self.standing_back[i];
+            y[0].re = self.structure.body.gaps()[i] + self.standing_back[i];
             for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
                 series.to_complex(&self.b[d * width..(d + 1) * width], &mut of_dof);
                 y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);

@@ -1,6 +1,6 @@
 use num_complex::Complex64;
 
-use super::conditions::OperatingPoint;
+use super::closing_conditions::OperatingPoint;
 use super::structure::ModalStructure;
 use crate::HbmError;
 

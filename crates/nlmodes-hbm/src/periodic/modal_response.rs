@@ -3,7 +3,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
-use super::conditions::OperatingPoint;
+use super::closing_conditions::OperatingPoint;
 use super::load::Load;
 use super::structure::ModalStructure;
 

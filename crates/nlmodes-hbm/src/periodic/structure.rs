@@ -11,33 +11,22 @@ use crate::HbmError;
 /// η̈ + Ĉ η̇ + diag(ω_k²) η = Yᵀ λ + p(t) ,   y = g₀ + Y η + a(t) ,   0 ≤ λ ⊥ (A + C) λ + y ≥ 0
 /// ```
 ///
-/// [`DampedStop`]s are coordinates without mass behind the modes: `d_i ṡ_i + k_i s_i = λ_i`, and `s_i` opens gap i.
+/// [`DampedStop`](crate::DampedStop)s are coordinates without mass behind the modes: `d_i ṡ_i + k_i s_i = λ_i`, and `s_i` opens gap i.
 ///
 /// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance of the stops.
 /// The contacts themselves have no mass. A structure whose contact nodes are massless is of this form with all its modes.
 #[derive(Debug, Clone)]
 pub struct ModalStructure {
-    omega_squared: Vec<f64>,
+    pub(super) omega_squared: Vec<f64>,
     /// Mass of each coordinate: one of a mode, none of a stop that dissipates.
-    inertia: Vec<f64>,
+    pub(super) inertia: Vec<f64>,
     /// The contact of each stop that dissipates.
-    damped: Vec<usize>,
-    rows: Mat<f64>,
-    compliance: LcpMatrix,
-    stop_compliance: Vec<f64>,
-    gaps: Vec<f64>,
-    damping: ModalDamping,
-}
-
-/// A stop on a spring (N/m) with a damper (N s/m) beside it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DampedStop {
-    /// The contact.
-    pub contact: usize,
-    /// Stiffness, N/m.
-    pub stiffness: f64,
-    /// Constant of the damper, N s/m.
-    pub damper: f64,
+    pub(super) damped: Vec<usize>,
+    pub(super) rows: Mat<f64>,
+    pub(super) compliance: LcpMatrix,
+    pub(super) stop_compliance: Vec<f64>,
+    pub(super) gaps: Vec<f64>,
+    pub(super) damping: ModalDamping,
 }
 
 /// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the load moves statically.
@@ -118,42 +107,6 @@ impl ModalStructure {
         Ok(Self { damping, ..self.clone() })
     }
 
-    /// The same structure with spring and damper beside each other behind some of its stops; what such a stop was before, rigid or elastic, does not count. While its
-    /// contact is open it comes back to its place.
-    ///
-    /// # Errors
-    /// [`HbmError::Size`] for a contact that does not exist or stands twice, [`HbmError::NotFinite`] for a spring or a damper that is not a positive number, or
-    /// [`HbmError::Compliance`] where the contact has no flexibility of its own.
-    pub fn with_damped_stops(&self, stops: &[DampedStop]) -> Result<Self, HbmError> {
-        let (m, c, n) = (self.n_modes(), self.n_contacts(), stops.len());
-        let mut structure = self.clone();
-        for (j, stop) in stops.iter().enumerate() {
-            let i = stop.contact;
-            if i >= c || self.damped.contains(&i) || stops[..j].iter().any(|other| other.contact == i) {
-                return Err(HbmError::Size { what: "contact of a stop that dissipates", expected: c, found: i });
-            }
-            if ![stop.stiffness, stop.damper].iter().all(|v| v.is_finite() && *v > 0.0) {
-                return Err(HbmError::NotFinite { what: "spring and damper of a stop" });
-            }
-            structure.stop_compliance[i] = 0.0;
-            structure.omega_squared.push(stop.stiffness);
-            structure.inertia.push(0.0);
-            structure.damped.push(i);
-        }
-        let of = |i: usize| stops.iter().position(|stop| stop.contact == i);
-        let row = |i: usize, k: usize| match k.checked_sub(m) {
-            None => self.rows[(i, k)],
-            Some(j) => f64::from(u8::from(of(i) == Some(j))),
-        };
-        structure.rows = Mat::from_fn(c, m + n, row);
-        let a = self.compliance.a();
-        let own = |i: usize, j: usize| if i == j && of(i).is_some() { self.stop_compliance[i] } else { 0.0 };
-        let compliance = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| a[(i, j)] - own(i, j)));
-        structure.compliance = compliance.map_err(HbmError::Compliance)?;
-        structure.damping = self.damping.with_own(&stops.iter().map(|stop| stop.damper).collect::<Vec<_>>());
-        Ok(structure)
-    }
-
     /// Rounding in the rows of modes that leave the contacts at rest would be a pole of its own: it becomes zero.
     fn silence_modes_at_rest(&mut self) {
         let strength = |k: usize| self.coupling(k);
@@ -175,11 +128,6 @@ impl ModalStructure {
     /// Mass of each coordinate, m: one of a mode, none of a stop that dissipates.
     pub(crate) fn inertia(&self) -> &[f64] {
         &self.inertia
-    }
-
-    /// The coordinate of the stop of a contact, where it dissipates.
-    pub fn damped_stop(&self, contact: usize) -> Option<usize> {
-        self.damped.iter().position(|i| *i == contact).map(|j| self.n_moving() + j)
     }
 
     /// Number of contacts c.

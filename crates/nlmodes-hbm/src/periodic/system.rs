@@ -4,10 +4,10 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
 use num_complex::Complex64;
 
-use super::analysis::Coordinates;
+use super::analyses::Coordinates;
 use super::block::{HarmonicBlock, LinearResponse};
-use super::conditions::{ClosingConditions, Column, OperatingPoint};
-use super::equations::{Functional, Motion};
+use super::closing_conditions::{ClosingConditions, Column, OperatingPoint};
+use super::closing_equations::{Functional, Motion};
 use super::load::Load;
 use super::rows::{Assembly, add_weights, complex_harmonic};
 use super::structure::ModalStructure;

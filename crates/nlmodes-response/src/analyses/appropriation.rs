@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::forced::scales;
 use crate::follow::newton;
-use crate::{ForcePower, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, Weights};
+use crate::{ForcePower, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, Stability, Weights};
 
 /// Forces that bring a damped structure into a nonlinear mode, and what it does under them.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Appropriation {
     pub motion: Option<PeriodicMotion>,
     /// Distance of the velocities to those of the mode in the norm of the kinetic energy, over the latter; NaN without a motion.
     pub distance: f64,
+    /// Whether that motion, at these forces and this frequency, comes back after a disturbance, where that was asked for.
+    pub stability: Option<Stability>,
     /// Powers of the forces in that motion.
     pub power: Option<ForcePower>,
 }
@@ -67,13 +69,17 @@ pub fn appropriation(
     let mut system = PeriodicSystem::force_response(structure, load, omega, 1.0, periodic, scales, solver.as_ref())?;
     let guess = mode.coefficients_for(&system);
     let found = newton(&mut system, &guess, 1.0).filter(|x| x.len() == system.dim());
-    let motion = found.map(|x| system.motion(&x, 1.0)).transpose()?;
+    let motion = found.as_ref().map(|x| system.motion(x, 1.0)).transpose()?;
+    let stability = match found.filter(|_| own.stability) {
+        Some(x) => Some(Stability::of(&system.floquet(&x, 1.0, solver.as_ref())?)),
+        None => None,
+    };
     let distance = motion.as_ref().map_or(f64::NAN, |motion| distance(&motion.eta, &target.eta));
     let power = match &motion {
         Some(motion) => loaded.force_power(motion, 1)?,
         None => None,
     };
-    Ok(Appropriation { forces, motion, distance, power })
+    Ok(Appropriation { forces, motion, distance, stability, power })
 }
 
 /// `√(Σ ν²|η_n − η⁰_n|² / Σ ν²|η⁰_n|²)`.

@@ -4,7 +4,7 @@ use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
 use super::doubled::doubled_responses;
 use crate::follow::{Curve, newton};
-use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else happens.
 const WINDOW: f64 = 6.0;
@@ -22,6 +22,47 @@ pub fn frequency_response(
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let (mut curve, omega) = over_frequency(model, level, settings, solver.as_ref())?;
     curve.follow(omega)
+}
+
+/// The response from the one end of the window, as [`frequency_response`], and behind it that from the other end where that is a motion which the first curve does not
+/// come to: where several motions are possible at an end, the curve from the other one may bring another of them. Where from there none is found from rest, the first curve is all.
+///
+/// # Errors
+/// As [`frequency_response`].
+pub fn responses_from_both_ends(
+    model: &ResponseModel,
+    level: f64,
+    settings: &ResponseSettings,
+) -> Result<Vec<ResponseCurve>, ResponseError> {
+    let first = frequency_response(model, level, settings)?;
+    if first.end == CurveEnd::Stopped {
+        return Ok(vec![first]);
+    }
+    let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
+    let other = ResponseSettings { from_upper_end: !settings.from_upper_end, ..settings.clone() };
+    let (mut curve, omega) = match over_frequency(model, level, &other, solver.as_ref()) {
+        Ok(start) => start,
+        Err(ResponseError::NoStart { .. } | ResponseError::Stopped) => return Ok(vec![first]),
+        Err(error) => return Err(error),
+    };
+    let end = curve.p * omega.1;
+    let is_start = |point: &ResponsePoint| {
+        let known = point.coefficients_for(&curve.system);
+        (point.omega - end).abs() <= SAME * end && distance(&known, &curve.x) <= SAME * distance(&known, &[])
+    };
+    if first.points.iter().any(is_start) {
+        return Ok(vec![first]);
+    }
+    Ok(vec![first, curve.follow(omega)?])
+}
+
+/// Share of a motion within which two at the same frequency are one.
+const SAME: f64 = 1e-6;
+
+/// Length of `a − b`, as far as both go; of `a` where `b` is empty.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let b = b.iter().chain(std::iter::repeat(&0.0));
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 /// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions of twice the period of the
@@ -181,7 +222,7 @@ pub(crate) fn at_level(
             omega: base * settings.subharmonic as f64,
             level,
             reached: last.0 * level / WINDOW,
-            why: crate::CurveEnd::of(stop, usize::MAX, 1.0).to_string(),
+            why: CurveEnd::of(stop, usize::MAX, 1.0).to_string(),
         }),
     }
 }

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use nlmodes::hbm::Coordinates;
 use nlmodes::response::{
     Appropriation, Cancel, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, appropriation,
-    branching_responses, conservative_mode, damped_mode, detached_response, force_response, frequency_response,
-    lies_on, phase_resonance,
+    branching_responses, conservative_mode, damped_mode, detached_response, force_response, lies_on, phase_resonance,
+    responses_from_both_ends,
 };
 use nlmodes::study::Watch;
 use nlmodes_scene::number;
@@ -162,18 +162,42 @@ pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Wat
         Ok((curves, forces)) => (curves.into_iter().map(Ok).collect(), forces),
         Err(error) => (vec![Err(chain(&error))], Vec::new()),
     };
+    let not_held = not_held(&forces);
     let computed = |(k, curve): (usize, Result<ResponseCurve, String>)| ComputedResponse {
         response: job.response,
         kind: job.wanted.kind,
         level: job.level,
-        name: if k == 0 { name.to_owned() } else { format!("{name}, branch {k}") },
+        name: match k {
+            0 => name.to_owned(),
+            _ if job.wanted.subharmonic > 1 => format!("{name}, branch {k}"),
+            _ => format!("{name}, from the upper end"),
+        },
         is_detached: job.from.is_some(),
-        message: curve.as_ref().map_or_else(Clone::clone, |curve| curve.end.to_string()),
+        message: curve.as_ref().map_or_else(Clone::clone, |curve| format!("{}{not_held}", curve.end)),
         curve,
         appropriations: std::mem::take(&mut forces),
         wall_time: began.elapsed(),
     };
     curves.into_iter().enumerate().map(computed).collect()
+}
+
+/// What is to be said of forces that were computed and do not hold the mode.
+fn not_held(forces: &[Appropriation]) -> String {
+    let count = |is: &dyn Fn(&Appropriation) -> bool| forces.iter().filter(|found| is(found)).count();
+    let lost = count(&|found| found.motion.is_none());
+    let unstable = count(&|found| found.stability.is_some_and(|s| s.stable == Some(false)));
+    let mut said = String::new();
+    if lost > 0 {
+        said += &format!(
+            "; of {lost} of its points no motion next to the mode was found under the forces, and none stands there"
+        );
+    }
+    if unstable > 0 {
+        said += &format!(
+            "; under the forces of {unstable} of its points the motion is unstable at a frequency that is held"
+        );
+    }
+    said
 }
 
 /// The forces that hold each point of a mode.
@@ -208,7 +232,7 @@ fn curve(
         ResponseKind::Frequency => match &job.from {
             Some(point) => detached_response(system, point, settings),
             None if settings.subharmonic > 1 => return branching_responses(system, level, settings),
-            None => frequency_response(system, level, settings),
+            None => return responses_from_both_ends(system, level, settings),
         },
     };
     Ok(vec![curve?])

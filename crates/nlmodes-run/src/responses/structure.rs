@@ -78,38 +78,16 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
             coordinate.kind = format!("{}-{number}", coordinate.kind);
         }
         let source = if bodies.is_empty() { Source::Files(reduction.dofs.clone()) } else { Source::Several(bodies) };
-        let open = reduction.modes.clone();
         let warning = scene.base_motion.and_then(|base| missing_mass(&reduction, base.direction));
-        let reduction = Some(reduction);
-        return Ok(Reduced {
-            open,
-            recorded,
-            coordinates,
-            has_all_modes: false,
-            shift: None,
-            warning,
-            reduction,
-            source,
-        });
+        return Ok(Reduced { warning, ..Reduced::in_open_modes(reduction, (recorded, coordinates), source) });
     };
     let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
     if let Some(reduction) = reduction {
         // The full structure, of which the modes are.
         let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
-        let (recorded, coordinates) = recorded(model.dofs(), &reduction.modes);
+        let written = recorded(model.dofs(), &reduction.modes);
         let source = Source::Straight { elements, model: Box::new(model), massless: None };
-        let open = reduction.modes.clone();
-        let (reduction, warning) = (Some(reduction), None);
-        return Ok(Reduced {
-            open,
-            recorded,
-            coordinates,
-            has_all_modes: false,
-            shift: None,
-            warning,
-            reduction,
-            source,
-        });
+        return Ok(Reduced::in_open_modes(reduction, written, source));
     }
     let massless = redistribution(scene)
         .map(|rule| MasslessContactModel::new(&model, rule))
@@ -198,6 +176,17 @@ fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
 }
 
 impl Reduced {
+    /// A structure whose scene asks for open modes, with the coordinates that are written: its stops have no mass, and what else it has is left over.
+    fn in_open_modes(
+        reduction: OpenStructure,
+        (recorded, coordinates): (Vec<usize>, Vec<Coordinate>),
+        source: Source,
+    ) -> Self {
+        let open = reduction.modes.clone();
+        let (reduction, warning) = (Some(reduction), None);
+        Self { open, recorded, coordinates, has_all_modes: false, shift: None, warning, reduction, source }
+    }
+
     /// The displacement at a place, as degrees of freedom with weights; none where the structure is held.
     ///
     /// # Errors

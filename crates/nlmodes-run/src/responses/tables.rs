@@ -68,12 +68,13 @@ impl Row<'_> {
         let first = |value: &dyn Fn(&ContactMotion) -> f64| {
             motion.contacts.first().map_or_else(String::new, |c| cell(value(c)))
         };
-        let stability = point.stability.as_ref();
+        let appropriated = self.computed.appropriations.get(self.index);
+        let stability = appropriated.and_then(|found| found.stability.as_ref()).or(point.stability.as_ref());
         let judged =
             |value: &dyn Fn(&nlmodes::response::Stability) -> String| stability.map_or_else(String::new, value);
         let names: Vec<&str> = point.events.iter().map(|event| event.name()).collect();
-        let expected = match self.computed.appropriations.get(self.index) {
-            Some(found) => appropriated(found),
+        let expected = match appropriated {
+            Some(found) => expected_of(found),
             None => expected(self.computed.kind, system, point, self.subharmonic)?,
         };
         let is_drive = point.drive.norm() > 0.0;
@@ -130,7 +131,7 @@ struct Expected {
 }
 
 /// What the forces of appropriation come to: the fundamental of the first one, and how near the motion is to the mode.
-fn appropriated(found: &Appropriation) -> Expected {
+fn expected_of(found: &Appropriation) -> Expected {
     Expected {
         force: found.forces.first().and_then(|f| f.get(1)).map_or(f64::NAN, |f| f.norm()),
         indicator: found.power.map_or(f64::NAN, |power| power.indicator()),

@@ -9,7 +9,7 @@ mod window;
 pub use test::{damping, warn as warn_of_test};
 
 use crate::rule::number;
-use crate::scene::{Scene, Section, Structure, StructureKind, Support};
+use crate::scene::{Scene, Section, SpringDirection, Structure, StructureKind, Support};
 use crate::{Findings, Problem};
 
 /// Structures that are longer are rare, m.
@@ -74,18 +74,38 @@ fn slenderness(structure: &Structure, findings: &mut Findings<'_>) {
     }
 }
 
+/// Supports that hold nothing, and how far springs make up for that.
 fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
-    if (structure.start, structure.end) == (Support::Free, Support::Free) {
-        // Along the axis, and of a beam across it and about a point too.
-        let help = match structure.kind() {
-            StructureKind::Rod => {
-                "its first mode is a rigid-body motion at 0 Hz; method.mode = 2 is the first that vibrates"
-            }
-            StructureKind::Beam => {
-                "its first 3 modes are rigid-body motions at 0 Hz; method.mode = 4 is the first that vibrates"
-            }
-        };
-        let problem = Problem::warning("the structure is held nowhere").help(help);
-        findings.put("structure.start", problem, "free, as is the end");
+    if (structure.start, structure.end) != (Support::Free, Support::Free) {
+        return;
+    }
+    let left = rigid_motions(structure);
+    if left == 0 {
+        return;
+    }
+    let (title, label) = match structure.springs.is_empty() {
+        true => ("the structure is held nowhere", "free, as is the end"),
+        false => ("the structure is not held all round", "free, as is the end; springs hold the rest"),
+    };
+    let modes = match left {
+        1 => "its first mode is a rigid-body motion".to_owned(),
+        _ => format!("its first {left} modes are rigid-body motions"),
+    };
+    let help = format!("{modes} at 0 Hz; method.mode = {} is the first that vibrates", left + 1);
+    findings.put("structure.start", Problem::warning(title).help(help), label);
+}
+
+/// Rigid motions that the springs of a free structure leave: along the axis, and of a beam across it and about a point.
+fn rigid_motions(structure: &Structure) -> usize {
+    let of = |direction| structure.springs.iter().filter(move |s| s.direction == direction && s.stiffness > 0.0);
+    let along = usize::from(of(SpringDirection::Axial).next().is_none());
+    let mut across: Vec<usize> = of(SpringDirection::Transverse).map(|spring| spring.node).collect();
+    across.sort_unstable();
+    across.dedup();
+    // Two springs across at different nodes, or one and another about a point, hold both motions; springs about points alone only one.
+    let held = across.len().min(2) + usize::from(of(SpringDirection::Rotation).next().is_some());
+    match structure.kind() {
+        StructureKind::Rod => along,
+        StructureKind::Beam => along + 2_usize.saturating_sub(held),
     }
 }

@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use crate::raw::method::MAX_HARMONICS;
-use crate::raw::{RawOutput, RawOverlay, RawStructure};
+use crate::raw::{RawDirectory, RawOverlay, RawStructure};
 use crate::scene::{ChannelRole, MeasuredQuantity, Side};
 
 /// Most numbers of a list.
@@ -34,7 +34,7 @@ pub struct RawRecordScene {
     /// Computed branches, or other tests, that figures and page show beside the records, each under a heading `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
-    pub output: Option<RawOutput>,
+    pub output: Option<RawDirectory>,
 }
 
 /// Files of records.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::raw::method::MAX_HARMONICS;
-use crate::raw::{RawExtraction, RawOutput, RawOverlay, RawStructure};
+use crate::raw::{RawDirectory, RawExtraction, RawOverlay, RawStructure};
 use crate::scene::{BackboneMethod, ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
 
 /// Most modes, sensors or levels.
@@ -28,7 +28,7 @@ pub struct RawTestScene {
     /// Computed branches, or other tests, that figures and page show beside the levels, each under a heading `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
-    pub output: Option<RawOutput>,
+    pub output: Option<RawDirectory>,
 }
 
 /// The rig, and the test on it.

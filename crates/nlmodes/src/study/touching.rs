@@ -100,7 +100,7 @@ fn close(
     let method = Continuation { step: settings.step.clone(), bounds, max_points: MOST, ..Continuation::default() };
     let mut direction = vec![0.0; dim + 1];
     direction[dim] = -1.0;
-    let mut closing = problem.closing(&start.opening);
+    let mut closing = problem.shrinking_gaps(&start.opening);
     let mut closing = Watched { system: &mut closing, watch: &settings.watch };
     let x = start.unknowns(series, dim);
     let branch = method

@@ -16,7 +16,7 @@ use crate::terminal::print;
 use crate::{Status, interrupt, modes, told};
 
 /// Says what a run tells, as far as the user wants to hear it, and asks it to end at Ctrl-C.
-pub struct Watch {
+pub struct TerminalObserver {
     options: RunOptions,
     progress: Option<Progress>,
     /// Several parts of a scene have much to warn of in common.
@@ -25,7 +25,7 @@ pub struct Watch {
     pub status: Status,
 }
 
-impl Watch {
+impl TerminalObserver {
     /// Nothing has happened yet.
     pub fn new(options: RunOptions) -> Self {
         Self { options, progress: None, warned: HashSet::new(), status: Status::Done }
@@ -42,7 +42,7 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl Observer for TerminalObserver {
     fn event(&mut self, event: Event<'_>) {
         let quiet = self.options.quiet;
         match event {
@@ -87,10 +87,11 @@ impl Observer for Watch {
                 self.progress.iter_mut().for_each(|progress| progress.point(branch, point, is_new));
             }
             Event::Curve { number, of, name } if !quiet => say!("curve {number} of {of}: {name}"),
-            Event::CurveDone { name, outcome, is_complete } => {
+            Event::CurveDone { name, is_further, outcome, is_complete } => {
                 interrupt::something_found();
                 match outcome {
                     Ok((points, why)) if !is_complete => say!("warning: {name}: {points} points, then {why}"),
+                    Ok((points, why)) if !quiet && is_further => say!("  {name}: {points} points; {why}"),
                     Ok((points, why)) if !quiet => say!("  {points} points; {why}"),
                     Ok(_) => {}
                     Err(why) => say!("error: {name}: {why}"),

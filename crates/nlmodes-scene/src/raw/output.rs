@@ -9,7 +9,7 @@ const MAX_HISTORIES: u32 = 10_000;
 /// Which results are written, and where.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RawResults {
+pub struct RawOutput {
     /// Directory of the result files, from where the program is started; default: results/<name of the file>
     #[schemars(length(min = 1))]
     pub directory: Option<String>,

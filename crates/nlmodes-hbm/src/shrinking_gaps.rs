@@ -22,7 +22,7 @@ pub(crate) struct Opening {
 /// backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)), the parameter is `s`, the unknowns are those of
 /// [`MixedShooting`], and the energy is kept at that of the scales. The square keeps stops that face each other apart where a step passes zero. At `s = 1`, [`Grazing::unknowns`](crate::Grazing::unknowns) are a
 /// solution; at `s = 0` a solution is one of the [`MixedShooting`] itself at `p = 0`.
-pub struct Closing<'p, 's> {
+pub struct ShrinkingGaps<'p, 's> {
     problem: &'p mut MixedShooting<'s>,
 }
 
@@ -31,10 +31,10 @@ impl<'s> MixedShooting<'s> {
     ///
     /// # Panics
     /// If there are not c of them.
-    pub fn closing(&mut self, opening: &[f64]) -> Closing<'_, 's> {
+    pub fn shrinking_gaps(&mut self, opening: &[f64]) -> ShrinkingGaps<'_, 's> {
         assert_eq!(opening.len(), self.structure().n_contacts(), "an opening for each contact");
         self.opening = Some(Opening { full: opening.to_vec(), s: 1.0, dq: vec![0.0; self.b.len()] });
-        Closing { problem: self }
+        ShrinkingGaps { problem: self }
     }
 
     /// Adds to `q_N` what the opening of its contacts does: `K_NN⁻¹ W S s² o` while a set is closed.
@@ -62,7 +62,7 @@ impl<'s> MixedShooting<'s> {
     }
 }
 
-impl ParametricSystem for Closing<'_, '_> {
+impl ParametricSystem for ShrinkingGaps<'_, '_> {
     type Error = HbmError;
 
     fn dim(&self) -> usize {
@@ -90,7 +90,7 @@ impl ParametricSystem for Closing<'_, '_> {
     }
 }
 
-impl Drop for Closing<'_, '_> {
+impl Drop for ShrinkingGaps<'_, '_> {
     fn drop(&mut self) {
         self.problem.opening = None;
         self.problem.standing_back.fill(0.0);

@@ -3,11 +3,11 @@ use std::sync::Arc;
 use nlmodes_contact::LcpSolver;
 
 use super::block::LinearResponse;
-use super::conditions::{ClosingConditions, Source};
+use super::closing_conditions::{ClosingConditions, Source};
+use super::closing_equations::{EnergyGiven, PhaseAnchor, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::damping::ModalDamping;
 use super::directions::Directions;
-use super::equations::{EnergyGiven, PhaseAnchor, PhaseLag};
 use super::load::Load;
 use super::modal_response::ModalResponse;
 use super::structure::ModalStructure;
@@ -187,7 +187,10 @@ fn energy(scales: Scales) -> EnergyGiven {
     EnergyGiven { reference: scales.energy }
 }
 
-fn free_motion(scales: Scales, equations: Vec<Box<dyn super::equations::ClosingEquation>>) -> ClosingConditions {
+fn free_motion(
+    scales: Scales,
+    equations: Vec<Box<dyn super::closing_equations::ClosingEquation>>,
+) -> ClosingConditions {
     ClosingConditions {
         omega: Source::Unknown { index: 0, scale: scales.omega },
         xi: Source::Unknown { index: 1, scale: scales.omega },

@@ -1,4 +1,4 @@
-use super::equations::ClosingEquation;
+use super::closing_equations::ClosingEquation;
 
 /// The scalars of a periodic motion beside its coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]

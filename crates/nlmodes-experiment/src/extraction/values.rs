@@ -1,4 +1,4 @@
-//! The figures of one set of Fourier coefficients: of all periods, or of a single one.
+//! The values of one set of Fourier coefficients: of all periods, or of a single one.
 
 use nlmodes_modal::{
     HarmonicCoefficients, LinearModes, ModalError, NonlinearModeShape, Participation, PhaseAnchor, damping_coefficient,
@@ -25,9 +25,9 @@ pub struct Method<'a> {
     pub power_harmonics: usize,
 }
 
-/// The figures of one set of coefficients.
+/// The values of one set of coefficients.
 #[derive(Debug, Clone)]
-pub struct Figures {
+pub struct Values {
     /// Displacement at the places of the shape.
     pub motion: HarmonicCoefficients,
     pub power: Option<ExcitationPower>,
@@ -38,7 +38,7 @@ pub struct Figures {
     pub modal: Option<Modal>,
 }
 
-/// Modal figures of one set of coefficients.
+/// Modal values of one set of coefficients.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Modal {
@@ -53,7 +53,7 @@ pub struct Modal {
 
 impl Method<'_> {
     /// Evaluates coefficients (channels × harmonics).
-    pub fn figures(&self, coefficients: &[Vec<Complex64>]) -> Result<Figures, ExtractionError> {
+    pub fn values(&self, coefficients: &[Vec<Complex64>]) -> Result<Values, ExtractionError> {
         let at = |place: &Place, n: usize| displacement(place, coefficients, self.noise, self.omega, n);
         let mut motion = HarmonicCoefficients::zeros(self.shape_places.len(), self.harmonics);
         for (d, place) in self.shape_places.iter().enumerate() {
@@ -66,7 +66,7 @@ impl Method<'_> {
         let lag = drive.as_ref().zip(force).map(|(drive, force)| (force[1] / drive[1]).arg());
         let anchor = drive.map(|drive| drive[1].arg());
         let modal = self.modes.as_ref().map(|modes| self.modal(modes, &motion, anchor, power.as_ref())).transpose()?;
-        Ok(Figures { motion, power, lag, force: force.map(|force| force[1].norm()), modal })
+        Ok(Values { motion, power, lag, force: force.map(|force| force[1].norm()), modal })
     }
 
     fn power(&self, force: &[Complex64], drive: &[Complex64]) -> ExcitationPower {

@@ -1,0 +1,44 @@
+//! The table of a study: a row a case.
+
+use crate::case::Case;
+use crate::collect::row::Row;
+use crate::study::{Place, Study};
+use crate::table::{Cells, Table};
+
+/// Columns that every table has or may have.
+pub const FIXED: [&str; 7] = ["case", "method", "harmonics", "points", "status", "reason", "id"];
+
+/// The table of cases with what was read of each.
+pub fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
+    let mut table = Table::default();
+    table.push("case", Cells::Integers(cases.iter().map(|case| Some(case.number as i64)).collect()));
+    for (k, variable) in study.variables.iter().enumerate() {
+        table.push(&variable.name, Cells::of_values(cases.iter().filter_map(|case| case.values.get(k))));
+    }
+    // One case may have no scene, and with it no method.
+    let methods = || cases.iter().filter(|case| case.harmonics > 0);
+    if methods().any(|case| case.part > 0) {
+        let known = |case: &Case| case.harmonics > 0;
+        table.push("method", Cells::Texts(cases.iter().map(|c| known(c).then(|| c.method.to_owned())).collect()));
+        table
+            .push("harmonics", Cells::Integers(cases.iter().map(|c| known(c).then_some(c.harmonics as i64)).collect()));
+    }
+    for (k, quantity) in study.quantities.iter().enumerate() {
+        let cell = |row: &Row| row.values.get(k).copied().flatten();
+        table.push(&quantity.name, Cells::Numbers(rows.iter().map(|row| cell(row).map(|v| v[0])).collect()));
+        if matches!(quantity.at, Place::Column { .. }) {
+            let error = rows.iter().map(|row| cell(row).map(|v| v[1])).collect();
+            table.push(error_column(&quantity.name), Cells::Numbers(error));
+        }
+    }
+    table.push("points", Cells::Integers(rows.iter().map(|row| row.points.map(|n| n as i64)).collect()));
+    table.push("status", Cells::Texts(rows.iter().map(|row| Some(row.state.name().to_owned())).collect()));
+    table.push("reason", Cells::Texts(rows.iter().map(|row| Some(row.reason.clone())).collect()));
+    table.push("id", Cells::Texts(cases.iter().map(|case| case.id.as_ref().ok().cloned()).collect()));
+    table
+}
+
+/// Name of the column with the estimated error of interpolation.
+pub fn error_column(quantity: &str) -> String {
+    format!("{quantity}_error")
+}
