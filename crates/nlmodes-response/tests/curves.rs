@@ -7,7 +7,7 @@ use nlmodes_model::{DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_response::{
     BaseMotion, BaseUnit, CurveEnd, Damping, Dashpot, Event, ResponseError, ResponseModel, ResponseSettings,
-    damped_mode, force_response, frequency_response, phase_resonance,
+    damped_mode, force_response, frequency_response, phase_resonance, responses_from_both_ends,
 };
 
 fn rod(elements: usize, ea: f64, rho_a: f64, length: f64, gap: f64, start: Support) -> StructuralModel {
@@ -74,6 +74,27 @@ fn curves_from_both_ends_of_the_window_meet() {
     let ends = [(up.points.first(), down.points.last()), (up.points.last(), down.points.first())];
     for (a, b) in ends.map(|(a, b)| (a.unwrap(), b.unwrap())) {
         assert!((a.drive - b.drive).norm() < 1e-9 * a.drive.norm());
+    }
+}
+
+/// Between its folds, at 0.42 Hz, the structure has a motion before the stop beside that against it: the curve that comes from below ends with the
+/// latter, and that from the upper end begins with the former, whose amplitude is `F/|K − ω²M + 2iζω₁ωM|` with `K = EA/h = 2`, `M = 2ρAh/3 = 1/3`.
+#[test]
+fn where_the_window_ends_between_folds_each_end_shows_its_motion() {
+    let model = rod_of_two();
+    for upper in [0.42, 0.425] {
+        let curves = responses_from_both_ends(&model, 0.2, &window(0.3, upper, 9)).unwrap();
+        let [below, above] = curves.as_slice() else { panic!("{} curves", curves.len()) };
+        assert_eq!((&below.end, &above.end), (&CurveEnd::Window(upper * TAU), &CurveEnd::Window(upper * TAU)));
+        let (mass, stiffness, omega) = (1.0 / 3.0, 2.0_f64, upper * TAU);
+        let damping = 2.0 * 0.01 * (stiffness * mass).sqrt() * omega;
+        let expected = 0.2 / (stiffness - omega * omega * mass).hypot(damping);
+        let (first, last) = (&above.points[0], below.points.last().unwrap());
+        assert!((first.drive.norm() / expected - 1.0).abs() < 1e-9, "{} {expected}", first.drive.norm());
+        assert!(first.motion.contacts[0].closed_share == 0.0 && last.motion.contacts[0].closed_share > 0.1);
+    }
+    for (low, high) in [(0.3, 0.6), (0.42, 0.6)] {
+        assert_eq!(responses_from_both_ends(&model, 0.2, &window(low, high, 9)).unwrap().len(), 1, "{low} to {high}");
     }
 }
 
