@@ -1,6 +1,8 @@
 use std::sync::Arc;
 
-use nlmodes_linalg::{Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen};
+use nlmodes_linalg::{
+    Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
+};
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
 use crate::residual::{Residual, blocks, dense_columns};
@@ -79,6 +81,15 @@ impl OpenModes {
         };
         open.press_contacts();
         Ok(open)
+    }
+
+    /// Whether there are no other modes: as many as degrees of freedom with mass.
+    pub fn has_all_modes(&self) -> bool {
+        let mut rows: Vec<usize> =
+            triplets(&self.residual.mass).filter(|(_, _, m)| *m != 0.0).map(|(i, ..)| i).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        self.n_modes() >= rows.len()
     }
 
     /// Reduces `model` with its mass as it is.

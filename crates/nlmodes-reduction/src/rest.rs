@@ -115,7 +115,7 @@ impl OpenModes {
     }
 
     /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed` closed, or of the next one that presses
-    /// these: the relative change from m/2 to m modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
+    /// these: the relative change from m/2 to m modes; zero where there are no other modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
     ///
     /// # Errors
     /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do not reach `mode`.
@@ -128,6 +128,9 @@ impl OpenModes {
             let found = (mode..pressing.len()).find(|r| pressing[*r] > PRESSES * largest);
             found.map(|r| modes.omega_squared[r].sqrt()).ok_or(ReductionError::NoMode { wanted: mode + 1 })
         };
+        if self.has_all_modes() {
+            return Ok(0.0);
+        }
         let (half, whole) = (frequency(&self.truncated(self.n_modes() / 2)?)?, frequency(self)?);
         Ok((half / whole - 1.0).abs())
     }

@@ -7,6 +7,6 @@ mod phase_resonance;
 
 pub use appropriation::{Appropriation, appropriation};
 pub use detached::{detached_response, lies_on};
-pub use forced::{branching_responses, force_response, frequency_response, responses_from_both_ends};
+pub use forced::{branching_responses, force_response, frequency_response, response_from_other_end};
 pub use mode::{conservative_mode, damped_mode};
 pub use phase_resonance::phase_resonance;

@@ -60,7 +60,7 @@ mod settings;
 
 pub use analyses::{
     Appropriation, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
-    force_response, frequency_response, lies_on, phase_resonance, responses_from_both_ends,
+    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 pub use base_motion::{BaseMotion, BaseUnit};
 pub use cancel::Cancel;

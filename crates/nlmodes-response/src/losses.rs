@@ -11,6 +11,13 @@ use crate::{ResponseError, ResponsePoint, Stability};
 const LOCATING: usize = 25;
 const LOCATED: f64 = 1e-9;
 
+/// A point at which a multiplier passes the unit circle, with the name of that.
+fn named(mut point: ResponsePoint) -> ResponsePoint {
+    let event = point.stability.and_then(|s| event_of(s.instability));
+    point.events.extend(event);
+    point
+}
+
 fn is_oscillating(point: &ResponsePoint) -> bool {
     point.stability.is_some_and(|s| s.largest.norm() > 1.0 && s.instability != Instability::Fold)
 }
@@ -31,7 +38,7 @@ impl Curve<'_> {
                 && from * to < 0.0
                 && [located.last(), Some(&point)].into_iter().flatten().any(is_oscillating)
             {
-                located.extend(self.loss_between(a, b, [from, to])?);
+                located.extend(self.loss_between(a, b, [from, to])?.map(named));
             }
             located.push(point);
         }
@@ -79,23 +86,28 @@ impl Curve<'_> {
     }
 }
 
-/// Names the losses of stability that no fold explains: at the point that was located, or at the first one that is judged otherwise.
+/// Names the losses of stability that no fold explains and that were not located, as where multipliers jump at a corner: at the first or last unstable point.
 pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
     let mut last: Option<(usize, Stability)> = None;
     for i in 0..points.len() {
         let Some(now) = points[i].stability.filter(|s| s.stable.is_some()) else { continue };
         if let Some((before, was)) = last.filter(|(_, was)| was.stable != now.stable) {
-            let unstable = if now.stable == Some(false) { now } else { was };
-            let event = match unstable.instability {
-                Instability::PeriodDoubling => Some(Event::PeriodDoubling),
-                Instability::NeimarkSacker => Some(Event::NeimarkSacker),
-                Instability::Fold => None,
-            };
-            let off = |p: &ResponsePoint| p.stability.map_or(f64::INFINITY, |s| (s.largest.norm() - 1.0).abs());
-            // What was located lies on the unit circle, and nothing else that near.
-            let located = (before + 1..i).find(|&j| off(&points[j]) <= 10.0 * LOCATED);
-            points[located.unwrap_or(i)].events.extend(event);
+            let (place, unstable) = if now.stable == Some(false) { (i, now) } else { (before, was) };
+            let is_named = points[before..=i].iter().any(|point| point.events.iter().any(is_loss));
+            points[place].events.extend(event_of(unstable.instability).filter(|_| !is_named));
         }
         last = Some((i, now));
+    }
+}
+
+fn is_loss(event: &Event) -> bool {
+    matches!(event, Event::PeriodDoubling | Event::NeimarkSacker)
+}
+
+fn event_of(instability: Instability) -> Option<Event> {
+    match instability {
+        Instability::PeriodDoubling => Some(Event::PeriodDoubling),
+        Instability::NeimarkSacker => Some(Event::NeimarkSacker),
+        Instability::Fold => None,
     }
 }

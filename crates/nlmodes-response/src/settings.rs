@@ -28,6 +28,8 @@ pub struct ResponseSettings {
     pub stability: bool,
     /// Most points of a curve. Default 2000.
     pub max_points: usize,
+    /// Most curves of [`branching_responses`](crate::branching_responses). Default 20.
+    pub max_branches: usize,
     /// Levels at which phase resonances are to be reported. Default none.
     pub levels: Vec<f64>,
     /// Who may end a curve. Default nobody.
@@ -49,6 +51,7 @@ impl ResponseSettings {
             from_upper_end: false,
             stability: true,
             max_points: 2000,
+            max_branches: 20,
             levels: Vec::new(),
             cancel: Cancel::default(),
         }

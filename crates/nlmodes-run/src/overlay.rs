@@ -5,6 +5,7 @@ mod differences;
 mod read;
 
 pub use differences::{Difference, differences, sentence, table, write};
+pub(crate) use read::number;
 pub use read::{Laid, OverlayError, read};
 
 use nlmodes_scene::SceneFile;

@@ -30,7 +30,7 @@ use convert::Converter;
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
-use overlaid::LaidCurve;
+use overlaid::{Beside, LaidCurve};
 pub(crate) use picture::picture;
 
 /// What came out of the responses of a scene.
@@ -121,8 +121,25 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         return Err(RunError::Ended);
     }
     let certificate = certified::certificate(&file.scene, &model, &curves);
-    let failure = files(&file.scene, &model, (&curves, &laid), &certificate, began).err();
+    let compared = compared(&file.scene, &model, &curves, &laid);
+    let left_out = compared.iter().flatten().filter_map(|(curve, found)| overlaid::left_out(curve, found));
+    left_out.for_each(|text| observer.event(Event::Warning(&text)));
+    let write = |compared: Vec<_>| files(&file.scene, &model, (&curves, &laid), &compared, &certificate, began);
+    let failure = compared.and_then(write).err();
     Ok(ResponsesOutcome { scene: file.scene, curves, certificate, wall_time: began.elapsed(), is_cut_off, failure })
+}
+
+/// What is laid over, with the points of this scene beside its own.
+fn compared(
+    scene: &Scene,
+    model: &Model,
+    curves: &[ComputedResponse],
+    laid: &[LaidCurve],
+) -> Result<Vec<(LaidCurve, Vec<Beside>)>, Failure> {
+    let converter = Converter::new(model)?;
+    let subharmonic = |computed: &ComputedResponse| scene.responses[computed.response].subharmonic;
+    let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, curves, &converter, &subharmonic));
+    Ok(laid.iter().map(beside).collect())
 }
 
 /// Most detached curves that are followed.
@@ -133,15 +150,12 @@ fn files(
     scene: &Scene,
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
+    compared: &[(LaidCurve, Vec<Beside>)],
     certificate: &Certificate,
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
-    let converter = Converter::new(model)?;
-    let subharmonic = |computed: &ComputedResponse| scene.responses[computed.response].subharmonic;
-    let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, curves, &converter, &subharmonic));
-    let compared: Vec<_> = laid.iter().map(beside).collect();
-    overlaid::write(directory, &compared)?;
+    overlaid::write(directory, compared)?;
     let sentences: Vec<String> = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
     tables::write_motions(directory, scene, model, curves)?;
     tables::write_forces(directory, curves)?;

@@ -30,6 +30,9 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<String> {
 /// The row of the reduction.
 pub fn reduction(scene: &Scene, open: &OpenStructure) -> String {
     let (modes, highest) = (open.modes.n_modes(), number(rounded(open.highest_hz())));
+    if open.modes.has_all_modes() {
+        return row("reduction", &format!("all {modes} open modes, up to {highest} Hz"));
+    }
     let error = open.truncation_error(scene.method.mode, 0);
     let error = error.map_or_else(String::new, |error| {
         format!("; the first contact closed, half as many modes change the frequency by {error:.1e}")

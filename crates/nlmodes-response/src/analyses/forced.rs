@@ -24,36 +24,33 @@ pub fn frequency_response(
     curve.follow(omega)
 }
 
-/// The response from the one end of the window, as [`frequency_response`], and behind it that from the other end where that is a motion which the first curve does not
-/// come to: where several motions are possible at an end, the curve from the other one may bring another of them. Where from there none is found from rest, the first curve is all.
+/// The response from the other end of the window, where it begins there with a motion that none of the `known` curves has: several are possible at
+/// an end, and each end may bring another of them. `None` also where none is found there from rest.
 ///
 /// # Errors
 /// As [`frequency_response`].
-pub fn responses_from_both_ends(
+pub fn response_from_other_end(
     model: &ResponseModel,
     level: f64,
     settings: &ResponseSettings,
-) -> Result<Vec<ResponseCurve>, ResponseError> {
-    let first = frequency_response(model, level, settings)?;
-    if first.end == CurveEnd::Stopped {
-        return Ok(vec![first]);
-    }
+    known: &[ResponseCurve],
+) -> Result<Option<ResponseCurve>, ResponseError> {
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let other = ResponseSettings { from_upper_end: !settings.from_upper_end, ..settings.clone() };
     let (mut curve, omega) = match over_frequency(model, level, &other, solver.as_ref()) {
         Ok(start) => start,
-        Err(ResponseError::NoStart { .. } | ResponseError::Stopped) => return Ok(vec![first]),
+        Err(ResponseError::NoStart { .. } | ResponseError::Stopped) => return Ok(None),
         Err(error) => return Err(error),
     };
     let end = curve.p * omega.1;
     let is_start = |point: &ResponsePoint| {
-        let known = point.coefficients_for(&curve.system);
-        (point.omega - end).abs() <= SAME * end && distance(&known, &curve.x) <= SAME * distance(&known, &[])
+        let own = point.coefficients_for(&curve.system);
+        (point.omega - end).abs() <= SAME * end && distance(&own, &curve.x) <= SAME * distance(&own, &[])
     };
-    if first.points.iter().any(is_start) {
-        return Ok(vec![first]);
+    if known.iter().flat_map(|curve| &curve.points).any(is_start) {
+        return Ok(None);
     }
-    Ok(vec![first, curve.follow(omega)?])
+    curve.follow(omega).map(Some)
 }
 
 /// Share of a motion within which two at the same frequency are one.
@@ -66,8 +63,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions of twice the period of the
-/// load are followed from where a multiplier passes −1, along its disturbance. With a larger number the curves are those that are found where curves cross. Of two curves that are one motion, a period of the load apart, one
-/// is there.
+/// load are followed from where a multiplier passes −1, along its disturbance. With another number the curves are those that are found where curves cross. Of two curves that are one motion of several periods, a period of the
+/// load apart, one is there.
 ///
 /// # Errors
 /// As [`frequency_response`].
@@ -82,16 +79,13 @@ pub fn branching_responses(
     }
     let (mut curve, omega) = over_frequency(model, level, settings, solver.as_ref())?;
     let mut different: Vec<ResponseCurve> = Vec::new();
-    for curve in curve.follow_all(omega, MOST_BRANCHES)? {
-        if !different.iter().skip(1).any(|known| is_shifted(known, &curve)) {
+    for curve in curve.follow_all(omega, settings.max_branches)? {
+        if settings.subharmonic == 1 || !different.iter().skip(1).any(|known| is_shifted(known, &curve)) {
             different.push(curve);
         }
     }
     Ok(different)
 }
-
-/// Most curves that branch off.
-const MOST_BRANCHES: usize = 12;
 
 /// Whether two curves have the same frequencies and amplitudes.
 fn is_shifted(a: &ResponseCurve, b: &ResponseCurve) -> bool {

@@ -48,6 +48,10 @@ fn not_asked(number: Number) -> Check {
 pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
     let limit = Number::Frequency.limit();
     if let Some(open) = sources.open {
+        if open.modes.has_all_modes() {
+            let words = format!("open modes: all {} are kept", open.modes.n_modes());
+            return vec![Check::found(MODES, Some(Number::Frequency), 0.0, limit, words)];
+        }
         let found = open.truncation_error(sources.scene.method.mode, computed.grazing.contact);
         return vec![match found {
             Some(error) => {

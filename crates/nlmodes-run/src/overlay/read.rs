@@ -41,6 +41,18 @@ pub enum OverlayError {
         /// The column, or the two of which one is needed.
         column: &'static str,
     },
+    /// A cell holds text where a number was expected.
+    #[error("{}, line {line}: {column} is {text:?}, expected a number", path.display())]
+    NoNumber {
+        /// The table.
+        path: PathBuf,
+        /// The line.
+        line: u64,
+        /// The column.
+        column: &'static str,
+        /// What it holds.
+        text: String,
+    },
     /// A table has no row with a frequency and an amplitude or energy.
     #[error("{} has no row with a frequency and an amplitude or an energy", .0.display())]
     NoPoint(PathBuf),
@@ -86,7 +98,7 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         let row = row.map_err(failed)?;
         let beside = number.and_then(|number| row.get(number)?.trim().parse::<usize>().ok());
         let beside = beside.and_then(|number| contacts.remove(&number)).unwrap_or_default();
-        points.extend(columns.point(&row).map(|point| ModalPoint { contacts: beside, ..point }));
+        points.extend(columns.point(&row, &path)?.map(|point| ModalPoint { contacts: beside, ..point }));
     }
     if points.is_empty() {
         return Err(OverlayError::NoPoint(path));
@@ -122,6 +134,25 @@ fn table(path: &Path) -> Result<PathBuf, OverlayError> {
     found.ok_or_else(|| OverlayError::NoTable(path.to_path_buf()))
 }
 
+/// The number in a cell, NaN where that is empty or holds no finite one.
+///
+/// # Errors
+/// [`OverlayError::NoNumber`] for other text.
+pub fn number(
+    row: &csv::StringRecord,
+    column: Option<usize>,
+    name: &'static str,
+    path: &Path,
+) -> Result<f64, OverlayError> {
+    let text = column.and_then(|column| row.get(column)).unwrap_or_default().trim();
+    if text.is_empty() {
+        return Ok(f64::NAN);
+    }
+    let line = row.position().map_or(0, csv::Position::line);
+    let no_number = |_| OverlayError::NoNumber { path: path.to_path_buf(), line, column: name, text: text.to_owned() };
+    text.parse::<f64>().map(|x| if x.is_finite() { x } else { f64::NAN }).map_err(no_number)
+}
+
 /// Where the quantities of a point stand in a row.
 struct Columns {
     frequency: usize,
@@ -133,14 +164,16 @@ struct Columns {
 
 impl Columns {
     /// The point of a row; `None` where there is none, as of a record that gave nothing.
-    fn point(&self, row: &csv::StringRecord) -> Option<ModalPoint> {
-        let text = |column: Option<usize>| column.and_then(|column| row.get(column)).unwrap_or_default().trim();
-        let value = |column| text(column).parse::<f64>().ok().filter(|x| x.is_finite()).unwrap_or(f64::NAN);
-        let (hz, energy, amplitude) = (value(Some(self.frequency)), value(self.energy), value(self.amplitude));
+    fn point(&self, row: &csv::StringRecord, path: &Path) -> Result<Option<ModalPoint>, OverlayError> {
+        let value = |name, column| number(row, column, name, path);
+        let hz = value("frequency_hz", Some(self.frequency))?;
+        let (energy, amplitude) = (value("energy_j", self.energy)?, value("modal_amplitude", self.amplitude)?);
+        let force = value("peak_contact_force_n", self.force)?;
         if hz.is_nan() || hz <= 0.0 || (energy.is_nan() && amplitude.is_nan()) {
-            return None;
+            return Ok(None);
         }
-        Some(ModalPoint {
+        let events = self.event.and_then(|column| row.get(column)).unwrap_or_default();
+        Ok(Some(ModalPoint {
             omega: TAU * hz,
             coefficients: HarmonicCoefficients::zeros(0, 0),
             kinetic_energy: energy,
@@ -153,11 +186,11 @@ impl Columns {
             peak: f64::NAN,
             contact_fraction: f64::NAN,
             contact_intervals: 0,
-            peak_contact_force: value(self.force),
+            peak_contact_force: force,
             contacts: Vec::new(),
             residual: f64::NAN,
             error_estimate: None,
-            events: text(self.event).split_whitespace().filter_map(Event::from_name).collect(),
-        })
+            events: events.split_whitespace().filter_map(Event::from_name).collect(),
+        }))
     }
 }

@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 
 use nlmodes::hbm::Coordinates;
 use nlmodes::response::{
-    Appropriation, Cancel, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, appropriation,
-    branching_responses, conservative_mode, damped_mode, detached_response, force_response, lies_on, phase_resonance,
-    responses_from_both_ends,
+    Appropriation, Cancel, CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
+    ResponseSettings, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
+    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes::study::Watch;
 use nlmodes_scene::number;
-use nlmodes_scene::scene::{Response, ResponseKind, Scene, StabilityChoice, Switching};
+use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 
 use super::model::Model;
 use crate::chain;
@@ -149,7 +149,7 @@ pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Wat
     let began = Instant::now();
     let settings =
         ResponseSettings { cancel: Cancel::new(move || watch.asks_to_end()), ..settings(model, scene, &job) };
-    let curve = model.with_drive(job.response).and_then(|system| {
+    let followed = model.with_drive(job.response).and_then(|system| {
         let curves = curve(&system, scene, &job, &settings)?;
         let forces = if job.wanted.kind == ResponseKind::Appropriation {
             appropriations(model, &system, &curves, job.wanted.controlled_harmonics, &settings)?
@@ -158,27 +158,30 @@ pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Wat
         };
         Ok((curves, forces))
     });
-    let (curves, mut forces) = match curve {
-        Ok((curves, forces)) => (curves.into_iter().map(Ok).collect(), forces),
-        Err(error) => (vec![Err(chain(&error))], Vec::new()),
+    let computed = |further: Option<String>, curve: Result<ResponseCurve, String>, message: String, forces| {
+        let name = further.map_or_else(|| name.to_owned(), |further| format!("{name}, {further}"));
+        ComputedResponse {
+            response: job.response,
+            kind: job.wanted.kind,
+            level: job.level,
+            name,
+            is_detached: job.from.is_some(),
+            curve,
+            appropriations: forces,
+            message,
+            wall_time: began.elapsed(),
+        }
     };
-    let not_held = not_held(&forces);
-    let computed = |(k, curve): (usize, Result<ResponseCurve, String>)| ComputedResponse {
-        response: job.response,
-        kind: job.wanted.kind,
-        level: job.level,
-        name: match k {
-            0 => name.to_owned(),
-            _ if job.wanted.subharmonic > 1 => format!("{name}, branch {k}"),
-            _ => format!("{name}, from the upper end"),
-        },
-        is_detached: job.from.is_some(),
-        message: curve.as_ref().map_or_else(Clone::clone, |curve| format!("{}{not_held}", curve.end)),
-        curve,
-        appropriations: std::mem::take(&mut forces),
-        wall_time: began.elapsed(),
+    let (curves, mut forces) = match followed {
+        Ok(followed) => followed,
+        Err(error) => return vec![computed(None, Err(chain(&error)), chain(&error), Vec::new())],
     };
-    curves.into_iter().enumerate().map(computed).collect()
+    let each = |Followed { curve, further }| {
+        let forces = std::mem::take(&mut forces);
+        let message = format!("{}{}{}", curve.end, not_held(&forces), not_followed(&curve, scene));
+        computed(further, Ok(curve), message, forces)
+    };
+    curves.into_iter().map(each).collect()
 }
 
 /// What is to be said of forces that were computed and do not hold the mode.
@@ -204,12 +207,12 @@ fn not_held(forces: &[Appropriation]) -> String {
 fn appropriations(
     model: &Model,
     system: &ResponseModel,
-    curves: &[ResponseCurve],
+    curves: &[Followed],
     controlled: usize,
     settings: &ResponseSettings,
 ) -> Result<Vec<Appropriation>, ResponseError> {
     let one = |point: &ResponsePoint| appropriation(system, point, &model.force_places, controlled, settings);
-    let points = curves.iter().flat_map(|curve| &curve.points);
+    let points = curves.iter().flat_map(|followed| &followed.curve.points);
     points.take_while(|_| !settings.cancel.is_requested()).map(one).collect()
 }
 
@@ -218,7 +221,7 @@ fn curve(
     scene: &Scene,
     job: &Job<'_>,
     settings: &ResponseSettings,
-) -> Result<Vec<ResponseCurve>, ResponseError> {
+) -> Result<Vec<Followed>, ResponseError> {
     let level = job.level.unwrap_or(0.0);
     let given = scene.continuation.frequency_hz.is_some() || !job.wanted.frequency_hz.is_empty();
     let energy = scene.continuation.max_energy_ratio.unwrap_or(if given { BEYOND } else { ENERGY });
@@ -231,11 +234,54 @@ fn curve(
         }
         ResponseKind::Frequency => match &job.from {
             Some(point) => detached_response(system, point, settings),
-            None if settings.subharmonic > 1 => return branching_responses(system, level, settings),
-            None => return responses_from_both_ends(system, level, settings),
+            None => return over_frequency(system, scene, job, settings),
         },
     };
-    Ok(vec![curve?])
+    Ok(vec![Followed { curve: curve?, further: None }])
+}
+
+/// A curve, and what its name says more where it stands behind the one that was asked for.
+struct Followed {
+    curve: ResponseCurve,
+    further: Option<String>,
+}
+
+/// A response over the frequency; the curves that branch off where they are wanted, and the one from the other end of the window where that is another.
+fn over_frequency(
+    system: &ResponseModel,
+    scene: &Scene,
+    job: &Job<'_>,
+    settings: &ResponseSettings,
+) -> Result<Vec<Followed>, ResponseError> {
+    let level = job.level.unwrap_or(0.0);
+    let branches = settings.subharmonic > 1 || scene.continuation.at_branch_point == AtBranchPoint::All;
+    let mut curves = match branches {
+        true => branching_responses(system, level, settings)?,
+        false => vec![frequency_response(system, level, settings)?],
+    };
+    let goes_on = curves.first().is_some_and(|c| !matches!(c.end, CurveEnd::MaxPoints | CurveEnd::Stopped));
+    let other = match goes_on && settings.subharmonic == 1 {
+        true => response_from_other_end(system, level, settings, &curves)?,
+        false => None,
+    };
+    let known = curves.len();
+    curves.extend(other);
+    let further = |k: usize| match k {
+        0 => None,
+        _ if k < known => Some(format!("branch {k}")),
+        _ => Some("from the upper end".to_owned()),
+    };
+    Ok(curves.into_iter().enumerate().map(|(k, curve)| Followed { curve, further: further(k) }).collect())
+}
+
+/// What is to be said of a curve beside its end: branch points whose other arms are not there.
+fn not_followed(curve: &ResponseCurve, scene: &Scene) -> String {
+    let n = curve.points.iter().filter(|point| point.events.contains(&Event::BranchPoint)).count();
+    if n == 0 || scene.continuation.at_branch_point == AtBranchPoint::All {
+        return String::new();
+    }
+    let points = if n == 1 { "a branch point".to_owned() } else { format!("{n} branch points") };
+    format!("; at {points} other motions begin, which continuation.at_branch_point = \"all\" follows")
 }
 
 /// Largest energy of a mode over that at grazing where the scene says no end at all, and where it has a window.
@@ -270,6 +316,7 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
         subharmonic: response.subharmonic,
         stability: scene.stability != StabilityChoice::Never,
         max_points: scene.continuation.max_points,
+        max_branches: scene.continuation.max_branches,
         levels,
         ..ResponseSettings::new(window)
     }

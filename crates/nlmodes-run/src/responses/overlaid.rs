@@ -127,6 +127,18 @@ fn nearest(point: &LaidPoint, curves: &[Vec<LaidPoint>]) -> Option<LaidPoint> {
     crossings.filter(|p| off(p).is_finite()).min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
+/// What is to be said of points that have no counterpart; nothing where all have one, or where none can have one.
+pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
+    let (all, left) = (laid.points.len(), laid.points.len() - found.len());
+    if left == 0 || !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
+        return None;
+    }
+    Some(format!(
+        "overlay {}: {left} of its {all} points have no response of this scene at their frequency and level, or no amplitude; they are drawn and not compared",
+        laid.name
+    ))
+}
+
 /// Whether what is laid over moves more or less, in a sentence.
 pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
     let name = &laid.name;

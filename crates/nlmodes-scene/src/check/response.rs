@@ -33,6 +33,15 @@ pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findi
     }
     let responses: Vec<Response> =
         written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
+    if !responses.is_empty() && responses.iter().all(|response| response.kind.is_forced()) {
+        for path in ["continuation.max_energy_ratio", "continuation.frequency_hz"] {
+            has_no_effect(
+                path,
+                "it ends modes; responses to loads end at their own `frequency_hz` and levels",
+                findings,
+            );
+        }
+    }
     if let Some(method) = method {
         harmonics_of_forces(raw, &responses, method, findings);
     }
@@ -75,20 +84,26 @@ fn without_effect(raw: &RawStudy, findings: &mut Findings<'_>) {
     }
 }
 
+/// Says of a key that is there that no response uses it.
+fn has_no_effect(path: &str, why: &str, findings: &mut Findings<'_>) {
+    if findings.has(path) {
+        findings.put(path, Problem::warning(format!("`{path}` has no effect on responses")), why);
+    }
+}
+
 fn of_method(method: &Method, findings: &mut Findings<'_>) {
+    let beginning = "a response begins at the ends of its window, at rest, or at the linear resonance";
     let unused = [
         (
-            "held_modes",
+            "method.held_modes",
             "responses are computed in open modes: reduction.kind = \"open-modes\" and `reduction.modes` say how many",
         ),
-        ("symmetry", "responses have cosines and sines"),
+        ("method.symmetry", "responses have cosines and sines"),
+        ("continuation.internal_resonance", "tongues are part of a response"),
+        ("continuation.start_frequency_hz", beginning),
+        ("continuation.start_energy_ratio", beginning),
     ];
-    for (key, why) in unused {
-        let path = format!("method.{key}");
-        if findings.has(&path) {
-            findings.put(&path, Problem::warning(format!("`{path}` has no effect on responses")), why);
-        }
-    }
+    unused.iter().for_each(|(path, why)| has_no_effect(path, why, findings));
     if method.kind == MethodKind::Shooting {
         let problem = Problem::error("responses are computed with method \"ms-hbm\" or \"hbm\"");
         findings.put("method.kind", problem, "expected \"ms-hbm\" or \"hbm\"");

@@ -40,7 +40,8 @@ pub(super) fn curves(overlay: &Overlay) -> Result<Vec<LaidCurve>, OverlayError> 
             // Those over the level, and forces that appropriate a mode, are no curves over the frequency.
             _ => continue,
         };
-        let Some(point) = columns.point(&row, number) else { continue };
+        let point = columns.point(&row, number, &path)?;
+        let Some(point) = point else { continue };
         number += 1;
         let of = (columns.text(&row, columns.response), columns.text(&row, columns.curve));
         if all.last().is_none_or(|(before, _)| *before != of) {
@@ -101,20 +102,19 @@ impl Columns {
     }
 
     /// The point of a row; `None` without a frequency.
-    fn point(&self, row: &csv::StringRecord, number: usize) -> Option<LaidPoint> {
-        let value = |column| self.text(row, column).parse::<f64>().ok().filter(|x| x.is_finite()).unwrap_or(f64::NAN);
-        let frequency = value(Some(self.frequency));
+    fn point(&self, row: &csv::StringRecord, number: usize, path: &Path) -> Result<Option<LaidPoint>, OverlayError> {
+        let value = |name, column| crate::overlay::number(row, column, name, path);
         let point = LaidPoint {
             number,
-            frequency,
-            level: value(self.level),
+            frequency: value("frequency_hz", Some(self.frequency))?,
+            level: value("level", self.level)?,
             // Of a nonlinear mode it has the sign of its phase.
-            fundamental: value(self.fundamental).abs(),
-            drive: value(self.drive).abs(),
-            lag: value(self.lag),
-            force: value(self.force),
+            fundamental: value("fundamental_m", self.fundamental)?.abs(),
+            drive: value("drive_fundamental_m", self.drive)?.abs(),
+            lag: value("drive_lag_deg", self.lag)?,
+            force: value("peak_contact_force_n", self.force)?,
         };
-        (frequency > 0.0).then_some(point)
+        Ok(Some(point).filter(|point| point.frequency > 0.0))
     }
 }
 
@@ -143,6 +143,8 @@ mod tests {
         assert_eq!((found[0].kind, found[0].name.as_str()), (LineKind::Measured, "test"));
         let error = read_table("rig.csv", "frequency_hz,amplitude\n40,1e-3\n").unwrap_err();
         assert!(error.to_string().contains("fundamental_m or drive_fundamental_m"), "{error}");
+        let error = read_table("rig.csv", "frequency_hz,fundamental_m\n40,1e-3\n41,abc\n").unwrap_err();
+        assert!(error.to_string().contains("line 3: fundamental_m is \"abc\", expected a number"), "{error}");
         assert!(matches!(read_table("rig.csv", "frequency_hz,fundamental_m\n,\n"), Err(OverlayError::NoPoint(_))));
     }
 }
