@@ -168,7 +168,12 @@ fn run_responses(file: &SceneFile, options: RunOptions) -> Status {
         say!("error: {}", chain(error.as_ref()));
     }
     if outcome.is_cut_off {
-        say!("the curves that were not begun are missing; what was computed is written");
+        let missing = match outcome.not_begun {
+            0 => "",
+            1 => "; one curve was not begun",
+            _ => "; some curves were not begun",
+        };
+        say!("what was computed until then is written, stability of the last curve left out{missing}");
     }
     if !options.quiet {
         print(&format!("Results in {}", file.scene.output_directory.display()));

@@ -92,7 +92,7 @@ fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done,
             let [file] = files.as_slice() else { return Err(one_method(&files)) };
             let outcome = nlmodes_run::responses::run(file, over, onlooker)?;
             let mut wrong: Vec<String> = outcome.failure.iter().map(|failure| chain(failure.as_ref())).collect();
-            if outcome.is_cut_off {
+            if outcome.not_begun > 0 {
                 wrong.push("the curves that were not begun are missing".to_owned());
             }
             Ok(Done { kind: "responses", wrong, run: None })

@@ -121,7 +121,8 @@ impl Curve<'_> {
             let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
             motion.displacement(&drive.row)[drive.harmonic] + moved.sum::<Complex64>()
         });
-        let stability = match self.settings.stability {
+        // Of a long curve the multipliers take longer than who asks for an end waits.
+        let stability = match self.settings.stability && !self.settings.cancel.is_requested() {
             true => Some(self.stability(&x, p)?),
             false => None,
         };

@@ -46,6 +46,8 @@ pub struct ResponsesOutcome {
     pub wall_time: Duration,
     /// Whether it was asked to end before all curves were there.
     pub is_cut_off: bool,
+    /// Curves of the scene that were not begun then.
+    pub not_begun: usize,
     /// Why some files are not there: everything else is.
     pub failure: Option<Failure>,
 }
@@ -100,10 +102,10 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     };
     let wanted = jobs(&file.scene);
     let of = wanted.len();
-    let mut is_cut_off = false;
+    let (mut is_cut_off, mut not_begun) = (false, 0);
     for (number, job) in wanted.into_iter().enumerate() {
         if compute(job, number + 1, of, &mut curves)? {
-            is_cut_off = true;
+            (is_cut_off, not_begun) = (true, of - number - 1);
             break;
         }
     }
@@ -126,7 +128,15 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     left_out.for_each(|text| observer.event(Event::Warning(&text)));
     let write = |compared: Vec<_>| files(&file.scene, &model, (&curves, &laid), &compared, &certificate, began);
     let failure = compared.and_then(write).err();
-    Ok(ResponsesOutcome { scene: file.scene, curves, certificate, wall_time: began.elapsed(), is_cut_off, failure })
+    Ok(ResponsesOutcome {
+        scene: file.scene,
+        curves,
+        certificate,
+        wall_time: began.elapsed(),
+        is_cut_off,
+        not_begun,
+        failure,
+    })
 }
 
 /// What is laid over, with the points of this scene beside its own.

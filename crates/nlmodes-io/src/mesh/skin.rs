@@ -47,8 +47,12 @@ impl Skin {
                 // A shell on the face of a solid shows what the solid shows.
                 if count == u8::from(kind.is_solid()) {
                     let nodes = kind.face_nodes(face, &element.nodes);
+                    let is_solid = kind.is_solid();
                     let kind = if face.len() == 3 { ElementKind::Triangle } else { ElementKind::Quadrangle };
-                    cells.push(SkinCell { kind, nodes });
+                    let cell = SkinCell { kind, nodes };
+                    // Elements of mirrored parts are numbered the other way round.
+                    let inward = is_solid && looks_toward(&cell, &element.nodes, mesh);
+                    cells.push(if inward { turned(cell) } else { cell });
                 }
             }
         }
@@ -131,6 +135,24 @@ impl Skin {
         }
         normals
     }
+}
+
+/// Whether a face looks toward the middle of the element that it belongs to.
+fn looks_toward(face: &SkinCell, element: &[u32], mesh: &Mesh) -> bool {
+    let mean = |nodes: &[u32], axis: usize| {
+        nodes.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / nodes.len() as f64
+    };
+    let normal = cell_area(face, mesh);
+    let out = |axis: usize| mean(&face.nodes, axis) - mean(element, axis);
+    (0..3).map(|axis| normal[axis] * out(axis)).sum::<f64>() < 0.0
+}
+
+/// A face that looks the other way: its corners, and the middles of its edges, in the other order.
+fn turned(mut cell: SkinCell) -> SkinCell {
+    let corners = cell.kind.corners();
+    cell.nodes[1..corners].reverse();
+    cell.nodes[corners..].reverse();
+    cell
 }
 
 /// Outward normal of a face times its area.

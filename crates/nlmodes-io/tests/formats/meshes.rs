@@ -87,6 +87,20 @@ fn the_face_between_two_bricks_is_no_skin() {
     assert!((area - 10.0).abs() < 1e-14, "{area}");
 }
 
+/// Mirrored parts have elements that are numbered the other way round; outward is outward all the same.
+#[test]
+fn normals_of_a_mirrored_mesh_are_the_mirrored_normals() {
+    let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
+    let normals = Skin::of(&mesh).normals(&mesh);
+    for axis in 0..3 {
+        let mut mirrored = mesh.clone();
+        mirrored.places.iter_mut().for_each(|place| place[axis] = -place[axis]);
+        let mut expected = normals.clone();
+        expected.iter_mut().for_each(|normal| normal[axis] = -normal[axis]);
+        assert_eq!(Skin::of(&mirrored).normals(&mirrored), expected);
+    }
+}
+
 #[test]
 fn normals_of_a_set_do_not_tilt_at_its_edges() {
     let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
