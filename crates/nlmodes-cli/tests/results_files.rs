@@ -246,7 +246,7 @@ fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
         }
         let numbers = certificate["numbers"].as_array().ok_or("no numbers")?;
         let names: Vec<&str> = numbers.iter().filter_map(|n| n["number"].as_str()).collect();
-        assert_eq!(names, ["frequency_hz", "peak_m", "impulse_n_s", "peak_contact_force_n"]);
+        assert_eq!(names, ["frequency_hz", "peak_m", "impulse_ns", "peak_contact_force_n"]);
         let uses: Vec<&str> = numbers.iter().filter_map(|n| n["use"].as_str()).collect();
         assert!(uses.len() == 4 && uses.iter().all(|u| ["yes", "no", "not-shown"].contains(u)), "{uses:?}");
         made.push((checks.iter().filter(|c| c["outcome"] != "not-looked-at").count(), uses[3].to_owned()));

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// [`ModelError::NegativeMass`], [`ModelError::CoupledMass`].
-pub(crate) fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
+pub fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
     let mut diagonal = vec![0.0; dofs.len()];
     triplets(mass).filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[i] += value);
     for (dof, &value) in diagonal.iter().enumerate().filter(|(_, value)| **value < 0.0) {

@@ -63,6 +63,7 @@ mod test_chain;
 
 pub use conserve::Conserve;
 pub use contact::{Contact, ContactLaw, DofContact, Side};
+pub use definite::check_mass;
 pub use direction::SparseDirection;
 pub use dof::{Dof, DofIndex, DofKind};
 pub use error::ModelError;

@@ -116,6 +116,9 @@ pub enum StructureError {
     /// Frequencies that cannot be imposed on its modes.
     #[error(transparent)]
     Imposed(#[from] ModelError),
+    /// The mass of the files is negative for some motion.
+    #[error(transparent)]
+    Mass(ModelError),
     /// A file of a finite-element program is not what it should be.
     #[error("{source}")]
     Read {
@@ -150,6 +153,7 @@ impl StructureError {
             Self::Elements(_) | Self::Matrices(_) => "structure".into(),
             Self::Read { key, .. } => format!("structure.{key}"),
             Self::TooManyModes { .. } => "reduction.modes".into(),
+            Self::Mass(_) => "structure.mass".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {

@@ -74,6 +74,21 @@ pub enum ContactProblem {
         /// How far it may be, m.
         tolerance: f64,
     },
+    /// The other node lies on the wrong side.
+    #[error(
+        "node {other} lies {distance:.3e} m behind node {node}, which touches what its normal [{}, {}, {}] points to: turn the normal, or take a node ahead",
+        .normal[0], .normal[1], .normal[2]
+    )]
+    Behind {
+        /// The node.
+        node: u64,
+        /// The node that it was to touch.
+        other: u64,
+        /// The normal, from the node to what it touches.
+        normal: [f64; 3],
+        /// How far behind it is, m.
+        distance: f64,
+    },
     /// There are no nodes to touch.
     #[error("node {node} has nothing to touch but itself")]
     Itself {

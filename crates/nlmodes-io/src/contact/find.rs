@@ -64,7 +64,12 @@ impl One<'_> {
                         self.contact(pair.a, Some(pair.b), normal, None)
                     }
                 };
-                pairs.into_iter().map(contact).collect()
+                let contacts: Vec<NodeContact> = pairs.into_iter().map(contact).collect::<Outcome<_>>()?;
+                let ends = contacts.iter().flat_map(|c| [Some(c.node), c.against]).flatten();
+                let places: Vec<Vector> = ends.filter_map(|node| self.model.place_of(node)).collect();
+                let tolerance = BESIDE * extent(&places);
+                contacts.iter().try_for_each(|contact| self.check_side(contact, tolerance))?;
+                Ok(contacts)
             }
         }
     }
@@ -110,30 +115,51 @@ impl One<'_> {
         }
     }
 
-    /// For each node the one that is nearest to the line along its normal.
+    /// For each node the first one ahead that lies on the line along its normal, as far as the tolerance tells.
     fn nearest(&self, against: &ContactNodes, tolerance: Option<f64>) -> Outcome<Vec<NodeContact>> {
         let (nodes, others) = (self.nodes(&self.choice.nodes)?, self.nodes(against)?);
         let normals = self.normals(&nodes)?;
         let places: Vec<Vector> = others.iter().map(|node| self.place(*node)).collect::<Outcome<_>>()?;
-        let tolerance = tolerance.unwrap_or_else(|| 1e-3 * extent(&places));
+        let tolerance = tolerance.unwrap_or_else(|| BESIDE * extent(&places));
+        let own: Vec<Vector> = nodes.iter().map(|node| self.place(*node)).collect::<Outcome<_>>()?;
+        let overlap = BESIDE * extent(&[own.as_slice(), &places].concat());
         let mut contacts = Vec::new();
-        for (&node, normal) in nodes.iter().zip(normals) {
-            let place = self.place(node)?;
-            let beside = |other: Vector| {
-                let step = minus(other, place);
+        for ((&node, normal), place) in nodes.iter().zip(normals).zip(own) {
+            let seen = |(other, number): (&Vector, &u64)| {
+                let step = minus(*other, place);
                 let along = dot(step, normal);
                 let across = minus(step, normal.map(|n| along * n));
-                dot(across, across).sqrt()
+                Seen { number: *number, along, beside: dot(across, across).sqrt() }
             };
-            let distances = places.iter().zip(&others).filter(|(_, other)| **other != node);
-            let nearest = distances.map(|(place, other)| (beside(*place), *other)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((distance, nearest)) = nearest else { return Err(ContactProblem::Itself { node }) };
-            if distance > tolerance {
+            let all = || places.iter().zip(&others).filter(|(_, other)| **other != node).map(seen);
+            let Some(nearest) = all().min_by(|a, b| a.beside.total_cmp(&b.beside)) else {
+                return Err(ContactProblem::Itself { node });
+            };
+            if nearest.beside > tolerance {
+                let Seen { number: nearest, beside: distance, .. } = nearest;
                 return Err(ContactProblem::NoPartner { node, nearest, distance, tolerance });
             }
-            contacts.push(self.contact(node, Some(nearest), normal, None)?);
+            // Of a body with two faces the near one is touched, and what lies behind the node is another's.
+            let ahead = || all().filter(|other| other.beside <= tolerance && other.along >= -overlap);
+            let first = ahead().map(|other| other.along).fold(f64::INFINITY, f64::min);
+            let found = ahead().filter(|other| other.along <= first + overlap);
+            let found = found.min_by(|a, b| a.beside.total_cmp(&b.beside)).unwrap_or(nearest);
+            let contact = self.contact(node, Some(found.number), normal, None)?;
+            self.check_side(&contact, overlap)?;
+            contacts.push(contact);
         }
         Ok(contacts)
+    }
+
+    /// What a node touches lies where its normal points, but for an interference as large as the gap says and for this tolerance (m).
+    fn check_side(&self, contact: &NodeContact, tolerance: f64) -> Outcome<()> {
+        let Some(other) = contact.against else { return Ok(()) };
+        let (Some(a), Some(b)) = (self.model.place_of(contact.node), self.model.place_of(other)) else { return Ok(()) };
+        let along = dot(minus(b, a), contact.normal);
+        if along >= -(contact.gap.abs() + tolerance) {
+            return Ok(());
+        }
+        Err(ContactProblem::Behind { node: contact.node, other, normal: contact.normal, distance: -along })
     }
 
     /// Nodes must be there, and one of them free to move along the normal.
@@ -151,6 +177,19 @@ impl One<'_> {
         }
         Ok(())
     }
+}
+
+/// Share of the extent of the other body by which its nodes may lie beside the normal, and of that of both by which they may lie behind the node.
+const BESIDE: f64 = 1e-3;
+
+/// A node as seen from another along its normal.
+#[derive(Clone, Copy)]
+struct Seen {
+    number: u64,
+    /// Distance along the normal, m; negative behind.
+    along: f64,
+    /// Distance from the normal, m.
+    beside: f64,
 }
 
 fn unit(node: u64, vector: Vector) -> Outcome<Vector> {

@@ -120,6 +120,13 @@ fn contacts_that_cannot_be_are_refused() {
             vec![nearest(ContactNodes::Numbers(vec![1]), ContactNodes::Numbers(vec![1]), None)],
             "node 1 has nothing to touch but itself",
         ),
+        (
+            vec![ContactChoice {
+                normal: Some(NormalChoice::Vector([-1.0, 0.0, 0.0])),
+                ..nearest(set("A"), set("B"), None)
+            }],
+            "behind node 1, which touches what its normal [-1, 0, 0] points to: turn the normal, or take a node ahead",
+        ),
         (vec![table("plain.csv")], "node 2 has no normal"),
         (vec![table("bad.csv")], "bad.csv:2: found `2,6,1`; expected node_a,node_b or node_a,node_b,nx,ny,nz,gap_m"),
     ];

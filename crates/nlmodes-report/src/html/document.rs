@@ -11,16 +11,17 @@ pub(super) fn tree(value: &Value) -> String {
             let entry = |(name, value): (&String, &Value)| {
                 let unit = if holds_numbers(value) { unit(name) } else { "" };
                 let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-                format!("<dt>{}</dt><dd>{}{unit}</dd>\n", escape(&plain(name)), tree(value))
+                // Stops are numbered from 0 wherever they are named.
+                let content = match value {
+                    Value::Array(values) if name == "contacts" => list(values, 0),
+                    value => tree(value),
+                };
+                format!("<dt>{}</dt><dd>{content}{unit}</dd>\n", escape(&plain(name)))
             };
             let entries: String = entries.iter().filter(|(_, value)| !value.is_null()).map(entry).collect();
             format!("<dl class=\"tree\">{entries}</dl>")
         }
-        Value::Array(values) if values.iter().any(Value::is_object) => {
-            let entry = |(k, value): (usize, &Value)| format!("<dt>{}</dt><dd>{}</dd>\n", k + 1, tree(value));
-            let entries: String = values.iter().enumerate().map(entry).collect();
-            format!("<dl class=\"tree\">{entries}</dl>")
-        }
+        Value::Array(values) if values.iter().any(Value::is_object) => list(values, 1),
         Value::Array(values) => values.iter().map(tree).collect::<Vec<_>>().join(", "),
         Value::String(text) => escape(text),
         Value::Number(number) => {
@@ -30,6 +31,13 @@ pub(super) fn tree(value: &Value) -> String {
         Value::Bool(false) => "no".into(),
         Value::Null => "–".into(),
     }
+}
+
+/// Entries with their numbers, from `first` on.
+fn list(values: &[Value], first: usize) -> String {
+    let entry = |(k, value): (usize, &Value)| format!("<dt>{}</dt><dd>{}</dd>\n", k + first, tree(value));
+    let entries: String = values.iter().enumerate().map(entry).collect();
+    format!("<dl class=\"tree\">{entries}</dl>")
 }
 
 /// Names of quantities in SI units whose unit is no part of the name; masses and stiffnesses are none of them, for they have several.

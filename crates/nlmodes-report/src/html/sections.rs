@@ -178,15 +178,12 @@ impl HtmlReport<'_> {
             let cells = cells.chain(more.map(|text| cell(&text, &text)));
             self.branch_cells(*branch).into_iter().chain(cells).collect()
         };
-        let head = [
-            "name",
-            "point",
-            "frequency, Hz",
-            "energy, J",
-            "amplitude, m√kg",
-            "contact, % of period",
-            "largest force*, N",
-        ];
+        let mut points = self.branches.iter().flat_map(|branch| &branch.points);
+        let closed = match points.any(|point| point.contacts.len() > 1) {
+            true => "stop 0 closed, % of period",
+            false => "contact, % of period",
+        };
+        let head = ["name", "point", "frequency, Hz", "energy, J", "amplitude, m√kg", closed, "largest force*, N"];
         self.own_table("Key points", &head, self.marks.iter().map(row).collect())
     }
 

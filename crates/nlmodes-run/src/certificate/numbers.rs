@@ -14,7 +14,7 @@ pub enum Number {
     #[serde(rename = "peak_m")]
     Displacement,
     /// The impulse of each contact.
-    #[serde(rename = "impulse_n_s")]
+    #[serde(rename = "impulse_ns")]
     Impulse,
     /// The largest contact force.
     #[serde(rename = "peak_contact_force_n")]
@@ -30,7 +30,7 @@ impl Number {
         match self {
             Self::Frequency => "frequency_hz",
             Self::Displacement => "peak_m",
-            Self::Impulse => "impulse_n_s",
+            Self::Impulse => "impulse_ns",
             Self::PeakForce => "peak_contact_force_n",
         }
     }
@@ -134,7 +134,7 @@ fn instead(number: Number, checks: &[Check]) -> &'static str {
         return "";
     }
     match NumberUse::new(Number::Impulse, checks).usable {
-        Use::Yes => "; impulse_n_s (contacts.csv) is good: use that",
+        Use::Yes => "; impulse_ns (contacts.csv) is good: use that",
         Use::No => "; the impulse is not good either: more harmonics",
         Use::NotShown => "",
     }

@@ -125,7 +125,7 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
     let common = shown.iter().map(|branch| highest(branch)).fold(f64::INFINITY, f64::min);
     let points = &first.branch.points;
     let mut found: Vec<Reference> = Vec::new();
-    for point in reference_points(&first.branch) {
+    for (number, point) in reference_points(&first.branch).into_iter().enumerate() {
         let amplitude = points[point].modal_amplitude.min(common);
         if found.iter().any(|reference| reference.amplitude == amplitude) {
             continue;
@@ -134,7 +134,12 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
         for branch in shown {
             let Some(solution) = branch.at_amplitude(amplitude, points[point].omega)? else { continue };
             let label = format!("{}: {:.4} Hz", branch.branch.label, solution.point.omega / TAU);
-            motions.push(Histories::of(branch).between(&solution, SAMPLES, &label)?);
+            let mut motion = Histories::of(branch).between(&solution, SAMPLES, &label)?;
+            if motion.len() > 1 {
+                let names = stops::names(branch).into_iter();
+                motion.iter_mut().zip(names).for_each(|(history, name)| history.label = format!("{label}, {name}"));
+            }
+            motions.push(motion);
         }
         let off = |k: &usize| (points[*k].modal_amplitude - amplitude).abs();
         let near = if points[point].modal_amplitude == amplitude {
@@ -142,8 +147,15 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
         } else {
             (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
         };
-        let name = format!("P{}", found.len() + 1);
-        let title = format!("{name}: equal modal amplitude, {amplitude:.4e} m √kg");
+        // Where a branch does not go as far as the point of the first one, it is another point, and has another name.
+        let name = match amplitude < points[point].modal_amplitude {
+            true => "common".to_owned(),
+            false => format!("P{}", number + 1),
+        };
+        let title = match amplitude < points[point].modal_amplitude {
+            true => format!("largest modal amplitude of all branches, {amplitude:.4e} m √kg"),
+            false => format!("{name}: equal modal amplitude, {amplitude:.4e} m √kg"),
+        };
         found.push(Reference { name, amplitude, point: near.unwrap_or(point), title, motions });
     }
     Ok(found)

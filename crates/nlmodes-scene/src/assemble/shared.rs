@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use nlmodes::model::check_mass;
 use nlmodes_io::{FeFiles, FeModel, NodeContact, ReadError};
 use nlmodes_reduction::{ModeCount, OpenModes};
 
@@ -62,6 +63,7 @@ impl Structures {
         let compliance: Vec<f64> = contacts.iter().map(|contact| contact.stiffness.map_or(0.0, |k| 1.0 / k)).collect();
         let reduce = || {
             let (mass, stiffness) = (model.mass.symmetric()?, model.stiffness.symmetric()?);
+            check_mass(&mass, &super::dofs(model)).map_err(StructureError::Mass)?;
             let directions = model.contact_directions(contacts)?;
             Ok::<_, StructureError>(OpenModes::new(
                 mass,

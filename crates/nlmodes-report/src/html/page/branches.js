@@ -9,21 +9,21 @@ function facts(branch, index) {
     ["frequency", hertz(branch.frequency[index])],
     ["averaged kinetic energy", significant(branch.energy[index], 5) + " J"],
     ["modal amplitude", significant(branch.amplitude[index], 5) + " m √kg"],
-    ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " %"],
     ["largest contact force*", withUnit(branch.force[index], "N", prefixed)],
-    ["largest displacement", withUnit(branch.peak[index], "m", fine)],
+    [branch.stops.length > 1 ? "largest displacement toward stop 0" : "largest displacement", withUnit(branch.peak[index], "m", fine)],
     ["total energy", significant(branch.totalEnergy[index], 5) + " J"],
     ["contacts a period", String(branch.contactIntervals[index])],
     ["residual", significant(branch.residual[index], 2)],
   ];
   // The impulse converges with harmonics, the largest force of a short blow need not.
-  const impulses = branch.stops.map((stop, number) => {
+  const stops = branch.stops.map((stop, number) => {
     const impulse = withUnit(stop.impulse[index], "N s", prefixed);
     if (branch.stops.length === 1) return ["impulse a period", impulse];
     const closed = significant(100 * stop.closed[index], 3);
     return [`stop ${number}`, stop.closed[index] > 0 ? `impulse ${impulse}, closed ${closed} %, force* up to ${withUnit(stop.force[index], "N", prefixed)}` : "open"];
   });
-  rows.splice(3, 0, ...impulses);
+  const closed = ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " %"];
+  rows.splice(3, 0, ...(branch.stops.length > 1 ? stops : [...stops, closed]));
   for (const event of branch.events[index] || []) rows.push(["event", eventText(event)]);
   if (branch.resonance[index]) rows.push(["internal resonance", branch.resonance[index]]);
   if (branch.multiplier[index] !== undefined) {
@@ -45,7 +45,7 @@ function withUnit(value, name, choice) {
   return significant(value * unit.perSi, 5) + " " + unit.symbol;
 }
 
-const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement"]);
+const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement", "largest displacement toward stop 0"]);
 
 function describePoint(curve, index) {
   const branch = DATA.branches[curve.key];

@@ -99,8 +99,9 @@ class Chart {
     for (const tick of roomyTicks(this.spec.x.kind, this.view.x, f.width)) {
       const x = this.px(tick.place);
       svg(this.svg, "line", { x1: x, x2: x, y1: f.top, y2: bottom, class: tick.label ? "grid" : "grid fine" });
-      const label = { x, y: bottom + 18, "text-anchor": "middle", class: "tick x", "data-value": tick.value };
-      if (tick.label && lowest) svg(this.svg, "text", label, tick.label);
+      if (!tick.label || !lowest) continue;
+      const inside = Math.min(x, this.size.width - halfLabel(tick.label) - 2);
+      svg(this.svg, "text", { x: inside, y: bottom + 18, "text-anchor": "middle", class: "tick x", "data-value": tick.value }, tick.label);
     }
     for (const tick of ticks(panel.kind, this.view.y[p], Math.max(3, Math.round(f.height / 45)))) {
       const y = this.py(p, tick.place);

@@ -24,15 +24,23 @@ function ticks(kind, [low, high], target) {
   return of(target);
 }
 
-/// Ticks of an axis of so many pixels, as many as there is room for their labels.
+/// Half of the width of a tick's label in pixels.
+const halfLabel = label => 3.7 * label.length;
+
+/// Ticks of an axis of so many pixels, as many as there is room for their labels; where even few are too long, some have none.
 function roomyTicks(kind, view, pixels) {
   const px = pixels / (view[1] - view[0]);
+  const fits = (tick, before) => !before || (tick.place - before.place) * px > halfLabel(tick.label) + halfLabel(before.label) + 10;
   for (let target = Math.max(3, Math.round(pixels / 75)); target > 2; target--) {
     const found = ticks(kind, view, target), labelled = found.filter(tick => tick.label);
-    const fits = (tick, k) => k === 0 || (tick.place - labelled[k - 1].place) * px > 3.7 * (tick.label.length + labelled[k - 1].label.length) + 10;
-    if (labelled.every(fits)) return found;
+    if (labelled.every((tick, k) => fits(tick, labelled[k - 1]))) return found;
   }
-  return ticks(kind, view, 2);
+  let last = null;
+  return ticks(kind, view, 3).map(tick => {
+    const label = tick.label && fits(tick, last) ? tick.label : null;
+    if (label) last = tick;
+    return { ...tick, label };
+  });
 }
 
 function linearTicks(kind, low, high, target) {
