@@ -3,7 +3,7 @@
 use nlmodes_continuation::Boundary;
 use num_complex::Complex64;
 
-use super::conditions::{OperatingPoint, Source};
+use super::closing_conditions::{OperatingPoint, Source};
 use super::load::Load;
 use super::system::PeriodicSystem;
 use crate::RealSeries;
