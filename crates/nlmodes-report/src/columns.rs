@@ -4,8 +4,10 @@
 use std::fmt::Write;
 
 mod files;
+mod records;
 
 pub use files::FILES;
+pub use records::MODAL_POINT_COLUMNS;
 
 /// A column of a table, an array of an archive, or a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

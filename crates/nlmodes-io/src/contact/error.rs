@@ -89,6 +89,18 @@ pub enum ContactProblem {
         /// How far behind it is, m.
         distance: f64,
     },
+    /// Two rigid walls that face each other overlap.
+    #[error(
+        "node {node} has no room: this gap and that of contact {before}, on the other side, sum up to {room:.3e} m"
+    )]
+    NoRoom {
+        /// The node.
+        node: u64,
+        /// Number of the contact on the other side, from 0.
+        before: usize,
+        /// Sum of the gaps, m.
+        room: f64,
+    },
     /// There are no nodes to touch.
     #[error("node {node} has nothing to touch but itself")]
     Itself {

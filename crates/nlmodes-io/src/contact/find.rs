@@ -30,6 +30,15 @@ pub fn find_contacts(
             if let Some(before) = of_nodes.iter().find(same) {
                 return Err(wrong(ContactProblem::Twice { node: contact.node, before: found[*before].origin }));
             }
+            let facing = |k: &&usize| dot(found[**k].normal, contact.normal) < -1.0 + 1e-9;
+            let no_room = |k: &&usize| {
+                let (one, both_rigid) = (&found[**k], found[**k].stiffness.or(contact.stiffness).is_none());
+                both_rigid && one.gap + contact.gap < 0.0
+            };
+            if let Some(&before) = of_nodes.iter().find(|k| facing(k) && no_room(k)) {
+                let (node, room, before) = (contact.node, found[before].gap + contact.gap, found[before].origin);
+                return Err(wrong(ContactProblem::NoRoom { node, before, room }));
+            }
             of_nodes.push(found.len());
             found.push(contact);
         }

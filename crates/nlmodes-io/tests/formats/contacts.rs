@@ -109,6 +109,10 @@ fn contacts_that_cannot_be_are_refused() {
             "node 1 has this contact already, from contact 0",
         ),
         (vec![wall(&[1, 1], x, 0.0)], "node 1 has this contact already"),
+        (
+            vec![wall(&[1], x, -1e-3), wall(&[1], [-1.0, 0.0, 0.0], 0.5e-3)],
+            "node 1 has no room: this gap and that of contact 0, on the other side, sum up to -5.000e-4 m",
+        ),
         (vec![wall(&[1], [0.0; 3], 0.0)], "the normal of node 1 has no direction"),
         (vec![surface], "node 1 is not on the surface of the mesh"),
         (

@@ -1,11 +1,11 @@
-use super::{Column, DIFFERENCE_COLUMNS, FileMeaning, RESPONSE_DIFFERENCE_COLUMNS};
+use super::{Column, DIFFERENCE_COLUMNS, FileMeaning, MODAL_POINT_COLUMNS, RESPONSE_DIFFERENCE_COLUMNS};
 use crate::table::{
     APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
     PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 19] = [
+pub const FILES: [FileMeaning; 21] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -41,6 +41,16 @@ pub const FILES: [FileMeaning; 19] = [
         name: "participation.csv",
         meaning: "Participation of the lowest linear modes, a row a point",
         columns: &[&PARTICIPATION_COLUMNS],
+    },
+    FileMeaning {
+        name: "modal_points.csv",
+        meaning: "Of records and virtual tests, a row a record or level; cells that a record does not give are empty",
+        columns: &[&MODAL_POINT_COLUMNS],
+    },
+    FileMeaning {
+        name: "backbone.csv",
+        meaning: "Of virtual tests, the computed curve that is laid under the points, with the columns of `branch.csv`; `backbone_ms-hbm.csv`, `backbone_damped-mode.csv` and `backbone_phase-resonance.csv` beside it where these are asked for",
+        columns: &[],
     },
     FileMeaning {
         name: "overlay.csv",

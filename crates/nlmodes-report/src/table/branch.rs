@@ -35,7 +35,7 @@ pub const BRANCH_MEANINGS: [Column; 19] = [
     Column::new(
         "event",
         "",
-        "what happened here, names separated by spaces: grazing, fold, frequency-fold, branch-point, kink, contact-change, stability-change, tongue-foot, resumed, other-mode",
+        "what happened here, names separated by spaces: grazing, start, fold, frequency-fold, branch-point, kink, contact-change, stability-change, period-doubling, neimark-sacker, tongue-foot, resumed, other-mode, harmonics, harmonics-unproven, harmonics-no-help, accuracy-limit",
     ),
     Column::new(
         "resonance",

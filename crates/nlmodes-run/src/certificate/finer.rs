@@ -20,7 +20,13 @@ pub fn harmonics(computed: &ComputedBranch, points: &[usize], sources: Sources<'
     if !sources.thorough {
         return estimated(computed);
     }
-    let words = |lost: &str| format!("with twice as many harmonics at the same energy, {}{lost}", listed(points));
+    let all = computed.branch.points.len();
+    let words = |lost: &str| {
+        format!(
+            "with twice as many harmonics at the same energy, {} of {all}; others may change by more{lost}",
+            listed(points)
+        )
+    };
     let number = |k: usize| 2 * computed.branch.points[k].coefficients.n_harmonics();
     again(HARMONICS, computed, points, words, "method.harmonics twice as large", |k| {
         computed.refined(k, number(k), &computed.structure)

@@ -12,6 +12,8 @@ use super::contacts;
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
 /// Table of the contacts beside that of a branch.
 const CONTACTS: &str = "contacts.csv";
+/// Kinds of responses that are modes.
+const MODES: [&str; 2] = ["mode", "damped-mode"];
 /// Most rows that are read.
 const MOST_ROWS: usize = 1_000_000;
 
@@ -56,6 +58,9 @@ pub enum OverlayError {
     /// A table has no row with a frequency and an amplitude or energy.
     #[error("{} has no row with a frequency and an amplitude or an energy", .0.display())]
     NoPoint(PathBuf),
+    /// A table of responses has no mode.
+    #[error("{} holds responses to loads, and no mode; beside a mode they mean nothing: lay them over a scene with [response]", .0.display())]
+    OnlyLoads(PathBuf),
     /// A table has more rows than a branch has points.
     #[error("{} has more than {MOST_ROWS} rows", .0.display())]
     TooManyRows(PathBuf),
@@ -88,6 +93,9 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
     }
     let columns =
         Columns { frequency, energy, amplitude, force: column("peak_contact_force_n"), event: column("event") };
+    // A table of responses: of it a mode has a place beside modes, one curve of it.
+    let of_responses = [column("kind"), column("response"), column("curve")];
+    let (mut first, mut loads) = (None, 0);
     let number = column("point");
     let mut contacts = contacts_beside(&path)?;
     let mut points = Vec::new();
@@ -96,9 +104,23 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
             return Err(OverlayError::TooManyRows(path));
         }
         let row = row.map_err(failed)?;
+        if let [Some(kind), Some(response), Some(curve)] = of_responses {
+            let text = |column: usize| row.get(column).unwrap_or_default().trim().to_owned();
+            if !MODES.contains(&text(kind).as_str()) {
+                loads += 1;
+                continue;
+            }
+            let of = (text(response), text(curve));
+            if *first.get_or_insert_with(|| of.clone()) != of {
+                continue;
+            }
+        }
         let beside = number.and_then(|number| row.get(number)?.trim().parse::<usize>().ok());
         let beside = beside.and_then(|number| contacts.remove(&number)).unwrap_or_default();
         points.extend(columns.point(&row, &path)?.map(|point| ModalPoint { contacts: beside, ..point }));
+    }
+    if points.is_empty() && loads > 0 {
+        return Err(OverlayError::OnlyLoads(path));
     }
     if points.is_empty() {
         return Err(OverlayError::NoPoint(path));

@@ -128,3 +128,22 @@ fn plain(name: &str, of: impl Fn(&RecordExtraction) -> Option<f64> + 'static) ->
 fn count(name: &str, of: impl Fn(&RecordExtraction) -> Option<usize> + 'static) -> Column {
     (name.to_owned(), Box::new(move |found| of(found).map_or_else(String::new, |n| n.to_string())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nlmodes::report::columns::MODAL_POINT_COLUMNS;
+
+    #[test]
+    fn every_column_is_explained_and_every_explained_one_is_there() {
+        let head = |level| {
+            let text = Table::new(3, level).unwrap().into_bytes().unwrap();
+            String::from_utf8(text).unwrap().trim_end().split(',').map(str::to_owned).collect::<Vec<_>>()
+        };
+        let names = [head(Some("drive_v")), head(Some("drive_n")), head(None)].concat();
+        let is_explained = |name: &String| MODAL_POINT_COLUMNS.iter().any(|column| column.is_named(name));
+        assert_eq!(names.iter().find(|name| !is_explained(name)), None);
+        let is_there = |column: &&nlmodes::report::columns::Column| names.iter().any(|name| column.is_named(name));
+        assert_eq!(MODAL_POINT_COLUMNS.iter().find(|column| !is_there(column)), None);
+    }
+}

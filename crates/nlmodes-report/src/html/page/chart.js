@@ -66,10 +66,15 @@ class Chart {
     const n = this.spec.panels.length;
     const height = this.spec.height;
     this.size = { width, height: MARGIN.top + n * height + (n - 1) * MARGIN.gap + MARGIN.bottom };
+    // Beside the name of the axis there is room for its longest number.
+    const labels = this.spec.panels.flatMap((panel, p) => this.yTicks(panel, p, height)).filter(tick => tick.label);
+    const left = Math.max(MARGIN.left, ...labels.map(tick => 32 + 2 * halfLabel(tick.label)));
     this.frames = this.spec.panels.map((_, p) => ({
-      left: MARGIN.left, width: width - MARGIN.left - MARGIN.right, top: MARGIN.top + p * (height + MARGIN.gap), height,
+      left, width: width - left - MARGIN.right, top: MARGIN.top + p * (height + MARGIN.gap), height,
     }));
   }
+
+  yTicks(panel, p, height) { return ticks(panel.kind, this.view.y[p], Math.max(3, Math.round(height / 45))); }
 
   px(place) { const f = this.frames[0], [a, b] = this.view.x; return f.left + f.width * (place - a) / (b - a); }
   py(p, place) { const f = this.frames[p], [a, b] = this.view.y[p]; return f.top + f.height * (1 - (place - a) / (b - a)); }
@@ -103,7 +108,7 @@ class Chart {
       const inside = Math.min(x, this.size.width - halfLabel(tick.label) - 2);
       svg(this.svg, "text", { x: inside, y: bottom + 18, "text-anchor": "middle", class: "tick x", "data-value": tick.value }, tick.label);
     }
-    for (const tick of ticks(panel.kind, this.view.y[p], Math.max(3, Math.round(f.height / 45)))) {
+    for (const tick of this.yTicks(panel, p, f.height)) {
       const y = this.py(p, tick.place);
       svg(this.svg, "line", { x1: f.left, x2: f.left + f.width, y1: y, y2: y, class: tick.label ? "grid" : "grid fine" });
       const label = { x: f.left - 7, y: y + 4, "text-anchor": "end", class: "tick y", "data-value": tick.value, "data-panel": p };
