@@ -55,7 +55,7 @@ impl Grazing {
         self.fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()))
     }
 
-    /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and [`MixedShooting::closing`](crate::MixedShooting::closing)
+    /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and [`MixedShooting::shrinking_gaps`](crate::MixedShooting::shrinking_gaps)
     /// leads to it from here.
     pub fn touches_at_rest(&self) -> bool {
         self.opening.iter().any(|o| *o > 0.0)

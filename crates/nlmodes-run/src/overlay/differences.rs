@@ -214,6 +214,25 @@ mod tests {
     }
 
     #[test]
+    fn levels_that_had_not_settled_and_responses_to_loads_are_no_points_of_a_mode() {
+        let test = laid(
+            "record,frequency_hz,modal_amplitude,findings\na,10.3,0.5,\nb,11.0,1.0,aperiodic skew\nc,11.2,1.5,too-few-modes\n",
+        );
+        let label = &test.branch.label;
+        assert_eq!((test.branch.points.len(), label.as_str()), (2, "test, without 1 that had not settled"));
+        let test = laid("frequency_hz,modal_amplitude,findings\n10.3,0.5,not-locked\n");
+        assert_eq!((test.branch.points.len(), test.branch.label.as_str()), (1, "test, not settled"));
+        let responses =
+            "frequency_hz,energy_j,kind,response,curve\n10,1,frequency,1,1\n10,2,damped-mode,2,1\n11,3,mode,3,1\n";
+        assert_eq!(laid(responses).branch.points.len(), 1);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("branch.csv");
+        fs::write(&path, "frequency_hz,energy_j,kind,response,curve\n10,1,frequency,1,1\n").unwrap();
+        let error = read(&Overlay { path, label: "test".into() }).unwrap_err();
+        assert!(error.to_string().contains("holds responses to loads, and no mode"), "{error}");
+    }
+
+    #[test]
     fn a_softer_test_is_called_so_with_its_difference_in_any_unit() {
         for unit in [1.0, 1e-6] {
             let own = laid(&format!(

@@ -12,6 +12,8 @@ use super::contacts;
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
 /// Table of the contacts beside that of a branch.
 const CONTACTS: &str = "contacts.csv";
+/// Findings of records of vibrations that are no steady ones.
+const UNSETTLED: [&str; 4] = ["not-locked", "frequency-drift", "amplitude-drift", "aperiodic"];
 /// Kinds of responses that are modes.
 const MODES: [&str; 2] = ["mode", "damped-mode"];
 /// Most rows that are read.
@@ -98,7 +100,8 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
     let (mut first, mut loads) = (None, 0);
     let number = column("point");
     let mut contacts = contacts_beside(&path)?;
-    let mut points = Vec::new();
+    let findings = column("findings");
+    let (mut points, mut unsettled) = (Vec::new(), Vec::new());
     for (count, row) in table.records().enumerate() {
         if count == MOST_ROWS {
             return Err(OverlayError::TooManyRows(path));
@@ -117,7 +120,18 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         }
         let beside = number.and_then(|number| row.get(number)?.trim().parse::<usize>().ok());
         let beside = beside.and_then(|number| contacts.remove(&number)).unwrap_or_default();
+        let found = findings.and_then(|column| row.get(column)).unwrap_or_default();
+        let is_settled = !found.split_whitespace().any(|name| UNSETTLED.contains(&name));
+        let points = if is_settled { &mut points } else { &mut unsettled };
         points.extend(columns.point(&row, &path)?.map(|point| ModalPoint { contacts: beside, ..point }));
+    }
+    let label = match (points.len(), unsettled.len()) {
+        (_, 0) => overlay.label.clone(),
+        (0, _) => format!("{}, not settled", overlay.label),
+        (_, n) => format!("{}, without {n} that had not settled", overlay.label),
+    };
+    if points.is_empty() {
+        points = unsettled;
     }
     if points.is_empty() && loads > 0 {
         return Err(OverlayError::OnlyLoads(path));
@@ -128,7 +142,7 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
     let is_scattered = !path.ends_with(TABLES[0]);
     let message = format!("{} points of {}", points.len(), path.display());
     let branch = ModalBranch {
-        label: overlay.label.clone(),
+        label,
         coordinates: Vec::new(),
         contact_coordinate: None,
         stop: None,

@@ -176,9 +176,11 @@ pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Wat
         Ok(followed) => followed,
         Err(error) => return vec![computed(None, Err(chain(&error)), chain(&error), Vec::new())],
     };
-    let each = |Followed { curve, further }| {
+    let each = |Followed { curve, further, is_cut }| {
         let forces = std::mem::take(&mut forces);
-        let message = format!("{}{}{}", curve.end, not_held(&forces), not_followed(&curve, scene));
+        let cut =
+            if is_cut { "; with it there are continuation.max_branches curves, and no more are followed" } else { "" };
+        let message = format!("{}{cut}{}{}", curve.end, not_held(&forces), not_followed(&curve, &job, scene));
         computed(further, Ok(curve), message, forces)
     };
     curves.into_iter().map(each).collect()
@@ -237,13 +239,15 @@ fn curve(
             None => return over_frequency(system, scene, job, settings),
         },
     };
-    Ok(vec![Followed { curve: curve?, further: None }])
+    Ok(vec![Followed { curve: curve?, further: None, is_cut: false }])
 }
 
 /// A curve, and what its name says more where it stands behind the one that was asked for.
 struct Followed {
     curve: ResponseCurve,
     further: Option<String>,
+    /// Whether there are as many curves with it as may be: other arms may be left.
+    is_cut: bool,
 }
 
 /// A response over the frequency; the curves that branch off where they are wanted, and the one from the other end of the window where that is another.
@@ -265,23 +269,31 @@ fn over_frequency(
         false => None,
     };
     let known = curves.len();
+    let is_cut = |k: usize| k == 0 && branches && known == settings.max_branches;
     curves.extend(other);
     let further = |k: usize| match k {
         0 => None,
         _ if k < known => Some(format!("branch {k}")),
         _ => Some("from the upper end".to_owned()),
     };
-    Ok(curves.into_iter().enumerate().map(|(k, curve)| Followed { curve, further: further(k) }).collect())
+    let followed = |(k, curve)| Followed { curve, further: further(k), is_cut: is_cut(k) };
+    Ok(curves.into_iter().enumerate().map(followed).collect())
 }
 
 /// What is to be said of a curve beside its end: branch points whose other arms are not there.
-fn not_followed(curve: &ResponseCurve, scene: &Scene) -> String {
+fn not_followed(curve: &ResponseCurve, job: &Job<'_>, scene: &Scene) -> String {
     let n = curve.points.iter().filter(|point| point.events.contains(&Event::BranchPoint)).count();
-    if n == 0 || scene.continuation.at_branch_point == AtBranchPoint::All {
+    let is_tree = job.wanted.kind == ResponseKind::Frequency && job.from.is_none();
+    let all = scene.continuation.at_branch_point == AtBranchPoint::All;
+    if n == 0 || (all && is_tree) {
         return String::new();
     }
     let points = if n == 1 { "a branch point".to_owned() } else { format!("{n} branch points") };
-    format!("; at {points} other motions begin, which continuation.at_branch_point = \"all\" follows")
+    let follows = match is_tree {
+        true => "continuation.at_branch_point = \"all\" follows them",
+        false => "they are not followed",
+    };
+    format!("; at {points} other motions begin: {follows}")
 }
 
 /// Largest energy of a mode over that at grazing where the scene says no end at all, and where it has a window.
