@@ -80,7 +80,8 @@ def test_the_script_for_matlab_runs(monkeypatch):
 def test_phase_resonance_goes_through_the_peaks_of_the_responses(tmp_path):
     result = example("response_and_damped_mode").main(tmp_path / "response.svg", method__harmonics=3)
     kinds = {str(branch.kind[0]): branch for branch in result}
-    responses = [branch for branch in result if branch.kind[0] == "frequency"]
+    # With few harmonics the window ends between the folds of some levels, where another motion begins at its upper end.
+    responses = [branch for branch in result if branch.kind[0] == "frequency" and "upper end" not in branch.label]
     resonance, damped = kinds["phase-resonance"], kinds["damped-mode"]
     assert len(responses) == 3 and np.allclose(resonance.drive_lag_deg, 90.0, atol=1e-4)
     for branch in responses:
