@@ -44,7 +44,7 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
 fn modes(scene: &Scene, model: &Model) -> Check {
     let (of, limit) = (Some(Number::Frequency), Number::Frequency.limit());
     let open = model.open_modes();
-    if model.has_all_modes || open.has_all_modes() {
+    if open.has_all_modes() {
         return Check::found("modes", of, 0.0, limit, format!("all {} modes are kept", open.n_modes()));
     }
     let mut closed = vec![false; open.n_contacts()];

@@ -36,8 +36,6 @@ pub struct Model {
     pub reduction: Option<OpenStructure>,
     /// Unit of the levels.
     pub unit: &'static str,
-    /// Whether the structure has no other modes than those that are taken.
-    pub has_all_modes: bool,
     /// What the mode of the scene loses with the mass of the contact nodes, where that is left out or moved.
     pub shift: Option<MassShift>,
     /// What dashpots move of what they hold at the frequency of the mode beyond the modes that are taken, the largest; none without dashpots.
@@ -138,7 +136,6 @@ impl Model {
             contact_coordinates,
             contacts,
             unit,
-            has_all_modes: parts.has_all_modes,
             shift: parts.shift,
             warnings: parts.warning.into_iter().chain(give_way(&beyond_modes)).collect(),
             beyond_modes: beyond_modes.into_iter().reduce(f64::max),

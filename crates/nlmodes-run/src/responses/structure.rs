@@ -1,7 +1,5 @@
 //! From a scene to a structure in open modes, and to places on it.
 
-use std::collections::BTreeSet;
-
 use nlmodes::fem::FemError;
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{multiply, triplets};
@@ -23,8 +21,6 @@ pub struct Reduced {
     pub recorded: Vec<usize>,
     /// What they are.
     pub coordinates: Vec<Coordinate>,
-    /// Whether the structure has no other modes.
-    pub has_all_modes: bool,
     /// What the mode of the scene loses with the mass of the contact nodes, where that is left out or moved.
     pub shift: Option<MassShift>,
     /// What is to be known about the mass that is left out.
@@ -97,12 +93,8 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
     let (recorded, coordinates) = recorded(model.dofs(), &open);
     let shift = mass::shift_of(file)?;
     let warning = shift.and_then(|shift| mass::warning_about(scene, &shift));
-    let has_all_modes = massless.as_ref().is_some_and(|massless| {
-        let without_mass: BTreeSet<usize> = massless.contacts().iter().map(|contact| contact.dof).collect();
-        open.n_modes() + without_mass.len() == open.n_dofs()
-    });
     let source = Source::Straight { elements, model: Box::new(model), massless: massless.map(Box::new) };
-    Ok(Reduced { open, recorded, coordinates, has_all_modes, shift, warning, reduction: None, source })
+    Ok(Reduced { open, recorded, coordinates, shift, warning, reduction: None, source })
 }
 
 /// The structures of a scene of several.
@@ -184,7 +176,7 @@ impl Reduced {
     ) -> Self {
         let open = reduction.modes.clone();
         let (reduction, warning) = (Some(reduction), None);
-        Self { open, recorded, coordinates, has_all_modes: false, shift: None, warning, reduction, source }
+        Self { open, recorded, coordinates, shift: None, warning, reduction, source }
     }
 
     /// The displacement at a place, as degrees of freedom with weights; none where the structure is held.
