@@ -6,8 +6,9 @@ mod lanczos;
 mod orthonormal;
 mod refine;
 
-/// Up to this size, or if more than a third of the modes are wanted, the pencil is solved as a dense one.
-const DENSE_SIZE: usize = 600;
+/// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors that Lanczos' method needs
+/// would fill half of the space.
+const DENSE: [usize; 2] = [100, 4];
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
 #[derive(Debug, Clone)]
@@ -26,7 +27,7 @@ pub struct Modes {
 /// be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the pencil is then solved as
 /// `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
 ///
-/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for up to 600 rows or if a third of the modes is wanted, else
+/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes is wanted, else
 /// by Lanczos steps in the inner product of `M`, with blocks of vectors where the factor is one of dense blocks, and repeated in the complement of what was found
 /// until nothing is missing: multiple λ come with all their modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
 /// so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate ones.
@@ -168,7 +169,7 @@ impl<'a> Pencil<'a> {
     /// Lowest modes, M-orthonormal, of those degrees of freedom that have mass.
     fn solve(&self, count: usize) -> Result<Modes, LinalgError> {
         let n = self.mass.nrows();
-        let vectors = if n <= DENSE_SIZE || 3 * count >= n {
+        let vectors = if n <= DENSE[0] + DENSE[1] * count {
             full::invariant_subspace(self, count)?
         } else {
             lanczos::invariant_subspace(self, count)?
