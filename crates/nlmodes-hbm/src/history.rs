@@ -6,7 +6,7 @@ use nlmodes_model::DofContact;
 use crate::closed_set::ClosedSet;
 use crate::contact_operator::{ContactOperator, PatternInterval};
 use crate::energy::inner;
-use crate::trigonometric::Trigonometric;
+use crate::trigonometric::evaluate;
 use crate::{HbmError, MixedShooting, Symmetry};
 
 /// Largest deviations from what a motion with contact must satisfy, over the samples of a period, in scaled units.
@@ -41,12 +41,11 @@ impl ContactOperator {
         let of = contacts[contact];
         let instants = self.instants(contact, omega);
         let mut history = TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) };
-        let y: Vec<Trigonometric> = self.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         for j in 0..=samples {
             let tau = TAU * j as f64 / samples as f64;
             let set = self.sets.get(self.set_at(tau));
-            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
-            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+            self.free_gaps_at(tau, &mut at);
             let (gap, force) = state_in(set, contact, of.law.compliance(), &at);
             history.push(tau / omega, along(&of, omega, gap), force);
         }
@@ -66,15 +65,14 @@ impl ContactOperator {
             ..TimeHistory::empty(label, of.side.sign() * of.gap)
         };
         let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
-        let y: Vec<Trigonometric> = self.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
+        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         let stretches: Vec<(f64, f64, usize)> = self.whole_period();
         let mut last = f64::NEG_INFINITY;
         for (tau, stretch) in
             TimeHistory::exact_instants(&stretches.iter().map(|s| [s.0, s.1]).collect::<Vec<_>>(), samples)
         {
             let set = self.sets.get(stretches[stretch].2);
-            let values: Vec<[f64; 3]> = y.iter().map(|y| y.evaluate(tau)).collect();
-            let at = [0, 1, 2].map(|order| values.iter().map(|v| v[order]).collect::<Vec<f64>>());
+            self.free_gaps_at(tau, &mut at);
             last = (tau / omega).max(f64::next_up(last));
             for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
                 let (gap, force) = state_in(set, i, of.law.compliance(), &at);
@@ -82,6 +80,14 @@ impl ContactOperator {
             }
         }
         histories
+    }
+
+    /// The gaps without contact forces at phase `tau` and their first two derivatives by it.
+    fn free_gaps_at(&self, tau: f64, at: &mut [Vec<f64>; 3]) {
+        for (i, y) in self.y.iter().enumerate() {
+            let value = evaluate(y, tau);
+            at.iter_mut().zip(value).for_each(|(at, value)| at[i] = value);
+        }
     }
 
     /// The intervals of one contact pattern over the whole period: phases of their ends, closed set.
@@ -162,13 +168,12 @@ impl MixedShooting<'_> {
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn check_contact(&mut self, x: &[f64], samples: usize) -> Result<ContactDefects, HbmError> {
         self.solve_contact(x)?;
-        let y: Vec<Trigonometric> = self.sweep.y.iter().map(|z| Trigonometric { z: z.clone() }).collect();
         let a = self.structure().compliance().a();
         let length = self.scales.length;
         let mut worst = ContactDefects::default();
         for j in 0..samples {
             let tau = TAU * (j as f64 + 0.5) / samples as f64;
-            let at: Vec<f64> = y.iter().map(|y| y.evaluate(tau)[0]).collect();
+            let at: Vec<f64> = self.sweep.y.iter().map(|y| evaluate(y, tau)[0]).collect();
             let set = self.sweep.sets.get(self.sweep.set_at(tau));
             let force: Vec<f64> = (0..at.len()).map(|i| set.force(i, &at)).collect();
             for i in 0..at.len() {

@@ -41,7 +41,7 @@ const NOISE: f64 = 64.0 * f64::EPSILON;
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
         let curvature = y.iter().map(|z| bound(z, 2)).collect();
-        let sizes = y.iter().map(|z| z.iter().map(|z| z.norm()).sum()).collect();
+        let sizes = y.iter().map(|z| bound(z, 0)).collect();
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), noise: 0.0, curvature, sizes }
     }
 
@@ -134,10 +134,14 @@ impl<'a> Tracer<'a> {
     }
 
     fn y_at(&self, tau: f64) -> Vec<f64> {
-        let step = Complex64::cis(tau);
+        let (step, mut turn) = (Complex64::cis(tau), Complex64::ONE);
         let harmonics = self.y.first().map_or(0, Vec::len);
-        let turns: Vec<Complex64> =
-            std::iter::successors(Some(Complex64::ONE), |turn| Some(turn * step)).take(harmonics).collect();
+        let next = |_| {
+            let this = turn;
+            turn *= step;
+            this
+        };
+        let turns: Vec<Complex64> = (0..harmonics).map(next).collect();
         self.y.iter().map(|z| z.iter().zip(&turns).map(|(z, turn)| (z * turn).re).sum()).collect()
     }
 
@@ -154,12 +158,15 @@ impl<'a> Tracer<'a> {
     /// The first guard of `set` that turns negative after `from`, and its contact.
     fn first_event(&mut self, set: &ClosedSet, from: f64, to: f64) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
-        let (at_from, at_to) = (self.y_at(from), self.y_at(to));
+        // Of many most are so far from zero that their curvature cannot bring them there: they need not be formed.
+        let at_ends = (self.y.len() > 1).then(|| [self.y_at(from), self.y_at(to)]);
         for contact in 0..self.y.len() {
-            // Most are so far from zero that their curvature cannot bring them there: they need not be formed.
-            let low = set.guard_value(contact, &at_from).min(set.guard_value(contact, &at_to));
-            if low > FAR * (to - from).powi(2) / 8.0 * self.curvature_of(set, contact) + self.noise_of(set, contact) {
-                continue;
+            if let Some([at_from, at_to]) = &at_ends {
+                let low = set.guard_value(contact, at_from).min(set.guard_value(contact, at_to));
+                let bound = (to - from).powi(2) / 8.0 * self.curvature_of(set, contact);
+                if low > FAR * bound + self.noise_of(set, contact) {
+                    continue;
+                }
             }
             self.form_guard(set, contact);
             let end = first.map_or(to, |(tau, _)| tau);

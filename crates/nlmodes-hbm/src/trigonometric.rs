@@ -9,17 +9,7 @@ pub(crate) struct Trigonometric {
 impl Trigonometric {
     /// Value, first and second derivative at `tau`.
     pub fn evaluate(&self, tau: f64) -> [f64; 3] {
-        let step = Complex64::cis(tau);
-        let mut turn = Complex64::new(1.0, 0.0);
-        let mut sum = [0.0; 3];
-        for (n, z) in self.z.iter().enumerate() {
-            let (n, term) = (n as f64, z * turn);
-            sum[0] += term.re;
-            sum[1] -= n * term.im;
-            sum[2] -= n * n * term.re;
-            turn *= step;
-        }
-        sum
+        evaluate(&self.z, tau)
     }
 
     /// Bound of a derivative.
@@ -51,6 +41,21 @@ impl Trigonometric {
         }
         tau
     }
+}
+
+/// Value, first and second derivative of `Re Σ z_n e^{inτ}` at `tau`.
+pub(crate) fn evaluate(z: &[Complex64], tau: f64) -> [f64; 3] {
+    let step = Complex64::cis(tau);
+    let mut turn = Complex64::new(1.0, 0.0);
+    let mut sum = [0.0; 3];
+    for (n, z) in z.iter().enumerate() {
+        let (n, term) = (n as f64, z * turn);
+        sum[0] += term.re;
+        sum[1] -= n * term.im;
+        sum[2] -= n * n * term.re;
+        turn *= step;
+    }
+    sum
 }
 
 /// Bound of a derivative of `Re Σ z_n e^{inτ}`.
