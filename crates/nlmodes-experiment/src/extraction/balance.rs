@@ -99,3 +99,101 @@ impl Balance<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{Quantity, Role};
+
+    /// A mode of 100 rad/s and 1 %, in resonance or beside it, whose force at the stop and power are those of the equation of motion, times the given factors.
+    fn factors(
+        omega: f64,
+        size: f64,
+        contact: Option<f64>,
+        force: f64,
+        unknown_contact: bool,
+    ) -> Vec<(String, f64, f64)> {
+        let (own, zeta, shape) = (100.0_f64, 0.01, 2.0);
+        let modes = LinearModes::new(&[0.3], &[own], &[zeta], &[vec![shape]]).unwrap();
+        let eta = Complex64::new(size, 0.0);
+        let (drive, stop) = (
+            Channel::new("drive", Quantity::Force, Role::Excitation, None),
+            Channel::new("stop", Quantity::Force, Role::Contact, None),
+        );
+        let at_stop = eta * ((omega / own).powi(2) - 1.0) * own * own / shape;
+        let power = zeta * own * omega * omega * size * size;
+        let balance = Balance {
+            modes: &modes,
+            modal: vec![eta],
+            omega,
+            force: Some((&drive, [force * power, 0.1 * force * power])),
+            contact: contact.map(|factor| (&stop, factor * at_stop, 0)),
+            unknown_contact,
+        };
+        let mut findings = vec![];
+        balance.report(&mut findings);
+        let number = |finding: Finding| match finding {
+            Finding::WrongScale { channel, factor, uncertainty, .. } => (channel, factor, uncertainty),
+            other => panic!("{other}"),
+        };
+        findings.into_iter().map(number).collect()
+    }
+
+    fn is(found: &[(String, f64, f64)], channel: &str, factor: f64, uncertainty: f64) -> bool {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+        matches!(found, [(name, f, u)] if name == channel && near(*f, factor) && near(*u, uncertainty))
+    }
+
+    /// For motions of metres and of micrometres.
+    #[test]
+    fn forces_that_balance_are_sound_and_others_have_their_factor() {
+        for size in [1.0, 1e-6] {
+            for contact in [None, Some(1.0)] {
+                for force in [0.5, 1.0, 4.0] {
+                    assert!(factors(120.0, size, contact, force, false).is_empty(), "{size} {contact:?} {force}");
+                }
+                for force in [0.01, 0.25, 10.0, 1e3] {
+                    let found = factors(120.0, size, contact, force, false);
+                    assert!(is(&found, "drive", force, 0.1 * force), "{size} {contact:?} {force}: {found:?}");
+                }
+            }
+            assert!(factors(120.0, size, None, 10.0, true).is_empty(), "the stop may take the power");
+            assert!(is(&factors(120.0, size, None, 0.01, true), "drive", 0.01, 0.001));
+            // A shift of 0.44 of the squared frequency, known to 0.02.
+            for contact in [0.01, 0.25, 4.0, 1e3] {
+                let found = factors(120.0, size, Some(contact), 1.0, false);
+                assert!(is(&found, "stop", contact, contact * 0.02 / 0.44), "{size} {contact}: {found:?}");
+            }
+            for contact in [0.4, 2.5] {
+                assert!(factors(120.0, size, Some(contact), 1.0, false).is_empty(), "{size} {contact}");
+            }
+            // Beside the mode's own frequency the shift is within its error.
+            assert!(factors(101.0, size, Some(2.0), 1.0, false).is_empty());
+            assert!(factors(101.0, size, Some(0.0), 1.0, false).is_empty());
+        }
+    }
+
+    #[test]
+    fn what_the_stop_takes_is_part_of_the_power() {
+        let (own, zeta, omega) = (100.0_f64, 0.001, 110.0_f64);
+        let modes = LinearModes::new(&[0.3], &[own], &[zeta], &[vec![1.0]]).unwrap();
+        let eta = Complex64::new(1e-3, 0.0);
+        let linear = zeta * own * omega.powi(2) * eta.norm_sqr();
+        let (drive, stop) = (
+            Channel::new("drive", Quantity::Force, Role::Excitation, None),
+            Channel::new("stop", Quantity::Force, Role::Contact, None),
+        );
+        // The stop takes nineteen times what the mode does: ½ Re(F_c v*), v = iωη.
+        let lost = 19.0 * linear;
+        let at_stop = Complex64::new(0.21 * own * own * eta.re, 2.0 * lost / (omega * eta.re));
+        let found = |power: f64| {
+            let mut findings = vec![];
+            let force = Some((&drive, [power, 0.0]));
+            let contact = Some((&stop, at_stop, 0));
+            Balance { modes: &modes, modal: vec![eta], omega, force, contact, unknown_contact: false }
+                .report(&mut findings);
+            findings.len()
+        };
+        assert_eq!([linear, 20.0 * linear, 95.0 * linear, 150.0 * linear].map(found), [1, 0, 0, 1]);
+    }
+}

@@ -76,3 +76,63 @@ pub fn take_out_delay(coefficients: &mut [Complex64], omega: f64, delay: f64) {
         *q *= Complex64::cis(n as f64 * omega * delay);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four periods of 100 samples, each with its own mean and amplitudes: those of a block are its own discrete Fourier sums.
+    #[test]
+    fn blocks_have_their_own_means_and_amplitudes() {
+        let (n, step) = (400, std::f64::consts::TAU / 100.0);
+        let fit = HarmonicFit::new(3, step, n).unwrap();
+        let at = |j: usize| {
+            let (k, phase) = ((j / 100) as f64, fit.phase(j));
+            1.0 + 0.1 * k * k + (1.0 + 0.02 * k) * (phase - 0.3 * k).cos() - 0.2 * (2.0 * phase).sin()
+        };
+        let signal: Vec<f64> = (0..n).map(at).collect();
+        let blocks = Blocks::new(&fit, &[&signal], 4, 50.0);
+        assert_eq!((blocks.single.len(), blocks.all.len()), (4, 1));
+        for (k, found) in blocks.single.iter().enumerate() {
+            let samples = 100 * k..100 * (k + 1);
+            let mean = samples.clone().map(|j| signal[j]).sum::<f64>() / 100.0;
+            assert!((found[0][0].re - mean).abs() < 1e-12 && found[0][0].im.abs() < 1e-12, "{k}: {}", found[0][0]);
+            for order in 1..=3 {
+                let term = |j: usize| signal[j] * Complex64::cis(-(order as f64) * fit.phase(j)) / 50.0;
+                let expected: Complex64 = samples.clone().map(term).sum();
+                assert!((found[0][order] - expected).norm() < 1e-12, "{k}, {order}: {}", found[0][order]);
+            }
+        }
+        // Two seconds a period, counted from the middle.
+        assert!(
+            blocks.centres.iter().zip([-3.0, -1.0, 1.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{:?}",
+            blocks.centres
+        );
+        let (model, _) = fit.synthesize(&blocks.all[0]);
+        let rest: f64 = signal.iter().zip(&model).map(|(x, m)| (x - m).powi(2)).sum::<f64>() / n as f64;
+        assert!((blocks.noise[0] / rest.sqrt() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn many_periods_share_blocks() {
+        let fit = HarmonicFit::new(1, std::f64::consts::TAU / 10.0, 1300).unwrap();
+        let signal: Vec<f64> = (0..1300).map(|j| fit.phase(j).cos()).collect();
+        let blocks = Blocks::new(&fit, &[&signal], 130, 1.0);
+        // Three periods each: 43 blocks, and one period is left.
+        assert_eq!(blocks.single.len(), 43);
+        assert!(blocks.single.iter().all(|q| (q[0][1] - 1.0).norm() < 1e-9 && q[0][0].norm() < 1e-9));
+        // A signal without noise keeps a trace of its size as such.
+        assert!((blocks.noise[0] * 1e12 - 0.5_f64.sqrt()).abs() < 1e-2, "{:e}", blocks.noise[0]);
+    }
+
+    #[test]
+    fn a_delay_that_is_taken_out_turns_harmonics_forward() {
+        let (omega, delay) = (30.0, 0.002);
+        let mut q =
+            [Complex64::new(2.0, 0.0), Complex64::cis(-omega * delay), Complex64::cis(0.4 - 2.0 * omega * delay)];
+        take_out_delay(&mut q, omega, delay);
+        let expected = [Complex64::new(2.0, 0.0), Complex64::ONE, Complex64::cis(0.4)];
+        assert!(q.iter().zip(&expected).all(|(q, e)| (q - e).norm() < 1e-14), "{q:?}");
+    }
+}

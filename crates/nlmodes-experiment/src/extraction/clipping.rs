@@ -66,4 +66,39 @@ mod tests {
         );
         assert!(matches!(found(0.99, Some([-1.5, 0.99]))[..], [Finding::Clipped { limit, .. }] if limit == 0.99));
     }
+
+    #[test]
+    fn a_sample_that_rounding_leaves_short_of_a_known_limit_is_at_it() {
+        for (scale, inside) in [(1.0, 1e-12), (1e-6, 1e-18), (1e6, 1e-6)] {
+            let mut channel = Channel::new("x", Quantity::Displacement, Role::Response, None);
+            channel.range = Some([-scale, scale]);
+            let samples = [0.0, scale - inside, 0.5 * scale, inside - scale, inside - scale, 0.999_99 * scale];
+            let mut findings = vec![];
+            check(&channel, &samples, 100.0, &mut findings);
+            let found: Vec<(usize, f64)> = findings
+                .iter()
+                .map(|finding| match finding {
+                    Finding::Clipped { samples, limit, .. } => (*samples, *limit),
+                    other => panic!("{other}"),
+                })
+                .collect();
+            assert_eq!(found, [(2, -scale), (1, scale)]);
+        }
+    }
+
+    #[test]
+    fn plateaus_count_from_their_length_on_and_rest_at_zero_is_none() {
+        let found = |samples: &[f64], samples_per_period: f64| {
+            let mut findings = vec![];
+            let channel = Channel::new("f", Quantity::Force, Role::Contact, None);
+            check(&channel, samples, samples_per_period, &mut findings);
+            findings.len()
+        };
+        let plateau = |length: usize| [vec![0.0, -1.0, 0.5], vec![2.0; length], vec![0.25]].concat();
+        // Four samples at least, else 0.014 of a period.
+        assert_eq!([3, 4].map(|length| found(&plateau(length), 100.0)), [0, 1]);
+        assert_eq!([13, 14].map(|length| found(&plateau(length), 1000.0)), [0, 1]);
+        assert_eq!(found(&[vec![0.0; 50], vec![0.3, 1.0, 0.3]].concat(), 53.0), 0, "an open contact");
+        assert_eq!(found(&[7.0; 50], 50.0), 0, "a constant");
+    }
 }

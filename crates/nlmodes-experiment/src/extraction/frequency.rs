@@ -115,4 +115,34 @@ mod tests {
         assert!((found.value - 260.0).abs() < 1e-9 && found.uncertainty < 1e-9, "{found:?}");
         assert!(from_phase(&[1.0; 10], 1.0, "p").is_err());
     }
+
+    /// With a part that is not periodic the least of the squares is not zero; the frequency is there where Gauss and Newton stand still.
+    #[test]
+    fn the_frequency_found_is_a_stationary_point_of_the_least_squares() {
+        let (f, rate, periods) = (40.1, 20_000.0, 5.3);
+        let mut disturbed = signal(f, periods, rate);
+        disturbed.iter_mut().enumerate().for_each(|(j, x)| *x += 0.3 * (TAU * 61.7 * j as f64 / rate).cos());
+        let found = refine(&disturbed, TAU * f / rate * 1.01, 20).unwrap();
+        let change = gauss_newton(&disturbed, found, 20).unwrap();
+        assert!(change.abs() < 1e-9, "{change:e}");
+        let left = |step: f64| {
+            let fit = HarmonicFit::new(20, step, disturbed.len()).unwrap();
+            let (model, _) = fit.synthesize(&fit.coefficients(&[&disturbed])[0]);
+            disturbed.iter().zip(&model).map(|(x, m)| (x - m).powi(2)).sum::<f64>()
+        };
+        assert!(left(found * 1.0001) > left(found) && left(found * 0.9999) > left(found));
+    }
+
+    /// A slope has the standard error of the textbook: the scatter about the line over the spread of the instants.
+    #[test]
+    fn the_slope_of_a_phase_has_its_standard_error() {
+        let n = 400;
+        let noise = |j: i32| if j % 2 == 0 { 0.01 } else { -0.01 };
+        let phase: Vec<f64> = (0..n).map(|j| (0.3 + 0.05 * f64::from(j) + noise(j)) % TAU).collect();
+        let found = from_phase(&phase, 1000.0, "p").unwrap();
+        let spread: f64 = (0..n).map(|j| (f64::from(j) - 199.5).powi(2)).sum();
+        let expected = 1000.0 * 0.01 * (f64::from(n) / f64::from(n - 2) / spread).sqrt();
+        assert!((found.value - 50.0).abs() < 3.0 * expected, "{found:?}");
+        assert!((found.uncertainty / expected - 1.0).abs() < 1e-3, "{found:?} {expected}");
+    }
 }

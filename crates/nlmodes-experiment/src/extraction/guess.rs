@@ -32,7 +32,8 @@ mod tests {
             let wave = |j: i32| (std::f64::consts::TAU * f * f64::from(j) + 0.4).cos();
             let signal: Vec<f64> = (0..n).map(|j| 5.0 + wave(j)).collect();
             let found = strongest_frequency(&signal).unwrap();
-            assert!((found - f).abs() < 0.25 / f64::from(n), "{periods}: {}", found * f64::from(n));
+            // The parabola through the logarithms of a Hann window's lines is off by 0.016 lines at most.
+            assert!((found - f).abs() < 0.02 / f64::from(n), "{periods}: {}", found * f64::from(n));
         }
         assert_eq!(strongest_frequency(&[1.0; 50]), None);
         assert_eq!(strongest_frequency(&[]), None);

@@ -155,3 +155,27 @@ pub fn displacement_noise(place: &Place, noise: &[f64], omega: f64, n: usize, n_
 pub fn member(place: &Place, channels: &[Channel], quantity: Quantity) -> Option<usize> {
     place.members.iter().map(|(i, _)| *i).find(|i| channels[*i].quantity == quantity)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Structures of ten nanometres and of a thousand kilometres.
+    #[test]
+    fn channels_are_at_one_place_within_a_share_of_the_structure() {
+        for length in [1e-8, 1.0, 1e6] {
+            let channel = |x: f64| Channel::new("x", Quantity::Displacement, Role::Response, Some(x * length));
+            let channels = [channel(1.0), channel(-0.5), channel(0.9995), channel(0.25), channel(0.252)];
+            let found = places(&channels, &[0, 1, 2, 3, 4]);
+            let members: Vec<Vec<usize>> =
+                found.iter().map(|place| place.members.iter().map(|member| member.0).collect()).collect();
+            assert_eq!(members, [vec![1], vec![3], vec![4], vec![0, 2]], "{length}");
+            assert_eq!(find(&found, 1.0005 * length), Some(3), "{length}");
+            assert_eq!(find(&found, -0.5009 * length), Some(0), "{length}");
+            assert_eq!(find(&found, 0.5 * length), None, "{length}");
+            assert!(is_at(&channels, 3, Some(0.2505 * length)) && !is_at(&channels, 3, Some(0.252 * length)));
+            assert!(!is_at(&channels, 1, Some(0.5 * length)), "the other side");
+            assert!(is_at(&channels, 3, None));
+        }
+    }
+}

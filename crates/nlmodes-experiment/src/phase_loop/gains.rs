@@ -152,4 +152,33 @@ mod tests {
         let s = Complex64::new(0.0, (12.0 * (0.5 + 5.0_f64)).sqrt());
         assert!((gains.open_loop(resonance, low_pass, s) + 1.0).norm() < 1e-14);
     }
+
+    /// A loop in seconds and the same in microseconds or days: gains and limits carry their powers of the unit of time.
+    #[test]
+    fn gains_and_limits_scale_with_the_unit_of_time() {
+        for order in [Order::First, Order::Second] {
+            let at = |s: f64| {
+                let resonance = Resonance { omega: 250.0 * s, damping_ratio: 0.004 };
+                let low_pass = LowPass { cut_off: 12.0 * s, order };
+                let gains = Gains::design(resonance, low_pass).unwrap();
+                gains.check(resonance, low_pass).unwrap();
+                [gains.proportional / s, gains.integral / s / s, gains.integral_limit(resonance, low_pass) / s / s]
+            };
+            let expected = at(1.0);
+            for s in [1e-6, 1e-3, 1e5] {
+                at(s).iter().zip(&expected).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-12, "{s}: {a} {b}"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_resonance_that_grows_faster_than_the_filter_follows_has_no_stable_gain() {
+        for (order, damping_ratio) in [(Order::First, -0.05), (Order::Second, -0.07)] {
+            let resonance = Resonance { omega: 250.0, damping_ratio };
+            let gains = Gains { proportional: 30.0, integral: 1e-3 };
+            let low_pass = LowPass { cut_off: 12.0, order };
+            assert_eq!(gains.integral_limit(resonance, low_pass), 0.0, "{order:?}");
+            assert!(gains.check(resonance, low_pass).is_err() && unstable_roots(gains, resonance, low_pass) > 0);
+        }
+    }
 }

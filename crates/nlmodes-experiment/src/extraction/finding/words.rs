@@ -165,3 +165,62 @@ fn scale(f: &mut fmt::Formatter<'_>, channel: &str, [factor, uncertainty]: [f64;
 fn or(f: &mut fmt::Formatter<'_>, alternatives: &[String]) -> fmt::Result {
     if alternatives.is_empty() { Ok(()) } else { write!(f, " (or it is {})", alternatives.join(", or ")) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_said_in_the_units_of_their_words() {
+        let name = || "x".to_owned();
+        let scale = |factor: f64, uncertainty: f64| Finding::WrongScale {
+            channel: name(),
+            factor,
+            uncertainty,
+            against: "others".into(),
+            declared: "N".into(),
+            likely: None,
+            alternatives: vec![],
+        };
+        let skew = |delay: f64| Finding::Skew {
+            channel: name(),
+            delay,
+            uncertainty: 1e-7,
+            samples: delay * 2e4,
+            degrees: delay * 1e4,
+            against: "y".into(),
+        };
+        let transient = |damping: f64| Finding::Transient { damping, uncertainty: 1e-5, from_force: Some(0.002) };
+        let words = [
+            (Finding::AmplitudeDrift { relative: -0.01 }, "drifts by -1.000 %"),
+            (
+                Finding::FrequencyDrift { change_hz: 0.02, relative: 5e-4 },
+                "+2.000e-2 Hz over the periods (+5.00e-4 relative)",
+            ),
+            (
+                Finding::Aperiodic { channel: name(), ratio: 0.034, strongest_hz: 61.5 },
+                ": 3.40 % of its root mean square is not periodic, strongest at 61.50 Hz",
+            ),
+            (
+                Finding::Quadrature { channel: name(), degrees: 12.5, share: 0.123 },
+                "12.3 % of the fundamental is in quadrature, channel \"x\" 12.5° off",
+            ),
+            (skew(-2e-5), "20.0 µs ± 0.1 µs early against y: 0.40 samples, 0.20° of"),
+            (skew(2e-5), "20.0 µs ± 0.1 µs late against y"),
+            // What is 0.001 of what it should be is 1000 times too small, with the same relative error.
+            (scale(1e-3, 2e-5), "is 1000.0000 ± 2.0e1 times too small against others"),
+            (scale(-50.0, 0.5), "is 50.0000 ± 5.0e-1 times too large against others, and reversed"),
+            (
+                transient(-0.01),
+                "the vibration grows: the growth alone has a damping ratio of -0.010000 ± 1.0e-5, the power of the force 0.002000",
+            ),
+            (transient(0.01), "the vibration decays: the decay alone has a damping ratio of 0.010000"),
+        ];
+        for (finding, expected) in words {
+            let said = finding.to_string();
+            assert!(said.contains(expected), "{said}");
+        }
+        assert!(!scale(50.0, 0.5).to_string().contains("reversed"));
+        assert!(!scale(50.0, 0.5).to_string().contains("(or it is"));
+    }
+}

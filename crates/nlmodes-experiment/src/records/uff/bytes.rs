@@ -94,3 +94,32 @@ fn scatter(numbers: &[f64]) -> f64 {
     let mean = sizes.iter().sum::<f64>() / n;
     sizes.iter().map(|size| (size - mean).abs()).sum::<f64>() / n
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn swapped_numbers_are_told_whatever_zeros_stand_among_them() {
+        let signal = |zeros: usize| (0..400).map(move |j| if j % 5 < zeros { 0.0 } else { (0.1 * j as f64).sin() });
+        for (precision, order) in [Precision::Single, Precision::Double]
+            .into_iter()
+            .flat_map(|p| [ByteOrder::Little, ByteOrder::Big].map(|order| (p, order)))
+        {
+            for zeros in 0..5 {
+                let bytes = encode(signal(zeros), precision, order);
+                assert!(is_swapped(&bytes, precision, order.other()), "{precision:?} {order:?} {zeros}");
+                assert!(!is_swapped(&bytes, precision, order), "{precision:?} {order:?} {zeros}");
+            }
+            let zeros = encode(signal(5), precision, order);
+            assert!(!is_swapped(&zeros, precision, order) && !is_swapped(&zeros, precision, order.other()));
+        }
+    }
+
+    #[test]
+    fn the_scatter_of_powers_of_ten_is_that_of_their_exponents() {
+        assert!((scatter(&[1e-3, 1e3, -1e-1, 1e1, 0.0]) - 2.0).abs() < 1e-12);
+        assert!((scatter(&[1e5; 7])).abs() < 1e-12 && scatter(&[]) == 0.0);
+        assert!((plausible_share(&[0.0, 1.0, -1e-29, 1e31, f64::NAN]) - 0.6).abs() < 1e-12);
+    }
+}
