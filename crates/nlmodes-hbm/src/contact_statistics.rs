@@ -178,4 +178,29 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_sample_stands_for_the_stretch_around_it() {
+        for (samples, symmetry) in [(16, Symmetry::Even), (16, Symmetry::None), (50, Symmetry::None)] {
+            let series = RealSeries { symmetry, n_harmonics: 2 };
+            let matrix = LcpMatrix::new(&Mat::from_fn(1, 1, |_, _| 1.0)).unwrap();
+            let solver = solver_by_name("active-set").unwrap();
+            let switching = Switching::Sampled { samples };
+            let mut operator = ContactOperator::new(&matrix, series, switching, solver.as_ref()).unwrap();
+            let gap = |tau: f64| 0.3 + tau.cos();
+            let mut coefficients = vec![0.0; series.width()];
+            coefficients[..2].copy_from_slice(&[0.3, 1.0]);
+            operator.solve(&coefficients).unwrap();
+            let step = TAU / samples as f64;
+            let closed = (0..samples).filter(|j| gap(step * *j as f64) < 0.0);
+            let share = closed.clone().count() as f64 / samples as f64;
+            assert!((operator.closed_share(0) - share).abs() < 1e-12, "{samples}: {}", operator.closed_share(0));
+            let (first, last) = (closed.clone().min().unwrap(), closed.max().unwrap());
+            let intervals = operator.intervals();
+            let middle = intervals.iter().find(|interval| operator.closed(interval)[0]).unwrap();
+            let end = ((last as f64 + 0.5) * step).min(operator.end());
+            assert!((middle.from - (first as f64 - 0.5) * step).abs() < 1e-12 && (middle.to - end).abs() < 1e-12);
+            assert!(intervals[0].from == 0.0 && (intervals[intervals.len() - 1].to - operator.end()).abs() < 1e-12);
+        }
+    }
 }

@@ -326,4 +326,29 @@ mod tests {
         }
         assert!(called > 1000, "{called}");
     }
+
+    /// Halved where nothing is known but both ends, the cell has its contact instant where the gap `cos τ` vanishes; where both ends are alike it ends there.
+    #[test]
+    fn a_cell_that_is_halved_has_its_instants_where_the_gap_vanishes() {
+        let identity = nlmodes_linalg::Mat::from_fn(1, 1, |_, _| 1.0);
+        let mut sets = SetTable::new(&nlmodes_contact::LcpMatrix::new(&identity).unwrap()).unwrap();
+        let (open, closed) = (SetTable::OPEN, sets.find(&[true]).unwrap());
+        let y = [vec![Complex64::default(), Complex64::ONE]];
+        let mut solve = |_: f64, y: &[f64], closed: &mut [bool]| {
+            closed[0] = y[0] < 0.0;
+            Ok(())
+        };
+        let half = std::f64::consts::FRAC_PI_2;
+        for ends in [[1.4, 1.8], [1.5, 3.0], [half - 1e-9, half + 3e-9]] {
+            let mut tracer = Tracer::new(&y);
+            assert_eq!(tracer.bisect(&mut sets, &mut solve, ends, [open, closed]).unwrap(), closed);
+            let found: Vec<(f64, f64, usize)> = tracer.intervals.iter().map(|i| (i.from, i.to, i.set)).collect();
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert!(found[0].0 == ends[0] && found[0].2 == open && (found[0].1 - half).abs() < 1e-14, "{found:?}");
+            assert!(found[1].0 == found[0].1 && found[1].2 == closed && found[1].1 == ends[1], "{found:?}");
+        }
+        let mut tracer = Tracer::new(&y);
+        assert_eq!(tracer.bisect(&mut sets, &mut solve, [1.0, 1.2], [open, open]).unwrap(), open);
+        assert_eq!(tracer.intervals.len(), 1);
+    }
 }

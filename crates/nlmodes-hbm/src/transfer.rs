@@ -192,3 +192,110 @@ impl Plane {
 fn identity(m: &mut [f64], n: usize) {
     m.iter_mut().enumerate().for_each(|(at, m)| *m = if at % (n + 1) == 0 { 1.0 } else { 0.0 });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nlmodes_linalg::sparse_from_triplets;
+    use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
+
+    /// Four masses in a row, springs between them and to both sides, and massless nodes before stops; with all of its held modes. Lengths and masses in the given units.
+    fn chain(contacts: &[usize], [metre, kilogram]: [f64; 2]) -> CondensedStructure {
+        let (n, spring) = (4 + contacts.len(), 2e4 * kilogram);
+        let mut k: Vec<_> = (0..n).map(|i| (i, i, 0.5 * spring)).collect();
+        for i in 1..n {
+            k.extend([(i, i, spring), (i - 1, i - 1, spring), (i, i - 1, -spring), (i - 1, i, -spring)]);
+        }
+        let massive = (0..n).filter(|i| !contacts.contains(i));
+        let m: Vec<_> = massive.map(|i| (i, i, (0.1 + 0.03 * i as f64) * kilogram)).collect();
+        let dofs = (0..n).map(|node| Dof { node, position: metre * node as f64, kind: DofKind::Axial }).collect();
+        let matrix = |entries: &[_]| sparse_from_triplets(n, n, entries).unwrap();
+        let stops = contacts.iter().map(|&dof| Contact::rigid(dof, Side::Positive, 1e-3 * metre)).collect();
+        let model = StructuralModel::new(matrix(&m), matrix(&k), dofs, stops).unwrap();
+        CondensedStructure::new(MasslessContactModel::new(&model, &Drop).unwrap(), 4).unwrap()
+    }
+
+    fn structures() -> Vec<CondensedStructure> {
+        let units = [[1.0, 1.0], [1e3, 1e-3]];
+        units.iter().flat_map(|units| [chain(&[4], *units), chain(&[2], *units), chain(&[1, 5], *units)]).collect()
+    }
+
+    /// Squared frequencies between and beside all poles, and beyond.
+    fn frequencies(structure: &CondensedStructure) -> Vec<f64> {
+        let lambda: Vec<f64> = structure.modes().iter().map(|m| m.lambda).collect();
+        let beside = lambda.iter().flat_map(|l| [0.999, 0.9, 1.02, 1.13].map(|share| share * l));
+        beside.chain([0.02 * lambda[0], 1.7 * lambda[lambda.len() - 1]]).collect()
+    }
+
+    fn at(structure: &CondensedStructure, nu2: f64, with_next_term: bool) -> Plane {
+        let mut plane = Plane::new(structure.n_contact_dofs());
+        plane.with_next_term = with_next_term;
+        plane.set(structure, nu2);
+        plane
+    }
+
+    /// `A T = B` with `T` as the sum over the modes.
+    #[test]
+    fn the_form_without_poles_is_that_of_the_transfer() {
+        for structure in structures() {
+            let n = structure.n_contact_dofs();
+            for nu2 in frequencies(&structure) {
+                let plane = at(&structure, nu2, false);
+                let transfer = |i: usize, j: usize| {
+                    let of = |m: &crate::HeldMode| nu2 / (m.lambda * (m.lambda - nu2)) * m.h[i] * m.g[j];
+                    structure.sums.t0[i * n + j] + structure.modes().iter().map(of).sum::<f64>()
+                };
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let terms: Vec<f64> = (0..n).map(|k| plane.a[i * n + k] * transfer(k, j)).collect();
+                    let size = 1.0 + terms.iter().map(|t| t.abs()).sum::<f64>();
+                    let error = (terms.iter().sum::<f64>() - plane.b[i * n + j]).abs() / size;
+                    assert!(error < 1e-11, "{nu2}: {error:e}");
+                    assert!((plane.d[i * n + j] - plane.a[i * n + j] + plane.b[i * n + j]).abs() < 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn its_slopes_and_sizes_are_those_by_differences() {
+        for structure in structures() {
+            let n = structure.n_contact_dofs();
+            for nu2 in frequencies(&structure) {
+                let step = 1e-6 * nu2;
+                let [low, plane, high] = [-step, 0.0, step].map(|step| at(&structure, nu2 + step, false));
+                let by = |of: fn(&Plane) -> &[f64], at: usize| (of(&high)[at] - of(&low)[at]) / (2.0 * step);
+                let parts: [(fn(&Plane) -> &[f64], &[f64]); 3] =
+                    [(|p| &p.a, &plane.da), (|p| &p.b, &plane.db), (|p| &p.f, &plane.df)];
+                for (of, slope) in parts {
+                    for (number, slope) in slope.iter().enumerate() {
+                        // Beside a pole, a thousandth away, third derivatives leave some 1e-6.
+                        assert!(
+                            (by(of, number) - slope).abs() * nu2 < 1e-4 * (1.0 + slope.abs() * nu2),
+                            "{nu2} {number}"
+                        );
+                    }
+                }
+                for row in 0..n {
+                    let own = |j: usize| plane.d[row * n + j].abs() + nu2 * by(|p| &p.d, row * n + j).abs();
+                    let expected = (0..n).map(own).sum::<f64>().clamp(SMALLEST_ROW, 1.0);
+                    let found = plane.size_of_row(row, nu2);
+                    assert!((found / expected - 1.0).abs() < 1e-4, "{nu2} {row}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    /// Where all modes are there nothing follows behind them, so that matrices and the way for one degree of freedom tell the same.
+    #[test]
+    fn one_degree_of_freedom_is_no_other_case() {
+        for structure in structures().iter().filter(|structure| structure.n_contact_dofs() == 1) {
+            for nu2 in frequencies(structure) {
+                let [short, long] = [false, true].map(|with_next_term| at(structure, nu2, with_next_term));
+                let numbers = |p: &Plane| [p.a[0], p.b[0], p.d[0], p.f[0], nu2 * p.da[0], nu2 * p.db[0], nu2 * p.df[0]];
+                for (a, b) in numbers(&short).iter().zip(numbers(&long)) {
+                    assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{nu2}: {a} {b}");
+                }
+            }
+        }
+    }
+}

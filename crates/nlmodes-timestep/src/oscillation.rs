@@ -229,4 +229,48 @@ mod tests {
         let earlier = (0..100_000).map(|j| root * (1.0 - 1e-9) * j as f64 / 1e5).map(f);
         assert!(earlier.fold(f64::INFINITY, f64::min) > 0.0);
     }
+
+    /// `1 + 2 t` beside `0.5 cos 3t − 0.7 sin 3t`, with all closed forms.
+    fn mixed<'m>(lambda: &'m [f64], omega: &'m [f64]) -> Oscillation<'m> {
+        Oscillation { lambda, omega, a: vec![0.4, 0.5], b: vec![2.0, -2.1], constant: 0.6 }
+    }
+
+    #[test]
+    fn values_slopes_and_integral_of_a_drift_with_an_oscillation_are_those_of_the_closed_form() {
+        let (lambda, omega) = ([0.0, 9.0], [0.0, 3.0]);
+        let f = mixed(&lambda, &omega);
+        for t in [0.0, 0.3, 1.7, 20.0_f64] {
+            let (sin, cos) = (3.0 * t).sin_cos();
+            let expected = [1.0 + 2.0 * t + 0.5 * cos - 0.7 * sin, 2.0 - 1.5 * sin - 2.1 * cos, -4.5 * cos + 6.3 * sin];
+            f.evaluate(t).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{t}: {a} {b}"));
+            let integral = t + t * t + 0.5 * sin / 3.0 - 0.7 * (1.0 - cos) / 3.0;
+            assert!((f.integral(t) - integral).abs() < 1e-12 * (1.0 + t * t), "{t}: {}", f.integral(t));
+        }
+        // The third derivative is 27 √(0.5² + 0.7²) at most.
+        assert!((f.third_derivative() - 27.0 * 0.74_f64.sqrt()).abs() < 1e-12);
+        let negated = mixed(&lambda, &omega).negated();
+        assert!(negated.evaluate(0.9).iter().zip(f.evaluate(0.9)).all(|(a, b)| (a + b).abs() < 1e-14));
+    }
+
+    #[test]
+    fn the_lowest_value_is_at_an_end_or_where_the_slope_rises_through_zero() {
+        let omega = [2.0];
+        let of = |a: f64, b: f64| Oscillation { lambda: &[4.0], omega: &omega, a: vec![a], b: vec![b], constant: 0.25 };
+        // cos 2t until it is lowest, at π/2, and before.
+        for (end, expected) in [(0.5, 1.0_f64.cos()), (1.5, 3.0_f64.cos()), (1.6, -1.0), (40.0, -1.0)] {
+            assert!((of(1.0, 0.0).lowest(end) - 0.25 - expected).abs() < 1e-12, "{end}: {}", of(1.0, 0.0).lowest(end));
+        }
+        // sin 2t begins at its lowest value unless it goes on long enough.
+        for (end, expected) in [(1.5, 0.0), (1.7, 3.4_f64.sin()), (2.5, -1.0)] {
+            assert!((of(0.0, 2.0).lowest(end) - 0.25 - expected).abs() < 1e-12, "{end}");
+        }
+        let f = of(1.0, 0.0);
+        let half = 0.5 * PI;
+        assert_eq!(f.lowest_of_convex(1.7, 2.0), 1.7);
+        assert_eq!(f.lowest_of_convex(1.2, 1.4), 1.4);
+        assert!((f.lowest_of_convex(1.2, 2.0) - half).abs() < 1e-14);
+        assert_eq!(lowest(1.0, 0.5, 4.0, 1.0), 1.0 - 0.5 * 0.25 / 4.0);
+        assert_eq!(lowest(1.0, 0.5, 0.2, 1.0), 1.0 - 0.5 + 0.1);
+        assert_eq!(lowest(1.0, -0.5, -0.2, 1.0), 1.0 - 0.5 - 0.1);
+    }
 }

@@ -208,3 +208,122 @@ impl Flow {
         if from[0] < to[0] { (from[0], 0.0) } else { (to[0], t) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex64;
+
+    /// A mode of 2 rad/s before two contacts, each stop with a spring and a damper, under loads of two harmonics; the phases of the load in the gaps too.
+    fn structure() -> ForcedStructure {
+        let rows = Mat::from_fn(2, 1, |i, _| [1.5, -0.5][i]);
+        let compliance = Mat::from_fn(2, 2, |i, j| if i == j { [0.2, 0.4][i] } else { 0.1 });
+        let mut structure = ForcedStructure::new(&[4.0], &Mat::zeros(1, 1), &rows, &compliance, &[0.3, 0.7]).unwrap();
+        structure.push_damped_stop(0, 3.0, 2.0).unwrap();
+        structure.push_damped_stop(1, 5.0, 0.5).unwrap();
+        structure.push_load(1, &[Complex64::default()], &[Complex64::new(0.02, 0.01), Complex64::default()]).unwrap();
+        structure.push_load(3, &[Complex64::default()], &[Complex64::default(), Complex64::new(0.0, -0.03)]).unwrap();
+        structure
+    }
+
+    const STATE: [f64; 4] = [0.8, -0.3, 0.05, -0.02];
+
+    #[test]
+    fn an_open_structure_swings_and_its_stops_come_back_each_at_its_own_rate() {
+        let (structure, omega, begin) = (structure(), 1.3, 0.4);
+        let flow = structure.flow(&[false, false], omega, 1.0).unwrap();
+        let w = structure.augmented(&STATE, omega, begin);
+        for t in [0.0, 0.3 * flow.step, flow.step] {
+            // Rates are in units of the highest frequency.
+            let (sin, cos) = (2.0 * t).sin_cos();
+            let oscillators = [1.0, 3.0].map(|n| (n * omega * (begin + t)).sin_cos());
+            let expected = [
+                0.8 * cos - 0.3 * sin,
+                -0.3 * cos - 0.8 * sin,
+                0.05 * (-1.5 * t).exp(),
+                -0.02 * (-10.0 * t).exp(),
+                1.0,
+                oscillators[0].1,
+                oscillators[0].0,
+                oscillators[1].1,
+                oscillators[1].0,
+            ];
+            let found = flow.after(&w, t);
+            assert_eq!(found.len(), expected.len());
+            found.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-13, "{t}: {found:?}"));
+            let transition = flow.transition(4, t).unwrap();
+            for j in 0..4 {
+                let unit: Vec<f64> = (0..w.len()).map(|i| f64::from(u8::from(i == j))).collect();
+                let column = flow.after(&unit, t);
+                (0..4).for_each(|i| assert!((transition[(i, j)] - column[i]).abs() < 1e-13));
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_and_forces_of_every_closed_set_are_those_of_its_linear_equations() {
+        let (structure, omega, t, level) = (structure(), 1.3, 0.4, 0.9);
+        let w = structure.augmented(&STATE, omega, t);
+        let moved = [
+            Complex64::new(0.02, 0.01) * Complex64::cis(omega * t),
+            Complex64::new(0.0, -0.03) * Complex64::cis(3.0 * omega * t),
+        ];
+        let y = [0.3 + 1.5 * 0.8 + 0.05 + level * moved[0].re, 0.7 - 0.5 * 0.8 - 0.02 + level * moved[1].re];
+        for closed in [[false, false], [true, false], [false, true], [true, true]] {
+            let flow = structure.flow(&closed, omega, level).unwrap();
+            let forces = match closed {
+                [false, false] => [0.0, 0.0],
+                [true, false] => [-y[0] / 0.2, 0.0],
+                [false, true] => [0.0, -y[1] / 0.4],
+                // The inverse of [0.2, 0.1; 0.1, 0.4] is [0.4, −0.1; −0.1, 0.2]/0.07.
+                [true, true] => [(-0.4 * y[0] + 0.1 * y[1]) / 0.07, (0.1 * y[0] - 0.2 * y[1]) / 0.07],
+            };
+            let gaps = [y[0] + 0.2 * forces[0] + 0.1 * forces[1], y[1] + 0.1 * forces[0] + 0.4 * forces[1]];
+            for i in 0..2 {
+                let near =
+                    |row: &[f64], expected: f64| assert!((dot(row, &w) - expected).abs() < 1e-12, "{closed:?} {i}");
+                near(&flow.forces[i], forces[i]);
+                near(&flow.free[i], y[i]);
+                near(&flow.gaps[i], gaps[i]);
+                near(&flow.guards[i], if closed[i] { [0.2, 0.4][i] * forces[i] } else { gaps[i] });
+            }
+            // ẇ: the mode is pushed by Yᵀ λ, the dampers by their own forces.
+            let rate = product(&flow.matrix, &w);
+            let push = 1.5 * forces[0] - 0.5 * forces[1];
+            let expected =
+                [-0.6, (push - 4.0 * 0.8) / 2.0, (forces[0] - 3.0 * 0.05) / 2.0, (forces[1] + 5.0 * 0.02) / 0.5];
+            rate.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{closed:?}: {a} {b}"));
+        }
+    }
+
+    #[test]
+    fn roots_and_lowest_values_within_a_step_are_those_of_a_cosine() {
+        let mut free = ForcedStructure::new(
+            &[4.0],
+            &Mat::zeros(1, 1),
+            &Mat::from_fn(1, 1, |_, _| 1.0),
+            &Mat::identity(1, 1),
+            &[9.0],
+        )
+        .unwrap();
+        free.push_load(1, &[Complex64::default()], &[Complex64::default()]).unwrap();
+        let flow = free.flow(&[false], 0.5, 0.0).unwrap();
+        let row = [1.0, 0.0, 0.0, 0.0, 0.0];
+        // cos 2(t + begin).
+        let at = |begin: f64| free.augmented(&[(2.0 * begin).cos(), -(2.0 * begin).sin()], 0.5, 0.0);
+        let (begin, t) = (0.25 * std::f64::consts::PI - 0.02, 0.06);
+        assert!((flow.root(&row, 0.0, 0, &at(begin), (0.0, t)) - 0.02).abs() < 1e-14);
+        let lower = flow.root(&row, 0.02, 0, &at(begin), (0.0, t));
+        assert!(((2.0 * (begin + lower)).cos() + 0.02).abs() < 1e-14, "{lower}");
+        let lowest = |begin: f64, t: f64| {
+            let w = at(begin);
+            flow.lowest(&row, &w, &flow.after(&w, t), t)
+        };
+        let (value, when) = lowest(0.5 * std::f64::consts::PI - 0.03, t);
+        assert!((value + 1.0).abs() < 1e-14 && (when - 0.03).abs() < 1e-14, "{value} {when}");
+        let (value, when) = lowest(0.3, t);
+        assert!((value - 0.72_f64.cos()).abs() < 1e-14 && when == t);
+        let (value, when) = lowest(1.8, t);
+        assert!((value - 3.6_f64.cos()).abs() < 1e-14 && when == 0.0);
+    }
+}

@@ -1,0 +1,146 @@
+//! Figures of contacts, units of unknowns, and sizes, against closed forms.
+
+mod support;
+
+use std::f64::consts::TAU;
+
+use nlmodes_fem::{Direction, Stop};
+use nlmodes_model::Side;
+use nlmodes_timestep::{
+    ContactDynamics, GlobalContactProblem, ReducedStructure, Shooting, ShootingScales, TimestepError,
+};
+use support::{ClosedForm, OMEGA_CONTACT, massless, rod_with, settle, unit_rod};
+
+/// The rod of two elements in the closed form; a second stop, behind the tip, is out of reach of the amplitude 2.
+fn rod_in_a_wide_slot() -> ContactDynamics {
+    let stop = |side, gap| Stop::rigid(1.0, Direction::Axial, side, gap);
+    ContactDynamics::new(massless(&rod_with(2, &[stop(Side::Positive, 1.0), stop(Side::Negative, 5.0)]))).unwrap()
+}
+
+#[test]
+fn figures_of_a_contact_are_those_of_the_closed_form() {
+    let (mut rod, closed) = (rod_in_a_wide_slot(), ClosedForm::new(2.0));
+    for begin in [0.0, 0.3, 0.5, 0.8] {
+        let t = begin * closed.period();
+        let h = 1e-6;
+        let [before, at, after] = [-h, 0.0, h].map(|h| closed.position(t + h));
+        let speed = (after[0] - before[0]) / (2.0 * h);
+        let state = rod.state(&at, &[speed, 0.0]).unwrap();
+        let trajectory = rod.propagate(&state, closed.period()).unwrap();
+        let periods = trajectory.contact_periods(2);
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-7, "from {begin}: {a}, not {b}");
+        // λ = 2 (x − 1) while x = ½ + B cos ω_c t is beyond 1.
+        let half = closed.half[0];
+        near(periods[0].peak_force, 2.0 * (closed.b - 0.5));
+        near(periods[0].impulse, 4.0 * (closed.b * (OMEGA_CONTACT * half).sin() / OMEGA_CONTACT - 0.5 * half));
+        near(periods[0].mean_force, periods[0].impulse / closed.period());
+        near(periods[0].closed_share, 2.0 * half / closed.period());
+        // The tip follows the node with mass until it touches: 3 (A² − 1) = ½ ẋ².
+        near(periods[0].approach_velocity, (6.0 * (closed.a * closed.a - 1.0)).sqrt());
+        assert_eq!(periods[0].touches, 1);
+        near(trajectory.smallest_gap(0), 0.0);
+        let other = &periods[1];
+        let nothing = [other.peak_force, other.impulse, other.mean_force, other.closed_share, other.approach_velocity];
+        assert_eq!((nothing, other.touches), ([0.0; 5], 0), "a stop out of reach");
+        near(trajectory.smallest_gap(1), 5.0 - closed.a);
+        let instants = trajectory.contact_instants(0);
+        assert_eq!(instants.len(), 2, "{instants:?}");
+        for instant in instants {
+            near(closed.position(t + instant.time)[0], 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_stretch_without_contact_has_the_smallest_gap_of_its_own() {
+    // Only while it is free, on its way out and back.
+    let (mut rod, closed) = (rod_in_a_wide_slot(), ClosedForm::new(2.0));
+    let state = rod.state(&closed.position(0.0), &[0.0; 2]).unwrap();
+    for share in [0.3, 0.4, 0.6] {
+        let end = share * closed.period();
+        let trajectory = rod.propagate(&state, end).unwrap();
+        let farthest = if share > 0.5 { -closed.a } else { closed.position(end)[0] };
+        assert!((trajectory.smallest_gap(1) - (5.0 + farthest)).abs() < 1e-12, "{share}");
+        assert!((trajectory.duration() - end).abs() < 1e-15);
+        let mean = trajectory.impulse(0);
+        let half = 2.0 * (closed.b * (OMEGA_CONTACT * closed.half[0]).sin() / OMEGA_CONTACT - 0.5 * closed.half[0]);
+        assert!((mean - half).abs() < 1e-12, "half of the contact");
+    }
+}
+
+#[test]
+fn each_linear_mode_grazes_by_itself() {
+    let mut rod = ContactDynamics::new(massless(&unit_rod(6))).unwrap();
+    let omegas = rod.omega().to_vec();
+    for (k, omega) in omegas.iter().enumerate().take(3) {
+        let start = rod.grazing(1.01 * omega).unwrap();
+        assert!((start.omega / omega - 1.0).abs() < 1e-12 && start.contact == 0, "mode {}", k + 1);
+        let expected = 0.25 * (omega * start.amplitude[k]).powi(2);
+        assert!((start.energy / expected - 1.0).abs() < 1e-9, "mode {}", k + 1);
+        let trajectory = rod.propagate(&start.state, 1.5 * TAU / omega).unwrap();
+        assert!(trajectory.smallest_gap(0).abs() < 1e-9 && trajectory.impulse(0) < 1e-6, "mode {}", k + 1);
+    }
+}
+
+#[test]
+fn unknowns_of_shooting_are_in_the_units_that_are_told() {
+    let rod = ContactDynamics::new(massless(&unit_rod(4))).unwrap();
+    let (omegas, scales) = (rod.omega().to_vec(), ShootingScales { omega: 2.0, energy: 0.3 });
+    let shooting = Shooting::new(rod, scales).unwrap();
+    let mut x = vec![0.0; omegas.len() + 1];
+    for (k, omega) in omegas.iter().enumerate() {
+        x[k] = 0.7;
+        let expected = 0.7 * 0.6_f64.sqrt() / omega.max(2.0);
+        let state = shooting.state(&x);
+        assert!((state.z[k] / expected - 1.0).abs() < 1e-14 && state.v.iter().all(|v| *v == 0.0), "mode {}", k + 1);
+        x[k] = 0.0;
+    }
+}
+
+/// From a guess far off at another energy the motion is that which is settled by itself.
+#[test]
+fn a_motion_near_a_guess_has_the_energy_of_the_parameter() {
+    let (mut shooting, x, direction) =
+        Shooting::from_grazing(ContactDynamics::new(massless(&unit_rod(3))).unwrap(), 1).unwrap();
+    let guess: Vec<f64> = x.iter().zip(&direction).map(|(x, t)| x + 0.02 * t).collect();
+    let motion = shooting.motion_near(&guess, 0.04).unwrap();
+    assert!((motion.kinetic_energy / shooting.energy(0.04) - 1.0).abs() < 1e-7, "{}", motion.kinetic_energy);
+    let (settled, _) = settle(&mut shooting, guess, 0.04);
+    assert!((motion.omega / shooting.omega(&settled) - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn the_global_problem_needs_two_samples_a_harmonic_and_one_more() {
+    let model = massless(&unit_rod(3));
+    GlobalContactProblem::new(&model, 1.0, 4, 9).unwrap();
+    let error = GlobalContactProblem::new(&model, 1.0, 4, 8).unwrap_err();
+    assert!(matches!(error, TimestepError::Samples { harmonics: 4, samples: 8, needed: 9 }), "{error}");
+}
+
+#[test]
+fn a_reduced_structure_counts_its_modes() {
+    let two = [
+        Stop::rigid(1.0, Direction::Axial, Side::Positive, 1.0),
+        Stop::rigid(0.5, Direction::Axial, Side::Positive, 0.5),
+    ];
+    for (stops, contacts) in [(&two[..1], 1), (&two[..], 2)] {
+        let model = massless(&rod_with(12, stops));
+        let massive = model.linear_dofs().len();
+        for count in [2, 4] {
+            let reduced = ReducedStructure::new(model.clone(), count).unwrap();
+            assert_eq!((reduced.n_held_modes(), reduced.n_kept_modes()), (count, count));
+            assert_eq!(reduced.n_modes(), count + contacts, "with a static shape a contact");
+            // What the reduced structure tells of a static shape is that of the full one.
+            let full: Vec<f64> = (0..model.dofs().len()).map(|i| (i + 1) as f64).collect();
+            let back = reduced.expand(&reduced.project(&full).unwrap());
+            if contacts == 1 {
+                // A rod that is pulled at its tip is straight.
+                for dof in model.linear_dofs() {
+                    assert!((back[*dof] / full[*dof] - 1.0).abs() < 1e-9, "{dof}: {}", back[*dof]);
+                }
+            }
+        }
+        let whole = ReducedStructure::new(model, 100).unwrap();
+        assert_eq!((whole.n_held_modes(), whole.n_kept_modes(), whole.n_modes()), (massive, massive, massive));
+    }
+}
