@@ -126,8 +126,9 @@ The page is for this machine only, and for whoever has its address. Nothing is w
 Examples:
   nlmodes-cli figures results/beam                                       a PDF beside each SVG
   nlmodes-cli figures results/beam/frequency_energy.svg --format png --dots-per-inch 600
+  nlmodes-cli figures results/beam --width-mm 90 --no-titles             drawn anew for one column
 
-Their width in print and their titles are output.figure_width_mm and output.figure_titles of the scene.")]
+The width of those that a run writes, and their titles, are output.figure_width_mm and output.figure_titles of the scene.")]
     Figures(figures::Arguments),
     /// Print what every file of results, its columns and arrays mean, with units and signs
     #[command(after_help = "Example:\n  nlmodes-cli columns | less")]

@@ -5,9 +5,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use nlmodes::report::write_file;
+use nlmodes::report::{FigureStyle, write_file};
 use nlmodes_print::{pdf, png};
+use nlmodes_run::redrawn::redraw;
 use nlmodes_run::{Failure, chain};
+use nlmodes_scene::number;
 
 use crate::Status;
 use crate::terminal::print;
@@ -24,6 +26,13 @@ pub struct Arguments {
     /// Resolution of PNG
     #[arg(long, value_name = "N", default_value_t = 300.0, allow_negative_numbers = true)]
     dots_per_inch: f64,
+    /// Width in print, mm, with letters of 8 points: 90 for a column, 180 for two. The figures of a branch or of responses are drawn anew, and the files
+    /// named by it: frequency_energy_90mm.pdf
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    width_mm: Option<f64>,
+    /// Without the titles above the figures, with --width-mm
+    #[arg(long, requires = "width_mm")]
+    no_titles: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -45,6 +54,9 @@ impl Format {
 
 /// Converts the figures, and names what it writes.
 pub fn run(arguments: &Arguments) -> Status {
+    if let Some(width) = arguments.width_mm {
+        return in_width(arguments, width);
+    }
     let mut status = Status::Done;
     for place in &arguments.from {
         let figures = match figures_of(place) {
@@ -62,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Status {
             }
         };
         for figure in &figures {
-            if let Err(error) = convert(figure, arguments) {
+            if let Err(error) = convert(figure, &figure.with_extension(""), arguments) {
                 say!("error: {}: {}", figure.display(), chain(error.as_ref()));
                 status = Status::EndedEarly;
             }
@@ -85,14 +97,49 @@ fn figures_of(place: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(figures)
 }
 
-fn convert(figure: &Path, arguments: &Arguments) -> Result<(), Failure> {
+/// Draws the figures of directories anew in this width, and converts them.
+fn in_width(arguments: &Arguments, width: f64) -> Status {
+    if !(FigureStyle::LEAST_MM..=FigureStyle::MOST_MM).contains(&width) {
+        let [least, most] = [FigureStyle::LEAST_MM, FigureStyle::MOST_MM].map(number);
+        say!("error: --width-mm is {}; expected a number from {least} to {most}", number(width));
+        return Status::Wrong;
+    }
+    for place in &arguments.from {
+        if !place.is_dir() {
+            say!("error: {}: only whole directories of results are drawn anew in another width", place.display());
+            return Status::Wrong;
+        }
+        let folder = place.join(format!(".figures.{}.nlmodes.tmp", std::process::id()));
+        let drawn = draw(place, &folder, arguments, width);
+        // What is left there is in nobody's way.
+        _ = fs::remove_dir_all(&folder);
+        if let Err(error) = drawn {
+            say!("error: {}: {}", place.display(), chain(error.as_ref()));
+            return Status::EndedEarly;
+        }
+    }
+    Status::Done
+}
+
+fn draw(place: &Path, folder: &Path, arguments: &Arguments, width: f64) -> Result<(), Failure> {
+    redraw(place, folder, Some(width), !arguments.no_titles)?;
+    for figure in figures_of(folder)? {
+        let name = figure.file_stem().unwrap_or_default().to_string_lossy();
+        convert(&figure, &place.join(format!("{name}_{}mm", number(width))), arguments)?;
+    }
+    Ok(())
+}
+
+/// Converts a figure into files that are called so.
+fn convert(figure: &Path, called: &Path, arguments: &Arguments) -> Result<(), Failure> {
     let svg = fs::read_to_string(figure)?;
     for format in &arguments.format {
         let converted = match format {
             Format::Pdf => pdf(&svg)?,
             Format::Png => png(&svg, arguments.dots_per_inch)?,
         };
-        let path = figure.with_extension(format.ending());
+        // The name may have a point in its width.
+        let path = PathBuf::from(format!("{}.{}", called.display(), format.ending()));
         write_file(&path, &converted)?;
         print(&path.display().to_string());
     }

@@ -99,6 +99,9 @@ impl Observer for TerminalObserver {
             }
             Event::Withdrawn { kept } => self.progress.iter_mut().for_each(|progress| progress.withdrawn(kept)),
             Event::Turned { points } => self.progress.iter_mut().for_each(|progress| progress.turned(points)),
+            Event::Looking { check, point, number: [number, of] } => self.progress.iter().for_each(|progress| {
+                progress.looking(&format!("certificate: {check}, point {point} ({number} of {of})"))
+            }),
             Event::Computed => self.progress.iter().for_each(Progress::finish),
             _ => {}
         }

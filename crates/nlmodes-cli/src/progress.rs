@@ -122,6 +122,14 @@ impl Progress {
         self.points = points;
     }
 
+    /// What is looked at behind the last point, said from time to time.
+    pub fn looking(&self, what: &str) {
+        let line = || format!("{what}, {:.0} s", self.began.elapsed().as_secs_f64());
+        if (self.plain || self.bar.is_some()) && is_due(&self.last, PLAIN_INTERVAL) {
+            say!("{}", line());
+        }
+    }
+
     /// Clears the moving line.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {

@@ -20,7 +20,7 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
     let (directory, tree) = (&part.scene.output_directory, &part.tree);
     let statuses = tree.branches.iter().enumerate().map(|(number, computed)| {
         let name = if tree.branches.len() > 1 { format!("branch {number}: ") } else { String::new() };
-        tell(computed, &name, part.wall_time, quiet)
+        tell(computed, &name, part.points_time, quiet)
     });
     if statuses.collect::<Vec<_>>().contains(&Status::EndedEarly) {
         say!("What was found is in {}", directory.display());
@@ -46,7 +46,7 @@ pub fn certificates(part: &PartOutcome) -> String {
         let name = if part.certificates.len() > 1 { format!(" of branch {number}") } else { String::new() };
         text += &self::certificate(&name, certificate);
     }
-    text
+    text + &format!("  looked at in {:.1} s\n", part.certificate_time.as_secs_f64())
 }
 
 /// What a certificate says, with the name of what it speaks of behind it.
@@ -59,12 +59,12 @@ pub fn certificate(name: &str, certificate: &Certificate) -> String {
 }
 
 /// Says how a branch ended.
-fn tell(computed: &ComputedBranch, name: &str, wall_time: Duration, quiet: bool) -> Status {
+fn tell(computed: &ComputedBranch, name: &str, points_time: Duration, quiet: bool) -> Status {
     let points = &computed.branch.points;
     let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
     let end = &computed.branch.end;
     warn_of_accuracy(computed, name);
-    let time = wall_time.as_secs_f64();
+    let time = points_time.as_secs_f64();
     let advice = advice(computed).unwrap_or_default();
     let line = format!("{name}{} points in {time:.2} s; ended{at}: {}{advice}", points.len(), end.message);
     if end.complete {

@@ -98,7 +98,7 @@ fn frequencies_that_cannot_be_imposed_are_refused_at_their_place() -> Outcome {
     let text = fs::read_to_string(configuration("rod.toml"))?;
     let cases = [
         ("60.0, 500.0", "elements = 100", "500 Hz, is not below the next mode"),
-        ("1.0, 2.0, 3.0", "elements = 2", "frequencies of 3 modes are wanted, but the structure has 1 modes"),
+        ("1.0, 2.0, 3.0", "elements = 2", "frequencies of 3 modes are wanted, but the structure has 1 mode "),
         ("60.0", "elements = 3000", "2999 of them, 2000 at most"),
     ];
     for (frequencies, elements, message) in cases {

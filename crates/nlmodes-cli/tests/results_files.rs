@@ -308,9 +308,17 @@ fn octave_draws_the_branch_and_the_forces_that_the_tables_have() -> Outcome {
         Ok([rows.len() as f64, sum, most])
     };
     let all: Vec<&Vec<String>> = rows.iter().collect();
-    let happened: Vec<&Vec<String>> = rows.iter().filter(|row| !row[event].is_empty()).collect();
     let of_branch: Vec<&Vec<f64>> = lines.iter().filter(|line| line[0] == 1.0).collect();
-    for wanted in [drawn(&all)?, drawn(&happened)?] {
+    // The curve goes through the highest point, and twenty times from point to point.
+    let [n, _, most] = drawn(&all)?;
+    assert!(of_branch.iter().any(|line| line[1] > 10.0 * n && (line[3] / most - 1.0).abs() < 1e-9), "{of_branch:?}");
+    // The linear mode, and the symbols of each event.
+    assert!(of_branch.iter().any(|line| line[1] == 2.0), "{of_branch:?}");
+    let names: std::collections::BTreeSet<&str> = rows.iter().flat_map(|row| row[event].split_whitespace()).collect();
+    assert!(names.len() > 1, "{names:?}");
+    for name in names {
+        let here = |row: &&Vec<String>| row[event].split_whitespace().any(|found| found == name);
+        let wanted = drawn(&rows.iter().filter(here).collect::<Vec<_>>())?;
         let is_drawn = |line: &&Vec<f64>| {
             line[1] == wanted[0] && (line[2] / wanted[1] - 1.0).abs() < 1e-12 && line[3] == wanted[2]
         };
@@ -363,6 +371,44 @@ fn figures_have_the_width_and_the_title_that_are_asked_for() -> Outcome {
     }
     assert!(fs::read_to_string(usual.join("contacts.svg"))?.contains(">Three stops<"));
     assert_eq!(fs::read(out.join("branch.csv"))?, fs::read(usual.join("branch.csv"))?);
+    Ok(())
+}
+
+/// Figures of another width are drawn anew from the steps of the run, which stays as it is, its certificate too.
+#[test]
+fn figures_of_another_width_are_drawn_anew_without_a_run() -> Outcome {
+    let (_folder, out, _) = run(&[])?;
+    let mut before = Vec::new();
+    for entry in fs::read_dir(&out)? {
+        let path = entry?.path();
+        before.push((path.clone(), fs::read(path)?));
+    }
+    let figures = |more: &[&str]| -> Result<std::process::Output, Box<dyn Error>> {
+        Ok(Command::cargo_bin("nlmodes-cli")?.arg("figures").arg(&out).args(more).output()?)
+    };
+    let drawn = figures(&["--width-mm", "90", "--no-titles"])?;
+    assert_eq!(drawn.status.code(), Some(0), "{}", String::from_utf8_lossy(&drawn.stderr));
+    for name in ["frequency_energy_90mm.pdf", "contacts_90mm.pdf", "motion_1_90mm.pdf", "history_P1_90mm.pdf"] {
+        let page = String::from_utf8_lossy(&fs::read(out.join(name))?).into_owned();
+        let size = page.split("/MediaBox").nth(1).ok_or("no size")?;
+        let sides: Vec<f64> = size.split(&['[', ']', ' ', '\n'][..]).filter_map(|side| side.parse().ok()).collect();
+        assert!((sides[2] - 90.0 / 25.4 * 72.0).abs() < 0.01, "{name}: {sides:?}");
+    }
+    for (path, content) in before {
+        assert_eq!(fs::read(&path)?, content, "{}", path.display());
+    }
+    let hidden = fs::read_dir(&out)?.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with('.'));
+    assert_eq!(hidden.count(), 0);
+    for wrong in ["0", "nan", "1e9"] {
+        assert_eq!(figures(&["--width-mm", wrong])?.status.code(), Some(2));
+    }
+    // A run that was cut off is not gone on with for a figure.
+    let steps = fs::read_to_string(out.join("steps.jsonl"))?;
+    let kept: Vec<&str> = steps.lines().take(8).collect();
+    fs::write(out.join("steps.jsonl"), kept.join("\n") + "\n")?;
+    let cut = figures(&["--width-mm", "90"])?;
+    assert_eq!(cut.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&cut.stderr).contains("--resume"), "{cut:?}");
     Ok(())
 }
 

@@ -45,3 +45,4 @@ pub use measured::Measured;
 pub use power::ExcitationPower;
 pub use result::{ContactFigures, ExcitationFigures, ModalFigures, RecordExtraction};
 pub use settings::{ExtractionSettings, Stop, Tolerances};
+pub use window::FEWEST_PERIODS;

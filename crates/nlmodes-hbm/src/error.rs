@@ -27,7 +27,7 @@ pub enum HbmError {
         needed: usize,
     },
     /// The mode number is zero or beyond the number of modes.
-    #[error("mode {mode} does not exist: the structure has {available} modes")]
+    #[error("mode {mode} does not exist: the structure has {available} {}", if *.available == 1 { "mode" } else { "modes" })]
     NoSuchMode {
         /// The mode asked for, from 1.
         mode: usize,

@@ -206,7 +206,7 @@ pub enum ModelError {
         below: f64,
     },
     /// More frequencies are imposed than there are modes.
-    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} modes with motion of the kind '{kind}'", kind = .kind.name())]
+    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} {} with motion of the kind '{kind}'", if *.found == 1 { "mode" } else { "modes" }, kind = .kind.name())]
     TooManyImposed {
         /// Frequencies.
         wanted: usize,

@@ -53,7 +53,7 @@ pub const RESPONSE_DIFFERENCE_COLUMNS: [Column; 10] = [
 ];
 
 /// Columns of `overlay.csv`.
-pub const DIFFERENCE_COLUMNS: [Column; 11] = [
+pub const DIFFERENCE_COLUMNS: [Column; 12] = [
     Column::new("overlay", "", "name of what is laid over"),
     Column::new("point", "", "its point, from 0"),
     Column::new("modal_amplitude", "m √kg", "modal amplitude of both; NaN where energies are equal"),
@@ -73,6 +73,11 @@ pub const DIFFERENCE_COLUMNS: [Column; 11] = [
         "integral of all contact forces over a period at the point; NaN where it is not known",
     ),
     Column::new("branch_impulse_ns", "N·s", "that of the branch there"),
+    Column::new(
+        "motions",
+        "",
+        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is in no mean",
+    ),
 ];
 
 /// A file of results.

@@ -63,12 +63,21 @@ pub struct HtmlReport<'a> {
     histories: Vec<(String, Vec<&'a TimeHistory>, HistoryLook)>,
     participation: &'a [&'a [Participation]],
     leading: Vec<(String, Figure)>,
+    main_figure: Option<MainFigure>,
+    quantities: Vec<(String, Vec<Vec<f64>>)>,
     scattered: Vec<usize>,
     kinds: Vec<LineKind>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
     closing: Vec<DataTable>,
     documents: Vec<(String, Value)>,
+}
+
+/// The figure that a page is about, where that is not the frequency over the energy.
+struct MainFigure {
+    title: String,
+    still: Figure,
+    axes: [String; 2],
 }
 
 impl<'a> HtmlReport<'a> {
@@ -86,6 +95,8 @@ impl<'a> HtmlReport<'a> {
             histories: Vec::new(),
             participation: &[],
             leading: Vec::new(),
+            main_figure: None,
+            quantities: Vec::new(),
             scattered: Vec::new(),
             kinds: Vec::new(),
             figures: Vec::new(),
@@ -167,6 +178,24 @@ impl<'a> HtmlReport<'a> {
     /// With a figure that stands still, before all others: what the page is about.
     pub fn leading_figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
         self.leading.push((title.into(), figure));
+        self
+    }
+
+    /// With a quantity more for each point of each branch, which stands among its values and can be an axis; the label ends in ` in ` and its unit.
+    ///
+    /// Left out where it has not as many values as there are points.
+    pub fn quantity(mut self, label: impl Into<String>, values: Vec<Vec<f64>>) -> Self {
+        let lengths = self.branches.iter().map(|branch| branch.points.len());
+        if values.iter().map(Vec::len).eq(lengths) {
+            self.quantities.push((label.into(), values));
+        }
+        self
+    }
+
+    /// With the figure that the page is about, in which points are hovered and chosen. Its axes are `frequency`, `energy`, `amplitude` … of the points, or
+    /// `quantity0` and so on, the quantities in their order; without the script `still` stands there.
+    pub fn main_figure(mut self, title: impl Into<String>, still: Figure, axes: [&str; 2]) -> Self {
+        self.main_figure = Some(MainFigure { title: title.into(), still, axes: axes.map(str::to_owned) });
         self
     }
 

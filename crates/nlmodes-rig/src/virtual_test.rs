@@ -6,7 +6,7 @@ use nlmodes_experiment::records::Record;
 use crate::error::not_negative;
 use crate::hold::Settling;
 use crate::session::Session;
-use crate::{Finding, Hold, RigError, RigSetup, SteadyState};
+use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState};
 
 /// Levels of a test and how they are gone through.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +71,27 @@ pub struct VirtualTest {
 }
 
 impl VirtualTest {
+    /// Whether the test would begin: refuses all that [`run`](Self::run) refuses before its first sample.
+    ///
+    /// # Errors
+    /// Those of [`Session::new`], [`RigError::DriveTooFast`] at the starting frequency, and unsuitable numbers in the schedule.
+    pub fn check(&self) -> Result<(), RigError> {
+        self.session().map(drop)
+    }
+
+    /// The rig at rest, where the schedule can be gone through from.
+    fn session(&self) -> Result<Session, RigError> {
+        let session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
+        self.schedule.hold.check()?;
+        not_negative("time at the start (s)", self.schedule.start)?;
+        for duration in [self.schedule.ramp, self.schedule.record] {
+            not_negative("duration (s)", duration)?;
+        }
+        let first = Drive { omega: self.settings.start, ..Drive::OFF };
+        first.polynomial(0.0, 1.0 / session.rig().substeps() as f64, self.rig.interval)?;
+        Ok(session)
+    }
+
     /// Runs the schedule. `observe` sees each level as soon as it is recorded.
     ///
     /// # Errors
@@ -93,10 +114,7 @@ impl VirtualTest {
         asked: impl Fn() -> ControlFlow<()> + Send + Sync + 'static,
         mut observe: impl FnMut(&LevelOutcome) -> ControlFlow<()>,
     ) -> Result<Vec<LevelOutcome>, RigError> {
-        let session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
-        let mut session = session.asking(asked);
-        self.schedule.hold.check()?;
-        not_negative("time at the start (s)", self.schedule.start)?;
+        let mut session = self.session()?.asking(asked);
         let mut outcomes = Vec::with_capacity(self.schedule.levels.len());
         for (index, &level) in self.schedule.levels.iter().enumerate() {
             session.hold_frequency(index == 0);

@@ -9,6 +9,7 @@ mod exact;
 mod finer;
 pub(crate) mod mesh;
 mod numbers;
+mod points;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use nlmodes_scene::scene::Scene;
 use serde::Serialize;
 
 pub use numbers::{Number, NumberUse, Use};
+pub use points::PointInDoubt;
 pub use table::tables;
 
 /// What was looked at in a branch, and what follows for its numbers.
@@ -27,8 +29,10 @@ pub use table::tables;
 pub struct Certificate {
     /// All of it in a sentence.
     pub verdict: String,
-    /// Points at which checks look that take a point: that of the largest contact force, one in the middle, the last.
+    /// Points at which checks looked that take a point; nothing is known of the others.
     pub points: Vec<usize>,
+    /// Those of them that did not pass a check, and those that do not solve the equations.
+    pub points_in_doubt: Vec<PointInDoubt>,
     /// What was compared, or could have been.
     pub checks: Vec<Check>,
     /// The numbers of the results, and whether to use them.
@@ -63,6 +67,15 @@ pub struct Check {
     /// The point where it was found, of those that were looked at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point: Option<usize>,
+    /// The points that were looked at, where it takes a point.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub looked: Vec<usize>,
+    /// Those of them, or of all points, at which it did not come out good.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub failed: Vec<usize>,
+    /// Those from which no motion was found to compare with.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lost: Vec<usize>,
     /// The largest that is good.
     pub limit: f64,
     /// What was compared, or why not.
@@ -82,12 +95,38 @@ impl Check {
     ) -> Self {
         let outcome = if value <= limit { Outcome::Good } else { Outcome::Doubtful };
         let value = value.is_finite().then_some(value);
-        Self { name, number, outcome, value, point: None, limit, words: words.into(), how: None }
+        Self { outcome, value, how: None, ..Self::missing(name, number, limit, words, "") }
     }
 
-    /// With the point where its value was found.
-    fn at(self, worst: Worst) -> Self {
-        Self { point: (worst.value != 0.0).then_some(worst.point), ..self }
+    /// With the points that were looked at, and that where its value was found.
+    fn at(self, worst: &Worst) -> Self {
+        let looked = worst.all.iter().map(|(point, _)| *point).collect();
+        self.where_it_failed(worst).looking_at(looked)
+    }
+
+    fn looking_at(self, looked: Vec<usize>) -> Self {
+        Self { looked, ..self }
+    }
+
+    /// With the points at which it failed, and that where its value was found.
+    fn where_it_failed(self, worst: &Worst) -> Self {
+        // What is no number is not good either.
+        let is_good = |value: f64| value <= self.limit;
+        let failed = worst.all.iter().filter(|(_, value)| !is_good(*value)).map(|(point, _)| *point).collect();
+        Self { point: (worst.value != 0.0).then_some(worst.point), failed, ..self }
+    }
+
+    /// Doubtful, since from these points no motion was found to compare with.
+    fn without(mut self, lost: &[usize]) -> Self {
+        if !lost.is_empty() {
+            self.outcome = Outcome::Doubtful;
+            self.lost = lost.to_vec();
+            self.looked.extend(lost);
+            self.failed.extend(lost);
+            self.looked.sort_unstable();
+            self.failed.sort_unstable();
+        }
+        self
     }
 
     pub(crate) fn missing(
@@ -103,6 +142,9 @@ impl Check {
             outcome: Outcome::NotLookedAt,
             value: None,
             point: None,
+            looked: Vec::new(),
+            failed: Vec::new(),
+            lost: Vec::new(),
             limit,
             words: words.into(),
             how: Some(how),
@@ -110,21 +152,29 @@ impl Check {
     }
 }
 
-/// The largest change, and the point where it was found.
-#[derive(Debug, Clone, Copy, Default)]
+/// The largest change, the point where it was found, and what was found at each.
+#[derive(Debug, Clone, Default)]
 struct Worst {
     value: f64,
     point: usize,
+    all: Vec<(usize, f64)>,
 }
 
 impl Worst {
     /// Takes note of what was found at a point; what is no number is worst of all.
     fn take(&mut self, point: usize, value: f64) {
         if value.is_nan() || value > self.value {
-            *self = Self { value, point };
+            (self.value, self.point) = (value, point);
         }
+        self.all.push((point, value));
     }
 }
+
+/// Who is told the name of the check and the point, its number among so many, before each of those that take long; `false` ends them.
+pub type Looking<'a> = &'a mut dyn FnMut(&'static str, usize, [usize; 2]) -> bool;
+
+/// What is said of checks that were broken off.
+const BROKEN_OFF: &str = "it was asked to end";
 
 /// Largest scaled residual of equations that count as solved.
 const RESIDUAL: f64 = 1e-8;
@@ -147,24 +197,26 @@ pub struct Sources<'a> {
 
 impl Certificate {
     /// Of a branch.
-    pub fn of(computed: &ComputedBranch, sources: Sources<'_>) -> Self {
+    pub fn of(computed: &ComputedBranch, sources: Sources<'_>, look: Looking<'_>) -> Self {
         let points = few_points(computed);
         let mut checks = vec![
             residual(computed.branch.points.iter().map(|point| point.residual)),
             contacts::complementarity(computed, &points),
             energy::drift(computed, &points, sources),
         ];
-        checks.extend(finer::harmonics(computed, &points, sources));
-        checks.extend(finer::modes(computed, &points, sources));
-        checks.extend(exact::checks(computed, &points, sources));
+        checks.extend(finer::harmonics(computed, &points, sources, look));
+        checks.extend(finer::modes(computed, &points, sources, look));
+        checks.extend(exact::checks(computed, &points, sources, look));
         checks.extend([mesh::frequency(sources.scene), mesh::contact_mass(sources.shift, sources.open.is_some())]);
-        Self::new(points, checks)
+        Self::new(computed.branch.points.len(), checks)
     }
 
-    /// What checks at these points come to.
-    pub(crate) fn new(points: Vec<usize>, checks: Vec<Check>) -> Self {
+    /// What checks of so many points come to.
+    pub(crate) fn new(n_points: usize, checks: Vec<Check>) -> Self {
         let numbers = Number::ALL.map(|number| NumberUse::new(number, &checks)).to_vec();
-        Self { verdict: verdict(&checks, &numbers), points, checks, numbers }
+        let (points, points_in_doubt) = (points::looked_at(&checks), points::in_doubt(&checks));
+        let verdict = verdict(&checks, &numbers) + &points::sentence(n_points, &points, &points_in_doubt);
+        Self { verdict, points, points_in_doubt, checks, numbers }
     }
 }
 
@@ -173,7 +225,7 @@ pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
     let mut worst = Worst::default();
     of.enumerate().for_each(|(point, residual)| worst.take(point, residual));
     let (largest, words) = (worst.value, "largest scaled residual of all points");
-    Check::found("equations", None, largest, RESIDUAL, words).at(worst)
+    Check::found("equations", None, largest, RESIDUAL, words).where_it_failed(&worst)
 }
 
 /// What all checks come to.
@@ -217,9 +269,15 @@ fn share(value: f64) -> String {
     }
 }
 
-/// `1, 5 and 9`, to be read behind "point" or "points".
+/// Most points that are named one by one.
+const NAMED: usize = 8;
+
+/// `points 1, 5 and 9`; of many the first.
 fn listed(points: &[usize]) -> String {
     let names: Vec<String> = points.iter().map(usize::to_string).collect();
+    if names.len() > NAMED {
+        return format!("points {} and {} more", names[..NAMED].join(", "), names.len() - NAMED);
+    }
     match names.split_last() {
         Some((last, [])) => format!("point {last}"),
         Some((last, others)) => format!("points {} and {last}", others.join(", ")),

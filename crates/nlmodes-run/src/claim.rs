@@ -56,7 +56,7 @@ impl Claim {
             return Err(RunError::InUse { directory: directory.to_path_buf() });
         }
         if over != Over::Anything
-            && let Some(reason) = foreign(directory, &scenes, over)
+            && let Some(reason) = foreign(directory, &scenes, over, Some(document))
         {
             return Err(RunError::Foreign { reason });
         }
@@ -130,8 +130,8 @@ fn in_use(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
-/// Why the directory is not to be written; `None` if it may be.
-pub fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
+/// Why the directory is not to be written; `None` if it may be. Keys are named as the document has them.
+pub fn foreign(directory: &Path, scenes: &Value, over: Over, document: Option<&Document>) -> Option<String> {
     let place = directory.display();
     let known = match read(directory) {
         Ok(known) => known?,
@@ -151,11 +151,38 @@ pub fn foreign(directory: &Path, scenes: &Value, over: Over) -> Option<String> {
         return None;
     }
     let mut text = format!("{place} holds the results of another scene, and is left as it is");
-    found.iter().take(MAX_SHOWN).for_each(|(key, what)| text += &format!("\n  {key}: {what}"));
+    for (key, what) in found.iter().take(MAX_SHOWN) {
+        text += &format!("\n  {}: {what}", written_key(key, document));
+    }
     if found.len() > MAX_SHOWN {
         text += &format!("\n  … and {} more", found.len() - MAX_SHOWN);
     }
     Some(text)
+}
+
+/// Tables of which a scene may have several, by the name of the list that holds them.
+const LISTS: [(&str, &str); 4] =
+    [("contacts", "contact"), ("forces", "force"), ("responses", "response"), ("structures", "structure")];
+
+/// A key of the scene as it was read, `contacts.0.gap`, by the name under which it is written: `contact.0.gap_m`.
+fn written_key(key: &str, document: Option<&Document>) -> String {
+    let (list, rest) = key.split_once('.').unwrap_or((key, ""));
+    let table = LISTS.iter().find(|(name, _)| *name == list).map_or(list, |(_, table)| table);
+    let name = rest.rsplit('.').next().unwrap_or_default();
+    let item = rest.split('.').next().filter(|part| part.parse::<usize>().is_ok());
+    // Behind the name stands its unit, and tables may lie between.
+    let is_meant = |written: &&str| {
+        let mut parts = written.split('.');
+        let last = written.rsplit('.').next().unwrap_or_default();
+        let of_name = last.strip_prefix(name).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'));
+        parts.next() == Some(table) && (item.is_none() || parts.next() == item) && of_name
+    };
+    let mut meant = document.into_iter().flat_map(Document::keys).filter(is_meant);
+    match (meant.next(), meant.next()) {
+        (Some(one), None) if !name.is_empty() => one.to_owned(),
+        _ if rest.is_empty() => table.to_owned(),
+        _ => format!("{table}.{rest}"),
+    }
 }
 
 /// Whether some limit of points is lower than it was.
@@ -267,6 +294,24 @@ fn said(there: &Value, here: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_of_another_scene_are_named_as_they_are_written() {
+        let text = "[structure]\nlength_m = 1\nmaterial = { youngs_modulus_pa = 1 }\n[[contact]]\ngap_m = 1\n[[contact]]\ngap_m = 2\nat_m = 1\n";
+        let refused = nlmodes_scene::parse("a.toml", text, &[]).unwrap_err();
+        for (key, written) in [
+            ("contacts.1.gap", "contact.1.gap_m"),
+            ("contacts.0.at", "contact.0.at"),
+            ("contacts.0.gap", "contact.0.gap_m"),
+            ("structure.length", "structure.length_m"),
+            ("structure.youngs_modulus", "structure.material.youngs_modulus_pa"),
+            ("contacts", "contact"),
+            ("method.harmonics", "method.harmonics"),
+            ("the scene", "the scene"),
+        ] {
+            assert_eq!(written_key(key, Some(refused.document())), written);
+        }
+    }
 
     #[test]
     fn a_run_that_was_stopped_on_one_of_two_ways_was_interrupted() {

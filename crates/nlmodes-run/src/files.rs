@@ -55,6 +55,14 @@ pub fn remove_figures(directory: &Path) {
     remove_where(directory, |name| {
         name.starts_with("history_P") && FIGURE_ENDINGS.iter().any(|ending| name.ends_with(ending))
     });
+    remove_where(directory, has_width);
+}
+
+/// Whether a file is a figure of a width of its own: `frequency_energy_90mm.pdf`.
+fn has_width(name: &str) -> bool {
+    let stem = FIGURE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or_default();
+    let width = stem.strip_suffix("mm").and_then(|stem| stem.rsplit_once('_'));
+    width.is_some_and(|(_, width)| width.parse::<f64>().is_ok())
 }
 
 /// Removes the figures and the page of records of an earlier run.

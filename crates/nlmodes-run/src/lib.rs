@@ -15,6 +15,7 @@
 //! | [`certificate::Certificate`] | how far the numbers of a branch were looked at, and which not to use |
 //! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
 //! | [`overlay`] | results of other runs and tests laid over a branch, with the differences in numbers |
+//! | [`redrawn::redraw`] | the figures of results in another width |
 //! | [`explore::picture`] | the first branch of a scene as data, without files |
 //! | [`lcp`] | contact problems of one's own, in NumPy archives |
 //! | [`Observer`], [`Event`] | progress, and cancellation |
@@ -73,6 +74,7 @@ pub mod overlay;
 #[doc(hidden)]
 pub mod readers;
 pub mod records;
+pub mod redrawn;
 mod refusal;
 pub mod responses;
 mod settings;

@@ -70,6 +70,15 @@ pub enum Event<'a> {
     },
     /// No more points come.
     Computed,
+    /// A check of the certificate looks at a point, which may take long.
+    Looking {
+        /// Name of the check.
+        check: &'static str,
+        /// The point.
+        point: usize,
+        /// Its number among those that are looked at, from 1, and how many these are.
+        number: [usize; 2],
+    },
     /// All files of a part are written, or why not is in it.
     Done(&'a PartOutcome),
     /// A virtual test that was to be gone on with begins anew.

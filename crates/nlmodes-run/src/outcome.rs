@@ -23,6 +23,10 @@ pub struct PartOutcome {
     pub participation: Vec<Vec<Participation>>,
     /// How far the numbers of each of these branches were looked at; none where files could not be written.
     pub certificates: Vec<Certificate>,
+    /// From the beginning to the last point.
+    pub points_time: Duration,
+    /// What the certificates took.
+    pub certificate_time: Duration,
     /// From the beginning to the last file.
     pub wall_time: Duration,
     /// Why the files that are made of whole branches are not all there.

@@ -177,7 +177,7 @@ fn files(
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
     }
     if scene.files.page {
-        page::write(directory, scene, model, (curves, certificate, &sentences), figures)
+        page::write(directory, scene, model, (curves, certificate, &sentences), (figures, !laid.is_empty()))
     } else {
         Ok(())
     }

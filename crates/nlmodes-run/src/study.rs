@@ -128,9 +128,16 @@ fn one_branch(
         return Err(unwritable(failure, !sink.is_empty()));
     }
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
+    let points_time = began.elapsed();
     let thorough = observer.certifies() && !observer.is_cancelled();
     let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough };
-    let certificates: Vec<Certificate> = tree.branches.iter().map(|b| Certificate::of(b, sources)).collect();
+    let mut look = |check, point, number| {
+        observer.event(Event::Looking { check, point, number });
+        !observer.is_cancelled()
+    };
+    let certificates: Vec<Certificate> =
+        tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
+    let certificate_time = began.elapsed().saturating_sub(points_time);
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
             let is_shown = scene.files.figures || scene.files.page;
@@ -149,6 +156,8 @@ fn one_branch(
         linear,
         participation,
         certificates,
+        points_time,
+        certificate_time,
         wall_time: began.elapsed(),
         failure: written.err(),
     };
@@ -176,6 +185,7 @@ pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
     if !file.scene.responses.is_empty() {
         return crate::responses::check(file);
     }
+    overlay::laid_over(file, &file.scene.overlays)?;
     let Models { massless, open, .. } = models(file)?;
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.

@@ -3,6 +3,7 @@
 mod backbone;
 mod bench;
 mod damped;
+mod refused;
 mod results;
 mod summary;
 
@@ -48,7 +49,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     links::refuse(directory)?;
     let laid = overlay::laid_over(file, &scene.overlays)?;
     let claim = claim(file, over, observer)?;
-    let rig = rig(file)?;
+    let (rig, test) = prepared(file)?;
     if over == Over::Resumed {
         observer.event(Event::TestBeginsAnew);
     }
@@ -56,11 +57,11 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     results::prepare(directory);
     observer.event(Event::Rig(&summary::model(scene, &rig)));
     let not_recorded = |reason| RunError::NotRecorded { directory: directory.clone(), reason };
-    let TestRun { levels, failure } = levels(scene, &rig, observer).map_err(not_recorded)?;
+    let TestRun { levels, failure } = levels(scene, &rig, &test, observer).map_err(not_recorded)?;
     let mut wrong = Vec::new();
     match failure {
         Some(RigError::Interrupted) if levels.is_empty() => return Err(RunError::Ended),
-        Some(error) if levels.is_empty() => return Err(refuse_rig(file, &error)),
+        Some(error) if levels.is_empty() => return Err(refused::by_rig(file, &error)),
         // What was interrupted is told below.
         None | Some(RigError::Interrupted) => {}
         Some(error) => {
@@ -84,16 +85,29 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     Ok(TestOutcome { levels, wrong })
 }
 
-/// Whether the test would begin.
+/// Whether the test would begin: refuses all that [`run`] refuses before its first sample, with the same words, but for what is in its directory.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
 pub fn check(file: &SceneFile<TestScene>) -> Result<(), RunError> {
-    rig(file).map(|_| ())
+    overlay::laid_over(file, &file.scene.overlays)?;
+    prepared(file).map(drop)
 }
 
-fn rig(file: &SceneFile<TestScene>) -> Result<Rig, RunError> {
-    Rig::new(&file.scene).map_err(|error| refusal::at(file, error.path, error.source.as_ref()))
+/// The rig at rest and the test on it, or why it would not begin.
+fn prepared(file: &SceneFile<TestScene>) -> Result<(Rig, VirtualTest), RunError> {
+    let scene = &file.scene;
+    let rig = Rig::new(scene).map_err(|error| refusal::at(file, error.path, error.source.as_ref()))?;
+    let test = VirtualTest {
+        rig: rig.bench.setup(&rig.reduction),
+        settings: rig.control.clone(),
+        force: FORCE,
+        response: DRIVE_DISPLACEMENT,
+        schedule: scene.schedule.clone(),
+    };
+    refused::short_record(file, &rig)?;
+    test.check().map_err(|error| refused::by_rig(file, &error))?;
+    Ok((rig, test))
 }
 
 /// The output directory; a test is known by its scene in words.
@@ -145,14 +159,7 @@ fn is_good(level: &TestLevel) -> bool {
 }
 
 /// The levels, or why a record could not be kept.
-fn levels(scene: &TestScene, rig: &Rig, observer: &mut dyn Observer) -> Result<TestRun, String> {
-    let test = VirtualTest {
-        rig: rig.bench.setup(&rig.reduction),
-        settings: rig.control.clone(),
-        force: FORCE,
-        response: DRIVE_DISPLACEMENT,
-        schedule: scene.schedule.clone(),
-    };
+fn levels(scene: &TestScene, rig: &Rig, test: &VirtualTest, observer: &mut dyn Observer) -> Result<TestRun, String> {
     let settings = ExtractionSettings {
         linear_modes: Some(rig.modes.clone()),
         stop: rig.bench.extraction_stop(),
@@ -160,7 +167,7 @@ fn levels(scene: &TestScene, rig: &Rig, observer: &mut dyn Observer) -> Result<T
     };
     let mut table = results::table(scene, rig).map_err(|error| chain(error.as_ref()))?;
     let (mut count, mut failure) = (0, None);
-    let run = virtual_test::run_while(&test, &settings, &observer.watch(), |level| {
+    let run = virtual_test::run_while(test, &settings, &observer.watch(), |level| {
         count += 1;
         observer.event(Event::Level { scene, number: count, level });
         failure = write(scene, count, level, &mut table).err();
@@ -190,21 +197,4 @@ fn keep(scene: &TestScene, count: usize, level: &TestLevel) -> Result<(), String
     let temporary = directory.join(format!(".nlmodes-tmp.{name}"));
     write_record(&temporary, &level.outcome.record).map_err(|error| chain(&error))?;
     fs::rename(temporary, directory.join(name)).map_err(io)
-}
-
-/// An error of the rig, at the key of the scene that it is about.
-fn refuse_rig(file: &SceneFile<TestScene>, error: &RigError) -> RunError {
-    let path = match error {
-        RigError::Loop(_) => "virtual_test.loop",
-        RigError::RigidStopWithoutFlexibility { .. } => "virtual_test.stop",
-        RigError::StepTooLarge { .. } | RigError::DriveTooFast { .. } => "virtual_test.sample_rate_hz",
-        _ => "virtual_test",
-    };
-    let said = file.error_at(path, &chain(error), "", &[]);
-    // A motion that cannot be followed is not the scene's mistake.
-    if matches!(error, RigError::Chatter { .. } | RigError::Diverged { .. }) {
-        RunError::Failed(Box::new(said))
-    } else {
-        said.into()
-    }
 }

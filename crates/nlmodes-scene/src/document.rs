@@ -57,6 +57,11 @@ impl Document {
         (Self { sources, places }, text.errors.is_empty().then_some(root))
     }
 
+    /// Without a text: of a scene that results were left of.
+    pub(crate) fn empty(name: &str) -> Self {
+        Self { sources: Sources::new(name, ""), places: BTreeMap::new() }
+    }
+
     /// The texts.
     pub fn sources(&self) -> &Sources {
         &self.sources
@@ -65,6 +70,11 @@ impl Document {
     /// Where the key of the path stands, as `contact.0.gap_m`.
     pub fn place(&self, path: &str) -> Option<&Place> {
         self.places.get(path)
+    }
+
+    /// The paths of all keys that are written, as `contact.0.gap_m`.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.places.keys().map(String::as_str)
     }
 
     /// The path of the key that a problem is about, as `contact.0.gap_m`: the innermost one around its place.

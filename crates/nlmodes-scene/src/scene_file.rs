@@ -14,6 +14,11 @@ pub struct SceneFile<S = Scene> {
 }
 
 impl<S> SceneFile<S> {
+    /// A checked scene of which there is no text any more, as that of results; `name` stands for it in messages.
+    pub fn without_text(scene: S, name: &str) -> Self {
+        Self { scene, document: Document::empty(name), warnings: Vec::new() }
+    }
+
     /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is said beside the value.
     pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> SceneError {
         let problem = help.iter().fold(Problem::error(title), |problem, help| problem.help(*help));

@@ -47,7 +47,7 @@ pub enum UpdatingError<E: Error + 'static> {
         value: f64,
     },
     /// The structure does not have a target's mode.
-    #[error("mode {mode} does not exist: the structure has {available} modes")]
+    #[error("mode {mode} does not exist: the structure has {available} {}", if *.available == 1 { "mode" } else { "modes" })]
     NoSuchMode {
         /// The mode.
         mode: usize,

@@ -73,7 +73,7 @@ pub struct ExcitationFigures {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ContactFigures {
-    /// Largest force of a period, N.
+    /// Largest force of each period, N, mean over the periods.
     pub peak_force: Measured,
     /// Share of time in contact.
     pub closed_fraction: f64,

@@ -29,7 +29,11 @@ pub const MODAL_POINT_COLUMNS: [Column; 35] = [
         "participation of the linear mode: its coordinate over the modal amplitude, summed over the harmonics at the peak of the first one",
     ),
     Column::new("participation_harmonics", "", "harmonics in the participation"),
-    Column::new("peak_contact_force_n", "N", "largest contact force of a period"),
+    Column::new(
+        "peak_contact_force_n",
+        "N",
+        "largest contact force of each period, mean over the periods of the record",
+    ),
     Column::new(
         "contact_stiffness_n_m",
         "N/m",

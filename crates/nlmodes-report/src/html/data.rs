@@ -25,6 +25,12 @@ pub(super) struct Data {
     #[serde(skip_serializing_if = "Option::is_none")]
     wire: Option<WireData>,
     colors: Colors,
+    /// Names, with units, of the quantities that this page adds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    quantities: Vec<String>,
+    /// Abscissa and ordinate of the figure that the page is about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    main_axes: Option<[String; 2]>,
 }
 
 #[derive(Serialize)]
@@ -102,6 +108,9 @@ struct BranchData {
     tongues: Vec<(usize, String)>,
     /// Share of each linear mode in the kinetic energy; none where it is not known.
     participation: Vec<Column>,
+    /// What the page adds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    extra: Vec<Column>,
     motion: Option<MotionData>,
 }
 
@@ -134,6 +143,8 @@ impl Data {
                 leaving: palette::LEAVING,
                 stops: palette::STOPS.to_vec(),
             },
+            quantities: report.quantities.iter().map(|(label, _)| label.clone()).collect(),
+            main_axes: report.main_figure.as_ref().map(|main| main.axes.clone()),
         }
     }
 
@@ -185,6 +196,7 @@ impl BranchData {
             grazing: grazing(branch),
             tongues: tongues.map(|t| (if t.skipped { t.start } else { t.tip }, t.resonance.to_string())).collect(),
             participation: participation(report, index),
+            extra: report.quantities.iter().map(|(_, all)| Column::new(all[index].clone())).collect(),
             motion: MotionData::new(report, index, &stops(report, branch)),
         }
     }

@@ -43,7 +43,8 @@ impl HtmlReport<'_> {
                 "largest contact force* (of short blows it need not converge with harmonics)".into(),
             ));
         } else {
-            cards.push((force(points()), "largest contact force".into()));
+            let of = if self.scattered.contains(&0) { " of a point, each the mean over its periods" } else { "" };
+            cards.push((force(points()), format!("largest contact force{of}")));
         }
         cards.push((n_points.to_string(), of));
         let mut resonances: Vec<String> = Vec::new();

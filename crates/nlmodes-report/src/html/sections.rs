@@ -44,16 +44,22 @@ impl HtmlReport<'_> {
     }
 
     fn branch_figures(&self) -> String {
+        let main =
+            self.main_figure.as_ref().map_or_else(String::new, |main| boxed(&main.title, &main.still, "id=\"main\""));
         let energy = self.branch_figure(Abscissa::Energy, "energy", "Frequency over averaged kinetic energy");
-        let amplitude = self.branch_figure(Abscissa::ModalAmplitude, "amplitude", "Frequency over modal amplitude");
-        if energy.is_empty() && amplitude.is_empty() {
+        let amplitude = match self.main_figure {
+            // The axes of both can be chosen.
+            Some(_) => String::new(),
+            None => self.branch_figure(Abscissa::ModalAmplitude, "amplitude", "Frequency over modal amplitude"),
+        };
+        if main.is_empty() && energy.is_empty() && amplitude.is_empty() {
             return String::new();
         }
         let motion = self.motion_figure();
         let (class, beside) = if motion.is_empty() { ("pair", motion) } else { ("stage", motion) };
         format!(
             "<p class=\"hint needs-script control\">{HINT}</p>\n<div id=\"legend\"></div>\n<div class=\"{class}\">\
-             <div class=\"curves\">{energy}{amplitude}</div>{beside}</div>\n<div id=\"lay\" class=\"controls needs-script control\"></div>\n"
+             <div class=\"curves\">{main}{energy}{amplitude}</div>{beside}</div>\n<div id=\"lay\" class=\"controls needs-script control\"></div>\n"
         )
     }
 
@@ -83,11 +89,11 @@ impl HtmlReport<'_> {
     fn motion_figure(&self) -> String {
         let Some((branch, point)) = self.first_moving() else { return String::new() };
         let (stations, stops) = shown(self, self.branches[branch], &data::stops(self, self.branches[branch]));
-        let details = "<div id=\"details\" class=\"box needs-script\"></div></div>\n";
+        let details = "<div id=\"details\" class=\"box needs-script\"></div>";
         if !is_along_an_axis(self.branches[branch], &stations) {
             let walk = "<h3>The chosen point</h3><div id=\"walk\" class=\"controls\"></div>";
             return format!(
-                "<div class=\"beside\"><div class=\"box needs-script\" id=\"moving\">{walk}</div>{details}"
+                "<div class=\"beside\"><div class=\"box needs-script\" id=\"moving\">{walk}</div>{details}</div>\n"
             );
         }
         let lines: Vec<(usize, f64, f64)> =
@@ -101,9 +107,9 @@ impl HtmlReport<'_> {
             ""
         };
         format!(
-            "<div class=\"beside\"><div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div id=\"walk\" class=\"controls\"></div>\
+            "<div class=\"beside\">{details}<div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div id=\"walk\" class=\"controls\"></div>\
              <div id=\"controls\" class=\"controls\"></div>\
-             <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div>{details}",
+             <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div></div>\n",
             still.as_svg()
         )
     }
@@ -141,7 +147,12 @@ impl HtmlReport<'_> {
 
     /// What the curves of frequency over energy are called.
     fn name_of_branches(&self) -> &'static str {
-        if self.leading.is_empty() { "The nonlinear mode" } else { "Frequency over energy and amplitude" }
+        match (&self.main_figure, self.leading.is_empty()) {
+            (Some(_), true) => "Responses",
+            (Some(_), false) => "Responses, point by point",
+            (None, true) => "The nonlinear mode",
+            (None, false) => "Frequency over energy and amplitude",
+        }
     }
 
     fn all_tables(&self) -> String {

@@ -14,17 +14,25 @@ pub struct DataTable {
     pub head: Vec<String>,
     /// Cells, row by row; those that begin like a number stand to the right.
     pub rows: Vec<Vec<String>>,
+    /// The branch of the page whose points stand in the first column, and are chosen by a click there.
+    pub chooses: Option<usize>,
 }
 
 impl DataTable {
     /// An empty table.
     pub fn new(title: impl Into<String>, head: &[&str]) -> Self {
-        Self { title: title.into(), head: head.iter().map(|name| String::from(*name)).collect(), rows: Vec::new() }
+        let head = head.iter().map(|name| String::from(*name)).collect();
+        Self { title: title.into(), head, ..Self::default() }
     }
 
     pub(super) fn html(&self) -> String {
-        let rows = self.rows.iter().map(|row| row.iter().map(|text| cell(text, &escape(text))).collect());
-        self.html_with(rows.collect())
+        let plain = |text: &String| cell(text, &escape(text));
+        let first = |text: &String| match (self.chooses, text.parse()) {
+            (Some(branch), Ok(point)) => point_cell(branch, point),
+            _ => plain(text),
+        };
+        let row = |row: &Vec<String>| row.iter().take(1).map(first).chain(row.iter().skip(1).map(plain)).collect();
+        self.html_with(self.rows.iter().map(row).collect())
     }
 
     /// With rows of cells that are HTML already.

@@ -26,7 +26,7 @@ pub fn complementarity(computed: &ComputedBranch, points: &[usize]) -> Check {
         "no force pulls, no gap is negative, none of both at once: largest |min(λ/λ_max, g/q_max)| over a period, {}",
         listed(points)
     );
-    Check::found(NAME, None, worst.value, LIMIT, words).at(worst)
+    Check::found(NAME, None, worst.value, LIMIT, words).at(&worst)
 }
 
 pub(super) fn violation(computed: &ComputedBranch, strongest: f64, motions: &[TimeHistory]) -> f64 {

@@ -43,7 +43,7 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
         }
     }
     let words = format!("change of the energy over a period of the motion, {}; an exact one keeps it", listed(points));
-    Check::found(NAME, OF, worst.value, LIMIT, words).at(worst)
+    Check::found(NAME, OF, worst.value, LIMIT, words).at(&worst)
 }
 
 fn of_point(point: &Point) -> Result<f64, TimestepError> {

@@ -4,7 +4,7 @@ use nlmodes::modal::ModalPoint;
 use nlmodes::study::ComputedBranch;
 
 use super::finer::{floors, relative};
-use super::{CERTIFY, Check, Number, Sources, Worst, listed};
+use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Sources, Worst, listed};
 use crate::verify::{Found, Point, verify_up_to};
 
 const RETURN: &str = "return after a period";
@@ -17,7 +17,7 @@ const LARGEST: [usize; 2] = [400, 120];
 const COMPARED: [Number; 3] = [Number::Frequency, Number::Impulse, Number::PeakForce];
 
 /// By how much the full structure fails to return, and the numbers of the exact motion.
-pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
+pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     let n = computed.structure.model().dofs().len();
     if !sources.thorough {
         return missing("the full structure was not started from a point", CERTIFY);
@@ -26,8 +26,11 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
         let why = format!("{n} degrees of freedom, more than {}", LARGEST[0]);
         return missing(&why, "`verify`, or fewer degrees of freedom: `[reduction]`");
     }
-    let (mut returned, mut worst, mut lost) = (Worst::default(), [Worst::default(); 3], Vec::new());
-    for &k in points {
+    let (mut returned, mut worst, mut lost) = (Worst::default(), <[Worst; 3]>::default(), Vec::new());
+    for (number, &k) in points.iter().enumerate() {
+        if !look(RETURN, k, [number + 1, points.len()]) {
+            return missing(BROKEN_OFF, CERTIFY);
+        }
         let point = match Point::of_branch(sources.scene, computed, k) {
             Ok(point) => point,
             Err(error) => return missing(&format!("point {k}: {error}"), "`verify`"),
@@ -43,7 +46,7 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
         }
     }
     let words = format!("what is missing to the first state in the energy norm, {}", listed(points));
-    let mut checks = vec![Check::found(RETURN, Some(Number::Displacement), returned.value, LIMIT, words).at(returned)];
+    let mut checks = vec![Check::found(RETURN, Some(Number::Displacement), returned.value, LIMIT, words).at(&returned)];
     if lost.len() == points.len() {
         let why = match n > LARGEST[1] {
             true => format!("{n} degrees of freedom, more than {}", LARGEST[1]),
@@ -57,7 +60,7 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>)
     let said = if lost.is_empty() { String::new() } else { format!("; none was found next to {}", listed(&lost)) };
     let words = format!("beside the exact motion of the same energy, {}{said}", listed(points));
     let of = |(number, worst): (Number, Worst)| {
-        Check::found(EXACT, Some(number), worst.value, number.limit(), words.clone()).at(worst)
+        Check::found(EXACT, Some(number), worst.value, number.limit(), words.clone()).at(&worst)
     };
     checks.extend(COMPARED.into_iter().zip(worst).map(of));
     checks

@@ -4,15 +4,33 @@ use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
 use nlmodes::study::{ComputedBranch, StudyError};
 
-use super::{CERTIFY, Check, Number, Sources, Worst, listed};
+use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Sources, Worst, listed};
 
 const HARMONICS: &str = "harmonics";
 const MODES: &str = "modes";
 /// Forces, impulses and amplitudes below this share of the largest ones of the branch do not count by themselves.
 const FLOOR: f64 = 1e-2;
 
+/// Most points that are solved again, and the largest number of unknowns of which so many are.
+const MANY: usize = 48;
+const SMALL: usize = 500;
+
+/// Evenly chosen points beside these few, where solving them again costs next to nothing.
+fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
+    let harmonics = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
+    let contacts = computed.structure.model().contacts().len();
+    let last = computed.branch.points.len().saturating_sub(1);
+    let mut points = few.to_vec();
+    if contacts * (4 * harmonics + 1) <= SMALL {
+        points.extend((0..MANY).map(|k| k * last / (MANY - 1)));
+        points.sort_unstable();
+        points.dedup();
+    }
+    points
+}
+
 /// What twice as many harmonics change.
-pub fn harmonics(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
+pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     if computed.is_exact() {
         let words = "exact in time: no harmonics are left out";
         return Number::ALL.map(|n| Check::found(HARMONICS, Some(n), 0.0, n.limit(), words)).to_vec();
@@ -20,17 +38,16 @@ pub fn harmonics(computed: &ComputedBranch, points: &[usize], sources: Sources<'
     if !sources.thorough {
         return estimated(computed);
     }
-    let all = computed.branch.points.len();
-    let words = |lost: &str| {
-        format!(
-            "with twice as many harmonics at the same energy, {} of {all}; others may change by more{lost}",
-            listed(points)
-        )
+    let (all, points) = (computed.branch.points.len(), many(computed, few));
+    let words = |lost: &str| match points.len() {
+        n if n >= all => format!("with twice as many harmonics at the same energy, all {all} points{lost}"),
+        n => format!(
+            "with twice as many harmonics at the same energy, {n} of {all} points; others may change by more{lost}"
+        ),
     };
     let number = |k: usize| 2 * computed.branch.points[k].coefficients.n_harmonics();
-    again(HARMONICS, computed, points, words, "method.harmonics twice as large", |k| {
-        computed.refined(k, number(k), &computed.structure)
-    })
+    let solve = |k: usize| computed.refined(k, number(k), &computed.structure);
+    again((HARMONICS, "method.harmonics twice as large"), computed, &points, words, solve, look)
 }
 
 /// The estimates of the frequency's error that an accuracy has been asked for with; else nothing.
@@ -51,7 +68,7 @@ fn not_asked(number: Number) -> Check {
 }
 
 /// What twice as many held modes change.
-pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Vec<Check> {
+pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     let limit = Number::Frequency.limit();
     if let Some(open) = sources.open {
         if open.modes.has_all_modes() {
@@ -90,39 +107,42 @@ pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
     let words =
         |lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {}{lost}", listed(points));
     let number = |k: usize| computed.branch.points[k].coefficients.n_harmonics();
-    again(MODES, computed, points, words, how, |k| computed.refined(k, number(k), &finer))
+    again((MODES, how), computed, points, words, |k| computed.refined(k, number(k), &finer), look)
 }
 
 /// Largest changes of the numbers where points are solved again.
 fn again(
-    name: &'static str,
+    (name, how): (&'static str, &'static str),
     computed: &ComputedBranch,
     points: &[usize],
     words: impl Fn(&str) -> String,
-    how: &'static str,
     solve: impl Fn(usize) -> Result<Option<ModalPoint>, StudyError>,
+    look: Looking<'_>,
 ) -> Vec<Check> {
-    let (mut worst, mut lost) = ([Worst::default(); 4], Vec::new());
-    for &k in points {
+    let missing = |why: String, how| vec![Check::missing(name, None, Number::Frequency.limit(), why, how)];
+    let (mut worst, mut lost) = (<[Worst; 4]>::default(), Vec::new());
+    for (number, &k) in points.iter().enumerate() {
+        if !look(name, k, [number + 1, points.len()]) {
+            return missing(BROKEN_OFF.to_owned(), CERTIFY);
+        }
         match solve(k) {
             Ok(Some(after)) => {
                 let found = changes(computed, &computed.branch.points[k], &after);
                 worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(k, found));
             }
             Ok(None) => lost.push(k),
-            Err(error) => return vec![Check::missing(name, None, Number::Frequency.limit(), error.to_string(), how)],
+            Err(error) => return missing(error.to_string(), how),
         }
     }
     let said = match lost.as_slice() {
         [] => String::new(),
-        lost => format!("; from {} Newton's method did not lead to one", listed(lost)),
+        lost => format!("; from {} Newton's method does not lead to one and back", listed(lost)),
     };
     // A motion to which more harmonics, or modes, have nothing near is not one to trust, whatever the other points say.
-    let is_lost = !lost.is_empty();
     let words = words(&said);
     let of = |(number, worst): (Number, Worst)| {
-        let value = if is_lost { f64::NAN } else { worst.value };
-        Check::found(name, Some(number), value, number.limit(), words.clone()).at(worst)
+        let value = if lost.len() == points.len() { f64::NAN } else { worst.value };
+        Check::found(name, Some(number), value, number.limit(), words.clone()).at(&worst).without(&lost)
     };
     Number::ALL.into_iter().zip(worst).map(of).collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Check, Outcome, share};
+use super::{Check, Outcome, listed, share};
 
 /// A number of the results, or several that stand and fall together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -119,6 +119,15 @@ impl NumberUse {
 /// What speaks against a number.
 fn refused(against: &[&Check]) -> String {
     let one = |check: &&Check| match check.value {
+        _ if !check.lost.is_empty() => {
+            let more = check.name;
+            let at = listed(&check.lost);
+            let found = check.value.filter(|value| *value > check.limit).map_or_else(String::new, |value| {
+                let point = check.point.map_or_else(String::new, |point| format!(" at point {point}"));
+                format!(", and {}{point}, good is up to {}", share(value), share(check.limit))
+            });
+            format!("{more}: no motion with twice as many leads from {at} and back{found}")
+        }
         Some(value) => {
             let at = check.point.map_or_else(String::new, |point| format!(" at point {point}"));
             format!("{}: {}{at}, good is up to {}", check.name, share(value), share(check.limit))

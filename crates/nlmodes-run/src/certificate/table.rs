@@ -16,7 +16,9 @@ impl Outcome {
 }
 
 /// What to use, and what it was judged by, of the branch of this name; without a name where it is the only one.
-pub fn tables(certificate: &Certificate, name: Option<&str>) -> [DataTable; 2] {
+///
+/// `branch` is its number on the page, from 0, where its points can be chosen there.
+pub fn tables(certificate: &Certificate, name: Option<&str>, branch: Option<usize>) -> [DataTable; 3] {
     let of = |title: &str| name.map_or_else(|| title.to_owned(), |name| format!("{title} ({name})"));
     let mut numbers = DataTable::new(of("Which numbers to use"), &["number", "use it", "why"]);
     numbers.rows = certificate
@@ -27,7 +29,19 @@ pub fn tables(certificate: &Certificate, name: Option<&str>) -> [DataTable; 2] {
     let head = ["looked at", "of", "came out", "largest", "good up to", "what was compared"];
     let mut checks = DataTable::new(of("What was looked at, and what was not"), &head);
     checks.rows = certificate.checks.iter().map(row).collect();
-    [numbers, checks]
+    let mut points = DataTable::new(of("Points that were looked at"), &["point", "came out", "what speaks against it"]);
+    points.chooses = branch;
+    let doubt = |point: usize| certificate.points_in_doubt.iter().find(|doubt| doubt.point == point);
+    let mut all: Vec<usize> = certificate.points.clone();
+    all.extend(certificate.points_in_doubt.iter().map(|doubt| doubt.point));
+    all.sort_unstable();
+    all.dedup();
+    let of_point = |point: usize| match doubt(point) {
+        Some(doubt) => vec![point.to_string(), "not to be believed".into(), doubt.against.join(", ")],
+        None => vec![point.to_string(), "passed".into(), String::new()],
+    };
+    points.rows = all.into_iter().map(of_point).collect();
+    [numbers, points, checks]
 }
 
 fn row(check: &Check) -> Vec<String> {

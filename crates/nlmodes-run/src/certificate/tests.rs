@@ -33,7 +33,7 @@ fn branch(scene: &Scene, start: BranchStart) -> ComputedBranch {
 fn certificate(elements: usize, harmonics: usize, units: [f64; 2], thorough: bool) -> Certificate {
     let scene = scene(elements, harmonics, units);
     let computed = branch(&scene, BranchStart::Grazing);
-    Certificate::of(&computed, Sources { scene: &scene, open: None, shift: None, thorough })
+    Certificate::of(&computed, Sources { scene: &scene, open: None, shift: None, thorough }, &mut |_, _, _| true)
 }
 
 const SI: [f64; 2] = [1.0, 1.0];
@@ -140,7 +140,7 @@ fn too_few_held_modes_are_doubted_and_enough_are_not() {
         let settings = BranchSettings { held_modes: Some(kept), ..branch_settings(&scene) };
         let few = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(())).unwrap();
         let sources = Sources { scene: &scene, open: None, shift: None, thorough: true };
-        let checks = finer::modes(&few, &few_points(&few), sources);
+        let checks = finer::modes(&few, &few_points(&few), sources, &mut |_, _, _| true);
         let force = checks.iter().find(|c| c.number == Some(Number::PeakForce)).unwrap();
         assert_eq!(force.outcome, expected, "{kept}: {checks:?}");
     }
@@ -174,8 +174,33 @@ fn the_impulse_is_recommended_only_where_it_is_good() {
     assert_eq!(NumberUse::new(Number::PeakForce, &both(f64::NAN, 1e-3)).usable, Use::No);
     // What holds for all numbers counts against each.
     let unsolved = [residual([0.0, 1.0, 1e-12].into_iter()), check(Number::PeakForce, 0.0)];
-    assert_eq!(unsolved[0].point, Some(1));
+    assert_eq!((unsolved[0].point, &unsolved[0].failed), (Some(1), &vec![1]));
     assert_eq!(NumberUse::new(Number::PeakForce, &unsolved).usable, Use::No);
+}
+
+#[test]
+fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
+    let (scene, force) = (scene(4, 2, SI), Number::PeakForce);
+    let computed = branch(&scene, BranchStart::Grazing);
+    let sources = Sources { scene: &scene, open: None, shift: None, thorough: true };
+    let poor = Certificate::of(&computed, sources, &mut |_, _, _| true);
+    let (all, doubted) = (computed.branch.points.len(), &poor.points_in_doubt);
+    assert!(!doubted.is_empty() && doubted.iter().all(|doubt| poor.points.contains(&doubt.point)), "{poor:?}");
+    // Each by its own numbers: a point whose force changes beyond the limit is named, one within it is not.
+    for &point in &poor.points {
+        let after = computed.refined(point, 4, &computed.structure).unwrap();
+        let before = computed.branch.points[point].peak_contact_force;
+        let floor = 1e-2 * computed.branch.points.iter().map(|p| p.peak_contact_force).fold(0.0, f64::max);
+        let off = after.map(|after| (before - after.peak_contact_force).abs() / after.peak_contact_force.max(floor));
+        let named = doubted.iter().any(|d| d.point == point && d.against.iter().any(|a| a.contains("harmonics")));
+        assert!(named || off.is_some_and(|off| off <= force.limit()), "point {point}: {off:?}, {doubted:?}");
+    }
+    let looked = poor.points.len();
+    let said = if looked == all { format!("all {all} points") } else { format!("{looked} of {all} points") };
+    assert!(poor.verdict.contains(&said) && poor.verdict.contains("did not pass"), "{}", poor.verdict);
+    // Whoever looks on may end it: what was not looked at says so.
+    let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
+    assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, Outcome::NotLookedAt);
 }
 
 #[test]

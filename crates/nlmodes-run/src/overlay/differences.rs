@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use nlmodes::modal::{Event, ModalBranch, ModalPoint};
@@ -9,6 +10,12 @@ use super::Laid;
 
 /// Most rows of the table on the page.
 const SHOWN: usize = 20;
+/// Relative difference of frequencies below which two motions of an amplitude are one.
+const SAME: f64 = 1e-9;
+/// Largest difference in per cent, of either sign, that is called agreement.
+const AGREES: f64 = 0.1;
+/// Differences in per cent that are none.
+const ROUNDING: f64 = 1e-5;
 
 /// A point that is laid over, against the branch at the same modal amplitude, or the same energy where it has no amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +38,9 @@ pub struct Difference {
     pub force: f64,
     /// That of the branch there, N.
     pub own_force: f64,
+    /// Motions of this amplitude, or energy, that the branch has, or the curve that is laid over, whichever has more: with several, as at a tongue or
+    /// behind a fold, the two may be on different arms. One where both are on the way from grazing to the first turn.
+    pub motions: usize,
 }
 
 impl Difference {
@@ -43,26 +53,71 @@ impl Difference {
 /// The differences of all points that are laid over and lie within the amplitudes, or energies, of the branch; the branch is linear between its
 /// points, and where it has an amplitude several times, the frequency nearest to that of the point counts. A point that touches no stop is not held against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
-    laid.branch.points.iter().enumerate().filter_map(|(number, point)| difference(number, point, own)).collect()
+    laid.branch.points.iter().enumerate().filter_map(|(number, point)| difference(number, point, laid, own)).collect()
 }
 
-fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Difference> {
-    let by_amplitude = point.modal_amplitude.is_finite();
-    let size = |point: &ModalPoint| if by_amplitude { point.modal_amplitude } else { point.kinetic_energy };
-    let wanted = size(point);
-    let crossings = own.points.windows(2).filter(|pair| !pair[1].has_event(Event::Resumed)).filter_map(|pair| {
+/// What a branch has at some amplitude: angular frequency, impulse, largest force.
+type There = (f64, f64, f64);
+
+/// The quantity that is equal on both: modal amplitude, or energy.
+type Size = fn(&ModalPoint) -> f64;
+
+/// All motions of a size on a branch, each once.
+fn motions(points: &[ModalPoint], size: Size, wanted: f64) -> Vec<There> {
+    let mut found: Vec<There> = Vec::new();
+    for pair in points.windows(2).filter(|pair| !pair[1].has_event(Event::Resumed)) {
         let (a, b) = (size(&pair[0]), size(&pair[1]));
         let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
-        let within = (a.min(b)..=a.max(b)).contains(&wanted);
         let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
-        within.then(|| (at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)))
-    });
+        if (a.min(b)..=a.max(b)).contains(&wanted) {
+            found.push((at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)));
+        }
+    }
+    // A size that is met at a point is met on both sides of it.
+    found.dedup_by(|a, b| (a.0 - b.0).abs() <= SAME * b.0.abs());
+    found
+}
+
+/// Numbers of the points from grazing on, as long as their size grows: on these two branches of a mode go the same way, whatever their tongues do
+/// behind them. Empty for a branch that does not begin or end at grazing.
+fn first_arm(points: &[ModalPoint], size: Size) -> Range<usize> {
+    let grows = |pair: &[ModalPoint]| size(&pair[1]) > size(&pair[0]);
+    let grazes = |point: Option<&ModalPoint>| point.is_some_and(|point| point.has_event(Event::Grazing));
+    if grazes(points.first()) {
+        0..1 + points.windows(2).take_while(|pair| grows(pair)).count()
+    } else if grazes(points.last()) {
+        let count = points.windows(2).rev().take_while(|pair| !grows(pair)).count();
+        points.len() - 1 - count..points.len()
+    } else {
+        0..0
+    }
+}
+
+fn difference(number: usize, point: &ModalPoint, laid: &Laid, own: &ModalBranch) -> Option<Difference> {
+    let by_amplitude = point.modal_amplitude.is_finite();
+    let size: Size = if by_amplitude { |p| p.modal_amplitude } else { |p| p.kinetic_energy };
+    let wanted = size(point);
     // A branch without forces may touch or not.
-    let touches_as_well =
-        |(_, _, force): &(f64, f64, f64)| point.peak_contact_force != 0.0 || force.is_nan() || *force <= 0.0;
-    let crossings = crossings.filter(touches_as_well);
-    let off = |(omega, ..): &(f64, f64, f64)| (omega - point.omega).abs();
-    let (omega, own_impulse, force) = crossings.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let touches_as_well = |(_, _, force): &There| point.peak_contact_force != 0.0 || force.is_nan() || *force <= 0.0;
+    let find = |points: &[ModalPoint]| -> Vec<There> {
+        motions(points, size, wanted).into_iter().filter(touches_as_well).collect()
+    };
+    let all = find(&own.points);
+    let (points, arms) = (&laid.branch.points, [&laid.branch.points, &own.points].map(|p| first_arm(p, size)));
+    let beside = if arms[0].contains(&number) { find(&own.points[arms[1].clone()]) } else { Vec::new() };
+    let off = |(omega, ..): &There| (omega - point.omega).abs();
+    let (found, alike) = match beside.as_slice() {
+        [one] if !laid.is_scattered => (*one, 1),
+        _ => {
+            let nearest = *all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            // Points of a test are no curve: the frequency tells which motion was measured.
+            let count = if laid.is_scattered { 1 } else { motions(points, size, wanted).len().max(all.len()) };
+            // A point on the first arm whose partner is on another one is not alone either.
+            let is_apart = !laid.is_scattered && arms[0].contains(&number) && !arms[1].is_empty();
+            (nearest, if is_apart { count.max(2) } else { count })
+        }
+    };
+    let (omega, own_impulse, force) = found;
     Some(Difference {
         point: number,
         amplitude: if by_amplitude { wanted } else { f64::NAN },
@@ -73,6 +128,7 @@ fn difference(number: usize, point: &ModalPoint, own: &ModalBranch) -> Option<Di
         own_impulse,
         force: point.peak_contact_force,
         own_force: force,
+        motions: alike,
     })
 }
 
@@ -83,20 +139,31 @@ fn impulse(point: &ModalPoint) -> f64 {
 
 /// Mean, least and largest of the relative differences in per cent; none without a pair of values.
 fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 3]> {
-    let all: Vec<f64> = pairs
-        .filter(|(_, own)| *own != 0.0)
-        .map(|(value, own)| 100.0 * (value / own - 1.0))
-        .filter(|p| p.is_finite())
-        .collect();
+    let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
     let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     (!all.is_empty()).then(|| [all.iter().sum::<f64>() / all.len() as f64, least, most])
 }
 
+/// In per cent; no number where there is nothing to divide by.
+fn relative(value: f64, own: f64) -> f64 {
+    if own == 0.0 { f64::NAN } else { 100.0 * (value / own - 1.0) }
+}
+
+/// `−1.00`, to three digits with its sign; what is rounding is zero.
+fn signed(percent: f64) -> String {
+    if percent.abs() < ROUNDING {
+        return "0".to_owned();
+    }
+    let whole = percent.abs().log10().floor().clamp(-5.0, 2.0) as i32;
+    format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
+}
+
 /// By how much the impulse differs, and the largest force, which need not converge; nothing where neither is known.
-fn of_forces(found: &[Difference]) -> String {
+fn of_forces(found: &[&Difference]) -> String {
     let text = |name: &str, note: &str, range: Option<[f64; 3]>| {
-        range.map_or_else(String::new, |[mean, least, most]| {
-            format!("; {name} by {mean:+.3} % ({least:+.3} to {most:+.3} %){note}")
+        range.map_or_else(String::new, |range| {
+            let [mean, least, most] = range.map(signed);
+            format!("; {name} by {mean} % ({least} to {most} %){note}")
         })
     };
     let impulse = percent(found.iter().map(|d| (d.impulse, d.own_impulse)));
@@ -105,24 +172,41 @@ fn of_forces(found: &[Difference]) -> String {
     text("its impulse a period", "", impulse) + &text("its largest force", note, force)
 }
 
-/// Whether what is laid over is softer or stiffer than the branch, in a sentence.
-pub fn sentence(laid: &Laid, found: &[Difference]) -> String {
-    let name = &laid.branch.label;
-    if found.is_empty() {
-        return format!("{name}: no point within the amplitudes of the branch");
+/// Points at whose amplitude there are several motions, and which are in no mean.
+fn left_out(count: usize, what: &str) -> String {
+    match count {
+        0 => String::new(),
+        n => {
+            let points = if n == 1 { "1 point is".to_owned() } else { format!("{n} points are") };
+            format!(
+                "; {points} left out, where one of the two has several motions of that {what} (tongues, folds): the nearest may be on another arm"
+            )
+        }
     }
-    let range = percent(found.iter().map(|difference| (difference.frequency, difference.own_frequency)));
-    let [mean, least, most] = range.unwrap_or([f64::NAN; 3]);
-    let word = match (least > 0.0, most < 0.0) {
-        (true, _) => "stiffer than",
-        (_, true) => "softer than",
+}
+
+/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points at whose amplitude both have one motion.
+pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
+    let name = &laid.branch.label;
+    let own = if own.is_empty() { "this branch" } else { own };
+    let Some(first) = found.first() else { return format!("{name}: no point within the amplitudes of {own}") };
+    let what = if first.amplitude.is_finite() { "modal amplitude" } else { "energy" };
+    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
+    let others = left_out(found.len() - clear.len(), what);
+    let Some(range) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency))) else {
+        return format!("{name}: nothing to compare with {own}{others}");
+    };
+    let word = match range {
+        [_, least, _] if least > 0.0 => "stiffer than",
+        [_, _, most] if most < 0.0 => "softer than",
+        [_, least, most] if least.abs().max(most.abs()) < AGREES => "in agreement with",
         _ => "softer here and stiffer there than",
     };
-    let what = if found[0].amplitude.is_finite() { "modal amplitude" } else { "energy" };
+    let ([mean, least, most], n) = (range.map(signed), clear.len());
+    let points = if n == 1 { "1 point".to_owned() } else { format!("{n} points") };
     format!(
-        "{name}: {word} this branch; its frequency at equal {what} differs by {mean:+.3} % on average ({least:+.3} to {most:+.3} %, {} points){}",
-        found.len(),
-        of_forces(found)
+        "{name}: {word} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
+        of_forces(&clear)
     )
 }
 
@@ -138,8 +222,10 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
         "difference, %",
         "impulse, N s",
         "this branch, N s",
+        "difference, %",
         "force, N",
         "this branch, N",
+        "difference, %",
     ];
     let mut table = DataTable::new(title, &head);
     let n = found.len();
@@ -147,6 +233,12 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
         if n <= SHOWN { (0..n).collect() } else { (0..SHOWN).map(|k| k * (n - 1) / (SHOWN - 1)).collect::<Vec<_>>() };
     let text = |value: f64| if value.is_finite() { format!("{value:.5}") } else { "–".to_owned() };
     let short = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { "–".to_owned() };
+    let off = |difference: &Difference, value: f64, own: f64| match relative(value, own) {
+        // The nearest of several may be on another arm.
+        _ if difference.motions > 1 => format!("one of {}", difference.motions),
+        percent if percent.is_finite() => signed(percent),
+        _ => "–".to_owned(),
+    };
     for difference in shown.into_iter().map(|k| &found[k]) {
         table.rows.push(vec![
             difference.point.to_string(),
@@ -154,18 +246,20 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
             short(difference.energy),
             text(difference.frequency),
             text(difference.own_frequency),
-            format!("{:.4}", 100.0 * difference.relative()).replace('-', "−"),
+            off(difference, difference.frequency, difference.own_frequency),
             short(difference.impulse),
             short(difference.own_impulse),
+            off(difference, difference.impulse, difference.own_impulse),
             short(difference.force),
             short(difference.own_force),
+            off(difference, difference.force, difference.own_force),
         ]);
     }
     table
 }
 
 /// Writes the differences of all that is laid over, a row a point: `overlay`, `point`, `modal_amplitude`, `energy_j`, `frequency_hz`,
-/// `branch_frequency_hz`, `relative_difference`, `peak_contact_force_n`, `branch_peak_contact_force_n`, `impulse_ns`, `branch_impulse_ns`.
+/// `branch_frequency_hz`, `relative_difference`, `peak_contact_force_n`, `branch_peak_contact_force_n`, `impulse_ns`, `branch_impulse_ns`, `motions`.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
@@ -188,6 +282,7 @@ pub fn write(path: &Path, all: &[(Laid, Vec<Difference>)]) -> Result<(), ReportE
                 difference.own_impulse,
             ];
             let row = [laid.branch.label.clone(), difference.point.to_string()].into_iter().chain(values.map(number));
+            let row = row.chain([difference.motions.to_string()]);
             table.write_record(row).map_err(failed)?;
         }
     }
@@ -254,8 +349,8 @@ mod tests {
                 assert!((difference.relative() + 0.02).abs() < 1e-12);
             }
             assert_eq!(found[1].force, 7.0);
-            let said = sentence(&test, &found);
-            assert!(said.contains("softer than") && said.contains("-2.000 %"), "{said}");
+            let said = sentence(&test, &found, &own.branch.label);
+            assert!(said.contains("softer than test") && said.contains("−2.00 %"), "{said}");
         }
     }
 
@@ -273,11 +368,46 @@ mod tests {
         let found = differences(&other, &own.branch);
         // Half-way between 3 and 6 N s, and between 300 and 500 N.
         assert!((found[0].impulse - 5.1).abs() < 1e-12 && (found[0].own_impulse - 4.5).abs() < 1e-12);
-        let said = sentence(&other, &found);
-        assert!(
-            said.contains("impulse a period by +13.333 %") && said.contains("largest force by +100.000 %"),
-            "{said}"
-        );
+        let said = sentence(&other, &found, &own.branch.label);
+        assert!(said.contains("impulse a period by +13.3 %") && said.contains("largest force by +100 %"), "{said}");
+    }
+
+    #[test]
+    fn partners_at_a_tongue_are_in_no_mean() {
+        // Both go up, back and up again over amplitudes 2 to 3, as at a tongue; beyond, one has a tongue that the other lacks.
+        let own = laid("frequency_hz,modal_amplitude\n10,1\n13,3\n12,2\n14,4\n18,8\n");
+        let mut other =
+            laid("frequency_hz,modal_amplitude\n10.2,1\n11.22,1.9\n13.2,3\n12.1,2\n14.2,4\n17.1,7\n16.1,6\n18.2,8\n");
+        other.is_scattered = false;
+        let found = differences(&other, &own.branch);
+        assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 2, 2, 1, 2, 2, 1]);
+        let said = sentence(&other, &found, &own.branch.label);
+        assert!(said.contains("4 points)") && said.contains("4 points are left out"), "{said}");
+        // Points of a test are told apart by their frequency.
+        other.is_scattered = true;
+        assert!(differences(&other, &own.branch).iter().all(|d| d.motions == 1));
+        // From grazing to the first turn both go the same way, wherever tongues lead back to; beyond it only one motion is.
+        other.is_scattered = false;
+        let mut own = own;
+        for graze in [&mut own.branch, &mut other.branch] {
+            graze.points[0].events.push(Event::Grazing);
+        }
+        let found = differences(&other, &own.branch);
+        assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 1, 2, 1, 2, 2, 1]);
+        assert!((found[2].own_frequency - 13.0).abs() < 1e-12, "{:?}", found[2]);
+        let turned = |laid: &Laid| {
+            let mut turned = laid.clone();
+            turned.branch.points.reverse();
+            turned
+        };
+        let counts = differences(&turned(&other), &turned(&own).branch).iter().map(|d| d.motions).collect::<Vec<_>>();
+        assert_eq!(counts, [1, 2, 2, 1, 2, 1, 1, 1]);
+    }
+
+    #[test]
+    fn differences_are_said_to_three_digits() {
+        let said = [-1.0, 0.0, 1843.869, 12.345, -0.0192, 130.8, 1e-7].map(signed);
+        assert_eq!(said, ["−1.00", "0", "+1844", "+12.3", "−0.0192", "+131", "0"]);
     }
 
     #[test]

@@ -38,7 +38,7 @@ impl Against {
 
     /// Softer or stiffer, a sentence for each branch.
     pub fn sentences(&self) -> impl Iterator<Item = String> {
-        self.0.iter().map(|(laid, found)| sentence(laid, found))
+        self.0.iter().map(|(laid, found)| sentence(laid, found, ""))
     }
 
     /// The differences, a table for each branch.

@@ -149,7 +149,7 @@ fn stiffness(found: &RecordExtraction, number: usize) -> Result<Option<Drawn>, F
     let Some(contact) = &found.contact else { return Ok(None) };
     let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(None) };
     let figure = StiffnessFigure::new(history, fit).title(&found.record).render()?;
-    let heading = format!("{}: contact force over displacement", found.record);
+    let heading = format!("{}: contact force over displacement, all periods", found.record);
     Ok(Some(Drawn { file: format!("contact_{number}.svg"), heading, figure }))
 }
 

@@ -87,7 +87,7 @@ fn points(outcomes: &[Outcome]) -> DataTable {
         "damping",
         "lag, °",
         "mode indicator",
-        "force, N",
+        "largest force of a period, mean, N",
         "contact stiffness, N/m",
         "restitution",
         "findings",
@@ -134,10 +134,21 @@ fn findings(outcomes: &[Outcome]) -> DataTable {
             Err(error) => row(&error.names(), error.to_string()),
         }
         for name in &outcome.findings {
-            row(name, "while the record was made".to_owned());
+            row(name, format!("{}while the record was made", unsettled(name)));
         }
     }
     table
+}
+
+/// What it means that a level had not settled.
+fn unsettled(name: &str) -> &'static str {
+    match name {
+        "not-locked" => "the lag was not held within its tolerance ",
+        "frequency-drift" => "the frequency drifted ",
+        "amplitude-drift" => "the amplitude of the response drifted ",
+        "aperiodic" => "periods differed from their mean ",
+        _ => "",
+    }
 }
 
 /// Five digits.

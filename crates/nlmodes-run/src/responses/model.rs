@@ -196,8 +196,11 @@ fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError
         }
         _ => "method.mode".to_owned(),
     };
-    let expected = "expected a stop that the linear mode meets at some amplitude";
-    Err(file.error_at(&key, &chain(&error), expected, &[]).into())
+    let expected = match &error {
+        HbmError::NoSuchMode { available, .. } => format!("expected a whole number from 1 to {available}"),
+        _ => "expected a stop that the linear mode meets at some amplitude".to_owned(),
+    };
+    Err(file.error_at(&key, &chain(&error), &expected, &[]).into())
 }
 
 /// Of each contact, the side on which the other one stands.

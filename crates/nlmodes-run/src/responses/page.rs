@@ -5,6 +5,7 @@ use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::report::{DataTable, HtmlReport, StopLine};
+use nlmodes::response::ResponsePoint;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
 
@@ -25,7 +26,7 @@ pub fn write(
     scene: &Scene,
     model: &Model,
     (curves, certificate, sentences): (&[ComputedResponse], &Certificate, &[String]),
-    figures: Vec<Named>,
+    (figures, is_overlaid): (Vec<Named>, bool),
 ) -> Result<(), Failure> {
     let converter = Converter::new(model)?;
     let shown: Vec<&ComputedResponse> = curves.iter().filter(|c| !c.points().is_empty()).collect();
@@ -45,7 +46,7 @@ pub fn write(
         .contact_motion(&motion)
         .table(resonances(model, curves))
         .document("Scene as read, in SI units", scene)?;
-    for table in tables(certificate, None) {
+    for table in tables(certificate, None, None) {
         report = report.closing_table(table);
     }
     for text in &model.warnings {
@@ -57,10 +58,51 @@ pub fn write(
     for computed in curves.iter().filter(|c| c.curve.is_err()) {
         report = report.line(format!("{}: {}", computed.name, computed.message));
     }
-    for (k, (_, title, figure)) in figures.into_iter().enumerate() {
-        report = if k == 0 { report.leading_figure(title, figure) } else { report.figure(title, figure) };
+    for (label, value) in quantities(scene, model, &converter) {
+        let of = |computed: &&ComputedResponse| computed.points().iter().map(|point| value(computed, point)).collect();
+        report = report.quantity(label, shown.iter().map(of).collect());
+    }
+    for (k, (name, title, figure)) in figures.into_iter().enumerate() {
+        report = match (k, axes(name)) {
+            // What is laid over stands in the figure as it was written.
+            (0, Some(axes)) if is_overlaid => {
+                report.main_figure(title, figure.clone(), axes).leading_figure(title, figure)
+            }
+            (0, Some(axes)) => report.main_figure(title, figure, axes),
+            (0, None) => report.leading_figure(title, figure),
+            _ => report.figure(title, figure),
+        };
     }
     Ok(report.write(directory.join("report.html"))?)
+}
+
+/// What there is of points of responses beside what all points have.
+type Quantity<'a> = (String, Box<dyn Fn(&ComputedResponse, &ResponsePoint) -> f64 + 'a>);
+
+/// Amplitude of the first contact, that of the drive point, its lag, and the level, in the order of [`axes`].
+fn quantities<'a>(scene: &'a Scene, model: &Model, converter: &'a Converter<'_>) -> [Quantity<'a>; 4] {
+    let contact = |c: &ComputedResponse, p: &ResponsePoint| {
+        converter.fundamental(p, c.is_forced(), scene.responses[c.response].subharmonic).abs()
+    };
+    let moving = |p: &ResponsePoint| Some(p.drive.norm()).filter(|norm| *norm > 0.0);
+    let drive = move |_: &ComputedResponse, p: &ResponsePoint| moving(p).unwrap_or(f64::NAN);
+    let lag = move |_: &ComputedResponse, p: &ResponsePoint| moving(p).map_or(f64::NAN, |_| p.lag().to_degrees());
+    [
+        ("fundamental of the first contact in m".to_owned(), Box::new(contact)),
+        ("fundamental of the drive point in m".to_owned(), Box::new(drive)),
+        ("lag of the drive point in degrees".to_owned(), Box::new(lag)),
+        (format!("level in {}", model.unit), Box::new(|_: &ComputedResponse, p: &ResponsePoint| p.level)),
+    ]
+}
+
+/// Axes of a figure, by the name of its file; none where the page has no such quantity.
+fn axes(figure: &str) -> Option<[&'static str; 2]> {
+    match figure {
+        "responses.svg" => Some(["frequency", "quantity0"]),
+        "force_response.svg" => Some(["quantity3", "quantity0"]),
+        "drive.svg" => Some(["frequency", "quantity1"]),
+        _ => None,
+    }
 }
 
 /// The stops that have a coordinate.

@@ -86,9 +86,9 @@ pub fn write(
             report = report.table(table);
         }
     }
-    for (computed, certificate) in all.iter().zip(certificates) {
+    for (branch, (computed, certificate)) in all.iter().zip(certificates).enumerate() {
         let name = (all.len() > 1).then_some(computed.branch.label.as_str());
-        for table in certificate::tables(certificate, name) {
+        for table in certificate::tables(certificate, name, Some(branch)) {
             report = report.closing_table(table);
         }
     }

@@ -79,7 +79,7 @@ impl Interrupted {
     /// The message.
     pub fn read(&self) -> Result<Vec<ModalPoint>, String> {
         let directory = &self.scene.output_directory;
-        if let Some(why) = foreign(directory, &self.scenes, Over::Resumed) {
+        if let Some(why) = foreign(directory, &self.scenes, Over::Resumed, None) {
             return Err(why);
         }
         let claim = Claim::unchecked(directory, "scene.toml", &self.scenes, Over::Resumed);

@@ -4,16 +4,21 @@ use std::f64::consts::TAU;
 
 use nlmodes::experiment::phase_loop::{LoopSettings, Order, PhaseDetector, Resonance};
 use nlmodes::modal::LinearModes;
-use nlmodes::model::{ContactLaw, Side};
+use nlmodes::model::{ContactLaw, Side, StructuralModel};
 use nlmodes::rig::ModalReduction;
 use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
 
 use crate::Failure;
 use nlmodes_scene::assemble::{Elements, imposed, moving_kind};
+use nlmodes_scene::number;
 use nlmodes_scene::scene::{self, LoopDetector, TestScene};
 
 /// Start of the loop below the frequency of the mode, relative.
 const BELOW: f64 = 0.0025;
+/// Places along the structure at which the largest motion of a mode is looked for.
+const PLACES: usize = 50;
+/// Share of that motion below which the mode has a node: rounding of the shapes.
+const NODE: f64 = 1e-9;
 
 /// The rig of a scene.
 #[derive(Debug)]
@@ -79,10 +84,29 @@ impl Rig {
             noise: scene.noise,
             seed: scene.seed,
         };
+        moves(scene, (&elements, &model, &reduction), &bench.drive)?;
         let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;
         let control = control(scene, &bench);
         Ok(Self { bench, reduction, of_elements, modes, control })
     }
+}
+
+/// An exciter where the mode does not move excites nothing, and its motion sensors read nothing.
+fn moves(
+    scene: &TestScene,
+    (elements, model, reduction): (&Elements, &StructuralModel, &ModalReduction),
+    drive: &BenchPoint,
+) -> Result<(), RigRefused> {
+    let mode = scene.settings.mode;
+    let shape = |weights: &[(usize, f64)]| reduction.shape(weights).get(mode - 1).map_or(0.0, |shape| shape.abs());
+    let step = scene.structure.length / PLACES as f64;
+    let places = (0..=PLACES).filter_map(|k| elements.displacement_at(model, k as f64 * step).ok());
+    let largest = places.map(|weights| shape(&weights)).fold(0.0, f64::max);
+    if shape(&drive.weights) > NODE * largest {
+        return Ok(());
+    }
+    let said = format!("the exciter stands where mode {mode} does not move, at {} m", number(scene.drive));
+    Err(RigRefused { path: "virtual_test.drive_m", source: said.into() })
 }
 
 fn stop(stop: &scene::TestStop, at: BenchPoint) -> BenchStop {

@@ -10,11 +10,14 @@ use super::{BranchSettings, ComputedBranch, StudyError};
 
 /// Numbers of harmonics tried one after the other where the step to the last is too far.
 const STEPS: usize = 5;
+/// Relative distance up to which two solutions of the same equations are one.
+const SAME: f64 = 1e-5;
 
 impl ComputedBranch {
     /// The motion of the averaged kinetic energy of point `point` with `harmonics` harmonics and the held modes of `structure`: that of the branch, or one with
     /// the same contacts and other modes. Newton's method at that energy leads there from the point, at once or over numbers of harmonics in between;
-    /// `None` where neither does.
+    /// `None` where neither does, or where it does not lead back from there with the harmonics and modes of the branch: what was found is then another motion
+    /// of that energy, on another arm.
     ///
     /// # Errors
     /// [`StudyError::NotHarmonic`] for a branch whose unknowns are not harmonics of the contacts; [`StudyError`] if the problem cannot be evaluated.
@@ -70,6 +73,23 @@ impl ComputedBranch {
             found = Some(problem.modal_point(&next, 0.0)?);
             x = next;
         }
-        Ok(found)
+        Ok(if self.leads_back(point, &x, series)? { found } else { None })
+    }
+
+    /// Whether Newton's method at the energy of a point leads from this motion to the point.
+    fn leads_back(&self, point: usize, x: &[f64], series: RealSeries) -> Result<bool, StudyError> {
+        let (own, settings) = (&self.unknowns[point], self.settings_at(point));
+        let p = (self.branch.points[point].kinetic_energy / self.grazing.energy).ln();
+        let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
+        let Some(coarser) = problem.harmonics() else { return Err(StudyError::NotHarmonic) };
+        let guess: Vec<f64> = coarser.resized(x, series).into_iter().chain([p]).collect();
+        let mut energy = vec![0.0; guess.len()];
+        energy[own.len()] = 1.0;
+        let found = one_point(&settings, &self.grazing, &mut problem, &guess, &energy, &mut ());
+        let size = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>().sqrt();
+        Ok(found.is_some_and(|(back, _)| {
+            let off: Vec<f64> = back.iter().zip(own).map(|(a, b)| a - b).collect();
+            size(&off) <= SAME * size(own)
+        }))
     }
 }

@@ -5,11 +5,15 @@ const CORNERS_AT = ["kink", "contact-change", "branch-point"];
 
 /// What there is to say about a point: pairs of name and value.
 function facts(branch, index) {
+  // Stops of one point are compared: all have the unit of the largest.
+  const most = id => largest(branch.stops.map(stop => stop[id][index]));
+  const force = Math.max(most("force"), branch.force[index] || 0);
   const rows = [
     ["frequency", hertz(branch.frequency[index])],
+    ...quantitiesOf(branch, index),
     ["averaged kinetic energy", significant(branch.energy[index], 5) + " J"],
     ["modal amplitude", significant(branch.amplitude[index], 5) + " m √kg"],
-    ["largest contact force*", withUnit(branch.force[index], "N", prefixed)],
+    ["largest contact force*", withUnit(branch.force[index], "N", prefixed, force)],
     [branch.stops.length > 1 ? "largest displacement toward stop 0" : "largest displacement", withUnit(branch.peak[index], "m", fine)],
     ["total energy", significant(branch.totalEnergy[index], 5) + " J"],
     ["contacts a period", String(branch.contactIntervals[index])],
@@ -17,13 +21,13 @@ function facts(branch, index) {
   ];
   // The impulse converges with harmonics, the largest force of a short blow need not.
   const stops = branch.stops.map((stop, number) => {
-    const impulse = withUnit(stop.impulse[index], "N s", prefixed);
+    const impulse = withUnit(stop.impulse[index], "N s", prefixed, most("impulse"));
     if (branch.stops.length === 1) return ["impulse a period", impulse];
     const closed = significant(100 * stop.closed[index], 3);
-    return [`stop ${number}`, stop.closed[index] > 0 ? `impulse ${impulse}, closed ${closed} %, force* up to ${withUnit(stop.force[index], "N", prefixed)}` : "open"];
+    return [`stop ${number}`, stop.closed[index] > 0 ? `impulse ${impulse}, closed ${closed} %, force* up to ${withUnit(stop.force[index], "N", prefixed, force)}` : "open"];
   });
   const closed = ["contact fraction", significant(100 * branch.contactFraction[index], 4) + " %"];
-  rows.splice(3, 0, ...(branch.stops.length > 1 ? stops : [...stops, closed]));
+  rows.splice(rows.findIndex(([name]) => name.startsWith("largest contact force")), 0, ...(branch.stops.length > 1 ? stops : [...stops, closed]));
   for (const event of branch.events[index] || []) rows.push(["event", eventText(event)]);
   if (branch.resonance[index]) rows.push(["internal resonance", branch.resonance[index]]);
   if (branch.multiplier[index] !== undefined) {
@@ -39,9 +43,20 @@ function eventText(event) {
   return event.replaceAll("-", " ") + (known && known.meaning ? `: ${known.meaning}` : "");
 }
 
-function withUnit(value, name, choice) {
+/// Values of the quantities that this page adds to those of all points: amplitude, level …
+function quantitiesOf(branch, index) {
+  const known = typeof DATA === "undefined" ? [] : DATA.quantities || [];
+  const rows = known.map((label, k) => [label, branch.extra && branch.extra[k] ? branch.extra[k][index] : null]);
+  return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value]) => {
+    const unit = label.slice(withoutUnit(label).length + 4);
+    return [withoutUnit(label), `${significant(value, 5)} ${unit}`];
+  });
+}
+
+/// `like`: the size by which the unit is chosen, where that is not the value's own.
+function withUnit(value, name, choice, like = 0) {
   if (value === null) return "–";
-  const unit = choice(name, Math.abs(value));
+  const unit = choice(name, like || Math.abs(value));
   return significant(value * unit.perSi, 5) + " " + unit.symbol;
 }
 
@@ -154,10 +169,17 @@ function legend(box, charts) {
   const note = (dash, text) => { const entry = html(list, "span"); line(entry, "currentColor", dash); html(entry, "span", {}, text); };
   if (DATA.branches.some(branch => branch.grazing !== null)) note("6 4", "linear mode");
   if (DATA.branches.some(branch => branch.unstable.length > 0)) note("3 3", "unstable");
+  // What an event means is said where it is asked for.
+  const said = html(box, "p", { class: "hint", role: "status" });
   for (const { name, shape, fill: color, meaning } of DATA.eventSymbols) {
-    const entry = html(list, "span", { title: meaning });
+    const entry = meaning ? html(list, "button", { type: "button", class: "event", "aria-expanded": "false", title: meaning }) : html(list, "span");
     symbol(sample(entry), shape, 14, 7, color, undefined, true);
     html(entry, "span", {}, name.replaceAll("-", " "));
+    if (meaning) entry.addEventListener("click", () => {
+      const opens = entry.getAttribute("aria-expanded") === "false";
+      list.querySelectorAll(".event").forEach(other => other.setAttribute("aria-expanded", String(opens && other === entry)));
+      said.textContent = opens ? eventText(name) : "";
+    });
   }
 }
 
@@ -208,7 +230,7 @@ function branchFigures(boxes, participationBox, legendBox, onChoose) {
     if (!chart.tip.hidden && found) return;
     chart.hover(found && { key: found.key, index: found.index }, false);
   });
-  boxes.forEach(([box, id]) => choices.push(new Choice(box, [id, "frequency"], onHover, onChoose)));
+  boxes.forEach(([box, id]) => choices.push(new Choice(box, id === "main" ? [...DATA.mainAxes] : [id, "frequency"], onHover, onChoose)));
   if (participationBox) fixed.push(new Chart(participationBox, participationSpec(onHover, onChoose)));
   legend(legendBox, charts);
   const redraw = () => { choices.forEach(choice => choice.draw()); legend(legendBox, charts); };

@@ -236,10 +236,14 @@ class Chart {
     this.said.textContent = lines.join(", ");
     // At the pointer, or at the point where the keyboard chose it.
     const [x, y] = found.at || this.at(found.panel || 0, curve, found.index);
-    const offset = this.svg.offsetTop, room = this.tip.offsetWidth + 18;
+    const offset = this.svg.offsetTop, room = this.tip.offsetWidth + 18, tall = this.tip.offsetHeight;
     this.tip.style.left = (x + room > this.size.width ? Math.max(0, x - room) : x + 16) + "px";
-    const above = offset + y - this.tip.offsetHeight - 12;
-    this.tip.style.top = (above < offset ? offset + y + 18 : above) + "px";
+    // Above the pointer, below it, or beside it: wherever it is in view.
+    const top = this.svg.getBoundingClientRect().top, above = y - tall - 12, below = y + 18;
+    const inView = place => top + place >= 4 && top + place + tall <= window.innerHeight - 4;
+    const beside = Math.max(4 - top, Math.min(window.innerHeight - 4 - tall - top, y - tall / 2));
+    const place = above >= 0 && inView(above) ? above : inView(below) ? below : inView(above) ? above : beside;
+    this.tip.style.top = offset + place + "px";
   }
 
   // --- zooming

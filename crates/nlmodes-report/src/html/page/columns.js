@@ -9,7 +9,8 @@ function allColumns() {
   const percent = values => values && values.map(value => (value === null ? null : 100 * value));
   const name = stop => (most(branch => branch.stops.length) > 1 ? ` at stop ${stop}` : "");
   const all = [
-    plain("frequency", "frequency in Hz"), plain("energy", "averaged kinetic energy in J", "log"), plain("amplitude", "modal amplitude in m √kg"),
+    plain("frequency", "frequency in Hz"),
+    ...(DATA.quantities || []).map((label, k) => column(`quantity${k}`, label, "linear", branch => branch.extra && branch.extra[k])), plain("energy", "averaged kinetic energy in J", "log"), plain("amplitude", "modal amplitude in m √kg"),
     plain("totalEnergy", "total energy in J", "log"), plain("peak", "largest displacement in m"),
     column("closed", "first contact closed, % of period", "linear", branch => percent(branch.contactFraction)),
     plain("contactIntervals", "contacts a period"),

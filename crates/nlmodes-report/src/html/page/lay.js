@@ -43,25 +43,51 @@ function branchOfTable(name, text) {
 /// By how much the frequency of what is laid over differs from that of a branch at equal modal amplitude, or energy where there is none.
 function difference(laid, own) {
   const id = laid.amplitude.some(value => value !== null) ? "amplitude" : "energy";
+  // Frequencies of all motions of a size on a branch, each once.
+  const motions = (branch, wanted) => {
+    const there = [];
+    for (let j = 1; j < branch[id].length; j++) {
+      const [a, b] = [branch[id][j - 1], branch[id][j]];
+      if (branch.resumed.includes(j) || a === null || b === null || wanted < Math.min(a, b) || wanted > Math.max(a, b)) continue;
+      const hz = branch.frequency[j - 1] + (branch.frequency[j] - branch.frequency[j - 1]) * (a === b ? 0 : (wanted - a) / (b - a));
+      if (!there.length || Math.abs(there[there.length - 1] / hz - 1) > 1e-9) there.push(hz);
+    }
+    return there;
+  };
+  // From grazing on, as long as their size grows, two branches go the same way.
+  const firstArm = branch => {
+    const last = branch[id].length - 1, grazes = k => (branch.events[k] || []).includes("grazing");
+    const [start, step] = grazes(0) ? [0, 1] : grazes(last) ? [last, -1] : [0, 0];
+    if (!step) return [0, -1];
+    let end = start;
+    while (branch[id][end + step] !== undefined && branch[id][end + step] > branch[id][end]) end += step;
+    return [Math.min(start, end), Math.max(start, end)];
+  };
+  const part = (branch, [from, to]) => ({ [id]: branch[id].slice(from, to + 1), frequency: branch.frequency.slice(from, to + 1), resumed: branch.resumed.map(k => k - from) });
+  const [mine, other] = [firstArm(own), firstArm(laid)];
   const found = [];
+  let others = 0;
   laid[id].forEach((wanted, k) => {
     if (wanted === null) return;
-    let best = null;
-    for (let j = 1; j < own[id].length; j++) {
-      const [a, b] = [own[id][j - 1], own[id][j]];
-      if (own.resumed.includes(j) || a === null || b === null || wanted < Math.min(a, b) || wanted > Math.max(a, b)) continue;
-      const there = own.frequency[j - 1] + (own.frequency[j] - own.frequency[j - 1]) * (a === b ? 0 : (wanted - a) / (b - a));
-      if (best === null || Math.abs(there - laid.frequency[k]) < Math.abs(best - laid.frequency[k])) best = there;
-    }
-    if (best !== null) found.push(100 * (laid.frequency[k] / best - 1));
+    const there = motions(own, wanted);
+    if (!there.length) return;
+    const isFirst = !laid.scattered && k >= other[0] && k <= other[1], beside = isFirst ? motions(part(own, mine), wanted) : [];
+    if (beside.length === 1) return void found.push(100 * (laid.frequency[k] / beside[0] - 1));
+    if (isFirst && mine[1] >= mine[0]) return void others++;
+    // With several motions of an amplitude, as at a tongue, the nearest may be on another arm; points of a test are told apart by their frequency.
+    if (!laid.scattered && Math.max(there.length, motions(laid, wanted).length) > 1) return void others++;
+    const off = hz => Math.abs(hz - laid.frequency[k]);
+    found.push(100 * (laid.frequency[k] / there.reduce((best, hz) => off(hz) < off(best) ? hz : best) - 1));
   });
   const what = id === "amplitude" ? "modal amplitude" : "energy";
+  const left = others ? `; ${others} ${others === 1 ? "point is" : "points are"} left out, where one of the two has several motions of that ${what} (tongues, folds)` : "";
+  if (!found.length && others) return `${laid.label}: nothing to compare with ${own.label}${left}.`;
   if (!found.length) return `${laid.label}: no point within the ${what} of ${own.label}.`;
   const [least, most] = [Math.min(...found), Math.max(...found)], mean = found.reduce((sum, value) => sum + value, 0) / found.length;
-  const word = least > 0 ? "stiffer than" : most < 0 ? "softer than" : "softer here and stiffer there than";
+  const word = least > 0 ? "stiffer than" : most < 0 ? "softer than" : Math.max(-least, most) < 0.1 ? "in agreement with" : "softer here and stiffer there than";
   const percent = value => (value > 0 ? "+" : "") + significant(value, 3) + " %";
   return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${percent(mean)} on average `
-    + `(${percent(least)} to ${percent(most)}, ${found.length} points).`;
+    + `(${percent(least)} to ${percent(most)}, ${found.length} points)${left}.`;
 }
 
 /// Events that this page does not know yet get a symbol in its legend.

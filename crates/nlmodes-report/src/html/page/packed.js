@@ -28,6 +28,7 @@ const COLUMNS = ["totalEnergy", "peak", "contactFraction", "force", "residual"];
 function unpackBranch(branch) {
   for (const id of COLUMNS) branch[id] = columnOf(branch[id]);
   branch.participation = branch.participation.map(columnOf);
+  branch.extra = (branch.extra || []).map(columnOf);
   branch.stops = branch.stops.map(({ closed, impulse, force }) => ({ closed: columnOf(closed), impulse: columnOf(impulse), force: columnOf(force) }));
   const [width, shares] = branch.shares;
   if (typeof width === "number") {

@@ -5,7 +5,7 @@ const DATA = unpackData(JSON.parse(document.getElementById("data").textContent))
 function begin() {
   const byId = id => document.getElementById(id);
   document.documentElement.classList.add("live");
-  const boxes = ["energy", "amplitude"].map(id => [byId(id), id]).filter(([box]) => box);
+  const boxes = ["main", "energy", "amplitude"].map(id => [byId(id), id]).filter(([box]) => box);
   let chosen = null;
   const figures = boxes.length ? branchFigures(boxes, byId("participation"), byId("legend"), (key, index) => choose(key, index)) : null;
   const motion = byId("motion") && new Motion(byId("motion"), byId("controls"));

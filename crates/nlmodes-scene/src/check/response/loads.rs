@@ -84,12 +84,12 @@ fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<
 
 pub fn base_motion(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
-    let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), findings)?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
         let problem = Problem::error("the scene has forces and a base that shakes");
         findings.put("base_motion", problem, "expected either this table or [[force]]");
         return None;
     }
+    let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), findings)?;
     let in_metres = || raw.response.iter().flatten().any(|response| response.levels_m.is_some());
     let (amplitude, is_acceleration) = match (base.acceleration_m_s2, base.amplitude_m) {
         (Some(_), Some(_)) => {
