@@ -72,6 +72,10 @@ pub fn redraw(results: &Path, into: &Path, width_mm: Option<f64>, titled: bool) 
         scene.files.page = false;
         scene.files.figure_width_mm = width_mm;
         scene.files.figure_titles = titled;
+        if scene.method.harmonics_list.is_empty() {
+            // A single number is not written as a list.
+            scene.method.harmonics_list = vec![scene.method.harmonics];
+        }
     }
     let mut files: Vec<SceneFile> = scenes.into_iter().map(|scene| SceneFile::without_text(scene, SUMMARY)).collect();
     if files.len() == 1 && !files[0].scene.responses.is_empty() {
