@@ -340,3 +340,48 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('no column frequency_hz')"));
     assert_eq!(browser.console(), Vec::<Value>::new());
 }
+
+/// A page that is about an amplitude over the frequency: it is hovered and chosen there, the numbers are in view beside it, events explain themselves.
+#[test]
+fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
+    let (folder, [exact, _]) = (tempfile::tempdir().unwrap(), branches());
+    let path = folder.path().join("report.html");
+    let still = nlmodes_report::BranchFigure::new(nlmodes_report::Abscissa::Energy, &[&exact]).render().unwrap();
+    let levels = (0..exact.points.len()).map(|k| 0.5 * k as f64).collect();
+    let all = [&exact];
+    let report = HtmlReport::new("Responses", &all).clamped_at(&[0.0]).contact_motion(&contact_motion);
+    let report = report.quantity("level in m/s²", vec![levels]).quantity("too short in m", vec![vec![1.0]]);
+    report.main_figure("Level over frequency", still, ["frequency", "quantity0"]).write(&path).unwrap();
+    let Some(browser) = Browser::open(&path, WINDOW, &[]) else { return };
+    assert_eq!(
+        browser.text("return document.querySelector('#main').closest('.box').querySelector('h3').textContent"),
+        "Level over frequency"
+    );
+    show(&browser, "#main");
+    let (x, y) = (axis(&browser, "main", "x"), axis(&browser, "main", "y"));
+    let at = |k: usize| (x(exact.points[k].omega / TAU), y(0.5 * k as f64));
+    browser.point_at(at(90));
+    let said = browser.text("return document.querySelector('#main .tip').innerText");
+    assert!(said.contains("point 90") && said.contains("level: 45.000 m/s²"), "{said}");
+    assert!(!browser.text("return document.querySelector('.axes').innerText").contains("too short"));
+    browser.click(at(70));
+    assert_eq!(browser.text("return document.querySelector('#details h3').textContent"), "Point 70");
+    let edge = |selector: &str, side: &str| {
+        browser.number(&format!("return document.querySelector('{selector}').getBoundingClientRect().{side}"))
+    };
+    assert!(edge("#details table", "top") >= 0.0 && edge("#details td", "bottom") <= f64::from(WINDOW.1));
+    assert!(edge("#motion svg", "top") >= 0.0 && edge("#motion svg", "bottom") <= f64::from(WINDOW.1));
+    // Where there is no room above or below, the values stand beside the pointer.
+    browser.run("document.querySelector('#main svg.chart').scrollIntoView({ block: 'end' })");
+    let (x, y) = (axis(&browser, "main", "x"), axis(&browser, "main", "y"));
+    browser.point_at((x(exact.points[2].omega / TAU), y(1.0)));
+    assert!(edge("#main .tip", "top") >= 0.0 && edge("#main .tip", "bottom") <= f64::from(WINDOW.1));
+    // An event says what it means where it is asked.
+    let event = "document.querySelector('#legend .event')";
+    browser.run(&format!("{event}.click()"));
+    let meaning = browser.text("return document.querySelector('#legend [role=status]').textContent");
+    assert!(meaning.starts_with("grazing: ") && meaning.len() > 20, "{meaning}");
+    browser.run(&format!("{event}.click()"));
+    assert_eq!(browser.text("return document.querySelector('#legend [role=status]').textContent"), "");
+    assert_eq!(browser.console(), Vec::<Value>::new());
+}

@@ -102,7 +102,7 @@ function showDetails(box, branch, index, shown) {
   if (shown !== null && shown !== index) html(box, "p", { class: "quiet" }, `The page shows the motion of point ${shown}, the nearest that it holds.`);
   const table = html(html(box, "table"), "tbody");
   for (const [name, value] of facts(branch, index)) {
-    const row = html(table, "tr");
+    const row = html(table, "tr", { class: name.length + value.length > 36 ? "wide" : null });
     html(row, "th", { scope: "row" }, name);
     html(row, "td", {}, value);
   }
@@ -113,8 +113,12 @@ function showDetails(box, branch, index, shown) {
 
 /// Bars of the kinetic energy in each harmonic, on a logarithmic scale of eight decades.
 function showShares(box, shares) {
-  const figure = html(box, "figure", { class: "shares" });
-  html(figure, "figcaption", {}, "kinetic energy by harmonic (bars: logarithmic, eight decades)");
+  const open = box.dataset.shares === "open";
+  const fold = html(box, "details", { open: open ? "" : null });
+  fold.addEventListener("toggle", () => { box.dataset.shares = fold.open ? "open" : ""; });
+  html(fold, "summary", {}, "kinetic energy by harmonic");
+  const figure = html(fold, "figure", { class: "shares" });
+  html(figure, "figcaption", {}, "bars: logarithmic, eight decades");
   shares.forEach((share, n) => {
     if (n === 0) return;
     const row = html(figure, "div");
