@@ -1,29 +1,11 @@
 use nlmodes_contact::{ContactBody, LcpMatrix};
-use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
-use nlmodes_model::{ContactCoordinates, LinearModes, MasslessContactModel, held_modes};
+use nlmodes_linalg::Mat;
+use nlmodes_model::{ContactCoordinates, MasslessContactModel};
+use nlmodes_reduction::{HeldMode, HeldModes};
 
 use crate::HbmError;
 use crate::held_sums::HeldSums;
 use crate::recording::Recording;
-
-/// A mode of the structure with its contacts held, as the contact degrees of freedom see it.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct HeldMode {
-    /// Squared angular frequency `λ_k`, rad²/s².
-    pub lambda: f64,
-    /// Column of the mode in [`CondensedStructure::shapes`].
-    pub column: usize,
-    /// `g_k = φ_kᵀ K_LN`, n_N.
-    pub g: Vec<f64>,
-    /// `h_k = K_NN⁻¹ g_kᵀ`, n_N.
-    pub h: Vec<f64>,
-    /// `s_k = g_k h_k`, rad²/s²: how strongly the mode takes part in the motion of the contacts.
-    pub s: f64,
-}
-
-/// Relative difference below which two held frequencies count as one.
-pub(crate) const REPEATED: f64 = 1e-10;
 
 /// A structure with massless contacts, reduced once to what the periodic problem needs.
 ///
@@ -65,40 +47,20 @@ impl CondensedStructure {
     /// # Errors
     /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
-        let psi = static_shapes(&model)?;
-        let mut held = held_modes(&model, n_modes)?;
-        let k_nn = DenseLu::factor(model.k_nn())
-            .map_err(|source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source })?;
-        let coupling = model.k_ln().transpose() * &psi;
-        let t0 = solve_columns(&k_nn, &(-coupling));
-        refuse_stiff_springs(&model, &t0)?;
+        let held = HeldModes::new(&model, n_modes)?;
+        refuse_stiff_springs(&model, &held.transfer)?;
+        let residual = if held.is_all() { ResidualMass::none(&held.statics) } else { ResidualMass::new(&model, &held) };
+        let (k_nn, n_held) = (&held.contact_stiffness, held.count());
         let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
-        let body = ContactBody::new(model.w().clone(), solve_columns(&k_nn, model.w()), gaps)
+        let body = ContactBody::new(model.w().clone(), k_nn.solve_columns(model.w()), gaps)
             .and_then(|body| body.with_stop_compliance(&model.stop_compliance()))
             .map_err(HbmError::Compliance)?;
-        separate_repeated(&mut held, &model, &k_nn)?;
-        let g = held.shapes.transpose() * model.k_ln();
-        let scale = (0..t0.nrows()).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let modes = (0..held.omega.len()).filter_map(|k| {
-            let row: Vec<f64> = (0..g.ncols()).map(|d| g[(k, d)]).collect();
-            let mut h = row.clone();
-            k_nn.solve_in_place(&mut h);
-            let s: f64 = row.iter().zip(&h).map(|(g, h)| g * h).sum();
-            let lambda = held.omega[k] * held.omega[k];
-            // Modes that leave the contacts at rest (the axial family of a beam under a transverse stop) do not take part.
-            (s > 1e-20 * scale * lambda).then_some(HeldMode { lambda, column: k, g: row, h, s })
-        });
-        let modes: Vec<HeldMode> = modes.collect();
-        let residual = if held.omega.len() < psi.nrows() {
-            ResidualMass::new(&model, &psi, &modes, &held.shapes, &k_nn)?
-        } else {
-            ResidualMass::none(&psi)
-        };
-        let n_held = held.omega.len();
-        let inverse = solve_columns(&k_nn, &Mat::identity(psi.ncols(), psi.ncols()));
+        let n_n = held.statics.ncols();
+        let inverse = k_nn.solve_columns(&Mat::identity(n_n, n_n));
+        let HeldModes { modes, shapes, statics: psi, transfer: t0, .. } = held;
         let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
-        let recording = Recording::new(&model, &modes, &held.shapes, &psi, &residual.shapes);
-        Ok(Self { model, modes, shapes: held.shapes, psi, t0, residual, body, sums, recording, n_held })
+        let recording = Recording::new(&model, &modes, &shapes, &psi, &residual.shapes);
+        Ok(Self { model, modes, shapes, psi, t0, residual, body, sums, recording, n_held })
     }
 
     /// The structure that was reduced.
@@ -166,26 +128,6 @@ fn refuse_stiff_springs(model: &MasslessContactModel, t0: &Mat<f64>) -> Result<(
     }
 }
 
-/// Among modes with the same frequency (equal spans between contacts), chooses those with `g_i K_NN⁻¹ g_jᵀ = 0`, so that each
-/// pole of `T` can be taken apart by itself.
-fn separate_repeated(held: &mut LinearModes, model: &MasslessContactModel, k_nn: &DenseLu) -> Result<(), HbmError> {
-    let mut first = 0;
-    while first < held.omega.len() {
-        let same =
-            held.omega[first..].iter().take_while(|omega| **omega <= held.omega[first] * (1.0 + REPEATED)).count();
-        if same > 1 {
-            let shapes = held.shapes.subcols(first, same).to_owned();
-            let g = shapes.transpose() * model.k_ln();
-            let strength = symmetric(&(&g * solve_columns(k_nn, &g.transpose().to_owned())));
-            let (_, turn) = symmetric_eigen(&strength)
-                .map_err(|source| HbmError::Linalg { what: "modes with the same frequency", source })?;
-            held.shapes.subcols_mut(first, same).copy_from(&shapes * turn);
-        }
-        first += same;
-    }
-    Ok(())
-}
-
 /// Share of the held modes that were not computed, to first order in `ν²`.
 #[derive(Debug, Clone)]
 pub(crate) struct ResidualMass {
@@ -209,54 +151,24 @@ impl ResidualMass {
         Self { mass: zero.clone(), transfer: zero.clone(), shapes, next: zero.clone(), next_transfer: zero }
     }
 
-    fn new(
-        model: &MasslessContactModel,
-        psi: &Mat<f64>,
-        modes: &[HeldMode],
-        held: &Mat<f64>,
-        k_nn: &DenseLu,
-    ) -> Result<Self, HbmError> {
+    fn new(model: &MasslessContactModel, held: &HeldModes) -> Self {
+        let (psi, k_nn) = (&held.statics, &held.contact_stiffness);
         let inertia = model.m_ll().as_ref() * psi;
         let mut mass = symmetric(&(psi.transpose() * &inertia));
-        let mut shapes = solve_held(model, inertia.clone())?;
-        for mode in modes {
+        let mut shapes = inertia.clone();
+        held.stiffness.solve_many(&mut shapes);
+        for mode in &held.modes {
             let weight = 1.0 / (mode.lambda * mode.lambda);
             for j in 0..mode.g.len() {
                 (0..mode.g.len()).for_each(|i| mass[(i, j)] -= weight * mode.g[i] * mode.g[j]);
-                (0..shapes.nrows()).for_each(|i| shapes[(i, j)] += weight * held[(i, mode.column)] * mode.g[j]);
+                (0..shapes.nrows()).for_each(|i| shapes[(i, j)] += weight * held.shapes[(i, mode.column)] * mode.g[j]);
             }
         }
-        let transfer = solve_columns(k_nn, &mass);
+        let transfer = k_nn.solve_columns(&mass);
         let next = symmetric(&(inertia.transpose() * &shapes));
-        let next_transfer = solve_columns(k_nn, &next);
-        Ok(Self { mass, transfer, shapes, next, next_transfer })
+        let next_transfer = k_nn.solve_columns(&next);
+        Self { mass, transfer, shapes, next, next_transfer }
     }
-}
-
-/// `Ψ = −K_LL⁻¹ K_LN`.
-fn static_shapes(model: &MasslessContactModel) -> Result<Mat<f64>, HbmError> {
-    solve_held(model, -model.k_ln())
-}
-
-/// `K_LL⁻¹` times the columns of `rhs`.
-fn solve_held(model: &MasslessContactModel, mut rhs: Mat<f64>) -> Result<Mat<f64>, HbmError> {
-    let k_ll = model.factor_k_ll()?;
-    for d in 0..rhs.ncols() {
-        let mut column: Vec<f64> = rhs.col(d).iter().copied().collect();
-        k_ll.solve_in_place(&mut column);
-        rhs.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
-    }
-    Ok(rhs)
-}
-
-fn solve_columns(lu: &DenseLu, rhs: &Mat<f64>) -> Mat<f64> {
-    let mut x = rhs.clone();
-    for d in 0..x.ncols() {
-        let mut column: Vec<f64> = x.col(d).iter().copied().collect();
-        lu.solve_in_place(&mut column);
-        x.col_mut(d).iter_mut().zip(&column).for_each(|(p, c)| *p = *c);
-    }
-    x
 }
 
 fn symmetric(a: &Mat<f64>) -> Mat<f64> {

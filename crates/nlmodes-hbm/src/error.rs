@@ -2,6 +2,7 @@ use nlmodes_contact::LcpError;
 use nlmodes_linalg::LinalgError;
 use nlmodes_modal::ModalError;
 use nlmodes_model::ModelError;
+use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 /// Why a periodic problem cannot be set up or evaluated.
@@ -173,7 +174,20 @@ pub enum HbmError {
     /// The linear model.
     #[error("the linear model")]
     Model(#[from] ModelError),
+    /// The reduction to the modes with the contacts held.
+    #[error("the reduction to the modes with the contacts held")]
+    Reduction(#[source] ReductionError),
     /// The Fourier basis.
     #[error("the Fourier basis")]
     Basis(#[from] ModalError),
+}
+
+impl From<ReductionError> for HbmError {
+    fn from(error: ReductionError) -> Self {
+        match error {
+            ReductionError::Model(error) => Self::Model(error),
+            ReductionError::Linalg { what, source } => Self::Linalg { what, source },
+            other => Self::Reduction(other),
+        }
+    }
 }

@@ -2,7 +2,9 @@ use std::ops::Range;
 
 use nlmodes_linalg::Mat;
 
-use crate::condensed::{HeldMode, REPEATED, ResidualMass};
+use nlmodes_reduction::{HeldMode, HeldModes};
+
+use crate::condensed::ResidualMass;
 
 /// Held modes laid out for the sums over all of them that each harmonic needs.
 ///
@@ -164,7 +166,7 @@ fn three_products(p: &[f64], weights: &[Vec<f64>; 3]) -> [f64; 3] {
 
 /// All modes with the frequency of mode `p`.
 fn repeated(modes: &[HeldMode], p: usize) -> Range<usize> {
-    let same = |k: &usize| (modes[*k].lambda / modes[p].lambda - 1.0).abs() <= 4.0 * REPEATED;
+    let same = |k: &usize| (modes[*k].lambda / modes[p].lambda - 1.0).abs() <= 4.0 * HeldModes::REPEATED;
     let before = (0..p).rev().take_while(same).count();
     p - before..p + 1 + (p + 1..modes.len()).take_while(same).count()
 }

@@ -91,12 +91,13 @@ mod switching;
 mod transfer;
 mod trigonometric;
 
-pub use condensed::{CondensedStructure, HeldMode};
+pub use condensed::CondensedStructure;
 pub use contact_operator::{ContactOperator, PatternInterval, Switching};
 pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
+pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
     ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
     Functional, Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint,

@@ -1,7 +1,7 @@
 use nlmodes_linalg::Mat;
 use nlmodes_model::{ContactCoordinates, MasslessContactModel};
 
-use crate::condensed::HeldMode;
+use nlmodes_reduction::HeldMode;
 
 /// Most degrees of freedom of which modal points hold all coefficients.
 ///

@@ -177,6 +177,20 @@ impl DenseLu {
         }
     }
 
+    /// `A⁻¹ B`, for the columns of `b` (n × any).
+    ///
+    /// # Panics
+    /// If `b` has another number of rows.
+    pub fn solve_columns(&self, b: &Mat<f64>) -> Mat<f64> {
+        let mut x = b.clone();
+        for k in 0..x.ncols() {
+            let mut column: Vec<f64> = x.col(k).iter().copied().collect();
+            self.solve_in_place(&mut column);
+            x.col_mut(k).iter_mut().zip(&column).for_each(|(x, v)| *x = *v);
+        }
+        x
+    }
+
     /// Overwrites `x` with `A⁻ᵀ x`.
     ///
     /// # Panics

@@ -23,6 +23,7 @@
 //! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |
 //! | `(η, u)` | the reduced equations as a structure with massless contact nodes | | m + c | [`ReducedStructure`] |
 //! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
+//! | `λ_k`, `φ_k` | modes with contacts held that have lost their mass | rad²/s², 1/√kg | | [`HeldModes`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
@@ -46,6 +47,7 @@
 //! problems*, Computers & Structures 260 (2022) 106698.
 
 mod error;
+mod held_modes;
 mod mode_count;
 mod open_modes;
 mod reduced;
@@ -54,6 +56,7 @@ mod rest;
 mod rows;
 
 pub use error::ReductionError;
+pub use held_modes::{HeldMode, HeldModes};
 pub use mode_count::ModeCount;
 pub use open_modes::OpenModes;
 pub use reduced::ReducedStructure;

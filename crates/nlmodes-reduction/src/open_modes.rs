@@ -236,7 +236,7 @@ const REPEATED: f64 = 1e-9;
 fn separate_repeated(modes: &mut Modes, directions: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
     let values = &modes.eigenvalues;
     let is_same = |a: f64, b: f64| b - a <= REPEATED * b.abs() || b.abs().max(a.abs()) <= 1e-6 * shift;
-    let mut first = 0;
+    let mut first = if directions.ncols() == 0 { values.len() } else { 0 };
     while first < values.len() {
         let same = values[first..].iter().take_while(|value| is_same(values[first], **value)).count().max(1);
         if same > 1 {

@@ -92,6 +92,14 @@ impl OpenModes {
         self.rows(&sparse_from_triplets(self.n_dofs(), dofs.len(), &entries).map_err(failed)?)
     }
 
+    /// What answers statically to these loads (n × any, N) beside the retained modes, m: `(K⁻¹ − Φ Ω⁻² Φᵀ) P`.
+    ///
+    /// # Panics
+    /// If the loads have another size than the structure.
+    pub fn residual_answer(&self, loads: Mat<f64>) -> Mat<f64> {
+        self.residual.answer(&self.shapes, loads)
+    }
+
     /// `Bᵀ G A`, with solutions for the columns of `a`: columns of `b` × columns of `a`.
     fn seen_by(&self, a: &SparseMatrix, b: &SparseMatrix) -> Mat<f64> {
         let mut seen = Mat::zeros(b.ncols(), a.ncols());

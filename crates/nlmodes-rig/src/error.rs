@@ -1,6 +1,7 @@
 use nlmodes_experiment::phase_loop::PhaseLoopError;
 use nlmodes_linalg::LinalgError;
 use nlmodes_model::ModelError;
+use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 /// Why a virtual rig cannot be built or cannot go on.
@@ -115,6 +116,9 @@ pub enum RigError {
     /// The modes of a structure cannot be computed.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A structure cannot be reduced to its modes.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
     /// Its static deflections cannot be computed.
     #[error(transparent)]
     Statics(#[from] LinalgError),

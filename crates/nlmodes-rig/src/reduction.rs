@@ -1,12 +1,16 @@
-use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix};
-use nlmodes_model::{Dof, DofKind, linear_modes};
+use std::sync::Arc;
+
+use nlmodes_linalg::{Mat, SparseMatrix, sparse_from_triplets};
+use nlmodes_model::{Dof, DofKind};
+use nlmodes_reduction::{ModeCount, OpenModes};
 
 use crate::{DrivePoint, RigError};
 
 /// A component counts as at rest below this share of the largest one of a mode.
 const REST: f64 = 1e-9;
 
-/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the others.
+/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the others: [`OpenModes`]
+/// without contacts, of which those are kept in which what is measured moves.
 ///
 /// A point of the structure is a list of degrees of freedom with weights, `w = Σ weight · q`. Its shape is `φ_k = Σ weight · Φ_k`, its
 /// residual flexibility `pᵀ K⁻¹ p − Σ_k φ_k² / ω_k²` with `p` the weights as a load. With massless contact nodes ([`MasslessContactModel`],
@@ -16,16 +20,16 @@ const REST: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub struct ModalReduction {
     omega: Vec<f64>,
-    shapes: Mat<f64>,
+    open: OpenModes,
+    /// Columns of the modes that are kept.
     kept: Vec<usize>,
-    statics: SparseCholesky,
 }
 
 impl ModalReduction {
     /// The lowest `count` modes in which degrees of freedom of this kind move.
     ///
     /// # Errors
-    /// [`RigError::Model`] or [`RigError::Statics`] if modes or static deflections cannot be computed, [`RigError::TooFewModes`].
+    /// [`RigError::Reduction`] or [`RigError::Statics`] if modes or static deflections cannot be computed, [`RigError::TooFewModes`].
     pub fn new(
         mass: &SparseMatrix,
         stiffness: &SparseMatrix,
@@ -33,17 +37,21 @@ impl ModalReduction {
         kind: DofKind,
         count: usize,
     ) -> Result<Self, RigError> {
-        let statics = SparseCholesky::factor(stiffness, "stiffness with open contacts")?;
+        let (mass, stiffness) = (Arc::new(mass.clone()), Arc::new(stiffness.clone()));
+        let nothing = sparse_from_triplets(dofs.len(), 0, &[])?;
         // Modes of other kinds lie between: twice the number is nearly always enough.
         let mut wanted = (2 * count + 4).min(dofs.len());
         loop {
-            let modes = linear_modes(mass, stiffness, wanted)?;
-            let mut kept: Vec<usize> =
-                (0..modes.omega.len()).filter(|&k| moves(&modes.shapes, k, dofs, kind)).collect();
+            let modes = ModeCount::Lowest(wanted);
+            let open =
+                OpenModes::new(Arc::clone(&mass), Arc::clone(&stiffness), nothing.clone(), vec![], vec![], modes)?;
+            let mut kept: Vec<usize> = (0..open.n_modes()).filter(|&k| moves(open.shapes(), k, dofs, kind)).collect();
             if kept.len() >= count {
                 kept.truncate(count);
-                let omega = kept.iter().map(|&k| modes.omega[k]).collect();
-                return Ok(Self { omega, shapes: modes.shapes, kept, statics });
+                let omega = kept.iter().map(|&k| open.omega_squared()[k].sqrt()).collect();
+                // Modes of other kinds do not move the points.
+                let open = open.truncated(kept.last().map_or(1, |last| last + 1))?;
+                return Ok(Self { omega, open, kept });
             }
             if wanted == dofs.len() {
                 return Err(RigError::TooFewModes { wanted: count, found: kept.len() });
@@ -62,7 +70,7 @@ impl ModalReduction {
     /// # Panics
     /// If a degree of freedom does not exist.
     pub fn shape(&self, point: &[(usize, f64)]) -> Vec<f64> {
-        let of = |&k: &usize| point.iter().map(|&(dof, weight)| weight * self.shapes[(dof, k)]).sum();
+        let of = |&k: &usize| point.iter().map(|&(dof, weight)| weight * self.open.shapes()[(dof, k)]).sum();
         self.kept.iter().map(of).collect()
     }
 
@@ -73,12 +81,11 @@ impl ModalReduction {
     /// # Panics
     /// If a degree of freedom does not exist.
     pub fn residual(&self, point: &[(usize, f64)]) -> f64 {
-        let mut x = vec![0.0; self.statics.dim()];
-        point.iter().for_each(|&(dof, weight)| x[dof] += weight);
-        self.statics.solve_in_place(&mut x);
-        let statics: f64 = point.iter().map(|&(dof, weight)| weight * x[dof]).sum();
-        let modal: f64 = self.shape(point).iter().zip(&self.omega).map(|(φ, ω)| (φ / ω).powi(2)).sum();
-        (statics - modal).max(0.0)
+        let mut load = Mat::zeros(self.open.n_dofs(), 1);
+        point.iter().for_each(|&(dof, weight)| load[(dof, 0)] += weight);
+        let answer = self.open.residual_answer(load);
+        let residual: f64 = point.iter().map(|&(dof, weight)| weight * answer[(dof, 0)]).sum();
+        residual.max(0.0)
     }
 
     /// The point as one at which an exciter pushes; `position` in m.

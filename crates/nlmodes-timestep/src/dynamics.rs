@@ -8,7 +8,7 @@ use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::MasslessContactModel;
 use num_complex::Complex64;
 
-use crate::phase::{Coordinates, Phase, column, dot, transposed_product};
+use crate::phase::{Coordinates, Phase, dot, transposed_product};
 use crate::trajectory::{Segment, Trajectory};
 use crate::{ModalState, TimestepError};
 
@@ -282,18 +282,8 @@ fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<us
 pub(crate) fn contact_body(model: &MasslessContactModel) -> Result<ContactBody, TimestepError> {
     let lu = DenseLu::factor(model.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
     let gaps = model.contacts().iter().map(|c| c.gap).collect();
-    let body = ContactBody::new(model.w().clone(), solve_columns(&lu, model.w()), gaps)?;
+    let body = ContactBody::new(model.w().clone(), lu.solve_columns(model.w()), gaps)?;
     Ok(body.with_stop_compliance(&model.stop_compliance())?)
-}
-
-pub(crate) fn solve_columns(lu: &DenseLu, rhs: &Mat<f64>) -> Mat<f64> {
-    let mut x = rhs.clone();
-    for k in 0..x.ncols() {
-        let mut one = column(&x, k).to_vec();
-        lu.solve_in_place(&mut one);
-        x.col_mut(k).iter_mut().zip(&one).for_each(|(x, v)| *x = *v);
-    }
-    x
 }
 
 /// `½ vᵀv + ½ Σ ω² z²` of a difference of states: the energy norm of the open structure, squared.

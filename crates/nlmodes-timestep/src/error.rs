@@ -1,6 +1,7 @@
 use nlmodes_contact::LcpError;
 use nlmodes_linalg::LinalgError;
 use nlmodes_model::ModelError;
+use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 /// Why a motion cannot be integrated or a periodic one not be found.
@@ -99,6 +100,9 @@ pub enum TimestepError {
     /// The contact problem.
     #[error("contact problem")]
     Contact(#[from] LcpError),
+    /// The reduction to few modes.
+    #[error("the reduction to few modes")]
+    Reduction(#[source] ReductionError),
     /// A factorisation or an eigenproblem.
     #[error("{what}")]
     Linalg {
@@ -114,5 +118,15 @@ impl TimestepError {
     /// An error of the linear algebra, with what it was for.
     pub(crate) fn during(what: &'static str) -> impl Fn(LinalgError) -> Self {
         move |source| Self::Linalg { what, source }
+    }
+}
+
+impl From<ReductionError> for TimestepError {
+    fn from(error: ReductionError) -> Self {
+        match error {
+            ReductionError::Model(error) => Self::Model(error),
+            ReductionError::Linalg { what, source } => Self::Linalg { what, source },
+            other => Self::Reduction(other),
+        }
     }
 }

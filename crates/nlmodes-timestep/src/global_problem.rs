@@ -4,7 +4,6 @@ use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_model::MasslessContactModel;
 
 use crate::TimestepError;
-use crate::dynamics::solve_columns;
 
 /// The contact forces of all samples of a period as one linear complementarity problem (end of Section 2.2).
 ///
@@ -56,11 +55,11 @@ impl GlobalContactProblem {
         });
         let lu = DenseLu::factor(&system).map_err(TimestepError::during("periodic motion of the linear structure"))?;
         let c = model.contacts().len();
-        let compliance = solve_columns(&k_nn, model.w());
+        let compliance = k_nn.solve_columns(model.w());
         let load = Mat::from_fn(n * samples, c * samples, |row, column| {
             if row / n == column / c { compliance[(row % n, column % c)] } else { 0.0 }
         });
-        let response = solve_columns(&lu, &load);
+        let response = lu.solve_columns(&load);
         let (w, stops) = (model.w(), model.stop_compliance());
         let matrix = Mat::from_fn(c * samples, c * samples, |row, column| {
             let (j, i) = (row / c, row % c);
@@ -101,7 +100,7 @@ fn transfer(model: &MasslessContactModel, k_nn: &DenseLu, nu: f64) -> Result<Mat
     let (k, m) = (model.k_ll().to_dense(), model.m_ll().to_dense());
     let stiffness = Mat::from_fn(k.nrows(), k.ncols(), |i, j| k[(i, j)] - nu * nu * m[(i, j)]);
     let lu = DenseLu::factor(&stiffness).map_err(TimestepError::during("dynamic stiffness H_LL of a harmonic"))?;
-    Ok(solve_columns(k_nn, &(model.k_ln().transpose() * solve_columns(&lu, model.k_ln()))))
+    Ok(k_nn.solve_columns(&(model.k_ln().transpose() * lu.solve_columns(model.k_ln()))))
 }
 
 /// `𝒯` between two samples that are `shift` apart.

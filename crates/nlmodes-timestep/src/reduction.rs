@@ -1,15 +1,11 @@
-use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
+use nlmodes_linalg::{Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{
-    Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, LinearModes, MasslessContactModel,
-    StructuralModel, held_modes,
+    Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, MasslessContactModel, StructuralModel,
 };
+use nlmodes_reduction::HeldModes;
 
-use crate::dynamics::solve_columns;
 use crate::phase::{column, product, transposed_product};
 use crate::{ContactDynamics, TimestepError};
-
-/// Relative difference below which two held frequencies count as one.
-const REPEATED: f64 = 1e-10;
 
 /// Mass of the static shapes that the kept modes leave over, relative, below which nothing is left over.
 const NOTHING: f64 = 1e-13;
@@ -43,37 +39,23 @@ impl ReducedStructure {
     /// [`TimestepError::Linalg`].
     pub fn new(full: MasslessContactModel, count: usize) -> Result<Self, TimestepError> {
         let n_l = full.linear_dofs().len();
-        let mut psi = -full.k_ln();
-        full.factor_k_ll()?.solve_many(&mut psi);
-        let k_nn =
-            DenseLu::factor(full.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
-        let mut held = held_modes(&full, count.min(n_l))?;
-        separate_repeated(&mut held, &full, &k_nn)?;
-        let g = held.shapes.transpose() * full.k_ln();
-        let h = solve_columns(&k_nn, &g.transpose().to_owned());
-        let (n_n, available) = (full.k_nn().nrows(), held.omega.len());
-        let t0 = solve_columns(&k_nn, &(full.k_ln().transpose() * &psi));
-        let scale = (0..n_n).map(|i| t0[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let moves = |k: &usize| {
-            let strength: f64 = (0..n_n).map(|d| g[(*k, d)] * h[(d, *k)]).sum();
-            strength > 1e-20 * scale * held.omega[*k].powi(2)
-        };
-        let kept: Vec<usize> = (0..available).filter(moves).collect();
-        if kept.len() == n_l {
+        let held = HeldModes::new(&full, count.min(n_l))?;
+        let (n_kept, available, is_all) = (held.modes.len(), held.count(), held.is_all());
+        if n_kept == n_l {
             return Ok(Self { model: full.clone(), full, basis: None, kept: n_l, available });
         }
-        let shapes = Mat::from_fn(n_l, kept.len(), |i, k| held.shapes[(i, kept[k])]);
-        let (correction, own) = match available < n_l {
-            true => static_correction(&full, &shapes, psi)?,
-            false => (Mat::zeros(n_l, 0), Vec::new()),
+        let shapes = Mat::from_fn(n_l, n_kept, |i, k| held.shapes[(i, held.modes[k].column)]);
+        let (correction, own) = match is_all {
+            true => (Mat::zeros(n_l, 0), Vec::new()),
+            false => static_correction(&full, &shapes, held.statics)?,
         };
-        let lambda: Vec<f64> = kept.iter().map(|&k| held.omega[k] * held.omega[k]).chain(own).collect();
-        let basis = Mat::from_fn(n_l, lambda.len(), |i, k| match k.checked_sub(kept.len()) {
+        let lambda: Vec<f64> = held.modes.iter().map(|mode| mode.lambda).chain(own).collect();
+        let basis = Mat::from_fn(n_l, lambda.len(), |i, k| match k.checked_sub(n_kept) {
             Some(r) => correction[(i, r)],
             None => shapes[(i, k)],
         });
         let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()))?;
-        Ok(Self { full, model, basis: Some(basis), kept: kept.len(), available })
+        Ok(Self { full, model, basis: Some(basis), kept: n_kept, available })
     }
 
     /// The structure that was reduced.
@@ -218,25 +200,4 @@ fn contacts(full: &MasslessContactModel, m: usize) -> Vec<Contact> {
         ContactCoordinates::SpringTips => DofContact { dof: m + i, law: ContactLaw::Rigid, ..*contact },
     };
     full.contacts().iter().enumerate().map(place).map(Contact::from).collect()
-}
-
-/// Among modes with the same frequency (equal spans between contacts), chooses those of which only as many as there are contact
-/// coordinates move these.
-fn separate_repeated(held: &mut LinearModes, full: &MasslessContactModel, k_nn: &DenseLu) -> Result<(), TimestepError> {
-    let mut first = 0;
-    while first < held.omega.len() {
-        let limit = held.omega[first] * (1.0 + REPEATED);
-        let same = held.omega[first..].iter().take_while(|omega| **omega <= limit).count();
-        if same > 1 {
-            let shapes = held.shapes.subcols(first, same).to_owned();
-            let g = shapes.transpose() * full.k_ln();
-            let strength = &g * solve_columns(k_nn, &g.transpose().to_owned());
-            let strength = Mat::from_fn(same, same, |i, j| 0.5 * (strength[(i, j)] + strength[(j, i)]));
-            let (_, turn) =
-                symmetric_eigen(&strength).map_err(TimestepError::during("modes with the same frequency"))?;
-            held.shapes.subcols_mut(first, same).copy_from(&shapes * turn);
-        }
-        first += same;
-    }
-    Ok(())
 }
