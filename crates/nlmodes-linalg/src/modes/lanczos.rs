@@ -14,6 +14,10 @@ const VERIFICATION: usize = 30;
 /// Vectors of a step where the factor has dense blocks: a solution for eight costs little more than one for one.
 const WIDTH: usize = 8;
 
+/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and eight at a time read the
+/// basis once.
+const MANY: usize = 64;
+
 /// M-orthonormal Ritz vectors of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there are no more.
 ///
 /// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the complement of what was found,
@@ -21,7 +25,7 @@ const WIDTH: usize = 8;
 pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
     let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
-    let width = if pencil.factor.has_dense_blocks() { WIDTH } else { 1 };
+    let width = if pencil.factor.has_dense_blocks() || count > MANY { WIDTH } else { 1 };
     let (mut theta, mut found) = (Vec::<f64>::new(), Basis::new(n));
     for seed in 1.. {
         let floor = descending(&theta).get(count - 1).map_or(0.0, |&worst| theta[worst] * (1.0 + 1e-10));

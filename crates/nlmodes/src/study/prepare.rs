@@ -26,6 +26,9 @@ const HIDDEN_MODES: usize = 3;
 /// Up to this size all modes of the held structure are used.
 const ALL_HELD_MODES: usize = 400;
 
+/// No more are computed at first where not all are: how far they reach tells how many it takes.
+const MOST_HELD_MODES_AT_FIRST: usize = 64;
+
 /// The structure with the held modes that the settings ask for, where an accuracy chooses them with `at_least` so many.
 pub(super) fn condense(
     model: MasslessContactModel,
@@ -44,17 +47,19 @@ pub(super) fn condense(
         return Ok(CondensedStructure::new(model, size)?);
     }
     // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
-    let mut count = 32 + 8 * settings.harmonics;
+    let mut count = (32 + 8 * settings.harmonics).min(MOST_HELD_MODES_AT_FIRST);
     loop {
         settings.watch.begins(Doing::Modes)?;
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
         let top = settings.frequency_hz.map(|w| w[1] * TAU);
         let top = top.map_or_else(|| Ok(2.0 * linear_start(&structure, settings)?.omega), Ok::<f64, StudyError>)?;
         let highest = structure.modes().last().map_or(0.0, |m| m.lambda.sqrt());
-        if count >= size || highest > 20.0 * settings.harmonics as f64 * top {
+        let least = 20.0 * settings.harmonics as f64 * top;
+        if count >= size || highest > least {
             return Ok(structure);
         }
-        count *= 2;
+        // Frequencies of slender structures rise at least in proportion to the number of the mode; of others it takes another round.
+        count = (count as f64 * (1.02 * least / highest).clamp(1.2, 8.0)).ceil() as usize;
     }
 }
 
