@@ -159,13 +159,18 @@ fn write() -> Result<ExitCode, Failure> {
     compare(&[], false)
 }
 
+/// Instruction sets for which kernels have code of their own.
+const VECTORS: [&str; 3] = ["avx2", "fma", "avx512f"];
+
 /// Compiler and processor: by the latter's instruction sets and caches the kernels choose their code and blocks at run time.
 fn made_with() -> Result<String, Failure> {
     let output = Command::new("rustc").arg("--version").output()?;
     let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model =
-        known.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": ").map(|(_, model)| model));
-    Ok(format!("{}, {}", String::from_utf8(output.stdout)?.trim(), model.unwrap_or(std::env::consts::ARCH)))
+    let of =
+        |name: &str| known.lines().find_map(|line| line.strip_prefix(name)?.split_once(": ").map(|(_, value)| value));
+    let sets: Vec<&str> = of("flags").unwrap_or_default().split(' ').filter(|set| VECTORS.contains(set)).collect();
+    let processor = of("model name").unwrap_or(std::env::consts::ARCH);
+    Ok(format!("{}, {processor}, {}", String::from_utf8(output.stdout)?.trim(), sets.join(" ")))
 }
 
 /// Where the instructions of the kernels go.
