@@ -3,10 +3,14 @@
 mod contacts;
 mod differences;
 mod read;
+mod said;
+mod written;
 
-pub use differences::{Difference, differences, sentence, table, write};
+pub use differences::{Difference, differences};
 pub(crate) use read::number;
 pub use read::{Laid, OverlayError, read};
+pub use said::{sentence, table};
+pub use written::write;
 
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Overlay;

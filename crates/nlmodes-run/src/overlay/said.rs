@@ -1,0 +1,144 @@
+//! Differences in words, and as a table of the page.
+
+use nlmodes::report::DataTable;
+
+use super::{Difference, Laid};
+
+/// Most rows of the table on the page.
+const SHOWN: usize = 20;
+/// Largest difference in per cent, of either sign, that is called agreement.
+const AGREES: f64 = 0.1;
+/// Differences in per cent that are none.
+const ROUNDING: f64 = 1e-5;
+
+/// Mean, least and largest of the relative differences in per cent; none without a pair of values.
+fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 3]> {
+    let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
+    let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    (!all.is_empty()).then(|| [all.iter().sum::<f64>() / all.len() as f64, least, most])
+}
+
+/// In per cent; no number where there is nothing to divide by.
+fn relative(value: f64, own: f64) -> f64 {
+    if own == 0.0 { f64::NAN } else { 100.0 * (value / own - 1.0) }
+}
+
+/// `−1.00`, to three digits with its sign; what is rounding is zero.
+fn signed(percent: f64) -> String {
+    if percent.abs() < ROUNDING {
+        return "0".to_owned();
+    }
+    let whole = percent.abs().log10().floor().clamp(-5.0, 2.0) as i32;
+    format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
+}
+
+/// By how much the impulse differs, and the largest force, which need not converge; nothing where neither is known.
+fn of_forces(found: &[&Difference]) -> String {
+    let text = |name: &str, note: &str, range: Option<[f64; 3]>| {
+        range.map_or_else(String::new, |range| {
+            let [mean, least, most] = range.map(signed);
+            format!("; {name} by {mean} % ({least} to {most} %){note}")
+        })
+    };
+    let impulse = percent(found.iter().map(|d| (d.impulse, d.own_impulse)));
+    let force = percent(found.iter().map(|d| (d.force, d.own_force)));
+    let note = ", which of short blows need not converge with harmonics";
+    text("its impulse a period", "", impulse) + &text("its largest force", note, force)
+}
+
+/// Points at whose amplitude there are several motions, and which are in no mean.
+fn left_out(count: usize, what: &str) -> String {
+    match count {
+        0 => String::new(),
+        n => {
+            let points = if n == 1 { "1 point is".to_owned() } else { format!("{n} points are") };
+            format!(
+                "; {points} left out, where one of the two has several motions of that {what} (tongues, folds): the nearest may be on another arm"
+            )
+        }
+    }
+}
+
+/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points at whose amplitude both have one motion.
+pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
+    let name = &laid.branch.label;
+    let own = if own.is_empty() { "this branch" } else { own };
+    let Some(first) = found.first() else { return format!("{name}: no point within the amplitudes of {own}") };
+    let what = if first.amplitude.is_finite() { "modal amplitude" } else { "energy" };
+    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
+    let others = left_out(found.len() - clear.len(), what);
+    let Some(range) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency))) else {
+        return format!("{name}: nothing to compare with {own}{others}");
+    };
+    let word = match range {
+        [_, least, _] if least > 0.0 => "stiffer than",
+        [_, _, most] if most < 0.0 => "softer than",
+        [_, least, most] if least.abs().max(most.abs()) < AGREES => "in agreement with",
+        _ => "softer here and stiffer there than",
+    };
+    let ([mean, least, most], n) = (range.map(signed), clear.len());
+    let points = if n == 1 { "1 point".to_owned() } else { format!("{n} points") };
+    format!(
+        "{name}: {word} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
+        of_forces(&clear)
+    )
+}
+
+/// The differences as a table of the page: evenly chosen rows.
+pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
+    let title = format!("{} against this branch", laid.branch.label);
+    let head = [
+        "point",
+        "amplitude, m√kg",
+        "energy, J",
+        "frequency, Hz",
+        "this branch, Hz",
+        "difference, %",
+        "impulse, N s",
+        "this branch, N s",
+        "difference, %",
+        "force, N",
+        "this branch, N",
+        "difference, %",
+    ];
+    let mut table = DataTable::new(title, &head);
+    let n = found.len();
+    let shown =
+        if n <= SHOWN { (0..n).collect() } else { (0..SHOWN).map(|k| k * (n - 1) / (SHOWN - 1)).collect::<Vec<_>>() };
+    let text = |value: f64| if value.is_finite() { format!("{value:.5}") } else { "–".to_owned() };
+    let short = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { "–".to_owned() };
+    let off = |difference: &Difference, value: f64, own: f64| match relative(value, own) {
+        // The nearest of several may be on another arm.
+        _ if difference.motions > 1 => format!("one of {}", difference.motions),
+        percent if percent.is_finite() => signed(percent),
+        _ => "–".to_owned(),
+    };
+    for difference in shown.into_iter().map(|k| &found[k]) {
+        table.rows.push(vec![
+            difference.point.to_string(),
+            short(difference.amplitude),
+            short(difference.energy),
+            text(difference.frequency),
+            text(difference.own_frequency),
+            off(difference, difference.frequency, difference.own_frequency),
+            short(difference.impulse),
+            short(difference.own_impulse),
+            off(difference, difference.impulse, difference.own_impulse),
+            short(difference.force),
+            short(difference.own_force),
+            off(difference, difference.force, difference.own_force),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_said_to_three_digits() {
+        let said = [-1.0, 0.0, 1843.869, 12.345, -0.0192, 130.8, 1e-7].map(signed);
+        assert_eq!(said, ["−1.00", "0", "+1844", "+12.3", "−0.0192", "+131", "0"]);
+    }
+}
