@@ -37,7 +37,7 @@ pub(super) fn in_doubt(checks: &[Check]) -> Vec<PointInDoubt> {
 
 fn name(check: &Check, point: usize) -> String {
     if check.lost.contains(&point) {
-        return format!("{}: no such motion leads there and back", check.name);
+        return format!("{}: no motion with twice as many leads there and back", check.name);
     }
     check
         .number

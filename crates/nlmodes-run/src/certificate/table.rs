@@ -37,8 +37,8 @@ pub fn tables(certificate: &Certificate, name: Option<&str>, branch: Option<usiz
     all.sort_unstable();
     all.dedup();
     let of_point = |point: usize| match doubt(point) {
-        Some(doubt) => vec![point.to_string(), "not to be believed".into(), doubt.against.join(", ")],
-        None => vec![point.to_string(), "passed".into(), String::new()],
+        Some(doubt) => vec![point.to_string(), Outcome::Doubtful.name().into(), doubt.against.join(", ")],
+        None => vec![point.to_string(), Outcome::Good.name().into(), String::new()],
     };
     points.rows = all.into_iter().map(of_point).collect();
     [numbers, points, checks]
