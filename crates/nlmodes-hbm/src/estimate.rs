@@ -233,4 +233,67 @@ mod tests {
         assert_eq!(few.held_modes_error(&start, start.omega, 100), f64::INFINITY, "the modes end below the harmonics");
         assert!(all.held_modes_error(&start, start.omega, 1) < 1e-12, "none is left out");
     }
+
+    /// A step along the branch is no error, whatever else there is.
+    #[test]
+    fn the_distance_from_the_branch_does_not_see_what_lies_along_it() {
+        let structure = chain(5);
+        let start = grazing(&structure, 1).unwrap();
+        let settings =
+            MixedShootingSettings { harmonics: 3, symmetry: crate::Symmetry::Even, switching: crate::Switching::Exact };
+        let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
+        let estimator =
+            TruncationEstimator::reaching(&structure, settings, 0, start.scales(), solver.as_ref()).unwrap();
+        let (n, k) = (estimator.fine.dim(), estimator.fine.frequency_index());
+        let vector = |seed: f64| (0..=n).map(|i| (1.7 * i as f64 + seed).sin()).collect::<Vec<f64>>();
+        let (z, delta, mut tangent) = (vector(0.4), vector(2.0), vector(3.3));
+        let along = |delta: &[f64], tangent: &[f64], share: f64| {
+            let moved: Vec<f64> = delta.iter().zip(tangent).map(|(d, t)| d + share * t).collect();
+            estimator.across(&moved, &z[..n], tangent)
+        };
+        let own = along(&delta, &tangent, 0.0);
+        assert!(own.abs() > 1e-3);
+        for share in [-2.0, 0.37, 11.0] {
+            assert!((along(&delta, &tangent, share) - own).abs() < 1e-12, "{share}");
+        }
+        // Where the frequency stays along the branch it is the change of its logarithm.
+        tangent[k] = 0.0;
+        assert!((along(&delta, &tangent, 0.0).abs() - (delta[k] / z[k]).abs()).abs() < 1e-14);
+        // Where neither changes every direction is across.
+        tangent[n] = 0.0;
+        assert!((along(&delta, &tangent, 0.0) - (delta[k] / z[k]).hypot(delta[n])).abs() < 1e-14);
+    }
+
+    /// The estimate at few harmonics is the distance of the solution with many.
+    #[test]
+    fn the_estimate_is_what_more_harmonics_change() {
+        let structure = chain(5);
+        let start = grazing(&structure, 1).unwrap();
+        let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
+        let settings = |harmonics: usize| MixedShootingSettings {
+            harmonics,
+            symmetry: crate::Symmetry::Even,
+            switching: crate::Switching::Exact,
+        };
+        let p = 1.4_f64.ln();
+        let branch = |harmonics: usize| {
+            let mut problem =
+                MixedShooting::new(&structure, settings(harmonics), start.scales(), solver.as_ref()).unwrap();
+            let (n, series) = (problem.dim(), problem.series());
+            let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
+            let bound = nlmodes_continuation::Bound { coordinate: n, min: -3.0, max: p };
+            let method = nlmodes_continuation::Continuation { bounds: vec![bound], ..Default::default() };
+            let run = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(())).unwrap();
+            let last = run.points.last().unwrap().clone();
+            assert!((last.p - p).abs() < 1e-12);
+            (last.x, last.tangent, problem.frequency_index())
+        };
+        let ((x, tangent, k), (better, _, at)) = (branch(5), branch(60));
+        let mut estimator = TruncationEstimator::new(&structure, settings(5), start.scales(), solver.as_ref()).unwrap();
+        let found = estimator.estimate(&x, p, &tangent);
+        let (t_omega, t_p) = (tangent[k] / x[k], tangent[x.len()]);
+        let expected = (better[at] / x[k]).ln().abs() * t_p.abs() / t_omega.hypot(t_p);
+        assert!((found.frequency / expected - 1.0).abs() < 0.2, "{:e} for {expected:e}", found.frequency);
+        assert!(found.held_modes == 0.0 && found.motion > 0.0);
+    }
 }

@@ -298,4 +298,21 @@ mod tests {
             }
         }
     }
+
+    /// `det A = ±α` of one pole: it changes its sign where a pole is passed, and nowhere else.
+    #[test]
+    fn the_sign_of_the_determinant_counts_the_poles_below() {
+        for structure in structures() {
+            for (nu2, with_next_term) in frequencies(&structure).iter().flat_map(|nu2| [(*nu2, false), (*nu2, true)]) {
+                let plane = at(&structure, nu2, with_next_term);
+                let determinant = match plane.a[..] {
+                    [a] => a,
+                    [a, b, c, d] => a * d - b * c,
+                    _ => panic!("one or two degrees of freedom"),
+                };
+                let below = structure.modes().iter().filter(|m| m.lambda < nu2).count();
+                assert_eq!(determinant > 0.0, below % 2 == 0, "{nu2}: {determinant} with {below} poles below");
+            }
+        }
+    }
 }

@@ -69,3 +69,51 @@ fn drift_integral(nu: f64, length: f64) -> Complex64 {
     }
     (Complex64::cis(-phase) * Complex64::new(1.0, phase) - 1.0) / (nu * nu)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `∫₀ᴸ f(s) e^{−iνs} ds` by Simpson's rule.
+    fn numeric(f: impl Fn(f64) -> f64, nu: f64, length: f64) -> Complex64 {
+        let n = 4000;
+        let at = |j: usize| {
+            let s = length * j as f64 / n as f64;
+            let weight = if j == 0 || j == n {
+                1.0
+            } else if j % 2 == 1 {
+                4.0
+            } else {
+                2.0
+            };
+            Complex64::cis(-nu * s) * (weight * f(s))
+        };
+        (0..=n).map(at).sum::<Complex64>() * (length / (3 * n) as f64)
+    }
+
+    #[test]
+    fn integrals_of_drifts_and_oscillations_are_those_by_simpsons_rule() {
+        for length in [0.7, 3.0] {
+            // On both sides of where the closed form of a drift gives way to its series, at a phase of 1e-3.
+            for nu in [0.0, 1e-5, 2e-4, 9e-4, 1.6e-3, 0.3, 4.0].map(|phase| phase / length) {
+                let found = drift_integral(nu, length);
+                let expected = numeric(|s| s, nu, length);
+                assert!((found - expected).norm() < 1e-10 * length * length, "{nu}: {found} {expected}");
+                let found = exponential_integral(-nu, length);
+                assert!((found - numeric(|_| 1.0, nu, length)).norm() < 1e-12 * length, "{nu}: {found}");
+                for omega in [0.0_f64, 1e-8, 0.4, 2.0, nu] {
+                    let motion = |s: f64| {
+                        0.3 * (omega * s).cos() - 1.1 * if omega > 0.0 { (omega * s).sin() / omega } else { s }
+                    };
+                    let (found, expected) = (modal_integral(omega, 0.3, -1.1, nu, length), numeric(motion, nu, length));
+                    // Beside ω = 0 a drift is the difference of two large numbers.
+                    let tolerance = if omega * length > 0.0 && omega * length < 1e-2 { 1e-7 } else { 1e-9 };
+                    assert!(
+                        (found - expected).norm() < tolerance * (1.0 + length * length),
+                        "{nu} {omega}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

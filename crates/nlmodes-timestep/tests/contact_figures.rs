@@ -4,12 +4,13 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use nlmodes_fem::{Direction, Stop};
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes_model::Side;
 use nlmodes_timestep::{
-    ContactDynamics, GlobalContactProblem, ReducedStructure, Shooting, ShootingScales, TimestepError,
+    ContactDynamics, GlobalContactProblem, ReducedStructure, Shooting, ShootingScales, TimestepError, Verification,
 };
-use support::{ClosedForm, OMEGA_CONTACT, massless, rod_with, settle, unit_rod};
+use support::{ClosedForm, OMEGA_CONTACT, OMEGA_FREE, massless, rod_with, settle, unit_rod};
 
 /// The rod of two elements in the closed form; a second stop, behind the tip, is out of reach of the amplitude 2.
 fn rod_in_a_wide_slot() -> ContactDynamics {
@@ -142,5 +143,61 @@ fn a_reduced_structure_counts_its_modes() {
         }
         let whole = ReducedStructure::new(model, 100).unwrap();
         assert_eq!((whole.n_held_modes(), whole.n_kept_modes(), whole.n_modes()), (massive, massive, massive));
+    }
+}
+
+/// Gap and force with their first two derivatives, in contact and free.
+#[test]
+fn the_state_of_a_contact_is_that_of_the_closed_form_at_every_instant() {
+    let (mut rod, closed) = (rod_in_a_wide_slot(), ClosedForm::new(2.0));
+    let state = rod.state(&closed.position(0.0), &[0.0; 2]).unwrap();
+    let trajectory = rod.propagate(&state, closed.period()).unwrap();
+    for share in [0.01, 0.1, 0.3, 0.45, 0.6, 0.8, 0.97] {
+        let t = share * closed.period();
+        let found = trajectory.contact_state(0, t);
+        let to_the_middle = t.min(closed.period() - t);
+        let (gap, force) = if to_the_middle < closed.half[0] {
+            let (sin, cos) = (OMEGA_CONTACT * if share < 0.5 { t } else { t - closed.period() }).sin_cos();
+            let x = [0.5 + closed.b * cos, -closed.b * OMEGA_CONTACT * sin, -closed.b * OMEGA_CONTACT.powi(2) * cos];
+            ([0.0; 3], [2.0 * (x[0] - 1.0), 2.0 * x[1], 2.0 * x[2]])
+        } else {
+            let (sin, cos) = (OMEGA_FREE * (0.5 * closed.period() - t)).sin_cos();
+            let x = [-closed.a * cos, -closed.a * OMEGA_FREE * sin, closed.a * OMEGA_FREE.powi(2) * cos];
+            ([1.0 - x[0], -x[1], -x[2]], [0.0; 3])
+        };
+        let pairs = found.gap.iter().zip(gap).chain(found.force.iter().zip(force));
+        pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-10, "{share}: {found:?}, not {gap:?} and {force:?}"));
+    }
+}
+
+/// A rod that swings by a micrometre, in seconds, hours and microseconds.
+#[test]
+fn slow_and_small_motions_are_motions_too() {
+    for density in [1.0, 1e6, 1e-12] {
+        let rod = Rod {
+            material: Material::new(1.0, density).unwrap(),
+            area: 1.0,
+            mesh: Mesh::uniform(1.0, 3).unwrap(),
+            mass_matrix: MassMatrix::Consistent,
+            start: Support::Clamped,
+            end: Support::Free,
+        };
+        let stop = Stop::rigid(1.0, Direction::Axial, Side::Positive, 1e-6);
+        let mut dynamics = ContactDynamics::new(massless(&rod.assemble(&[stop]).unwrap())).unwrap();
+        let omega = dynamics.omega()[0];
+        // The wave takes √ρ to run through the rod: ω = ½π/√ρ, somewhat more with three elements.
+        let ratio = omega * density.sqrt() / std::f64::consts::FRAC_PI_2;
+        assert!((1.0..1.1).contains(&ratio), "{ratio}");
+        let mut start = dynamics.grazing(omega).unwrap().state;
+        start.z.iter_mut().for_each(|z| *z *= 0.9);
+        let free = Verification::new(&mut dynamics, &start, TAU / omega).unwrap();
+        assert!(free.energy > 0.0 && free.energy < 1e-9 && free.energy_norm < 1e-12, "{free:?}");
+        let (mut shooting, x, direction) = Shooting::from_grazing(dynamics, 1).unwrap();
+        let n = shooting.dim();
+        assert!(shooting.scaling().is_some(), "unknowns are over their sizes");
+        let mut at = Linearization::new(n);
+        shooting.linearize(&x, 0.0, &mut at).unwrap();
+        let along = (0..n).map(|i| (0..=n).map(|j| at.jacobian[(i, j)] * direction[j]).sum::<f64>().abs());
+        assert!(at.residual_norm() < 1e-10 && along.fold(0.0, f64::max) < 1e-5, "{density}: {:e}", at.residual_norm());
     }
 }

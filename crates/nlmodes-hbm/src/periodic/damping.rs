@@ -97,3 +97,55 @@ impl ModalDamping {
         (0..eta.len()).map(|i| (eta[i].conj() * row(i)).re).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARES: [f64; 3] = [4.0, 9.0, 25.0];
+
+    fn entries(damping: &ModalDamping) -> Vec<f64> {
+        let m = damping.n_modes();
+        (0..m).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| damping.entry(i, j)).collect()
+    }
+
+    #[test]
+    fn ratios_and_rayleigh_damping_have_their_closed_form() {
+        let ratios = ModalDamping::ratios(&SQUARES, &[0.1, 0.02]);
+        let expected = [0.4, 0.0, 0.0, 0.0, 0.12, 0.0, 0.0, 0.0, 0.2];
+        entries(&ratios).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{a} {b}"));
+        let rayleigh = ModalDamping::rayleigh(&SQUARES, 0.3, 0.01);
+        let expected = [0.34, 0.0, 0.0, 0.0, 0.39, 0.0, 0.0, 0.0, 0.55];
+        entries(&rayleigh).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{a} {b}"));
+        assert!(ratios.is_diagonal() && !ratios.is_none() && (ratios.trace() - 0.72).abs() < 1e-15);
+        assert!(ModalDamping::none(3).is_none() && ModalDamping::ratios(&SQUARES, &[]).is_none());
+        assert!(ModalDamping::ratios(&SQUARES, &[0.0, 0.0, 1e-9]).entry(2, 2) > 0.0);
+    }
+
+    #[test]
+    fn dashpots_add_their_rows_and_couple_modes() {
+        let dashpots = [(vec![1.0, -2.0, 0.5], 0.3), (vec![0.0, 1.0, 1.0], 0.1)];
+        let damping = ModalDamping::rayleigh(&SQUARES, 0.2, 0.0).with_dashpots(&dashpots);
+        let expected = [0.5, -0.6, 0.15, -0.6, 1.5, -0.2, 0.15, -0.2, 0.375];
+        entries(&damping).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{a} {b}"));
+        assert!(!damping.is_diagonal() && (damping.trace() - 2.375).abs() < 1e-15);
+        // ηᴴ Ĉ η is 0.2 |η|² and what each dashpot takes.
+        let eta = [Complex64::new(0.3, -0.2), Complex64::new(-1.0, 0.4), Complex64::new(0.1, 2.0)];
+        let along = |row: &[f64]| row.iter().zip(&eta).map(|(r, e)| e * *r).sum::<Complex64>().norm_sqr();
+        let own: f64 = eta.iter().map(Complex64::norm_sqr).sum();
+        let form = 0.2 * own + dashpots.iter().map(|(row, d)| d * along(row)).sum::<f64>();
+        assert!((damping.form(&eta) - form).abs() < 1e-14, "{}", damping.form(&eta));
+        assert!((ModalDamping::rayleigh(&SQUARES, 0.2, 0.0).form(&eta) - 0.2 * own).abs() < 1e-15);
+        // Without dashpots modes stay uncoupled; further coordinates are coupled to none.
+        assert!(ModalDamping::none(3).with_dashpots(&[]).is_diagonal());
+        for (damping, first) in [(damping, 0.5), (ModalDamping::rayleigh(&SQUARES, 0.2, 0.0), 0.2)] {
+            let longer = damping.with_own(&[7.0, 8.0]);
+            assert_eq!((longer.n_modes(), longer.is_diagonal()), (5, damping.is_diagonal()));
+            assert!((longer.entry(0, 0) - first).abs() < 1e-15 && longer.entry(0, 1) == damping.entry(0, 1));
+            assert_eq!(
+                [(3, 3), (4, 4), (3, 4), (0, 4), (3, 1)].map(|(i, j)| longer.entry(i, j)),
+                [7.0, 8.0, 0.0, 0.0, 0.0]
+            );
+        }
+    }
+}
