@@ -234,6 +234,9 @@ mod tests {
         plane
     }
 
+    /// Entries of a plane, and their slopes.
+    type Part<'a> = (fn(&Plane) -> &[f64], &'a [f64]);
+
     /// `A T = B` with `T` as the sum over the modes.
     #[test]
     fn the_form_without_poles_is_that_of_the_transfer() {
@@ -264,8 +267,7 @@ mod tests {
                 let step = 1e-6 * nu2;
                 let [low, plane, high] = [-step, 0.0, step].map(|step| at(&structure, nu2 + step, false));
                 let by = |of: fn(&Plane) -> &[f64], at: usize| (of(&high)[at] - of(&low)[at]) / (2.0 * step);
-                let parts: [(fn(&Plane) -> &[f64], &[f64]); 3] =
-                    [(|p| &p.a, &plane.da), (|p| &p.b, &plane.db), (|p| &p.f, &plane.df)];
+                let parts: [Part<'_>; 3] = [(|p| &p.a, &plane.da), (|p| &p.b, &plane.db), (|p| &p.f, &plane.df)];
                 for (of, slope) in parts {
                     for (number, slope) in slope.iter().enumerate() {
                         // Beside a pole, a thousandth away, third derivatives leave some 1e-6.
