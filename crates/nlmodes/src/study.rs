@@ -8,6 +8,7 @@ mod compute;
 mod equal;
 mod error;
 mod events;
+mod found;
 mod histories;
 mod homotopy;
 mod left;
@@ -25,6 +26,7 @@ mod stability;
 mod start;
 mod touching;
 mod trace;
+mod viewer;
 mod watch;
 
 pub use accuracy::{Accuracy, AccuracyReached};

@@ -13,7 +13,8 @@ use nlmodes::hbm::{
 use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::study::{
-    Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, StabilityRule, compute_branch, compute_tree,
+    Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ResonanceRule, StabilityRule,
+    compute_branch, compute_tree,
 };
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
 use support::{massless_beam, unit_rod};
@@ -165,6 +166,30 @@ fn points_are_not_taken_back_for_ever() {
         let again = run.windows(2).filter(|pair| pair[1].0 <= pair[0].0).count();
         assert!(again <= 2, "{tops:?}");
     }
+}
+
+/// More harmonics cannot be had next to an internal resonance, but some points before it: without going back an eighth of the branch misses the accuracy.
+#[test]
+fn hardly_a_point_of_the_rod_misses_the_accuracy() {
+    let wanted = BranchSettings { frequency_hz: Some([50.0, 66.5]), harmonics: 3, ..settings(1e-3, 20.0) };
+    let branch = compute(&support::rod(100, MassMatrix::Consistent), &wanted);
+    let (points, reached) = (branch.branch.points.len(), branch.accuracy.unwrap());
+    assert!(branch.branch.end.complete && points > 100, "{}", branch.branch.end.message);
+    assert!(20 * reached.points_beyond < points, "{reached:?} of {points}");
+}
+
+/// Behind a tongue the way back to its foot is bounded in frequency, whose place among the unknowns changes with the number of harmonics.
+#[test]
+fn tongues_are_skipped_with_as_many_harmonics_as_it_takes() {
+    let internal_resonance = ResonanceRule::Skip;
+    let window = Some([50.0, 66.5]);
+    let wanted = BranchSettings { frequency_hz: window, harmonics: 3, internal_resonance, ..settings(1e-3, 20.0) };
+    let branch = compute(&support::rod(10, MassMatrix::Consistent), &wanted);
+    let points = &branch.branch.points;
+    assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
+    let count = |event| points.iter().filter(|point| point.has_event(event)).count();
+    assert!(count(Event::TongueFoot) > 0 && count(Event::Resumed) > 0 && count(Event::Harmonics) > 0);
+    assert!(points.iter().all(|point| point.omega <= 66.5 * std::f64::consts::TAU * (1.0 + 1e-9)));
 }
 
 /// A resonance with a harmonic between 15 and 20 makes the error of the rod of 10 elements with 6 of them: the estimate has to reach that far.

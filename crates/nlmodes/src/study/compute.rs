@@ -8,10 +8,11 @@ use nlmodes_model::MasslessContactModel;
 
 use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
+use super::found::{First, Found, Shown};
 use super::prepare::{check_window, condense, exact, linear_start, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
-use super::trace::{First, Found, Shown, Tracer};
+use super::trace::Tracer;
 use super::watch::WatchedLog;
 use super::{
     AccuracyReached, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing, Ended, ResonanceRule,
@@ -123,41 +124,49 @@ fn with_modes(
     if tracer.too_few_modes {
         return Ok(WithModes::TooFew(structure.n_held_modes()));
     }
-    let branches = traced.into_iter().enumerate().map(|(number, traced)| {
-        let Traced { found, end, origin } = traced;
-        let name = if number == 0 {
-            label(settings, structure.model().contact_coordinates(), structure.modes().len())
-        } else {
-            format!("branch {number}")
-        };
-        let unknowns: Vec<Vec<f64>> = found.unknowns;
-        // δ is the last unknown, whatever the number of harmonics.
-        let free = settings.symmetry == Symmetry::None && settings.method == BranchMethod::HarmonicBalance;
-        let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
-        let accuracy = settings.accuracy.map(|_| AccuracyReached {
-            largest_held_modes_estimate: found.largest_held_modes_error,
-            changes: found.changes,
-            ..AccuracyReached::default()
-        });
-        let mut computed = ComputedBranch {
-            largest_unfolding: unfolding.reduce(f64::max),
-            branch: modal_branch(&tracer, name, found.points, end),
-            structure: Arc::clone(&structure),
-            grazing: start.clone(),
-            origin,
-            unknowns,
-            evaluations: found.evaluations,
-            contact_iterations: tracer.contact_iterations(),
-            refused_steps: found.refused_steps,
-            accuracy,
-            settings: settings.clone(),
-        };
-        computed.review_accuracy();
-        computed.review_departure();
-        computed
-    });
-    let branches = branches.collect();
+    let branches = traced.into_iter().enumerate();
+    let branches = branches.map(|(number, traced)| computed(&tracer, &structure, settings, number, traced)).collect();
     Ok(WithModes::Done(ComputedTree { branches, not_followed }))
+}
+
+/// A branch with its name and its structure.
+fn computed(
+    tracer: &Tracer,
+    structure: &Arc<CondensedStructure>,
+    settings: &BranchSettings,
+    number: usize,
+    Traced { found, end, origin }: Traced,
+) -> ComputedBranch {
+    let name = if number == 0 {
+        label(settings, structure.model().contact_coordinates(), structure.modes().len())
+    } else {
+        format!("branch {number}")
+    };
+    let unknowns = found.unknowns;
+    // δ is the last unknown, whatever the number of harmonics.
+    let free = settings.symmetry == Symmetry::None && settings.method == BranchMethod::HarmonicBalance;
+    let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
+    let accuracy = settings.accuracy.map(|_| AccuracyReached {
+        largest_held_modes_estimate: found.largest_held_modes_error,
+        changes: found.changes,
+        ..AccuracyReached::default()
+    });
+    let mut computed = ComputedBranch {
+        largest_unfolding: unfolding.reduce(f64::max),
+        branch: modal_branch(tracer, name, found.points, end),
+        structure: Arc::clone(structure),
+        grazing: tracer.grazing.clone(),
+        origin,
+        unknowns,
+        evaluations: found.evaluations,
+        contact_iterations: tracer.contact_iterations(),
+        refused_steps: found.refused_steps,
+        accuracy,
+        settings: settings.clone(),
+    };
+    computed.review_accuracy();
+    computed.review_departure();
+    computed
 }
 
 /// Where the nonlinear mode begins. That of shooting on few modes is the grazing of these.

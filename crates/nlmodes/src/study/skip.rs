@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, StopReason};
+use nlmodes_continuation::StopReason;
 use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint};
 
 use super::branch::branch_end;
+use super::found::{First, Found, Shown};
 use super::start::{Seed, Target, heading, refined};
-use super::trace::{First, Found, Shown, Tracer};
+use super::trace::Tracer;
 use super::{BranchProgress, Doing, StudyError};
 
 /// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less than half of that.
@@ -165,11 +166,10 @@ fn back_to_foot(
     resonance: InternalResonance,
 ) -> Result<Option<Found>, StudyError> {
     let scaled = near.omega / tracer.grazing.omega;
-    let (min, max) = if upward { (scaled, f64::INFINITY) } else { (0.0, scaled) };
-    let bound = Bound { coordinate: tracer.frequency(), min, max };
+    let frequency = if upward { [scaled, f64::INFINITY] } else { [0.0, scaled] };
     let back = Seed { direction: seed.direction.iter().map(|d| -d).collect(), ..seed.clone() };
     let mut resonant = false;
-    let (mut found, _) = tracer.trace(&back, Some(bound), First::Plain, |shown| {
+    let (mut found, _) = tracer.trace(&back, Some(frequency), First::Plain, |shown| {
         let Shown::Point(point) = shown else { return ControlFlow::Continue(()) };
         resonant = point.resonance.is_some();
         let turned = point.has_event(Event::FrequencyFold);

@@ -6,11 +6,12 @@ use nlmodes_continuation::{BranchPoint, ParametricSystem};
 use nlmodes_hbm::RealSeries;
 
 use crate::study::StudyError;
+use crate::study::found::Found;
 use crate::study::homotopy::{self, Effort};
 use crate::study::prepare::continuation;
 use crate::study::stability::length;
 use crate::study::start::{Seed, one_point};
-use crate::study::trace::{Found, Tracer};
+use crate::study::trace::Tracer;
 
 /// Smallest cosine between the tangents with the old and the new number of harmonics.
 const SAME_WAY: f64 = 0.9;
