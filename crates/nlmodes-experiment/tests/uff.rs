@@ -193,3 +193,18 @@ fn a_binary_file_with_a_wrong_count_is_refused() {
     assert!(matches!(with("      2000"), UffError::CutOff { announced: 2000, found: 200, .. }));
     assert!(matches!(with("9999999999"), UffError::CutOff { announced: 9_999_999_999, .. }));
 }
+
+/// Fields 3 to 5 of the line before the axes; the format asks for zeros where the abscissa stands value by value.
+#[test]
+fn an_uneven_abscissa_has_neither_begin_nor_step_in_the_header() {
+    for (uneven, expected) in
+        [(false, ["1", "1.50000e+00", "2.50000e-01"]), (true, ["0", "0.00000e+00", "0.00000e+00"])]
+    {
+        let mut file = Vec::new();
+        write_uff58(&mut file, &dataset(false, uneven, 5), Storage::Text, Precision::Double).unwrap();
+        let text = String::from_utf8(file).unwrap();
+        let line: Vec<&str> = text.lines().nth(8).unwrap().split_whitespace().collect();
+        assert_eq!(line[2..5], expected, "{line:?}");
+        assert_eq!(line[5], "-2.50000e+00");
+    }
+}

@@ -127,3 +127,50 @@ fn check_lengths(picked: &[(Channel, Column)]) -> Result<(), RecordError> {
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{Quantity, Role};
+
+    fn column(name: &str, samples: usize, rate: Option<SampleRate>) -> Column {
+        Column { name: name.into(), aliases: vec!["old".into()], rate, values: vec![1.0; samples] }
+    }
+
+    fn record(columns: Vec<Column>, rate: Option<f64>) -> Result<Record, RecordError> {
+        let channel = |name: &str| Channel::new(name, Quantity::Force, Role::Response, None);
+        RecordTable { columns, named: true }.into_record("r", &[channel("a"), channel("b"), channel("c")], rate)
+    }
+
+    #[test]
+    fn columns_of_one_record_have_one_length_and_one_rate() {
+        let known = Some(SampleRate { hz: 100.0, relative_error: 1e-5 });
+        let rate = |hz: f64| Some(SampleRate { hz, relative_error: 1e-5 });
+        let sound = record(vec![column("a", 3, known), column("b", 3, rate(100.001))], None).unwrap();
+        assert_eq!((sound.sample_rate, sound.rate_error, &sound.missing[..]), (100.0, 1e-5, &["c".to_owned()][..]));
+        let error = record(vec![column("a", 3, known), column("b", 4, None)], None).unwrap_err();
+        assert!(matches!(error, RecordError::LengthsDisagree { first_samples: 3, other_samples: 4, .. }), "{error}");
+        let error = record(vec![column("a", 1, known)], None).unwrap_err();
+        assert!(matches!(error, RecordError::Empty { samples: 1 }), "{error}");
+        // Both errors of the rates and a millionth are let pass, not more.
+        let error = record(vec![column("a", 3, known), column("b", 3, rate(100.0022))], None).unwrap_err();
+        assert!(matches!(error, RecordError::RatesDisagree { .. }), "{error}");
+        assert!(matches!(record(vec![column("a", 3, None)], None), Err(RecordError::NoRate)));
+        assert!(matches!(record(vec![column("a", 3, None)], Some(0.0)), Err(RecordError::NoRate)));
+        assert_eq!(record(vec![column("a", 3, None)], Some(1e-3)).unwrap().sample_rate, 1e-3);
+        assert!(matches!(record(vec![column("a", 3, known)], Some(101.0)), Err(RecordError::RateDisagrees { .. })));
+    }
+
+    #[test]
+    fn a_name_that_two_columns_answer_to_is_ambiguous() {
+        let of = |columns: Vec<Column>| {
+            let channels = [Channel::new("old", Quantity::Force, Role::Response, None)];
+            RecordTable { columns, named: true }.into_record("r", &channels, Some(10.0))
+        };
+        assert_eq!(of(vec![column("a", 2, None)]).unwrap().samples.len(), 1);
+        let error = of(vec![column("a", 2, None), column("b", 2, None)]).unwrap_err();
+        assert!(matches!(error, RecordError::Ambiguous { count: 2, .. }), "{error}");
+        // A name of its own goes before other names.
+        assert_eq!(of(vec![column("a", 2, None), column("old", 2, None)]).unwrap().samples.len(), 1);
+    }
+}

@@ -196,4 +196,15 @@ mod tests {
         place(&[1.0, 1.0, 1.0]);
         place(&[3.0, 2.0, 1.0]);
     }
+
+    /// Intervals that grow from 0.95 to 1.05, none far from the median: the stamp furthest from the line is in the middle, 12.5 intervals early.
+    #[test]
+    fn a_clock_that_slows_down_is_refused_where_it_is_furthest_off() {
+        for unit in [1.0, 1e-5] {
+            let times: Vec<f64> =
+                (0..=1000).map(f64::from).map(|j| unit * (0.95 + 0.05e-3 * j) * j + 7.0 * unit).collect();
+            let Err(RecordError::UnevenTime { sample, deviation }) = interval(&times, 0.0) else { panic!() };
+            assert!(sample.abs_diff(500) <= 2 && (deviation + 12.5).abs() < 0.1, "{sample} {deviation}");
+        }
+    }
 }
