@@ -48,6 +48,20 @@ fn branches_begin_at_solutions_and_along_their_tangents() {
                 let open = Open::massless(&model);
                 let structure = open.structure(ModalDamping::none(open.n_modes()));
                 let start = modal_grazing(&structure, mode).unwrap();
+                // The negative damping that keeps a free motion going is that of the mode.
+                let damped = open.structure(ModalDamping::ratios(&open.omega_squared, &[0.02, 0.03]));
+                let mut system = PeriodicSystem::damped_mode(
+                    &damped,
+                    settings(4, Coordinates::Contact),
+                    start.scales(),
+                    solver().as_ref(),
+                )
+                .unwrap();
+                let x = modal_grazing(&damped, mode).unwrap().unknowns(&system);
+                let mut at = Linearization::new(system.dim());
+                system.hold_phase(&x);
+                system.linearize(&x, 0.0, &mut at).unwrap();
+                assert!(at.residual_norm() < 1e-9, "damped: {:e}", at.residual_norm());
                 for (symmetry, coordinates) in
                     SYMMETRIES.iter().flat_map(|s| [Coordinates::Contact, Coordinates::Modal].map(|c| (*s, c)))
                 {
