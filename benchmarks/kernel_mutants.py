@@ -1,37 +1,52 @@
 #!/usr/bin/env python3
 """Errors drawn by lot in the kernels, and whether the own tests of their crates see them.
 
-    nice -n 15 benchmarks/kernel_mutants.py --seed 1 --count 10 hbm continuation model modal
+    benchmarks/kernel_mutants.py --seed 1 --count 10 --jobs 2 hbm continuation model modal       # two programs at a time, at a nice of 10
     benchmarks/kernel_mutants.py --functions is_quiet,guess_from_forces hbm contact      # these functions return at once
 
 As many errors of each crate as `--count` are drawn from all places where one of these can be put: a condition turned round, a number changed, an index shifted by one more, `+=` and `-=`
 exchanged, a plus or minus between numbers exchanged, a function that returns at once with a plain value. All go into one copy, are switched by the environment variable NLMODES_MUTANT and built once (mutant schemata); what does not
-compile is left out, and others are taken for it. Then all tests of the crate, unit tests first, are run for each, up to the first that fails. The copy lies in `target/kernel-mutants`, with
-a build directory of its own, since cargo takes two copies of a package for the same one. The table goes to standard output, survivors first.
+compile is left out, and others are taken for it. Each test is run once without an error, which tells its time and which errors lie on its way. Then for each error those tests are run that
+come past it, quick ones first, up to the first that fails or takes five times its time of processor. The copy lies in `target/kernel-mutants`, with a build directory of its own, since cargo
+takes two copies of a package for the same one. The table goes to standard output, survivors first; `no test comes past it` stands at those that are not even reached.
 
 `cargo mutants -p nlmodes-hbm --shard 0/40` (crates.io: cargo-mutants) draws from more kinds of errors and builds each of them.
 """
 
 import argparse
+import concurrent.futures
 import json
 import os
 import pathlib
 import random
 import re
-import selectors
 import shutil
+import signal
 import subprocess
-import time
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PLACE = ROOT / "target/kernel-mutants"
 COPY = PLACE / "source"
 
 SWITCH = """
-/// Whether the error of this number is switched on.
+/// Whether the error of this number is switched on; notes in a file that it was asked for, where one is named.
 pub(crate) fn mutant(number: u32) -> bool {
-    static CHOSEN: std::sync::OnceLock<u32> = std::sync::OnceLock::new();
-    *CHOSEN.get_or_init(|| std::env::var("NLMODES_MUTANT").ok().and_then(|n| n.parse().ok()).unwrap_or(0)) == number
+    use std::io::Write;
+    use std::sync::{OnceLock, atomic::{AtomicBool, Ordering::Relaxed}};
+    static CHOSEN: OnceLock<(u32, Option<String>)> = OnceLock::new();
+    static SEEN: [AtomicBool; 512] = [const { AtomicBool::new(false) }; 512];
+    let (chosen, trace) = CHOSEN.get_or_init(|| {
+        let number = std::env::var("NLMODES_MUTANT").ok().and_then(|n| n.parse().ok()).unwrap_or(0);
+        (number, std::env::var("NLMODES_MUTANT_TRACE").ok())
+    });
+    if let Some(path) = trace {
+        if !SEEN[number as usize].swap(true, Relaxed) {
+            let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).expect("the trace can be written");
+            file.write_all(format!("{number}\n").as_bytes()).expect("the trace can be written");
+        }
+    }
+    *chosen == number
 }
 
 /// -1 where the error of this number is switched on, else 1.
@@ -42,6 +57,17 @@ pub(crate) fn mutant_sign(number: u32) -> f64 {
 
 RETURNS = {"f64": ["0.0", "1.0"], "bool": ["true", "false"], "usize": ["0", "1"], "Vec<f64>": ["Vec::new()"], "": [""]}
 ON = "crate::mutant(N)"
+
+
+def in_index(code, at):
+    """Whether a place lies in the brackets of an index, where signs of floats do not compile."""
+    open_brackets = []
+    for i, c in enumerate(code[:at]):
+        if c == "[":
+            open_brackets.append(bool(re.match(r"[\w)\]]", code[i - 1:i])))
+        elif c == "]" and open_brackets:
+            open_brackets.pop()
+    return any(open_brackets)
 
 
 def kinds(line):
@@ -66,10 +92,10 @@ def kinds(line):
         yield f"`{m[2]} {m[3]}= …` with the other sign", text
     if not re.search(r"\b(?:fn|impl|dyn|where|for|type)\b|'", code):
         for m in re.finditer(r"(?<=[\w)\]] )([+-]) (?=[a-z(*])", code):
-            if m.start() > arrow and code.count('"', 0, m.start()) % 2 == 0:
+            if m.start() > arrow and code.count('"', 0, m.start()) % 2 == 0 and not in_index(code, m.start()):
                 yield f"`{m[1]}` before `{code[m.end():m.end() + 20].strip()}` with the other sign", line[:m.end()] + "crate::mutant_sign(N) * " + line[m.end():]
     m = re.fullmatch(r"\s*(?:pub(?:\([a-z]+\))? )?fn (\w+)\(.*\)(?: -> ([^{]+))? \{", code.rstrip())
-    if m:
+    if m and (m[2] or "->" not in code):
         values = ["None"] if (m[2] or "").startswith("Option<") else ["Ok(())"] if (m[2] or "").startswith("Result<(),") else RETURNS.get(m[2] or "", [])
         for value in values:
             yield f"`{m[1]}` returns {value or 'at once'}", f"{line} if {ON} {{ return {value}; }}"
@@ -132,27 +158,53 @@ def built(crates, mutants):
     return {crate: sorted(found) for crate, found in programs.items()}
 
 
-def fails(crate, program, number, patience):
-    """The first test that fails, `hangs` or `crashes`; nothing if all pass."""
-    environment = {**os.environ, "NLMODES_MUTANT": str(number)}
-    call = subprocess.Popen([program], cwd=COPY / f"crates/nlmodes-{crate}", env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-    end, text = time.monotonic() + patience, b""
-    selector = selectors.DefaultSelector()
-    selector.register(call.stdout, selectors.EVENT_READ)
-    try:
-        while time.monotonic() < end:
-            if selector.select(max(0.0, end - time.monotonic())):
-                block = os.read(call.stdout.fileno(), 65536)
-                text += block
-                failed = re.search(rb"test (\S+) (?:- should panic )?\.\.\. FAILED", text)
-                if failed:
-                    return failed[1].decode()
-                if not block:
-                    return "" if call.wait() == 0 else "crashes"
-        return "hangs"
-    finally:
-        call.kill()
-        call.wait()
+def run(crate, program, tests, number, seconds, trace=None):
+    """Of these tests the first that fails, `hangs` (takes more than so many seconds of processor) or `crashes`; nothing if all pass. And the time of processor."""
+    environment = {**os.environ, "NLMODES_MUTANT": str(number), "RUST_TEST_THREADS": "1", "PROPTEST_FAILURE_PERSISTENCE": "off"}
+    if trace:
+        environment["NLMODES_MUTANT_TRACE"] = str(trace)
+    command = ["sh", "-c", f'ulimit -t {int(seconds) + 1}; exec nice -n 10 "$0" "$@"', program, "--exact", *tests]
+    call = subprocess.Popen(command, cwd=COPY / f"crates/nlmodes-{crate}", env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    failed, text = None, b""
+    while failed is None and (block := os.read(call.stdout.fileno(), 65536)):
+        text += block
+        failed = re.search(rb"test (\S+) (?:- should panic )?\.\.\. FAILED", text)
+    if failed:
+        os.kill(call.pid, signal.SIGKILL)
+    call.stdout.close()
+    _, status, usage = os.wait4(call.pid, 0)
+    call.returncode = os.waitstatus_to_exitcode(status)
+    verdict = failed[1].decode() if failed else {0: "", -signal.SIGXCPU: "hangs", -signal.SIGKILL: "hangs"}.get(call.returncode, "crashes")
+    return verdict, usage.ru_utime + usage.ru_stime
+
+
+def looked_at(crate, programs, pool):
+    """Of each test: its program, its name, its time of processor, and the errors that it comes past."""
+    def look(program, test):
+        with tempfile.NamedTemporaryFile(mode="r") as trace:
+            wrong, took = run(crate, program, [test], 0, 600, trace.name)
+            if wrong:
+                raise SystemExit(f"without an error there fails {test} of {program}")
+            return program, test, took, set(map(int, trace.read().split()))
+
+    calls = []
+    for _, _, program in programs:
+        listed = subprocess.run([program, "--list"], cwd=COPY / f"crates/nlmodes-{crate}", stdout=subprocess.PIPE, text=True, check=True).stdout
+        calls += [pool.submit(look, program, test) for test in re.findall(r"^(.+): test$", listed, re.M)]
+    return [call.result() for call in calls]
+
+
+def seen_by(crate, tests, number):
+    """The first test that sees this error; nothing if none does."""
+    calls = {}
+    for program, test, took, passed in tests:
+        if number in passed:
+            calls.setdefault((program, "" if took < 1.0 else test), []).append((test, took))
+    for (program, _), own in sorted(calls.items(), key=lambda call: sum(took for _, took in call[1])):
+        failed, _ = run(crate, program, [test for test, _ in own], number, 10.0 + 5.0 * sum(took for _, took in own))
+        if failed:
+            return f"`{failed}`"
+    return "**survives**" if calls else "**survives**, no test comes past it"
 
 
 def main():
@@ -160,6 +212,7 @@ def main():
     parser.add_argument("crates", nargs="+")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--functions", type=lambda text: text.split(","))
     chosen = parser.parse_args()
     drawn = []
@@ -175,22 +228,18 @@ def main():
         shutil.copytree(ROOT / part, COPY / part, dirs_exist_ok=True, copy_function=lambda a, b: a if a.endswith(".rs") and "/src/" in a and "/crates/" in a else shutil.copy2(a, b))
     for file in ("Cargo.toml", "Cargo.lock", "README.md"):
         shutil.copy2(ROOT / file, COPY / file)
-    times, rows = {}, []
+    rows, pool = [], concurrent.futures.ThreadPoolExecutor(chosen.jobs)
     for crate in chosen.crates:
-        programs = built([crate], mutants)[crate]
-        for _, name, program in programs:
-            began = time.monotonic()
-            wrong = fails(crate, program, 0, 600)
-            times[program] = time.monotonic() - began
-            if wrong:
-                raise SystemExit(f"without an error there fails {wrong} of {crate}")
-            print(f"{crate}: {name} takes {times[program]:.1f} s", flush=True)
-        own = [(number, *mutant[1:4]) for number, mutant in mutants.items() if mutant[0] == crate]
-        for number, path, at, what in own[:chosen.count]:
-            tries = (fails(crate, program, number, 20 + 6 * times[program]) for *_, program in programs)
-            caught = next((failed for failed in tries if failed), "")
+        tests = looked_at(crate, built([crate], mutants)[crate], pool)
+        print(f"{crate}: {len(tests)} tests take {sum(took for _, _, took, _ in tests):.0f} s", flush=True)
+        for program, test, took, _ in sorted(tests, key=lambda test: -test[2])[:8]:
+            print(f"  {pathlib.Path(program).name} {test}: {took:.1f} s", flush=True)
+        own = [number for number, mutant in mutants.items() if mutant[0] == crate][:chosen.count]
+        calls = {pool.submit(seen_by, crate, tests, number): mutants[number] for number in own}
+        for call in concurrent.futures.as_completed(calls):
+            (_, path, at, what, _), caught = calls[call], call.result()
             place = str(path).removeprefix("crates/nlmodes-")
-            rows.append((caught != "", crate, f"| {place}:{at + 1} | {what} | {f'`{caught}`' if caught else '**survives**'} |"))
+            rows.append(("survives" not in caught, crate, f"| {place}:{at + 1} | {what} | {caught} |"))
             print(rows[-1][2], flush=True)
     print("\n| place | error | first test that sees it |\n| --- | --- | --- |")
     print(*(row for *_, row in sorted(rows, key=lambda row: row[0])), sep="\n")
