@@ -84,6 +84,7 @@ mod motion;
 mod periodic;
 mod projection;
 mod recording;
+mod reduced_mode;
 mod series;
 mod shrinking_gaps;
 mod start;
