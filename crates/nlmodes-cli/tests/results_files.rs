@@ -409,6 +409,11 @@ fn figures_of_another_width_are_drawn_anew_without_a_run() -> Outcome {
     let cut = figures(&["--width-mm", "90"])?;
     assert_eq!(cut.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&cut.stderr).contains("--resume"), "{cut:?}");
+    // The folder of one number of harmonics has no run.json: it stands in the one above.
+    fs::remove_file(out.join("run.json"))?;
+    let part = figures(&["--width-mm", "90"])?;
+    assert_eq!(part.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&part.stderr).contains("name the folder above"), "{part:?}");
     Ok(())
 }
 

@@ -218,6 +218,14 @@ impl Certificate {
         let verdict = verdict(&checks, &numbers) + &points::sentence(n_points, &points, &points_in_doubt);
         Self { verdict, points, points_in_doubt, checks, numbers }
     }
+
+    /// The numbers not to use, for the head of a page; nothing where there are none. `name` is that of the branch among several.
+    pub(crate) fn warning(&self, name: Option<&str>) -> Option<String> {
+        let refused = names(&self.numbers, Use::No);
+        let of = name.map_or_else(String::new, |name| format!(" of {name}"));
+        (!refused.is_empty())
+            .then(|| format!("Do not use{of}: {refused}; the certificate at the foot of the page says why."))
+    }
 }
 
 /// Whether the equations are solved.
@@ -232,18 +240,20 @@ pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
 fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
     let looked = checks.iter().filter(|check| check.outcome != Outcome::NotLookedAt).count();
     let doubtful = checks.iter().filter(|check| check.outcome == Outcome::Doubtful).count();
-    let of = |wanted: Use| {
-        let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| n.number.name());
-        names.collect::<Vec<_>>().join(", ")
-    };
     let mut text = format!("{looked} of {} checks made, {doubtful} of them doubtful", checks.len());
     for (wanted, said) in [(Use::No, "do not use"), (Use::NotShown, "nothing speaks for"), (Use::Yes, "to be used")] {
-        let names = of(wanted);
+        let names = names(numbers, wanted);
         if !names.is_empty() {
             text += &format!("; {said}: {names}");
         }
     }
     text
+}
+
+/// The numbers that are to be used so.
+fn names(numbers: &[NumberUse], wanted: Use) -> String {
+    let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| n.number.name());
+    names.collect::<Vec<_>>().join(", ")
 }
 
 /// The point of the largest contact force, one in the middle and the last, each once.

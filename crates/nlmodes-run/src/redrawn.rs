@@ -36,6 +36,11 @@ pub enum RedrawError {
         "only figures of branches and responses are drawn anew: figures of records and tests have one width, and those of a folder branch_1 … are the figures of the folder above"
     )]
     NoScene,
+    /// It is a folder within the results of a run.
+    #[error(
+        "the figures of one method, number of harmonics or branch are drawn anew with the whole run: name the folder above"
+    )]
+    Within,
     /// The run had not ended.
     #[error("the run had not ended, and is not gone on with for a figure: `run --resume` first")]
     NotEnded,
@@ -65,6 +70,9 @@ pub fn redraw(results: &Path, into: &Path, width_mm: Option<f64>, titled: bool) 
     let mut scenes = if scenes.is_empty() { scene.into_iter().collect() } else { scenes };
     if scenes.is_empty() {
         return Err(RedrawError::NoScene);
+    }
+    if !results.join(RUN).is_file() {
+        return Err(RedrawError::Within);
     }
     for scene in &mut scenes {
         scene.output_directory = into.to_path_buf();

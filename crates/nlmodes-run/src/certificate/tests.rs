@@ -198,6 +198,10 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     let looked = poor.points.len();
     let said = if looked == all { format!("all {all} points") } else { format!("{looked} of {all} points") };
     assert!(poor.verdict.contains(&said) && poor.verdict.contains("did not pass"), "{}", poor.verdict);
+    // The head of the page says the same of the numbers, and nothing where none is refused.
+    let warning = poor.warning(Some("the coarse one")).unwrap();
+    assert!(warning.starts_with("Do not use of the coarse one: ") && warning.contains(force.name()), "{warning}");
+    assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.warning(None), None);
     // Whoever looks on may end it: what was not looked at says so.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
     assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, Outcome::NotLookedAt);

@@ -52,6 +52,9 @@ pub fn write(
     for text in &model.warnings {
         report = report.line(format!("Warning: {text}"));
     }
+    if let Some(text) = certificate.warning(None) {
+        report = report.line(text);
+    }
     for sentence in sentences {
         report = report.line(sentence.clone());
     }

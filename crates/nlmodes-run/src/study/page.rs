@@ -69,6 +69,10 @@ pub fn write(
     if let Some(text) = &linear.mass_warning {
         report = report.line(format!("Warning: {text}"));
     }
+    let name = |computed: &ComputedBranch| (all.len() > 1).then(|| computed.branch.label.clone());
+    for text in all.iter().zip(certificates).filter_map(|(computed, c)| c.warning(name(computed).as_deref())) {
+        report = report.line(text);
+    }
     if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);
     }
@@ -87,8 +91,7 @@ pub fn write(
         }
     }
     for (branch, (computed, certificate)) in all.iter().zip(certificates).enumerate() {
-        let name = (all.len() > 1).then_some(computed.branch.label.as_str());
-        for table in certificate::tables(certificate, name, Some(branch)) {
+        for table in certificate::tables(certificate, name(computed).as_deref(), Some(branch)) {
             report = report.closing_table(table);
         }
     }
