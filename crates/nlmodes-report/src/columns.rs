@@ -76,7 +76,7 @@ pub const DIFFERENCE_COLUMNS: [Column; 12] = [
     Column::new(
         "motions",
         "",
-        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is in no mean",
+        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is in no mean; 1 for measured points, whose frequency tells which motion it was",
     ),
 ];
 
