@@ -84,7 +84,6 @@ mod motion;
 mod periodic;
 mod projection;
 mod recording;
-mod reduced_mode;
 mod series;
 mod shrinking_gaps;
 mod start;

@@ -4,7 +4,6 @@ use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes, open_modes};
 
 use crate::closed_set::ClosedSet;
 use crate::energy::inner;
-use crate::reduced_mode::reduced_mode;
 use crate::series::RealSeries;
 use crate::{CondensedStructure, HbmError, Scales};
 
@@ -28,7 +27,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct Grazing {
     /// Number of the linear mode, from 1.
     pub mode: usize,
-    /// Angular eigenfrequency `ω_0,r`, rad/s; with few held modes, that which these have.
+    /// Angular eigenfrequency `ω_0,r`, rad/s.
     pub omega: f64,
     /// Averaged kinetic energy at grazing, J.
     pub energy: f64,
@@ -151,7 +150,6 @@ impl LinearStart {
         }
         let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
         let unit = free_position(structure, &shape);
-        let (omega, unit) = Self::in_held_modes(structure, &rest, omega, &unit).unwrap_or((omega, unit));
         let set = ClosedSet::new(structure.body.matrix(), &rest.closed)?;
         let w = structure.model.w();
         let project = |b: &[f64]| -> Vec<f64> {
@@ -168,13 +166,6 @@ impl LinearStart {
         let touching = moving.iter().copied().filter(|&i| !rest.closed[i] && guards[i].abs() <= rest.noise).collect();
         let start = Self { mode, omega, rest, unit, guards, slopes, moving, touching, ratio };
         if ratio < NO_MOTION { Err(start.never_touches(structure)) } else { Ok(start) }
-    }
-
-    /// Where held modes are left out: what becomes of a mode with open contacts.
-    fn in_held_modes(structure: &CondensedStructure, rest: &Rest, omega: f64, unit: &[f64]) -> Option<(f64, Vec<f64>)> {
-        let is_whole = structure.n_held_modes() >= structure.model.linear_dofs().len();
-        let pressed = rest.closed.contains(&true);
-        (!is_whole && !pressed).then(|| reduced_mode(structure, omega, unit))?
     }
 
     fn never_touches(&self, structure: &CondensedStructure) -> HbmError {
