@@ -205,14 +205,19 @@ mod tests {
 
     /// Five masses in a row and a massless node before a stop, with so many of the five held modes.
     fn chain(n_modes: usize) -> CondensedStructure {
+        chain_of(5, n_modes)
+    }
+
+    /// The same with so many masses.
+    fn chain_of(masses: usize, n_modes: usize) -> CondensedStructure {
         let mut k = vec![(0, 0, 3e4)];
-        for i in 1..6 {
+        for i in 1..=masses {
             k.extend([(i, i, 2e4), (i - 1, i - 1, 2e4), (i, i - 1, -2e4), (i - 1, i, -2e4)]);
         }
-        let m: Vec<_> = (0..5).map(|i| (i, i, 0.1 + 0.02 * i as f64)).collect();
-        let dofs = (0..6).map(|node| Dof { node, position: node as f64, kind: DofKind::Axial }).collect();
-        let matrix = |entries: &[_]| sparse_from_triplets(6, 6, entries).unwrap();
-        let stop = Contact::rigid(5, Side::Positive, 1e-3);
+        let m: Vec<_> = (0..masses).map(|i| (i, i, 0.1 + 0.02 * i as f64)).collect();
+        let dofs = (0..=masses).map(|node| Dof { node, position: node as f64, kind: DofKind::Axial }).collect();
+        let matrix = |entries: &[_]| sparse_from_triplets(masses + 1, masses + 1, entries).unwrap();
+        let stop = Contact::rigid(masses, Side::Positive, 1e-3);
         let model = StructuralModel::new(matrix(&m), matrix(&k), dofs, vec![stop]).unwrap();
         CondensedStructure::new(MasslessContactModel::new(&model, &Drop).unwrap(), n_modes).unwrap()
     }
@@ -264,31 +269,55 @@ mod tests {
         assert!((along(&delta, &tangent, 0.0) - (delta[k] / z[k]).hypot(delta[n])).abs() < 1e-14);
     }
 
+    fn settings(harmonics: usize) -> MixedShootingSettings {
+        let (symmetry, switching) = (crate::Symmetry::Even, crate::Switching::Exact);
+        MixedShootingSettings { harmonics, symmetry, switching }
+    }
+
+    /// Unknowns, tangent and index of the frequency where the branch from grazing has so many times the energy of grazing.
+    fn branch(structure: &CondensedStructure, harmonics: usize, ratio: f64) -> (Vec<f64>, Vec<f64>, usize) {
+        let start = grazing(structure, 1).unwrap();
+        let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
+        let mut problem = MixedShooting::new(structure, settings(harmonics), start.scales(), solver.as_ref()).unwrap();
+        let (n, series, p) = (problem.dim(), problem.series(), ratio.ln());
+        let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
+        let bound = nlmodes_continuation::Bound { coordinate: n, min: -3.0, max: p };
+        let method = nlmodes_continuation::Continuation { bounds: vec![bound], ..Default::default() };
+        let run = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(())).unwrap();
+        let last = run.points.last().unwrap().clone();
+        assert!((last.p - p).abs() < 1e-12);
+        (last.x, last.tangent, problem.frequency_index())
+    }
+
+    /// Near grazing, where a motion has hardly any harmonics beyond those asked for, the share of the held modes left out is what these change;
+    /// farther out the harmonics that the estimate looks at beside them have their part in it, and it is up to twice as much.
+    #[test]
+    fn the_share_of_the_held_modes_is_what_those_left_out_change() {
+        let (few, all) = (chain_of(12, 9), chain_of(12, 12));
+        let [own, whole] = [&few, &all].map(|structure| grazing(structure, 1).unwrap());
+        let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
+        for (harmonics, ratio, least) in [(2, 1.02, 0.97), (3, 1.02, 0.9), (3, 1.2, 0.5), (3, 4.0, 0.5)] {
+            let (x, tangent, k) = branch(&few, harmonics, ratio);
+            let (better, _, at) = branch(&all, harmonics, ratio * own.energy / whole.energy);
+            let mut estimator =
+                TruncationEstimator::reaching(&few, settings(harmonics), 0, own.scales(), solver.as_ref()).unwrap();
+            let found = estimator.estimate(&x, ratio.ln(), &tangent);
+            let (t_omega, t_p) = (tangent[k] / x[k], tangent[x.len()]);
+            let change = (better[at] * whole.omega / (x[k] * own.omega)).ln().abs();
+            let share = change * t_p.abs() / t_omega.hypot(t_p) / found.held_modes;
+            assert!(share > least && share < 1.0, "{harmonics} {ratio}: {share}");
+            assert!(found.frequency > found.held_modes && found.frequency.is_finite());
+        }
+    }
+
     /// The estimate at few harmonics is the distance of the solution with many.
     #[test]
     fn the_estimate_is_what_more_harmonics_change() {
         let structure = chain(5);
         let start = grazing(&structure, 1).unwrap();
         let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
-        let settings = |harmonics: usize| MixedShootingSettings {
-            harmonics,
-            symmetry: crate::Symmetry::Even,
-            switching: crate::Switching::Exact,
-        };
-        let p = 1.4_f64.ln();
-        let branch = |harmonics: usize| {
-            let mut problem =
-                MixedShooting::new(&structure, settings(harmonics), start.scales(), solver.as_ref()).unwrap();
-            let (n, series) = (problem.dim(), problem.series());
-            let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
-            let bound = nlmodes_continuation::Bound { coordinate: n, min: -3.0, max: p };
-            let method = nlmodes_continuation::Continuation { bounds: vec![bound], ..Default::default() };
-            let run = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(())).unwrap();
-            let last = run.points.last().unwrap().clone();
-            assert!((last.p - p).abs() < 1e-12);
-            (last.x, last.tangent, problem.frequency_index())
-        };
-        let ((x, tangent, k), (better, _, at)) = (branch(5), branch(60));
+        let (ratio, p) = (1.4, 1.4_f64.ln());
+        let ((x, tangent, k), (better, _, at)) = (branch(&structure, 5, ratio), branch(&structure, 60, ratio));
         let mut estimator = TruncationEstimator::new(&structure, settings(5), start.scales(), solver.as_ref()).unwrap();
         let found = estimator.estimate(&x, p, &tangent);
         let (t_omega, t_p) = (tangent[k] / x[k], tangent[x.len()]);

@@ -2,10 +2,12 @@
 
 mod support;
 
-use nlmodes_hbm::CondensedStructure;
+use nlmodes_continuation::{Linearization, ParametricSystem};
+use nlmodes_hbm::{CondensedStructure, Coordinates, ModalDamping, PeriodicSystem, Symmetry, modal_grazing};
 use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_model::{Drop, MasslessContactModel, Side};
 use nlmodes_reduction::{ModeCount, OpenModes};
+use support::modal::{Open, newton, settings, solver};
 use support::rod;
 
 fn solve(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
@@ -64,6 +66,43 @@ fn both_reductions_see_the_same_structure() {
         for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
             let error = (compliance[(i, j)] - open.flexibility()[(i, j)]).abs();
             assert!(error < 1e-10 * compliance[(0, 0)], "{error:e}");
+        }
+    }
+}
+
+/// A free motion that begins at another instant is the same motion. Once a point is accepted its phase is held: only that one stays a solution.
+#[test]
+fn any_phase_of_a_free_motion_is_a_solution_until_one_is_held() {
+    let open = Open::massless(&rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0)]));
+    let structure = open.structure(ModalDamping::none(open.n_modes()));
+    let start = modal_grazing(&structure, 1).unwrap();
+    for coordinates in [Coordinates::Contact, Coordinates::Modal] {
+        let system = || {
+            let (settings, solver) = (settings(4, coordinates), solver());
+            PeriodicSystem::conservative_mode(&structure, Symmetry::None, settings, start.scales(), solver.as_ref())
+                .unwrap()
+        };
+        let (mut held, p) = (system(), 0.1);
+        let (size, width, series) = (held.n_coefficients(), held.series().width(), held.series());
+        let grown = |(i, x): (usize, f64)| if i < size { x * f64::exp(0.5 * p) } else { x };
+        let guess: Vec<f64> = start.unknowns(&held).into_iter().enumerate().map(grown).collect();
+        held.hold_phase(&guess);
+        let (x, residual) = newton(&mut held, guess, p);
+        assert!(residual < 1e-12, "{residual:e}");
+        let mut at = Linearization::new(held.dim());
+        for theta in [0.2, 1.3, -2.0] {
+            let mut turned = x.clone();
+            for i in (0..size).step_by(width) {
+                for n in 1..=series.n_harmonics {
+                    let (c, s) = (i + n, i + series.sine(n).unwrap());
+                    let (sin, cos) = (n as f64 * theta).sin_cos();
+                    (turned[c], turned[s]) = (x[c] * cos + x[s] * sin, x[s] * cos - x[c] * sin);
+                }
+            }
+            system().linearize(&turned, p, &mut at).unwrap();
+            assert!(at.residual_norm() < 1e-11, "{coordinates:?} {theta}: {:e}", at.residual_norm());
+            held.linearize(&turned, p, &mut at).unwrap();
+            assert!(at.residual_norm() > 0.1 * theta.sin().abs(), "{coordinates:?} {theta}: {:e}", at.residual_norm());
         }
     }
 }

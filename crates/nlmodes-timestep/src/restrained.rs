@@ -76,9 +76,9 @@ impl<'m> Restrained<'m> {
 
     /// The equilibrium without rigid motion, from the elastic modes and the massless degrees of freedom.
     fn modal_equilibrium(&self, modes: &LinearModes, load: &[f64]) -> Result<Vec<f64>, TimestepError> {
-        let highest = modes.omega.last().copied().unwrap_or(0.0);
+        let is_elastic = |k: &usize| modes.omega.last().is_some_and(|highest| modes.omega[*k] > 1e-7 * highest);
         let mut x = vec![0.0; load.len()];
-        for k in (0..modes.omega.len()).filter(|&k| modes.omega[k] > 1e-7 * highest) {
+        for k in (0..modes.omega.len()).filter(is_elastic) {
             let shape = column(&modes.shapes, k);
             let coordinate = dot(shape, load) / (modes.omega[k] * modes.omega[k]);
             x.iter_mut().zip(shape).for_each(|(x, s)| *x += coordinate * s);

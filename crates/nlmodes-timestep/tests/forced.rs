@@ -197,6 +197,38 @@ fn a_periodic_motion_comes_back_and_its_multipliers_are_those_of_differences() {
     }
 }
 
+/// Largest force and smallest gap are those of many instants, in units in which forces are small too.
+#[test]
+fn the_largest_force_and_the_smallest_gap_of_a_period_are_those_of_many_instants() {
+    const INSTANTS: usize = 20_000;
+    let mut over_units = Vec::new();
+    for (stiffness, mass, gap) in UNITS.into_iter().chain([(2e-3, 50.0, 1e-2)]) {
+        let rod = Rod { stiffness, mass, gap };
+        let motion = rod.near(0.2, 0.42, 2.42034024458, 31.677157);
+        let force = |j: usize| motion.contact_at(0, motion.period() * j as f64 / INSTANTS as f64)[1];
+        let most = (0..INSTANTS).map(force).fold(0.0, f64::max);
+        // The force is smooth where it is largest: instants miss that by the square of their distance, some 1e-7.
+        assert!((motion.peak_force(0) / most - 1.0).abs() < 1e-6, "{} {most}", motion.peak_force(0));
+        assert!(motion.smallest_gap(0).abs() < 1e-12 * gap, "it is touched");
+        over_units.push(most / (stiffness * gap));
+    }
+    assert!(over_units.iter().all(|force| (force / over_units[0] - 1.0).abs() < 1e-6), "{over_units:?}");
+    let structure = two_contacts();
+    for (omega, level) in [(0.9, 3.0), (0.9, 0.6), (0.5, 0.3)] {
+        let motion = settled(&structure, level, omega);
+        let at = |j: usize| {
+            let [[y0, λ0], [y1, λ1]] =
+                [0, 1].map(|i| motion.contact_at(i, motion.period() * j as f64 / INSTANTS as f64));
+            [y0 + 0.2 * λ0 + 0.03 * λ1, y1 + 0.03 * λ0 + 0.1 * λ1]
+        };
+        let least = (0..INSTANTS).map(at).fold([f64::INFINITY; 2], |m, gap| [m[0].min(gap[0]), m[1].min(gap[1])]);
+        for (i, least) in least.into_iter().enumerate() {
+            assert!((motion.smallest_gap(i) - least).abs() < 1e-6, "{level} {i}: {} {least}", motion.smallest_gap(i));
+            assert_eq!(motion.touches(i) == 0, least > 1e-6, "{level} {i}");
+        }
+    }
+}
+
 #[test]
 fn power_that_goes_in_is_lost_in_the_structure_and_in_the_stop() {
     let (structure, omega, level) = (two_contacts(), 0.9, 3.0);

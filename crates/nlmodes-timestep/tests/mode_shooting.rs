@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem};
 use nlmodes_fem::{Direction, Stop};
-use nlmodes_linalg::SparseCholesky;
-use nlmodes_modal::HarmonicBasis;
+use nlmodes_linalg::{SparseCholesky, bilinear};
+use nlmodes_modal::{HarmonicBasis, HarmonicCoefficients};
 use nlmodes_model::{MasslessContactModel, Side, StructuralModel};
 use nlmodes_timestep::{ContactDynamics, ModalState, ModeShooting, ReducedStructure, TimestepError};
 use num_complex::Complex64;
@@ -159,6 +159,72 @@ fn coefficients_are_those_of_the_motion() {
     assert!((own / sum - 1.0).abs() < 1e-12, "{own} and {sum}");
     let (again, p) = shooting.unknowns(&point.coefficients, point.omega).unwrap();
     assert!(again.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-2) && (p - 1.5_f64.ln()).abs() < 1e-3);
+}
+
+/// What is shown of a contact is the motion of its degree of freedom, with the derivatives of that.
+#[test]
+fn histories_of_contacts_are_the_motion_of_their_nodes() {
+    for (side, modes) in [(Side::Positive, 6), (Side::Negative, 6), (Side::Positive, 2)] {
+        let stop = |at, side, gap| Stop::rigid(at, Direction::Axial, side, gap);
+        let model = massless(&rod_with(6, &[stop(1.0, side, 1.0).on_spring(4.0), stop(0.5, Side::Positive, 0.8)]));
+        let dofs: Vec<usize> = model.contacts().iter().map(|c| c.dof).collect();
+        let (mut shooting, x, _) = mode(model, modes, 1.3);
+        let trajectory = shooting.motion(&x).unwrap().trajectory;
+        let exact = shooting.time_histories(&x, 128, "").unwrap();
+        let mut touched = 0;
+        for (i, dof) in dofs.into_iter().enumerate() {
+            let even = shooting.time_history(&x, i, 64, "").unwrap();
+            for history in [&even, &exact[i]] {
+                assert!((history.stop - [side.sign(), 0.8][i]).abs() < 1e-15);
+                for (j, &t) in history.time.iter().enumerate() {
+                    let whole = |t: f64| {
+                        let at = trajectory.at(t);
+                        let of = |q: &[f64]| shooting.structure().expand(q)[dof];
+                        (of(&at.displacement), of(&at.velocity), at.forces[i])
+                    };
+                    let (h, (q, v, force)) = (1e-6, whole(t));
+                    assert!((history.displacement[j] - q).abs() < 1e-9, "{i} {t}: {} {q}", history.displacement[j]);
+                    assert!((history.force[j] - force).abs() < 1e-8, "{i} {t}: {} {force}", history.force[j]);
+                    // Velocities of massless nodes jump where a contact changes, and differences must not reach over that.
+                    let far = |instant: f64| (t - instant).abs() > 1e-5;
+                    let within = exact.iter().flat_map(|h| &h.instants).all(|instant| far(instant.time));
+                    if within && far(0.0) && far(trajectory.duration()) {
+                        assert!((history.velocity[j] - v).abs() < 1e-9, "{i} {t}: {} {v}", history.velocity[j]);
+                        let slope = (whole(t + h).1 - whole(t - h).1) / (2.0 * h);
+                        let found = history.acceleration[j];
+                        assert!((found - slope).abs() < 1e-4 * (1.0 + slope.abs()), "{i} {t}: {found} {slope}");
+                    }
+                    touched += usize::from(force > 0.0);
+                }
+            }
+        }
+        assert!(touched > 20, "{touched}");
+    }
+}
+
+/// A motion that is given by its coefficients: where it begins, and the averaged kinetic energy `¼ Σ (nω)² qᵀ M q`.
+#[test]
+fn unknowns_of_a_given_motion_are_its_beginning_and_its_energy() {
+    let model = massless(&two_stops());
+    let reduced = ReducedStructure::new(model.clone(), usize::MAX).unwrap();
+    let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+    let (dofs, omega, harmonics) = (model.dofs().len(), 1.3, 4);
+    let mut motion = HarmonicCoefficients::zeros(dofs, harmonics);
+    let q = |d: usize, n: usize| 0.3 * (1.3 * d as f64 + 2.1 * n as f64 + 0.2).sin() / (1.0 + n as f64);
+    for d in 0..dofs {
+        (0..=harmonics).for_each(|n| motion.of_mut(d)[n] = Complex64::from(q(d, n)));
+    }
+    let first: Vec<f64> = (0..dofs).map(|d| (0..=harmonics).map(|n| q(d, n)).sum()).collect();
+    let part = |n: usize| (0..dofs).map(|d| q(d, n)).collect::<Vec<f64>>();
+    let energy: f64 =
+        (1..=harmonics).map(|n| 0.25 * (n as f64 * omega).powi(2) * bilinear(&part(n), model.mass(), &part(n))).sum();
+    let (x, p) = shooting.unknowns(&motion, omega).unwrap();
+    assert!((p - (energy / shooting.grazing().energy).ln()).abs() < 1e-12);
+    assert!((shooting.omega(&x) / omega - 1.0).abs() < 1e-14);
+    let found = shooting.first_displacement(&x).unwrap();
+    for &d in model.linear_dofs() {
+        assert!((found[d] - first[d]).abs() < 1e-12, "{d}: {} {}", found[d], first[d]);
+    }
 }
 
 #[test]
