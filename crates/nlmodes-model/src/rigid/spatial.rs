@@ -36,13 +36,16 @@ pub(super) fn motion(
     }
     let rows: Vec<[f64; 6]> =
         force.iter().zip(&scale).filter(|(_, s)| **s > 0.0).map(|(row, s)| row.map(|f| f / s)).collect();
-    let moving = moving(&motions)?;
+    // A rotation of a node counts by what it displaces at the size of the structure, whatever unit that is in.
+    let reach = |dof: &Dof| if dof.kind.rotation_axis().is_some() { size } else { 1.0 };
+    let displaced: Vec<[f64; 6]> = dofs.iter().zip(&motions).map(|(dof, row)| row.map(|r| reach(dof) * r)).collect();
+    let moving = moving(&displaced)?;
     let strains: Vec<Vec<f64>> = rows.iter().map(|row| moving.iter().map(|axis| inner(row, axis)).collect()).collect();
     let gram = Mat::from_fn(moving.len(), moving.len(), |a, b| strains.iter().map(|row| row[a] * row[b]).sum());
     let (_, vectors) = symmetric_eigen(&gram).ok()?;
     let c: [f64; 6] =
         std::array::from_fn(|k| moving.iter().enumerate().map(|(a, axis)| vectors[(a, 0)] * axis[k]).sum());
-    let largest = motions.iter().map(|row| inner(row, &c).abs()).fold(0.0, f64::max);
+    let largest = displaced.iter().map(|row| inner(row, &c).abs()).fold(0.0, f64::max);
     let c = c.map(|c| c / largest);
     if rows.iter().any(|row| inner(row, &c).abs() > STRAINLESS) {
         return None;
