@@ -196,6 +196,49 @@ mod tests {
         assert!(outside <= 3, "{outside} of {n} beyond three standard errors");
     }
 
+    /// Slope of a line `f = k (x − s)` and its zero, with the errors of the textbook: residuals one by one.
+    #[test]
+    fn errors_from_the_scatter_are_those_of_a_regression() {
+        for (k, unit) in [(3.0, 1.0), (0.4, 1e-3), (2e6, 1e-6)] {
+            let points: Vec<(f64, f64)> = (0..9)
+                .map(|j| (unit * f64::from(j), k * unit * (f64::from(j) + 2.0 + 0.3 * f64::from(j * j % 5))))
+                .collect();
+            let one = |sum: Moments, (x, f): &(f64, f64)| {
+                sum.plus(&Moments { n: 1.0, x: *x, f: *f, xx: x * x, xf: x * f, ff: f * f }, 1.0)
+            };
+            let all = points.iter().fold(Moments::default(), one);
+            let n = points.len() as f64;
+            let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+            let (mx, mf) = (mean(|p| p.0), mean(|p| p.1));
+            let spread: f64 = points.iter().map(|(x, _)| (x - mx).powi(2)).sum();
+            let slope = points.iter().map(|(x, f)| (x - mx) * (f - mf)).sum::<f64>() / spread;
+            let (found, zero) = all.line(f64::INFINITY).unwrap();
+            assert!((found / slope - 1.0).abs() < 1e-12 && (zero / (mx - mf / slope) - 1.0).abs() < 1e-12);
+            let left: f64 = points.iter().map(|(x, f)| (f - mf - slope * (x - mx)).powi(2)).sum();
+            let of_slope = (left / (n - 2.0) / spread).sqrt();
+            // Of the zero mx − mf/k: the mean force and the slope are independent.
+            let of_zero = (left / (n - 2.0) / n + (mf / slope * of_slope).powi(2)).sqrt() / slope;
+            let (slope_error, zero_error) = all.scatter_errors(slope);
+            assert!((slope_error / of_slope - 1.0).abs() < 1e-10, "{slope_error} {of_slope}");
+            assert!((zero_error / of_zero - 1.0).abs() < 1e-10, "{zero_error} {of_zero}");
+            // The jackknife: the lines without each three of the points.
+            let groups: Vec<Moments> =
+                points.chunks(3).map(|three| three.iter().fold(Moments::default(), one)).collect();
+            let without = |left: usize| {
+                let kept = points.iter().enumerate().filter(|(j, _)| j / 3 != left).map(|(_, point)| point);
+                kept.fold(Moments::default(), one).line(f64::INFINITY).unwrap()
+            };
+            let lines = [0, 1, 2].map(without);
+            let error = |of: fn(&(f64, f64)) -> f64| {
+                let mean = lines.iter().map(of).sum::<f64>() / 3.0;
+                (2.0 / 3.0 * lines.iter().map(|line| (of(line) - mean).powi(2)).sum::<f64>()).sqrt()
+            };
+            let found = jackknife(&groups, &all, f64::INFINITY);
+            assert!((found.0 / error(|line| line.0) - 1.0).abs() < 1e-9, "{found:?}");
+            assert!((found.1 / error(|line| line.1) - 1.0).abs() < 1e-9, "{found:?}");
+        }
+    }
+
     #[test]
     fn noise_on_both_neither_biases_the_stiffness_nor_escapes_its_error() {
         let (mut sum, mut outside, n) = (0.0, 0, 24);

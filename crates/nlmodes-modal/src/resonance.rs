@@ -122,6 +122,22 @@ mod tests {
     }
 
     #[test]
+    fn the_impulse_of_a_point_is_that_of_all_its_contacts() {
+        let mut at = point(0.0, 1.0, &[]);
+        assert_eq!(at.impulse(), None, "no contact is known");
+        let contact = |impulse: f64| crate::ContactPeriod {
+            closed_share: 0.1,
+            peak_force: 3.0,
+            mean_force: 0.5 * impulse,
+            impulse,
+            touches: 1,
+            approach_velocity: 0.2,
+        };
+        at.contacts = vec![contact(0.25), contact(0.0), contact(1.5)];
+        assert_eq!(at.impulse(), Some(1.75));
+    }
+
+    #[test]
     fn a_tongue_has_start_tip_end_and_energies() {
         let shares = [0.0, 0.1, 0.3, 0.9, 1.0, 0.8, 0.25, 0.1];
         let points: Vec<ModalPoint> =

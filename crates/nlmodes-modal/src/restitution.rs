@@ -195,26 +195,62 @@ mod tests {
     #[test]
     fn the_velocities_between_two_contacts_count_for_both() {
         // Three samples between the contacts; instants lie half a sample outside, as the force does not rise inward.
-        [1.0, 1e-4].into_iter().for_each(velocities_between);
+        [(1.0, 1.0), (1e-4, 1.0), (1.0, 1e-6)].into_iter().for_each(velocities_between);
     }
 
-    fn velocities_between(unit: f64) {
+    /// In units of time and speed.
+    fn velocities_between((unit, speed): (f64, f64)) {
         let between = [-1.0, -1.0, 1.0];
         let mut history = TimeHistory::empty("", 1.0);
         for j in 0..40_usize {
             let closed = (10..14).contains(&j) || (17..21).contains(&j);
             let velocity = between.get(j.wrapping_sub(14)).copied().unwrap_or(if j < 14 { 2.0 } else { -3.0 });
-            history.push(unit * j as f64, [0.0, velocity, 0.0], if closed { 5.0 } else { 0.0 });
+            history.push(unit * j as f64, [0.0, speed * velocity, 0.0], if closed { 5.0 } else { 0.0 });
         }
         let found = Restitution::of(&history).unwrap();
         // The line through the three has its mean, −⅓, at 15 and the slope 1.
         for (impact, [approach, departure]) in found.impacts.iter().zip([[2.0, 11.0 / 6.0], [7.0 / 6.0, 3.0]]) {
-            assert!(
-                (impact.approach - approach).abs() < 1e-13 && (impact.departure - departure).abs() < 1e-13,
-                "{impact:?}"
-            );
+            let near = |found: f64, expected: f64| (found / speed - expected).abs() < 1e-13;
+            assert!(near(impact.approach, approach) && near(impact.departure, departure), "{impact:?}");
         }
         assert_eq!(found.impacts.len(), 2);
+    }
+
+    /// Velocities that are linear over four samples on either side of the contact, and anything farther away.
+    #[test]
+    fn four_samples_on_either_side_of_a_contact_tell_its_velocities() {
+        let mut history = TimeHistory::empty("", 1.0);
+        for j in 0..40_i32 {
+            let velocity = match j {
+                6..10 => 2.0 + 0.1 * f64::from(j - 10),
+                14..18 => -1.5 + 0.2 * f64::from(j - 14),
+                _ => f64::from(j % 3) * 10.0,
+            };
+            history.push(f64::from(j), [0.0, velocity, 0.0], if (10..14).contains(&j) { 5.0 } else { 0.0 });
+        }
+        let found = Restitution::of(&history).unwrap();
+        // The force does not rise inward: the instants are half a sample outside, at 9.5 and 13.5.
+        let impact = found.impacts[0];
+        assert!((impact.approach - 1.95).abs() < 1e-13 && (impact.departure - 1.6).abs() < 1e-13, "{impact:?}");
+    }
+
+    #[test]
+    fn impacts_are_counted_in_equal_ranges_of_their_speed() {
+        let interval = ContactInterval { touching: 0.0, leaving: 1.0, first: 0, last: 1 };
+        let at = |approach: f64, e: f64| Impact { interval, approach, departure: e * approach };
+        for unit in [1.0, 1e-5] {
+            let impacts = [(1.0, 0.9), (3.9, 0.5), (1.9, 0.7), (2.1, 0.6), (4.0, 0.4), (1.2, 0.8)];
+            let found = Restitution { impacts: impacts.map(|(speed, e)| at(unit * speed, e)).to_vec() };
+            // From 1 to 4 in thirds: three impacts, one and two.
+            let bins = found.over_speed(3);
+            assert_eq!(bins.iter().map(|bin| bin.n_impacts).collect::<Vec<_>>(), [3, 1, 2]);
+            for (bin, (speed, mean)) in bins.iter().zip([(4.1 / 3.0, 0.8), (2.1, 0.6), (3.95, 0.45)]) {
+                assert!((bin.approach / unit - speed).abs() < 1e-12 && (bin.mean - mean).abs() < 1e-12, "{bin:?}");
+            }
+            let apart = found.over_speed(40);
+            assert_eq!(apart.iter().map(|bin| bin.n_impacts).sum::<usize>(), 6);
+            assert!(apart.len() == 6, "ranges without impacts are left out: {}", apart.len());
+        }
     }
 
     #[test]
