@@ -1,6 +1,8 @@
 //! Records through files of every format, by the ending of their names.
 
-use nlmodes_experiment::records::{Channel, Quantity, Record, RecordError, Recording, Role, TIME_COLUMN, write_record};
+use nlmodes_experiment::records::{
+    Channel, Quantity, Record, RecordError, Recording, Role, TIME_COLUMN, read_npy, write_npy, write_record,
+};
 
 fn record() -> Record {
     let wave = |j: i32, phase: f64| 0.7 * (0.3 * f64::from(j) + phase).sin();
@@ -31,6 +33,15 @@ fn a_record_comes_back_from_a_file_of_every_format() {
         }
         assert_eq!(back.samples[1].len(), 40, "{ending}");
     }
+}
+
+/// What has no names goes by its number, as people count.
+#[test]
+fn columns_of_an_array_are_called_by_their_numbers_from_one() {
+    let mut file = Vec::new();
+    write_npy(&mut file, &record()).unwrap();
+    let table = read_npy(&file[..]).unwrap();
+    assert_eq!(table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["1", "2"]);
 }
 
 #[test]

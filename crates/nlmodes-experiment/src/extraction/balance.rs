@@ -170,6 +170,9 @@ mod tests {
             // Beside the mode's own frequency the shift is within its error.
             assert!(factors(101.0, size, Some(2.0), 1.0, false).is_empty());
             assert!(factors(101.0, size, Some(0.0), 1.0, false).is_empty());
+            // Twice its error is told: 0.0384 of the squared frequency is less, 0.0445 more.
+            assert!(factors(101.9, size, Some(0.05), 1.0, false).is_empty());
+            assert_eq!(factors(102.2, size, Some(0.05), 1.0, false).len(), 1);
         }
     }
 

@@ -130,4 +130,20 @@ mod tests {
         Drift::new(all, &[all; 3], &centres[..3]).report(250.0, &Tolerances::default(), &mut findings);
         assert_eq!(findings.len(), 2);
     }
+
+    /// A parabola beside a line that both have their centre elsewhere, with a rest that is orthogonal to both: factor and standard error of the textbook.
+    #[test]
+    fn a_shape_beside_a_line_has_its_factor_and_its_standard_error() {
+        let rest = [-7.0, 5.0, 7.0, 3.0, -3.0, -7.0, -5.0, 7.0];
+        for centre in [0.0, 10.0, -3.0] {
+            let t: Vec<f64> = (0..8).map(|j| centre + f64::from(j) - 3.5).collect();
+            let shape = |t: f64| (t - centre).powi(2) - 5.25;
+            let values: Vec<f64> =
+                t.iter().zip(rest).map(|(t, r)| 3.0 + 0.2 * t + 0.7 * shape(*t) + 1e-3 * r).collect();
+            let (factor, error) = fit(&t, &values, shape);
+            // Σ r² = 264, Σ shape² = 168; three numbers were taken from eight.
+            let expected = 1e-3 * (264.0_f64 / 5.0 / 168.0).sqrt();
+            assert!((factor - 0.7).abs() < 1e-13 && (error / expected - 1.0).abs() < 1e-9, "{factor} {error}");
+        }
+    }
 }

@@ -58,4 +58,27 @@ mod tests {
             assert!((share(&two, Some(turn)) - 0.2f64.sin() / 2f64.sqrt()).abs() < 1e-12);
         }
     }
+
+    /// The angle of the place that moves most out of phase, of which half a turn is none.
+    #[test]
+    fn the_angle_out_of_phase_is_that_from_the_nearer_sense_of_the_shape() {
+        for (angle, expected) in
+            [(20.0, 20.0), (80.0, 80.0), (100.0, -80.0), (170.0, -10.0), (-100.0, 80.0), (-170.0, 10.0)]
+        {
+            for anchor in [0.0, 2.0] {
+                let mut motion = HarmonicCoefficients::zeros(2, 1);
+                motion.of_mut(0)[1] = Complex64::from_polar(1.0, anchor);
+                motion.of_mut(1)[1] = Complex64::from_polar(2.0, anchor + f64::to_radians(angle));
+                let places = [0, 1].map(|i| Place { position: Some(f64::from(i)), members: vec![] });
+                let name = |place: &Place| format!("{:?}", place.position);
+                let mut findings = vec![];
+                report(&motion, None, Some(anchor), 0.1, name, &places, &mut findings);
+                let [Finding::Quadrature { channel, degrees, share }] = &findings[..] else { panic!("{findings:?}") };
+                assert!((degrees - expected).abs() < 1e-9 && channel == "Some(1.0)", "{angle}: {degrees} {channel}");
+                assert!((share - 2.0 * f64::to_radians(angle).sin().abs() / 5f64.sqrt()).abs() < 1e-12);
+                report(&motion, None, Some(anchor), 1.0, name, &places, &mut findings);
+                assert_eq!(findings.len(), 1, "within the tolerance nothing is said");
+            }
+        }
+    }
 }

@@ -207,4 +207,17 @@ mod tests {
             assert!(sample.abs_diff(500) <= 2 && (deviation + 12.5).abs() < 0.1, "{sample} {deviation}");
         }
     }
+
+    /// A line with a step is explained by it whole: place and height over the interval, of however few stamps.
+    #[test]
+    fn a_step_in_a_line_is_found_with_its_place_and_height() {
+        for (n, interval) in [(5, 1.0), (8, 1e-3), (30, 0.25)] {
+            for (k, height) in [(1, 3.0), (2, -0.4), (n - 2, 20.0), (n - 1, 0.7)] {
+                let jump = |j: usize| if j >= k { height } else { 0.0 };
+                let times: Vec<f64> = (0..n).map(|j| interval * (7.0 + j as f64 + jump(j))).collect();
+                let (found, size) = step(&times);
+                assert!(found == k && (size / height - 1.0).abs() < 1e-9, "{n} {k}: {found} {size}");
+            }
+        }
+    }
 }

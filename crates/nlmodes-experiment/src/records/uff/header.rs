@@ -67,3 +67,21 @@ impl Line<'_> {
 pub fn parse(text: &str) -> Option<f64> {
     text.parse().ok().or_else(|| text.replace(['D', 'd'], "e").parse().ok())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fields that are full to their last column, next to each other.
+    #[test]
+    fn entity_node_and_direction_end_where_the_next_begins() {
+        let bytes = [&b" "[..], b"ENTITY7890", b"1234567890", b"-123", b"9"].concat();
+        let found = Line { bytes: &bytes, number: 1 }.node(1).unwrap();
+        assert_eq!((found.entity.as_str(), found.node, found.direction), ("ENTITY7890", 1_234_567_890, -123));
+        let bytes =
+            [&b"        17"[..], b"   12", b"   -2", b"    3", b" ", b"a label of twenty co", b" ", b"m/s^2"].concat();
+        let found = Line { bytes: &bytes, number: 1 }.axis().unwrap();
+        assert_eq!((found.kind, found.exponents), (17, [12, -2, 3]));
+        assert_eq!((found.label.as_str(), found.unit.as_str()), ("a label of twenty co", "m/s^2"));
+    }
+}

@@ -188,3 +188,25 @@ fn binary(lines: &mut Lines<'_>, layout: &Layout, order: ByteOrder) -> Result<Ve
     }
     Ok(bytes::decode(numbers, layout.precision, order))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field of six digits is rounded in the sixth, even where a writer drops the zeros at its end, but for a finer one that it has.
+    #[test]
+    fn a_step_is_rounded_in_its_sixth_digit_or_finer() {
+        for (text, step, expected) in [
+            ("5.00000E-05", 5e-5, 5e-11),
+            ("5.E-05", 5e-5, 5e-11),
+            ("0.25", 0.25, 5e-7),
+            ("1.00000E+00", 1.0, 5e-6),
+            ("12", 12.0, 5e-5),
+            ("1.9531250E-05", 1.953_125e-5, 5e-13),
+        ] {
+            let found = step_rounding(text, step);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{text}: {found:e}");
+        }
+        assert_eq!(step_rounding("0.", 0.0), 0.5, "no step has no digits but those that stand there");
+    }
+}
