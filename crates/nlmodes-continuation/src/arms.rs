@@ -241,4 +241,42 @@ mod tests {
         assert_eq!(best_partner(&at(&[0.0, 90.0, 175.0])), Some(2));
         assert_eq!(best_partner(&at(&[0.0])), None);
     }
+
+    fn star(degrees: &[f64]) -> Arms {
+        let [back, rest @ ..] = &at(degrees)[..] else { unreachable!() };
+        let arm = |direction: &Vec<f64>| Correction {
+            z: along(&[2.0, -1.0], 1e-3, direction),
+            tangent: direction.clone(),
+            orientation: 1.0,
+            residual: 0.0,
+            iterations: 1,
+            pattern: 0,
+            regularity: 1.0,
+        };
+        Arms { back: back.clone(), onward: rest.iter().map(arm).collect(), unsearched: 0 }
+    }
+
+    /// The partner among the arms without the way back, of few arms and of more than are joined in pairs.
+    #[test]
+    fn a_branch_goes_on_along_the_arm_that_continues_it() {
+        let center = [2.0, -1.0];
+        assert_eq!(star(&[180.0, 0.0]).partner(&center), Some(0));
+        assert_eq!(star(&[180.0, 90.0, 5.0, 270.0]).partner(&center), Some(1));
+        assert_eq!(star(&[10.0]).partner(&center), None);
+        let many: Vec<f64> = (0..=MOST_PAIRED + 2).map(|k| 7.0 * k as f64).collect();
+        let wanted = many.iter().map(|angle| (angle - 180.0).abs()).enumerate().skip(1);
+        let (expected, _) = wanted.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        assert_eq!(star(&many).partner(&center), Some(expected - 1));
+    }
+
+    #[test]
+    fn sums_and_differences_of_unit_vectors_are_unit_vectors_across_each_other() {
+        let found = mixed(&[vec![1.0, 0.0, 0.0], vec![0.0, 0.0, 1.0], vec![0.0, 1.0, 0.0]]);
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let expected = [[half, 0.0, half], [half, 0.0, -half], [0.0, half, half], [0.0, -half, half]];
+        assert_eq!(found.len(), 4);
+        for (a, b) in found.iter().zip(expected) {
+            assert!(distance(a, &b) < 1e-15, "{a:?} {b:?}");
+        }
+    }
 }

@@ -286,3 +286,53 @@ impl Corrector {
         Correction { z, tangent, orientation, residual, iterations, pattern, regularity }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+
+    /// One equation of one unknown, with its derivative; the parameter stays.
+    struct One(fn(f64) -> [f64; 2]);
+
+    impl ParametricSystem for One {
+        type Error = Infallible;
+
+        fn dim(&self) -> usize {
+            1
+        }
+
+        fn linearize(&mut self, x: &[f64], _: f64, out: &mut Linearization) -> Result<(), Infallible> {
+            let [value, slope] = (self.0)(x[0]);
+            out.residual[0] = value;
+            (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (slope, 0.0);
+            Ok(())
+        }
+    }
+
+    fn from(of: fn(f64) -> [f64; 2], x: f64, iterations: usize) -> Result<Correction, CorrectionFailure> {
+        let plane = Surface::Plane(Hyperplane::fixing(1, 0.0, 2));
+        Corrector::new(1, 1e-11, iterations).correct(&mut One(of), &[x, 0.0], &plane)
+    }
+
+    #[test]
+    fn a_failure_says_why_how_far_it_came_and_how_far_it_would_go() {
+        // Towards √2 Newton's method halves a large number, then the digits double.
+        let root = |x: f64| [x * x - 2.0, 2.0 * x];
+        let found = from(root, 64.0, 20).unwrap();
+        assert!((found.z[0] - 2_f64.sqrt()).abs() < 1e-14 && found.iterations < 12);
+        let failure = from(root, 64.0, 2).unwrap_err();
+        // From 64 to 32.016 and 16.039, with a residual of 255 and the next step to 8.08.
+        assert_eq!((failure.reason, failure.iterations), (NewtonFailure::TooManyIterations, 2));
+        assert!((failure.residual - 255.251).abs() < 1e-3 && (failure.moves - 7.957).abs() < 1e-3, "{failure:?}");
+        // No root, and next to the bottom of the parabola no step that does not lead far up.
+        let failure = from(|x| [x * x + 1.0, 2.0 * x], 1e-3, 8).unwrap_err();
+        assert_eq!((failure.reason, failure.iterations), (NewtonFailure::NoDescent, 0));
+        assert!((failure.moves / 500.0 - 1.0).abs() < 0.01, "{failure:?}");
+        let failure = from(|_| [1.0, 0.0], 1.0, 8).unwrap_err();
+        assert_eq!(failure.reason, NewtonFailure::Singular);
+        let failure = from(|x| [f64::NAN * x, 1.0], 1.0, 8).unwrap_err();
+        assert_eq!(failure.reason, NewtonFailure::NotFinite);
+    }
+}

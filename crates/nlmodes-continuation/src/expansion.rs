@@ -72,3 +72,54 @@ pub(crate) fn gradient(boundary: &Boundary, z: &[f64]) -> Option<Vec<f64>> {
     let size = dot(&slope, &slope);
     (size.is_finite() && size > 0.0).then_some(slope)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signs::Signs;
+    use crate::{DenseSolver, SparseSolver};
+
+    #[test]
+    fn the_gradient_of_a_boundary_is_that_of_its_function() {
+        let boundary = Boundary::new(|z| z[0] * z[1] - 3.0 * z[2] * z[2]);
+        let found = gradient(&boundary, &[0.4, -1.2, 0.7]).unwrap();
+        assert!(found.iter().zip([-1.2, 0.4, -4.2]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        assert_eq!(gradient(&Boundary::new(|_| 1.0), &[0.4]), None, "a constant has none");
+    }
+
+    /// The vector that equations and boundaries leave free, by whatever solver and in whatever units the equations are.
+    #[test]
+    fn what_equations_and_boundaries_leave_free_is_left_free() {
+        let (n, k) = (5, 2);
+        let mut values = Vec::new();
+        for (sparse, unit) in [(false, 1.0), (true, 1.0), (false, 1e6), (true, 1e6)] {
+            let mut signs = Signs::default();
+            let solver: Box<dyn crate::LinearSolver> =
+                if sparse { Box::<SparseSolver>::default() } else { Box::<DenseSolver>::default() };
+            let corrector = Corrector::with_solver(solver.clone(), n, 1e-11, 8);
+            let mut at = Linearization::for_solver(&*solver, n);
+            for (i, j) in (0..n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+                // One equation in another unit.
+                let value = signs.draw_between() * if i == 2 { unit } else { 1.0 };
+                if sparse { at.entries.push((i, j, value)) } else { at.jacobian[(i, j)] = value }
+            }
+            at.sizes[2] = unit;
+            let mut vectors = |length: usize| -> Vec<Vec<f64>> {
+                (0..k).map(|_| (0..length).map(|_| signs.draw_between()).collect()).collect()
+            };
+            let (mut forces, slopes) = (vectors(n), vectors(n + 1));
+            forces.iter_mut().for_each(|force| force[2] *= unit);
+            let [f, g] = [&forces, &slopes].map(|all| all.iter().map(Vec::as_slice).collect::<Vec<&[f64]>>());
+            let (free, next) = free_beyond(&at, &f, &g, &corrector).unwrap();
+            assert!((dot(&free, &free) - 1.0).abs() < 1e-9, "a unit vector");
+            let (z, of_forces) = free.split_at(n + 1);
+            for (i, along) in at.times(z).into_iter().enumerate() {
+                let pushed: f64 = (0..k).map(|c| forces[c][i] * of_forces[c]).sum();
+                assert!((along + pushed).abs() < 1e-7 * at.sizes[i], "{sparse} {i}: {:e}", along + pushed);
+            }
+            slopes.iter().for_each(|slope| assert!(dot(slope, z).abs() < 1e-7, "{sparse}: {:e}", dot(slope, z)));
+            values.push(next);
+        }
+        assert!(values[0] > 1e-3 && values.iter().all(|v| (v / values[0] - 1.0).abs() < 0.05), "{values:?}");
+    }
+}

@@ -207,3 +207,96 @@ fn is_positive(columns: &[Vec<f64>]) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DenseSolver, SparseSolver};
+
+    /// A matrix with this row at its end, factored.
+    fn bordered(b: &Mat<f64>, sparse: bool) -> Bordered {
+        let n = b.nrows() - 1;
+        let mut solver: Box<dyn LinearSolver> =
+            if sparse { Box::<SparseSolver>::default() } else { Box::<DenseSolver>::default() };
+        let mut at = Linearization::for_solver(&*solver, n);
+        let places = (0..n).flat_map(|i| (0..=n).map(move |j| (i, j)));
+        match sparse {
+            true => at.entries = places.map(|(i, j)| (i, j, b[(i, j)])).collect(),
+            false => places.for_each(|(i, j)| at.jacobian[(i, j)] = b[(i, j)]),
+        }
+        let row: Vec<f64> = (0..=n).map(|j| b[(n, j)]).collect();
+        solver.factor(&at, &row).unwrap();
+        Bordered { at, row, solver }
+    }
+
+    /// `B` and `B' = B P`, where `P` is one but for these eigenvalues, whose vectors are orthogonal to the row at the end of `B`, which thus stays.
+    fn pair(size: usize, eigenvalues: &[f64], sparse: bool) -> [Bordered; 2] {
+        let mut signs = Signs::default();
+        let b = Mat::from_fn(size, size, |i, j| signs.draw_between() + if i == j { 3.0 } else { 0.0 });
+        let row: Vec<f64> = (0..size).map(|j| b[(size - 1, j)]).collect();
+        let mut basis = vec![orthonormal(row, &[]).unwrap()];
+        let mut p = Mat::<f64>::identity(size, size);
+        for μ in eigenvalues {
+            let v = orthonormal((0..size).map(|_| signs.draw_between()).collect(), &basis).unwrap();
+            (0..size).for_each(|i| (0..size).for_each(|j| p[(i, j)] += (μ - 1.0) * v[i] * v[j]));
+            basis.push(v);
+        }
+        [bordered(&b, sparse), bordered(&(&b * &p), sparse)]
+    }
+
+    /// On the way from `B'` to `B` the matrix is singular where `(1 − τ) μ + τ = 0`.
+    #[test]
+    fn a_matrix_is_singular_where_its_eigenvalues_on_the_way_vanish() {
+        for (size, sparse) in [(6, false), (6, true), (60, false), (60, true)] {
+            for eigenvalues in [&[-0.5][..], &[-0.5, -2.0, 1.3], &[-3.0, 0.8], &[-0.2, -0.5, -1.0, -4.0]] {
+                let [b, other] = pair(size, eigenvalues, sparse);
+                let negative = eigenvalues.iter().filter(|μ| **μ < 0.0);
+                let mut expected: Vec<f64> = negative.map(|μ| -μ / (1.0 - μ)).collect();
+                expected.sort_by(f64::total_cmp);
+                for certain in [true, false] {
+                    let found = b.singular_since(&other, certain);
+                    assert_eq!(found.len(), expected.len(), "{size} {sparse} {certain} {eigenvalues:?}: {found:?}");
+                    found.iter().zip(&expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-8, "{found:?}"));
+                }
+                assert!(b.may_differ_in_sign(&other));
+            }
+            for eigenvalues in [&[0.5][..], &[0.3, 2.0, 5.0]] {
+                let [b, other] = pair(size, eigenvalues, sparse);
+                assert!(!b.may_differ_in_sign(&other) && b.singular_since(&other, true).is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn the_eigenvalue_that_is_largest_tells_where_a_matrix_becomes_singular_and_how_nearly_it_is() {
+        for (size, sparse) in [(6, false), (6, true), (60, true)] {
+            for largest in [50.0, -50.0, 300.0, 5e3, -5e3] {
+                let [b, other] = pair(size, &[0.4, largest, 3.0], sparse);
+                let share = b.nearest_singular(&other).unwrap();
+                assert!((share / (largest / (largest - 1.0)) - 1.0).abs() < 1e-9, "{largest}: {share}");
+                let size = f64::abs(largest);
+                let found = [GROWN, GROWN_NEAR].map(|grown| b.is_singular_beside(&other, grown));
+                assert_eq!(found, [size > GROWN, size > GROWN_NEAR], "{largest}");
+            }
+        }
+    }
+
+    /// The symmetric part of a matrix, by columns, beside a quarter.
+    #[test]
+    fn a_matrix_is_positive_if_the_eigenvalues_of_its_symmetric_part_exceed_a_quarter() {
+        for (least, expected) in [(0.26, true), (0.24, false), (-1.0, false)] {
+            assert_eq!(is_positive(&[vec![least, 0.1]]), expected);
+            for angle in [0.3_f64, 1.1, 2.5] {
+                let (sin, cos) = angle.sin_cos();
+                let entry = |a: f64, b: f64| a * b;
+                let (p, q, r) = (
+                    least * entry(cos, cos) + 2.0 * entry(sin, sin),
+                    (least - 2.0) * entry(sin, cos),
+                    least * entry(sin, sin) + 2.0 * entry(cos, cos),
+                );
+                // With a part that is skew.
+                assert_eq!(is_positive(&[vec![p, q + 0.7], vec![q - 0.7, r, 0.0]]), expected, "{least} {angle}");
+            }
+        }
+    }
+}

@@ -48,14 +48,17 @@ mod tests {
 
     fn check(f: impl Fn(f64) -> f64, a: f64, b: f64, expected: f64, most: usize) {
         for [a, b] in [[a, b], [b, a]] {
-            let mut count = 0;
+            let (mut count, mut least) = (0, f(a).abs().min(f(b).abs()));
             let counted = |x: f64| {
                 count += 1;
+                least = least.min(f(x).abs());
                 f(x)
             };
             let found = bracketed_root(counted, (a, f(a)), (b, f(b)), 1e-13);
             assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
             assert!(count <= most, "{count} evaluations");
+            // Of a function that rises or falls, nothing closer to zero was met.
+            assert!(f(found).abs() <= least, "{:e}, but {least:e}", f(found));
         }
     }
 

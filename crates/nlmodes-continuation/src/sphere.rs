@@ -284,3 +284,56 @@ fn closes(first: &Foot, foot: &Foot, end: &Correction, length: f64) -> bool {
         && distance(&end.z, &first.z) < 2.0 * length
         && dot(&end.tangent, &first.tangent) > 0.5
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point of the curve `(s, ½ s, μ(s))` with its tangent.
+    fn at(s: f64, mu: [f64; 2]) -> Correction {
+        let length = (1.25 + mu[1] * mu[1]).sqrt();
+        Correction {
+            z: vec![s, 0.5 * s, mu[0]],
+            tangent: [1.0, 0.5, mu[1]].map(|t| t / length).to_vec(),
+            orientation: 1.0,
+            residual: 0.0,
+            iterations: 1,
+            pattern: 0,
+            regularity: 1.0,
+        }
+    }
+
+    /// Flat parabolas `±ε (c + (s − ½)²)`, whose tangents at the ends of the step meet at `±ε (c − ¼)`.
+    #[test]
+    fn a_parabola_may_dip_below_zero_where_its_tangents_meet_there() {
+        for (c, expected) in [(-0.1, true), (0.05, true), (0.2, true), (0.3, false), (2.0, false)] {
+            for sign in [1e-3, -1e-3] {
+                let on = |s: f64| at(s, [sign * (c + (s - 0.5) * (s - 0.5)), sign * (2.0 * s - 1.0)]);
+                let (foot, end) = (Foot::from(&on(0.0)), on(1.0));
+                assert_eq!(may_dip(&foot, &end), expected, "{c} {sign}");
+                // Away from zero all the way.
+                let away = at(1.0, [sign * (c + 1.25), sign * 3.0]);
+                assert!(!may_dip(&Foot::from(&end), &away));
+            }
+        }
+        let through = at(1.0, [-0.25, 1.0]);
+        assert!(!may_dip(&Foot::from(&at(0.0, [0.25, -1.0])), &through), "of different signs it is no dip");
+    }
+
+    #[test]
+    fn a_curve_closes_where_it_passes_its_start_in_the_same_sense() {
+        let circle = |degrees: f64, sense: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            Correction { z: vec![cos, sin, 0.0], tangent: vec![-sense * sin, sense * cos, 0.0], ..at(0.0, [0.0; 2]) }
+        };
+        let (first, step) = (Foot::from(&circle(0.0, 1.0)), 0.2);
+        let closes_from =
+            |from: f64, to: f64, sense: f64| closes(&first, &Foot::from(&circle(from, 1.0)), &circle(to, sense), step);
+        assert!(closes_from(-5.0, 5.0, 1.0) && closes_from(-10.0, 0.1, 1.0));
+        assert!(!closes_from(-15.0, -5.0, 1.0), "not yet");
+        assert!(!closes_from(5.0, 15.0, 1.0), "it has left");
+        assert!(!closes_from(-5.0, 5.0, -1.0), "against the sense");
+        assert!(!closes_from(175.0, 185.0, 1.0) && !closes_from(-60.0, 40.0, 1.0), "far from the start");
+        assert_eq!(along_chord(&[1.0, -2.0], &[2.0, 2.0], 0.25), [1.25, -1.0]);
+    }
+}

@@ -85,3 +85,51 @@ impl StepControl {
         Some(shorter.max(min))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control() -> StepControl {
+        StepControl::new(&StepSettings { initial: 0.02, min: 1e-6, max: 0.5, far: 2.0, ..StepSettings::default() })
+    }
+
+    #[test]
+    fn easy_steps_grow_to_the_longest_and_others_keep_their_length() {
+        let mut control = control();
+        assert_eq!(control.initial(), 0.02);
+        // A circle of radius one leaves its tangent by h²/2.
+        let after = |control: &mut StepControl, h: f64| control.after_taken(h, 0.5 * h * h, &[0.3, -1.0]);
+        for (h, expected) in [(1e-4, 2.5e-4), (0.01, 0.014), (0.11, 0.154), (0.13, 0.13)] {
+            assert!((after(&mut control, h) / expected - 1.0).abs() < 1e-12, "{h}: {}", after(&mut control, h));
+        }
+        assert_eq!(control.after_taken(0.45, 0.0, &[0.3, -1.0]), 0.5);
+        // Five times as far away as where that begins, steps are five times as long at most.
+        assert_eq!(control.longest(&[0.3, -10.0]), 2.5);
+        assert_eq!(control.after_taken(2.4, 0.0, &[0.3, -10.0]), 2.5);
+    }
+
+    #[test]
+    fn refused_steps_become_shorter_down_to_the_shortest_and_not_shorter_than_rounding_permits() {
+        let mut control = control();
+        let refusal = Refusal::CloseCurves;
+        assert_eq!(control.after_refused(0.08, &refusal), Some(0.04));
+        assert_eq!(control.after_refused(0.04, &refusal), Some(0.01));
+        assert_eq!((control.after_refused(0.01, &refusal), control.refused_in_a_row()), (Some(0.0025), 3));
+        control.begin();
+        assert_eq!((control.refused_in_a_row(), control.after_refused(0.08, &refusal)), (0, Some(0.04)));
+        // What is likely to tell crossings apart, but shorter by a third at least.
+        for (next, expected) in [(0.03, 0.03), (0.09, 0.056)] {
+            let several = Refusal::SeveralCrossings { count: 2, next };
+            assert!((control.after_refused(0.08, &several).unwrap() - expected).abs() < 1e-15);
+        }
+        assert_eq!(control.after_refused(2e-6, &refusal), Some(1e-6));
+        assert_eq!(control.after_refused(1e-6, &refusal), None);
+        assert!(control.is_precious(0.9e-4) && !control.is_precious(1.1e-4));
+        assert!(!control.is_held_by_rounding());
+        control.set_blur(1e-5);
+        assert!(control.is_held_by_rounding());
+        assert!((control.after_refused(1e-3, &refusal).unwrap() - 5e-4).abs() < 1e-15);
+        assert_eq!(control.after_refused(5e-4, &refusal), None);
+    }
+}

@@ -37,3 +37,29 @@ impl Progress {
         self.idle + usize::from(update >= SHORTER * self.least) >= IDLE
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether steps of these lengths have come to rest with the last, and whether that hardly is shorter than the one before.
+    fn seen(steps: &[f64]) -> (bool, bool) {
+        let (last, before) = steps.split_last().unwrap();
+        let mut progress = Progress::default();
+        before.iter().for_each(|step| progress.step(*step));
+        (progress.rests(*last), progress.stagnates(*last))
+    }
+
+    #[test]
+    fn steps_rest_where_three_in_a_row_are_not_shorter_in_any_unit() {
+        for unit in [1.0, 1e-9] {
+            let seen = |steps: &[f64]| seen(&steps.iter().map(|step| unit * step).collect::<Vec<f64>>());
+            // Towards a crossing each step is half the one before; so they go on.
+            assert_eq!(seen(&[1.0, 0.5, 0.25, 0.125, 0.0625]), (false, false));
+            assert_eq!(seen(&[1.0, 0.1, 0.09, 0.11]), (false, true));
+            assert_eq!(seen(&[1.0, 0.1, 0.09, 0.11, 0.1]), (true, true));
+            // One that is shorter begins the count anew.
+            assert_eq!(seen(&[1.0, 0.1, 0.09, 0.11, 0.02, 0.03, 0.02]), (false, true));
+        }
+    }
+}

@@ -90,3 +90,24 @@ pub(super) fn dual(slopes: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     });
     Some(dual.collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dual_vectors_have_products_of_one_and_zero_and_dependent_ones_have_none() {
+        let slopes = vec![vec![1.0, 2.0, 0.5, 0.0], vec![-0.3, 1.0, 4.0, 0.2], vec![0.0, 0.7, -1.0, 3.0]];
+        let found = dual(&slopes).unwrap();
+        for (i, slope) in slopes.iter().enumerate() {
+            for (j, own) in found.iter().enumerate() {
+                assert!((dot(slope, own) - f64::from(u8::from(i == j))).abs() < 1e-13, "({i}, {j})");
+            }
+        }
+        // In their span: across what all of them are across.
+        let with_one_more = [slopes.clone(), vec![vec![0.1, 0.2, 0.3, 0.4]]].concat();
+        let across = dual(&with_one_more).unwrap().pop().unwrap();
+        assert!(found.iter().all(|own| dot(own, &across).abs() < 1e-13));
+        assert_eq!(dual(&[slopes[0].clone(), slopes[0].clone()]), None);
+    }
+}

@@ -5,7 +5,8 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{
-    Branch, BranchPoint, BranchTree, Continuation, Correction, Linearization, ParametricSystem, RunLog, StepRecord,
+    Branch, BranchPoint, BranchTree, Continuation, Correction, EventKind, Linearization, ParametricSystem, RunLog,
+    StepRecord, StopReason,
 };
 
 use crate::samples::{piecewise, smooth, window};
@@ -16,6 +17,8 @@ struct Log {
     runs: Vec<(Correction, Vec<StepRecord>)>,
     /// Number of the run in progress, from 1.
     run: usize,
+    /// Steps that the run in progress has repeated.
+    repeated: usize,
 }
 
 impl Log {
@@ -29,7 +32,7 @@ impl Log {
                 runs.push((start.clone(), records[..kept].to_vec()));
             }
         }
-        Self { runs, run: 0 }
+        Self { runs, run: 0, repeated: 0 }
     }
 
     fn steps(&self) -> usize {
@@ -50,6 +53,12 @@ impl RunLog for Log {
                 Vec::new()
             }
         }
+    }
+
+    fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
+        self.repeated = repeated;
+        self.runs[self.run - 1].1.truncate(repeated);
+        ControlFlow::Continue(())
     }
 
     fn record(&mut self, step: &StepRecord) -> ControlFlow<()> {
@@ -171,5 +180,102 @@ fn a_tree_goes_on_wherever_it_was_cut() {
         let mut log = whole.cut(steps);
         assert_eq!(follow(&mut log), expected, "cut behind step {steps}");
         assert_eq!(log.runs, whole.runs);
+    }
+}
+
+/// What makes a step that is read back none, and whether it applies to this one.
+type Damage = (&'static str, fn(&mut StepRecord) -> bool);
+
+fn damages() -> Vec<Damage> {
+    fn point(step: &mut StepRecord, damage: impl Fn(&mut BranchPoint)) -> bool {
+        step.points.last_mut().map(damage).is_some()
+    }
+    fn arm(step: &mut StepRecord, damage: impl Fn(&mut Correction)) -> bool {
+        step.crossing.as_mut().and_then(|choice| choice.arms.last_mut()).map(damage).is_some()
+    }
+    vec![
+        ("an unknown that is no number", |s| point(s, |q| q.x[0] = f64::NAN)),
+        ("one unknown too many", |s| point(s, |q| q.x.push(0.0))),
+        ("an infinite parameter", |s| point(s, |q| q.p = f64::INFINITY)),
+        ("a tangent of another length", |s| point(s, |q| q.tangent[0] += 0.1)),
+        ("a tangent without entries", |s| point(s, |q| q.tangent.clear())),
+        ("a residual that is no number", |s| point(s, |q| q.residual = f64::NAN)),
+        ("an unknown that there is not", |s| point(s, |q| q.events.push(EventKind::UnknownFold { index: 1 }))),
+        ("a point beside the curve", |s| point(s, |q| q.x[0] += 0.1)),
+        ("no orientation", |s| {
+            s.orientation = f64::NAN;
+            true
+        }),
+        ("no way on", |s| {
+            s.next = 0.0;
+            s.stop.is_none()
+        }),
+        ("a step back", |s| {
+            s.next = -s.next;
+            s.stop.is_none()
+        }),
+        ("no points", |s| {
+            s.points.clear();
+            s.stop.is_none()
+        }),
+        ("a negative blur", |s| {
+            s.blur = -1e-9;
+            true
+        }),
+        ("a sense that is no number", |s| s.senses.first_mut().map(|sense| *sense = f64::NAN).is_some()),
+        ("the rounding of other equations", |s| {
+            s.rounding.push(1e-15);
+            true
+        }),
+        ("a regularity that is none", |s| s.before.as_mut().map(|before| before.0 = f64::NAN).is_some()),
+        ("no distance", |s| s.before.as_mut().map(|before| before.1 = 0.0).is_some()),
+        ("more evaluations than there can be", |s| {
+            s.evaluations = usize::MAX;
+            true
+        }),
+        ("more refused steps than there can be", |s| {
+            s.refused_steps = usize::MAX;
+            true
+        }),
+        ("a bound of no coordinate", |s| {
+            s.stop = Some(StopReason::Bound { coordinate: 2, value: 0.0 });
+            true
+        }),
+        ("a bound that is none", |s| {
+            s.stop = Some(StopReason::Bound { coordinate: 1, value: f64::NAN });
+            true
+        }),
+        ("an arm that there is not", |s| s.crossing.as_mut().map(|choice| choice.own = choice.arms.len()).is_some()),
+        ("a crossing elsewhere", |s| s.crossing.as_mut().map(|choice| choice.z.push(0.0)).is_some()),
+        ("no way back", |s| s.crossing.as_mut().map(|choice| choice.back.fill(0.0)).is_some()),
+        ("an arm of another system", |s| arm(s, |arm| arm.z.push(0.0))),
+        ("an arm without direction", |s| arm(s, |arm| arm.tangent.fill(0.0))),
+        ("an arm without orientation", |s| arm(s, |arm| arm.orientation = f64::NAN)),
+        ("an arm beside the curve", |s| arm(s, |arm| arm.z[0] += 0.1)),
+    ]
+}
+
+/// A file may have been altered: the run repeats what stands before that, and takes the rest anew.
+#[test]
+fn from_a_step_on_that_cannot_be_one_a_run_is_computed_again() {
+    let pitchfork = || smooth(|x: f64, p: f64| [x * (p - x * x), p - 3.0 * x * x, x]);
+    let (settings, from) = (window(1, -0.3, 0.3), [0.0, -0.213]);
+    let go_on = |_: &BranchPoint| ControlFlow::Continue(());
+    let mut whole = Log::default();
+    let expected = follow(&settings, pitchfork(), from, &mut whole, go_on);
+    assert!(!expected.crossings.is_empty());
+    for (what, damage) in damages() {
+        let mut applied = 0;
+        for step in 0..whole.steps() {
+            let mut log = whole.clone();
+            if damage(&mut log.runs[0].1[step]) {
+                applied += 1;
+                let found = follow(&settings, pitchfork(), from, &mut log, go_on);
+                assert_eq!(log.repeated, step, "{what}");
+                assert_eq!(found, expected, "{what} at step {step}");
+                assert_eq!(log.runs, whole.runs, "{what} at step {step}");
+            }
+        }
+        assert!(applied > 0, "{what}");
     }
 }
