@@ -4,10 +4,11 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use nlmodes_hbm::{CondensedStructure, HbmError, Switching, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, DampedStop, HbmError, ModalDamping, Switching, Symmetry, grazing};
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{Drop, MasslessContactModel, ModelError, Side, StructuralModel};
 use num_complex::Complex64;
+use support::modal::Open;
 use support::{FullMatrices, condense, condense_tips, dense, fitted_slope, follow, on_springs, problem, rod, stops};
 
 fn two_places() -> StructuralModel {
@@ -240,4 +241,43 @@ fn the_peak_of_a_contact_that_stays_open_is_that_of_its_node_while_its_neighbour
     let sampled = history.displacement.iter().fold(f64::NEG_INFINITY, |m, q| m.max(*q));
     assert!((modal.peak - sampled).abs() < 1e-6, "{} and {sampled}", modal.peak);
     assert!(problem.time_history(&last.x, 1, 100, "").unwrap().force.iter().any(|f| *f > 1e-2));
+}
+
+/// A spring and a damper behind a stop take the place of what it was: a rigid one and one on a spring become the same.
+#[test]
+fn a_stop_that_dissipates_does_not_remember_what_it_was() {
+    let rigid = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0), (3, Side::Negative, 0.4)]);
+    let soft = on_springs(&rigid, &[2.5, f64::INFINITY]);
+    let stop = DampedStop { contact: 0, stiffness: 7.0, damper: 0.3 };
+    let [hard, elastic] = [&rigid, &soft].map(|model| {
+        let open = Open::massless(model);
+        open.structure(ModalDamping::none(open.n_modes()))
+    });
+    let own = elastic.compliance().a()[(0, 0)] - hard.compliance().a()[(0, 0)];
+    assert!((own - 1.0 / 2.5).abs() < 1e-12, "a spring yields by its own: {own}");
+    let [hard, elastic] = [hard, elastic].map(|structure| structure.with_damped_stops(&[stop]).unwrap());
+    for (i, j) in (0..2).flat_map(|i| (0..2).map(move |j| (i, j))) {
+        let [a, b] = [&hard, &elastic].map(|structure| structure.compliance().a()[(i, j)]);
+        assert!((a - b).abs() < 1e-12, "({i}, {j}): {a} {b}");
+    }
+    assert_eq!(hard.omega_squared().last(), Some(&7.0));
+}
+
+/// Beside a contact spring of more than 5·10⁸ times the stiffness of the structure at the stop that is lost in rounding.
+#[test]
+fn springs_beside_which_the_structure_is_lost_are_refused_with_their_ratio() {
+    // A rod of stiffness EA/L at its end, in three units.
+    for (ea, length) in [(1.0, 1.0), (2e11, 0.5), (1e-6, 30.0)] {
+        let condensed = |ratio: f64| {
+            let rod = on_springs(&rod(5, ea, 1.0, length, &[(5, Side::Positive, 1e-3)]), &[ratio * ea / length]);
+            CondensedStructure::new(MasslessContactModel::with_spring_tips(&rod, None).unwrap(), 5)
+        };
+        for ratio in [1e3, 4.6e8] {
+            condensed(ratio).unwrap();
+        }
+        for expected in [5.5e8, 1e9] {
+            let Err(HbmError::ContactTooStiff { contact: 0, ratio, most }) = condensed(expected) else { panic!() };
+            assert!((ratio / expected - 1.0).abs() < 1e-4 && most == 5e8, "{ratio:e} of {expected:e}");
+        }
+    }
 }
