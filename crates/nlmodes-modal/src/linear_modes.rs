@@ -207,6 +207,13 @@ mod tests {
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(f64::NAN)).is_err());
         let fewer = LinearModes::new(&[0.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(5.0)[..1]).unwrap_err();
         assert_eq!(fewer, ModalError::DependentShapes { coordinates: 1, modes: 2, ratio: 0.0 });
+        // Two modes that differ by a rounding, of light structures and of heavy ones, whose shapes are small.
+        for unit in [1.0, 1e-6] {
+            let nearly = [vec![unit, 0.0], vec![0.0, 1e-15 * unit]];
+            let error = LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &nearly).unwrap_err();
+            let ModalError::DependentShapes { ratio, .. } = error else { panic!("{error}") };
+            assert!((ratio / 1e-15 - 1.0).abs() < 1e-6, "{ratio:e}");
+        }
         let still = LinearModes::new(&[0.0], &[1.0], &[0.0], &[vec![0.0]]).unwrap_err();
         assert_eq!(still, ModalError::DependentShapes { coordinates: 1, modes: 1, ratio: 0.0 });
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0], &[0.0], &shapes(5.0)).is_err());
