@@ -4,7 +4,7 @@ mod support;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, extract};
+use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, Stop, extract};
 use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
 use num_complex::Complex64;
 use support::{Motion, Normal, POSITIONS, modes, sampled};
@@ -203,4 +203,31 @@ fn a_known_delay_is_taken_out() {
     record.channels[3].delay = late;
     let found = extract(&record, &settings()).unwrap();
     assert!(deviation(&found, &made) < 1e-6);
+}
+
+/// Where the sensor at the stop measures displacement only, velocity and acceleration there are its derivatives.
+#[test]
+fn velocity_and_acceleration_at_the_stop_are_derivatives_of_the_displacement() {
+    for (omega, rate) in [(omega(), 20_000.0), (1e-3 * omega(), 20.0)] {
+        let made = Motion::example(omega, 12);
+        let mut record = made.record(rate, 6_013, 0.0, 3);
+        let tip = record.channels.iter().position(|channel| channel.name == "x_tip").unwrap();
+        let x = record.samples[tip].clone();
+        let gap = 0.9 * x.iter().copied().fold(0.0, f64::max);
+        record.samples.push(x.iter().map(|x| (2e4 * (x - gap)).max(0.0)).collect());
+        record.channels.push(Channel::new("f_stop", Quantity::Force, Role::Contact, Some(POSITIONS[3])));
+        let stop = Some(Stop { position: POSITIONS[3], gap, positive: true });
+        let found = extract(&record, &ExtractionSettings { stop, ..ExtractionSettings::default() }).unwrap();
+        let history = found.contact.unwrap().history.unwrap();
+        let first = x.windows(4).position(|window| window == &history.displacement[..4]).unwrap();
+        assert_eq!(history.displacement, x[first..first + history.displacement.len()]);
+        for (order, series) in [(1, &history.velocity), (2, &history.acceleration)] {
+            let exact = sampled(&made.at(3), omega, order, rate, 6_013);
+            let largest = exact.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            assert_eq!(series.len(), history.time.len());
+            for (found, expected) in series.iter().zip(&exact[first..]) {
+                assert!((found - expected).abs() < 1e-6 * largest, "{order}: {found} {expected}");
+            }
+        }
+    }
 }

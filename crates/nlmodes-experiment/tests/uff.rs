@@ -39,6 +39,7 @@ fn close(a: f64, b: f64, relative: f64) -> bool {
 
 #[test]
 fn every_layout_comes_back() {
+    assert!(Ordinates::Real(vec![]).is_empty() && Ordinates::Complex(vec![]).is_empty());
     for storage in STORAGES {
         for precision in [Precision::Single, Precision::Double] {
             for (complex, uneven) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -47,6 +48,7 @@ fn every_layout_comes_back() {
                     let mut file = Vec::new();
                     write_uff58(&mut file, &written, storage, precision).unwrap();
                     let back = read_uff58(&file).unwrap().remove(0);
+                    assert_eq!((back.ordinates.len(), back.ordinates.is_empty()), (n, false));
                     check(&written, &back, storage, precision);
                 }
             }
