@@ -93,7 +93,58 @@ pub(super) fn dual(slopes: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
+
     use super::*;
+
+    /// `a (x − p) + k max(± x, 0)^power = 0`.
+    struct Stop {
+        a: f64,
+        k: f64,
+        side: f64,
+        power: f64,
+    }
+
+    impl ParametricSystem for Stop {
+        type Error = Infallible;
+
+        fn dim(&self) -> usize {
+            1
+        }
+
+        fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+            let depth = (self.side * x[0]).max(0.0);
+            out.residual[0] = self.a * (x[0] - p) + self.k * depth.powf(self.power);
+            let slope = self.k * self.power * self.side * depth.powf(self.power - 1.0);
+            (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (self.a + slope, -self.a);
+            Ok(())
+        }
+    }
+
+    /// Beside what is linear, `k d^power` at the depth `d`, on the side on which it sets in.
+    #[test]
+    fn what_sets_in_is_measured_with_its_power_size_and_side() {
+        for (a, k, power) in [(0.0, 4.0, 1.5), (30.0, 4.0, 1.5), (-2.0, -9.0, 2.0), (0.7, 3e3, 2.0)] {
+            for side in [1.0, -1.0] {
+                let mut corrector = Corrector::new(1, 1e-11, 8);
+                let mut stop = Stop { a, k, side, power };
+                let found = Onset::measured(&mut stop, &mut corrector, &[0.0; 2], &[-1.0, 0.0], &[1.0, 0.0]).unwrap();
+                let expected = f64::abs(k) * DEPTH.powf(power);
+                assert!((found.power - power).abs() < 1e-3, "{a} {k} {side}: {}", found.power);
+                assert!((found.length / expected - 1.0).abs() < 5e-3, "{a} {k} {side}: {:e}", found.length);
+                assert!((found.inward[0] - side).abs() < 1e-12 && (found.force[0] - k.signum()).abs() < 5e-3);
+            }
+        }
+        let mut corrector = Corrector::new(1, 1e-11, 8);
+        let mut measured = |k: f64, power: f64| {
+            let mut stop = Stop { a: 1.0, k, side: 1.0, power };
+            Onset::measured(&mut stop, &mut corrector, &[0.0; 2], &[-1.0, 0.0], &[1.0, 0.0]).is_some()
+        };
+        assert!(
+            measured(4.0, 1.5) && !measured(0.0, 1.5) && !measured(4.0, 3.0),
+            "nothing, and what sets in too softly"
+        );
+    }
 
     #[test]
     fn dual_vectors_have_products_of_one_and_zero_and_dependent_ones_have_none() {
