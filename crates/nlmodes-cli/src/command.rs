@@ -152,6 +152,7 @@ fn run_structure(mut files: Vec<SceneFile>, out: Option<PathBuf>, options: RunOp
             if let Some(error) = &outcome.failure {
                 say!("error: {}", chain(error.as_ref()));
             }
+            watch.compared(&outcome.compared);
             if outcome.is_complete() { watch.status } else { Status::EndedEarly }
         }
         Err(error) => refuse_run(&error),

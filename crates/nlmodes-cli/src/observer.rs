@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use nlmodes::virtual_test::TestLevel;
 use nlmodes_run::linear::modal_model;
@@ -31,6 +32,13 @@ impl TerminalObserver {
         Self { options, progress: None, warned: HashSet::new(), status: Status::Done }
     }
 
+    /// Says how branches differ, unless nobody wants to hear it.
+    pub fn compared(&mut self, lines: &[String]) {
+        if !self.options.quiet && !lines.is_empty() {
+            self.print(&lines.join("\n"));
+        }
+    }
+
     fn print(&mut self, text: &str) {
         self.note(print(text));
     }
@@ -50,6 +58,7 @@ impl Observer for TerminalObserver {
                 "warning: {} holds an interrupted run of this scene, {points} points, which is computed anew; with `--resume` it goes on",
                 directory.display()
             ),
+            Event::Replaces { directory, certificates, drawn } => replaces(directory, certificates, drawn),
             Event::Updating { number, of, scene } if !quiet => self.note(modes::say_method(scene, number, of)),
             Event::Updated(updating) if !quiet => {
                 if let Some(text) = modes::updated(updating) {
@@ -73,6 +82,7 @@ impl Observer for TerminalObserver {
             Event::Done(part) => {
                 interrupt::something_found();
                 self.note(told::part(part, quiet));
+                self.compared(&part.compared);
                 if self.options.certify && !quiet {
                     self.print(told::certificates(part).trim_end());
                 }
@@ -99,9 +109,9 @@ impl Observer for TerminalObserver {
             }
             Event::Withdrawn { kept } => self.progress.iter_mut().for_each(|progress| progress.withdrawn(kept)),
             Event::Turned { points } => self.progress.iter_mut().for_each(|progress| progress.turned(points)),
-            Event::Looking { check, point, number: [number, of] } => self.progress.iter().for_each(|progress| {
-                progress.looking(&format!("certificate: {check}, point {point} ({number} of {of})"))
-            }),
+            Event::Looking { check, point, number } => {
+                self.progress.iter().for_each(|progress| progress.looking(check, point, number));
+            }
             Event::Computed => self.progress.iter().for_each(Progress::finish),
             _ => {}
         }
@@ -123,6 +133,22 @@ impl Observer for TerminalObserver {
                 false => ControlFlow::Continue(()),
             }),
         }
+    }
+}
+
+/// What is said of results that other calls made, before they go.
+fn replaces(directory: &Path, certificates: usize, drawn: usize) {
+    let place = directory.display();
+    if certificates > 0 {
+        let those = if certificates == 1 { "the certificate" } else { "the certificates" };
+        say!(
+            "warning: {place}: {those} of `run --certify` will be replaced by what a plain run looks at; with `--certify` all is looked at again"
+        );
+    }
+    if drawn > 0 {
+        say!(
+            "warning: {place}: {drawn} figures as PDF or PNG will be removed, for the new results may differ; `nlmodes-cli figures` makes them again"
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,6 +31,8 @@ pub struct Progress {
     began: Instant,
     /// When something was said last, by points or between them.
     last: Arc<Mutex<Instant>>,
+    /// What is looked at behind the last point.
+    looking: Arc<Mutex<Option<Looking>>>,
     points: usize,
     repeated: usize,
     event: String,
@@ -54,6 +56,7 @@ impl Progress {
             verbose: options.verbose,
             began: now,
             last: Arc::new(Mutex::new(now)),
+            looking: Arc::default(),
             points: 0,
             repeated: 0,
             event: String::new(),
@@ -88,11 +91,19 @@ impl Progress {
     /// Looks on between points: says what is sought where that takes long, and ends it when `ended` says so.
     pub fn watch(&self, ended: impl Fn() -> bool + Send + Sync + 'static) -> Watch {
         let (bar, plain, last, began) = (self.bar.clone(), self.plain, Arc::clone(&self.last), self.began);
+        let looking = Arc::clone(&self.looking);
         Watch::new(move |doing, evaluations| {
             if ended() {
                 return ControlFlow::Break(());
             }
             let time = began.elapsed().as_secs_f64();
+            // Behind the last point the moving line is gone.
+            if let Some(looking) = held(&looking).as_ref() {
+                if (plain || bar.is_some()) && is_due(&last, PLAIN_INTERVAL) {
+                    say!("{}", looking.line(time));
+                }
+                return ControlFlow::Continue(());
+            }
             let line = || match evaluations {
                 0 => format!("{doing}, {time:.0} s"),
                 _ => format!("{doing}, {evaluations} evaluations, {time:.0} s"),
@@ -122,11 +133,14 @@ impl Progress {
         self.points = points;
     }
 
-    /// What is looked at behind the last point, said from time to time.
-    pub fn looking(&self, what: &str) {
-        let line = || format!("{what}, {:.0} s", self.began.elapsed().as_secs_f64());
+    /// A check of the certificate looks at a point, its number among so many; said from time to time.
+    pub fn looking(&self, check: &'static str, point: usize, [number, of]: [usize; 2]) {
+        let mut looking = held(&self.looking);
+        let began =
+            looking.as_ref().filter(|known| known.check == check).map_or_else(Instant::now, |known| known.began);
+        let now = looking.insert(Looking { check, point, number, of, began });
         if (self.plain || self.bar.is_some()) && is_due(&self.last, PLAIN_INTERVAL) {
-            say!("{}", line());
+            say!("{}", now.line(self.began.elapsed().as_secs_f64()));
         }
     }
 
@@ -165,9 +179,38 @@ impl Progress {
     }
 }
 
+/// A check of the certificate at one of its points.
+struct Looking {
+    check: &'static str,
+    point: usize,
+    /// Of so many, from 1.
+    number: usize,
+    of: usize,
+    /// When the first of them was looked at.
+    began: Instant,
+}
+
+impl Looking {
+    /// What is done, since `time` seconds, and how long it may take by the points before.
+    fn line(&self, time: f64) -> String {
+        let Self { check, point, number, of, began } = self;
+        let done = number - 1;
+        let each = began.elapsed().as_secs_f64() / done.max(1) as f64;
+        let left = match done {
+            0 => String::new(),
+            _ => format!(", this check some {:.0} s more", (each * (of - done) as f64).max(1.0)),
+        };
+        format!("certificate: {check}, point {point} ({number} of {of}), {time:.0} s{left}")
+    }
+}
+
+fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Whether nothing was said for this long; from now on something was.
 fn is_due(last: &Mutex<Instant>, interval: Duration) -> bool {
-    let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut last = held(last);
     let due = last.elapsed() >= interval;
     if due {
         *last = Instant::now();

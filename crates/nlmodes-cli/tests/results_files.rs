@@ -230,7 +230,15 @@ fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
         assert!(certificate["verdict"].as_str().is_some_and(|text| text.contains("checks made")), "{certificate}");
         let points = summary["points"].as_u64().ok_or("no points")?;
         let looked = certificate["points"].as_array().ok_or("no points looked at")?;
-        assert!(!looked.is_empty() && looked.iter().all(|k| k.as_u64().is_some_and(|k| k < points)), "{certificate}");
+        assert!(!looked.is_empty() && looked.iter().all(|at| at["point"].as_u64() < Some(points)), "{certificate}");
+        let (head, rows) = table(&out.join("branch.csv"))?;
+        for (name, value) in [("frequency_hz", "frequency_hz"), ("energy_j", "energy_j")] {
+            let column = head.iter().position(|column| column == name).ok_or(name)?;
+            for at in looked {
+                let own: f64 = rows[at["point"].as_u64().ok_or("no point")? as usize][column].parse()?;
+                assert_eq!(at[value].as_f64(), Some(own), "{at}");
+            }
+        }
         let checks = certificate["checks"].as_array().ok_or("no checks")?;
         for check in checks {
             let text = |key: &str| check[key].as_str().is_some_and(|text| !text.is_empty());
@@ -444,6 +452,7 @@ fn figures_come_as_pdf_and_png_too() -> Outcome {
         .arg(&out)
         .output()?;
     assert_eq!(again.status.code(), Some(0), "{}", String::from_utf8_lossy(&again.stderr));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("figures as PDF or PNG will be removed"), "{again:?}");
     assert!(with_ending(".svg")?.is_empty() && with_ending(".pdf")?.is_empty() && with_ending(".png")?.is_empty());
     Ok(())
 }

@@ -80,6 +80,32 @@ pub const DIFFERENCE_COLUMNS: [Column; 12] = [
     ),
 ];
 
+/// Columns of `overlay_stops.csv` and `methods_stops.csv`.
+pub const STOP_DIFFERENCE_COLUMNS: [Column; 10] = [
+    Column::new("overlay", "", "name of what is laid over"),
+    Column::new("point", "", "its point, from 0"),
+    Column::new("contact", "", "number of the stop, from 0 in the order of the scene"),
+    Column::new(
+        "equal",
+        "",
+        "what both motions have in common: `modal amplitude`, `energy` where there are no amplitudes, or `frequency`; each point stands here for both comparisons",
+    ),
+    Column::new("frequency_hz", "Hz", "frequency of the point"),
+    Column::new("branch_frequency_hz", "Hz", "frequency of the branch there, linear between its points"),
+    Column::new("impulse_ns", "N·s", "integral of the force of this stop over a period at the point"),
+    Column::new("branch_impulse_ns", "N·s", "that of the branch there"),
+    Column::new(
+        "relative_difference",
+        "",
+        "the first over the second, minus one; NaN where the branch has no impulse there",
+    ),
+    Column::new(
+        "motions",
+        "",
+        "motions with this in common that one of the two has; with more than one the nearest stands here, may be on another arm, and is in no mean",
+    ),
+];
+
 /// A file of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileMeaning {

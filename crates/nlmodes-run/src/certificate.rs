@@ -14,14 +14,15 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+use nlmodes::modal::ModalPoint;
 use nlmodes::model::MassShift;
-use nlmodes::study::ComputedBranch;
+use nlmodes::study::{ComputedBranch, Watch};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;
 
 pub use numbers::{Number, NumberUse, Use};
-pub use points::PointInDoubt;
+pub use points::{Place, PointInDoubt};
 pub use table::tables;
 
 /// What was looked at in a branch, and what follows for its numbers.
@@ -29,8 +30,10 @@ pub use table::tables;
 pub struct Certificate {
     /// All of it in a sentence.
     pub verdict: String,
+    /// Whether all was computed that can be, as `run --certify` asks for.
+    pub thorough: bool,
     /// Points at which checks looked that take a point; nothing is known of the others.
-    pub points: Vec<usize>,
+    pub points: Vec<Place>,
     /// Those of them that did not pass a check, and those that do not solve the equations.
     pub points_in_doubt: Vec<PointInDoubt>,
     /// What was compared, or could have been.
@@ -65,8 +68,11 @@ pub struct Check {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// The point where it was found, of those that were looked at.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip)]
     pub point: Option<usize>,
+    /// Where that is on the curve.
+    #[serde(flatten)]
+    pub place: Option<Place>,
     /// The points that were looked at, where it takes a point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub looked: Vec<usize>,
@@ -74,8 +80,8 @@ pub struct Check {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub failed: Vec<usize>,
     /// Those from which no motion was found to compare with.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub lost: Vec<usize>,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "points::numbers")]
+    pub lost: Vec<Place>,
     /// The largest that is good.
     pub limit: f64,
     /// What was compared, or why not.
@@ -117,12 +123,13 @@ impl Check {
     }
 
     /// Doubtful, since from these points no motion was found to compare with.
-    fn without(mut self, lost: &[usize]) -> Self {
+    fn without(mut self, lost: &[Place]) -> Self {
         if !lost.is_empty() {
             self.outcome = Outcome::Doubtful;
             self.lost = lost.to_vec();
-            self.looked.extend(lost);
-            self.failed.extend(lost);
+            let points = || lost.iter().map(|place| place.point);
+            self.looked.extend(points());
+            self.failed.extend(points());
             self.looked.sort_unstable();
             self.failed.sort_unstable();
         }
@@ -142,6 +149,7 @@ impl Check {
             outcome: Outcome::NotLookedAt,
             value: None,
             point: None,
+            place: None,
             looked: Vec::new(),
             failed: Vec::new(),
             lost: Vec::new(),
@@ -161,8 +169,9 @@ struct Worst {
 }
 
 impl Worst {
-    /// Takes note of what was found at a point; what is no number is worst of all.
-    fn take(&mut self, point: usize, value: f64) {
+    /// Takes note of what was found at a point, if that says anything of it; what is no number is worst of all.
+    fn take(&mut self, point: usize, value: impl Into<Option<f64>>) {
+        let Some(value) = value.into() else { return };
         if value.is_nan() || value > self.value {
             (self.value, self.point) = (value, point);
         }
@@ -193,14 +202,16 @@ pub struct Sources<'a> {
     pub shift: Option<MassShift>,
     /// Whether all is computed that can be, or only what costs next to nothing.
     pub thorough: bool,
+    /// Who may end what takes long.
+    pub watch: &'a Watch,
 }
 
 impl Certificate {
     /// Of a branch.
     pub fn of(computed: &ComputedBranch, sources: Sources<'_>, look: Looking<'_>) -> Self {
-        let points = few_points(computed);
+        let (points, all) = (few_points(computed), &computed.branch.points);
         let mut checks = vec![
-            residual(computed.branch.points.iter().map(|point| point.residual)),
+            residual(all.iter().map(|point| point.residual)),
             contacts::complementarity(computed, &points),
             energy::drift(computed, &points, sources),
         ];
@@ -208,15 +219,16 @@ impl Certificate {
         checks.extend(finer::modes(computed, &points, sources, look));
         checks.extend(exact::checks(computed, &points, sources, look));
         checks.extend([mesh::frequency(sources.scene), mesh::contact_mass(sources.shift, sources.open.is_some())]);
-        Self::new(computed.branch.points.len(), checks)
+        Self { thorough: sources.thorough, ..Self::new(&points::places(all), checks) }
     }
 
-    /// What checks of so many points come to.
-    pub(crate) fn new(n_points: usize, checks: Vec<Check>) -> Self {
+    /// What checks of these points come to.
+    pub(crate) fn new(all: &[Place], mut checks: Vec<Check>) -> Self {
+        checks.iter_mut().for_each(|check| check.place = check.point.and_then(|point| all.get(point).copied()));
         let numbers = Number::ALL.map(|number| NumberUse::new(number, &checks)).to_vec();
-        let (points, points_in_doubt) = (points::looked_at(&checks), points::in_doubt(&checks));
-        let verdict = verdict(&checks, &numbers) + &points::sentence(n_points, &points, &points_in_doubt);
-        Self { verdict, points, points_in_doubt, checks, numbers }
+        let (points, points_in_doubt) = (points::looked_at(&checks, all), points::in_doubt(&checks, all));
+        let verdict = verdict(&checks, &numbers) + &points::sentence(all.len(), &points, &points_in_doubt);
+        Self { verdict, thorough: false, points, points_in_doubt, checks, numbers }
     }
 
     /// The numbers not to use, for the head of a page; nothing where there are none. `name` is that of the branch among several.
@@ -279,18 +291,25 @@ fn share(value: f64) -> String {
     }
 }
 
-/// Most points that are named one by one.
-const NAMED: usize = 8;
+/// Most points that are named, and of which each has its frequency behind it.
+const NAMED: [usize; 2] = [8, 3];
 
-/// `points 1, 5 and 9`; of many the first.
-fn listed(points: &[usize]) -> String {
-    let names: Vec<String> = points.iter().map(usize::to_string).collect();
-    if names.len() > NAMED {
-        return format!("points {} and {} more", names[..NAMED].join(", "), names.len() - NAMED);
-    }
-    match names.split_last() {
-        Some((last, [])) => format!("point {last}"),
-        Some((last, others)) => format!("points {} and {last}", others.join(", ")),
-        None => "no point".to_owned(),
+/// `points 1 (60.8 Hz), 5 (62.1 Hz) and 9 (66.2 Hz)`; of many the first, and between which frequencies all lie.
+fn listed(points: &[usize], of: &[ModalPoint]) -> String {
+    let place = |point: &usize| of.get(*point).map(|found| Place::of(*point, found));
+    named(&points.iter().filter_map(place).collect::<Vec<_>>())
+}
+
+/// The same of places.
+fn named(places: &[Place]) -> String {
+    let [most, each] = NAMED;
+    let name = |place: &Place| if places.len() > each { place.point.to_string() } else { place.name() };
+    let names: Vec<String> = places.iter().take(most).map(name).collect();
+    let range = if places.len() > each { points::range(places) } else { String::new() };
+    match (names.split_last(), places.len() - names.len()) {
+        (None, _) => "no point".to_owned(),
+        (Some((last, [])), _) => format!("point {last}"),
+        (Some((last, others)), 0) => format!("points {} and {last}{range}", others.join(", ")),
+        (_, more) => format!("points {} and {more} more{range}", names.join(", ")),
     }
 }

@@ -1,6 +1,7 @@
 //! Whose results are in the output directory: those of another scene are not overwritten unasked.
 
 mod keys;
+mod replaced;
 
 use std::cell::Cell;
 use std::fs::{self, File, TryLockError};
@@ -15,9 +16,13 @@ use crate::files::{RUN, STEPS, remove_all, remove_ends, remove_figures_of_record
 use crate::{Event, Observer, RunError};
 use keys::written_key;
 use nlmodes_scene::Document;
+use replaced::Replaced;
 
 /// Most differences between two scenes that are shown.
 const MAX_SHOWN: usize = 5;
+
+/// Levels of folders in a directory of results: methods, numbers of harmonics, branches.
+const DEPTH: usize = 3;
 
 /// What a virtual test computes beside its levels.
 const BACKBONES: [&str; 4] =
@@ -67,6 +72,11 @@ impl Claim {
             && let Some(points) = interrupted(directory)
         {
             observer.event(Event::Abandoned { directory, points });
+        }
+        let Replaced { certificates, drawn } = Replaced::below(directory, DEPTH);
+        let certificates = if observer.certifies() { 0 } else { certificates };
+        if certificates + drawn > 0 {
+            observer.event(Event::Replaces { directory, certificates, drawn });
         }
         Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
     }
@@ -212,7 +222,7 @@ fn interrupted(directory: &Path) -> Option<usize> {
         // A run writes it at its end.
         Err(_) => true,
     };
-    let points = points_below(directory, 3).filter(|_| stopped)?;
+    let points = points_below(directory, DEPTH).filter(|_| stopped)?;
     (points > 0).then_some(points)
 }
 

@@ -1,7 +1,7 @@
 //! Names of result files, and the removal of those that an earlier run left.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Says which scene the results in a directory are of.
 pub const RUN: &str = "run.json";
@@ -45,7 +45,9 @@ pub fn remove_figures(directory: &Path) {
         "frequency_amplitude.svg",
         "contacts.svg",
         "overlay.csv",
+        "overlay_stops.csv",
         "methods.csv",
+        "methods_stops.csv",
         "participation.svg",
         "participation.csv",
         "report.html",
@@ -63,6 +65,16 @@ fn has_width(name: &str) -> bool {
     let stem = FIGURE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or_default();
     let width = stem.strip_suffix("mm").and_then(|stem| stem.rsplit_once('_'));
     width.is_some_and(|(_, width)| width.parse::<f64>().is_ok())
+}
+
+/// The figures of a directory as PDF and PNG: beside their SVG, or of a width of their own.
+pub fn made_of_figures(directory: &Path) -> impl Iterator<Item = PathBuf> {
+    let is_one = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_converted = FIGURE_ENDINGS[1..].iter().any(|ending| name.ends_with(ending));
+        is_converted && (has_width(&name) || path.with_extension("svg").is_file())
+    };
+    fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path()).filter(is_one)
 }
 
 /// Removes the figures and the page of records of an earlier run.

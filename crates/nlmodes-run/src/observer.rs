@@ -20,6 +20,15 @@ pub enum Event<'a> {
         /// Rows of its tables.
         points: usize,
     },
+    /// What calls of their own made of the results in the directory is replaced or removed by this run.
+    Replaces {
+        /// The output directory.
+        directory: &'a Path,
+        /// Certificates of `run --certify`, in whose place come those of a plain run.
+        certificates: usize,
+        /// Figures as PDF or PNG, which are removed.
+        drawn: usize,
+    },
     /// The parameters of one of several methods' scenes are updated next.
     Updating {
         /// Number of the method, from 0.

@@ -27,6 +27,8 @@ pub struct PartOutcome {
     pub points_time: Duration,
     /// What the certificates took.
     pub certificate_time: Duration,
+    /// How what is laid over the first branch differs from it, stop by stop, a line each.
+    pub compared: Vec<String>,
     /// From the beginning to the last file.
     pub wall_time: Duration,
     /// Why the files that are made of whole branches are not all there.
@@ -40,6 +42,8 @@ pub struct PartOutcome {
 pub struct RunOutcome {
     /// Each method with each of its numbers of harmonics, in the order of the scene.
     pub parts: Vec<PartOutcome>,
+    /// How the others differ from the first of several parts, stop by stop, a line each.
+    pub compared: Vec<String>,
     /// Why the common files of several parts are not all there.
     pub failure: Option<Failure>,
     /// Whether it was asked to end before all parts had begun.

@@ -4,13 +4,15 @@ mod contacts;
 mod differences;
 mod read;
 mod said;
+mod stops;
 mod written;
 
-pub use differences::{Difference, differences};
+pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub(crate) use read::number;
 pub use read::{Laid, OverlayError, read};
-pub use said::{sentence, table};
-pub use written::write;
+pub use said::{sentence, sentence_at_equal_frequency, table};
+pub use stops::{StopChange, changes, lines, stops_table};
+pub use written::{write, write_stops};
 
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Overlay;

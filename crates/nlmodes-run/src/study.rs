@@ -85,7 +85,7 @@ pub fn run_sharing(
     match several::parts(&files).as_slice() {
         [only] => {
             let part = one_branch(&only.file, &claim, observer, structures)?;
-            Ok(RunOutcome { parts: vec![part], failure: None, is_cut_off: false })
+            Ok(RunOutcome { parts: vec![part], compared: Vec::new(), failure: None, is_cut_off: false })
         }
         parts => several::study(&files, parts, &claim, observer, structures),
     }
@@ -130,7 +130,8 @@ fn one_branch(
     let tree = tree.map_err(|error| refusal::of_study(file, &error))?;
     let points_time = began.elapsed();
     let thorough = observer.certifies() && !observer.is_cancelled();
-    let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough };
+    let watch = observer.watch();
+    let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough, watch: &watch };
     let mut look = |check, point, number| {
         observer.event(Event::Looking { check, point, number });
         !observer.is_cancelled()
@@ -138,13 +139,18 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let certificate_time = began.elapsed().saturating_sub(points_time);
+    let laid = tree.branches.first().map(|first| Overlaid::new(&laid, first));
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
             let is_shown = scene.files.figures || scene.files.page;
             let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
             let found = period.as_ref().ok().and_then(Option::as_ref);
             let about = About { linear: &linear, participation: &participation, period: found };
-            let written = write(scene, &about, (&tree, &certificates, &laid), began).and(period.map(drop));
+            let written = match &laid {
+                Some(laid) => write(scene, &about, (&tree, &certificates, laid), began),
+                None => Ok(()),
+            };
+            let written = written.and(period.map(drop));
             (written, linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
@@ -158,6 +164,7 @@ fn one_branch(
         certificates,
         points_time,
         certificate_time,
+        compared: laid.as_ref().map(Overlaid::lines).unwrap_or_default(),
         wall_time: began.elapsed(),
         failure: written.err(),
     };
@@ -249,7 +256,7 @@ fn whole(
 fn write(
     scene: &Scene,
     about: &About<'_>,
-    (tree, certificates, laid): (&ComputedTree, &[Certificate], &[overlay::Laid]),
+    (tree, certificates, laid): (&ComputedTree, &[Certificate], &Overlaid),
     began: Instant,
 ) -> Result<(), Failure> {
     let (directory, participation) = (&scene.output_directory, about.participation);
@@ -266,14 +273,13 @@ fn write(
     figures::write_participations(directory, &tree.branches, participation)?;
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
-    let laid = Overlaid::new(laid, &first.branch);
-    laid.write(directory, "overlay.csv")?;
+    laid.write(directory, "overlay")?;
     if !(scene.files.figures || scene.files.page) {
         return Ok(());
     }
     let references = histories::own_references(first)?;
     if scene.files.figures {
-        figures::write(directory, scene, &tree.branches, participation, (&references, &laid))?;
+        figures::write(directory, scene, &tree.branches, participation, (&references, laid))?;
     }
     if !scene.files.page {
         return Ok(());
@@ -282,7 +288,7 @@ fn write(
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let certified: Vec<&Certificate> = certificates.iter().collect();
     let methods = Overlaid::others(&[]);
-    let shown = page::Shown { references: &references, laid: &laid, methods: &methods, period: about.period };
+    let shown = page::Shown { references: &references, laid, methods: &methods, period: about.period };
     page::write(directory, &[scene], about.linear, (&branches, &certified), &participation, &shown)
 }
 

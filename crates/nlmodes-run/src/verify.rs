@@ -5,6 +5,7 @@ mod results;
 
 use std::f64::consts::TAU;
 
+use nlmodes::study::Watch;
 use nlmodes::timestep::{
     ContactDynamics, Floquet, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError, Verification,
 };
@@ -42,12 +43,16 @@ pub struct Exact {
 /// # Errors
 /// [`TimestepError`] if it cannot be integrated.
 pub fn verify(point: &Point) -> Result<Found, TimestepError> {
-    verify_up_to(point, MOST_MODES)
+    verify_up_to(point, MOST_MODES, &Watch::default())
 }
 
-/// The same, the exact motion being looked for with so many modes at most.
-pub(crate) fn verify_up_to(point: &Point, most_modes: usize) -> Result<Found, TimestepError> {
-    let mut dynamics = ContactDynamics::new(point.model.clone())?;
+/// The same, the exact motion being looked for with so many modes at most, as long as `watch` lets it go on.
+///
+/// # Errors
+/// [`TimestepError::Ended`] where it does not.
+pub(crate) fn verify_up_to(point: &Point, most_modes: usize, watch: &Watch) -> Result<Found, TimestepError> {
+    let asked = watch.clone();
+    let mut dynamics = ContactDynamics::new(point.model.clone())?.asking(move || !asked.asks_to_end());
     let state = match &point.start {
         Some(displacement) => dynamics.state(displacement, &vec![0.0; displacement.len()])?,
         None => dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?,
@@ -55,6 +60,9 @@ pub(crate) fn verify_up_to(point: &Point, most_modes: usize) -> Result<Found, Ti
     let verification = Verification::new(&mut dynamics, &state, TAU / point.omega)?;
     let modes = dynamics.n_modes();
     let exact = (modes <= most_modes && point.is_even()).then(|| exact(dynamics, &state, point));
+    if let Some(Err(TimestepError::Ended)) = exact {
+        return Err(TimestepError::Ended);
+    }
     Ok(Found { modes, verification, exact })
 }
 

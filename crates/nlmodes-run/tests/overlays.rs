@@ -79,3 +79,78 @@ fn a_table_without_amplitudes_is_refused_at_its_place() {
     let text = refused.downcast_ref::<String>().unwrap();
     assert!(text.contains("fundamental_m or drive_fundamental_m"), "{text}");
 }
+
+/// A beam before two stops of unlike gaps, with so many harmonics.
+fn two_stops(harmonics: &str) -> Vec<nlmodes_scene::SceneFile> {
+    let text = format!(
+        "[structure]\nkind = \"beam\"\nlength_m = 0.31\nelements = 8\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = 0.004 }}\n\
+         [[contact]]\nat_m = 0.31\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 3e-4\n\
+         [[contact]]\nat_m = 0.155\ndirection = \"transverse\"\nside = \"negative\"\ngap_m = 1.1e-4\n\
+         [method]\nharmonics = {harmonics}\n[continuation]\nmax_energy_ratio = 3.0\ninternal_resonance = \"skip\"\n"
+    );
+    nlmodes_scene::parse_each_method("beam.toml", &text, &[])
+        .unwrap_or_else(|refused| panic!("{}", refused.text(false)))
+}
+
+/// The cells of a column as they stand.
+fn cells(table: &str, name: &str) -> Vec<String> {
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let place = rows.headers().unwrap().iter().position(|column| column == name).unwrap();
+    rows.records().map(|row| row.unwrap()[place].to_owned()).collect()
+}
+
+/// The same as numbers.
+fn numbers(table: &str, name: &str) -> Vec<f64> {
+    cells(table, name).iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
+}
+
+#[test]
+fn the_impulse_of_each_stop_is_compared_at_equal_amplitude_and_at_equal_frequency() {
+    let place = tempfile::tempdir().unwrap();
+    let mut scenes = two_stops("[3, 6]");
+    scenes[0].scene.output_directory = place.path().to_path_buf();
+    let outcome = nlmodes_run::run(scenes, Over::Same, &mut Silent).unwrap();
+    assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
+    let compared = fs::read_to_string(place.path().join("methods_stops.csv")).unwrap();
+    let columns = nlmodes::report::columns::STOP_DIFFERENCE_COLUMNS;
+    assert_eq!(compared.lines().next().unwrap(), columns.map(|column| column.name).join(","));
+    let read = |name: &str| fs::read_to_string(place.path().join(name)).unwrap();
+    let (few, many) = (read("h3/branch.csv"), read("h6/branch.csv"));
+    let stop_of = |branch: &str, stop: usize| {
+        let table = read(&format!("{branch}/contacts.csv"));
+        let all = cells(&table, "contact").into_iter().zip(numbers(&table, "impulse_ns"));
+        all.filter(|(contact, _)| *contact == stop.to_string()).map(|(_, impulse)| impulse).collect::<Vec<f64>>()
+    };
+    // By a search of its own for the pair of points around the frequency or the amplitude.
+    let around = |of: &[f64], wanted: f64, values: &[f64]| {
+        let pairs = (1..of.len()).filter(|k| (of[k - 1].min(of[*k])..=of[k - 1].max(of[*k])).contains(&wanted));
+        let value = |k: usize| values[k - 1] + (wanted - of[k - 1]) / (of[k] - of[k - 1]) * (values[k] - values[k - 1]);
+        pairs.map(value).collect::<Vec<f64>>()
+    };
+    let (points, stops, equal) = (cells(&compared, "point"), cells(&compared, "contact"), cells(&compared, "equal"));
+    let (laid, own) = (numbers(&compared, "impulse_ns"), numbers(&compared, "branch_impulse_ns"));
+    let mut seen = [0; 2];
+    let motions = cells(&compared, "motions");
+    for row in (0..laid.len()).filter(|row| motions[*row] == "1").step_by(7) {
+        let (point, stop): (usize, usize) = (points[row].parse().unwrap(), stops[row].parse().unwrap());
+        let by = if equal[row] == "frequency" { "frequency_hz" } else { "modal_amplitude" };
+        assert_eq!(laid[row], stop_of("h6", stop)[point]);
+        let expected = around(&numbers(&few, by), numbers(&many, by)[point], &stop_of("h3", stop));
+        let scale = stop_of("h3", stop).into_iter().fold(0.0, f64::max);
+        assert!(
+            expected.iter().any(|value| (value - own[row]).abs() < 1e-9 * scale),
+            "{by} {point} {stop}: {expected:?}"
+        );
+        seen[usize::from(by == "frequency_hz")] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 3), "{seen:?}");
+    // In words and on the page.
+    let lines = outcome.compared.join("\n");
+    let page = read("report.html");
+    for name in ["stop 0 at 0.31 m", "stop 1 at 0.155 m"] {
+        assert!(lines.contains(&format!("impulse of {name}: at equal modal amplitude")), "{lines}");
+        assert_eq!(page.matches(&format!("<td>{name}</td>")).count(), 2, "a row for each comparison");
+    }
+    assert_eq!(lines.matches("at equal frequency").count(), 2, "{lines}");
+}

@@ -36,6 +36,7 @@ pub struct ContactDynamics {
     open: Arc<Phase>,
     phases: HashMap<Vec<bool>, Arc<Phase>>,
     workspace: Box<dyn LcpWorkspace>,
+    goes_on: Box<dyn Fn() -> bool + Send + Sync>,
 }
 
 impl fmt::Debug for ContactDynamics {
@@ -60,7 +61,12 @@ impl ContactDynamics {
         let closed = vec![false; model.contacts().len()];
         let open = Arc::new(Phase::new(&model, &body, &closed, None)?);
         let phases = HashMap::from([(closed, Arc::clone(&open))]);
-        Ok(Self { model, body, open, phases, workspace })
+        Ok(Self { model, body, open, phases, workspace, goes_on: Box::new(|| true) })
+    }
+
+    /// Asks before each stretch between contact instants whether to go on; where not, what is computed ends with [`TimestepError::Ended`].
+    pub fn asking(self, goes_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self { goes_on: Box::new(goes_on), ..self }
     }
 
     /// The structure.
@@ -168,7 +174,8 @@ impl ContactDynamics {
     /// The motion from `state` over `duration` (s).
     ///
     /// # Errors
-    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`], or what the modes of a new set of closed contacts report.
+    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`], [`TimestepError::Ended`], or what the modes of a new set of closed
+    /// contacts report.
     pub fn propagate(&mut self, state: &ModalState, duration: f64) -> Result<Trajectory, TimestepError> {
         if !(duration.is_finite() && duration > 0.0) {
             return Err(TimestepError::NotPositive { what: "duration (s)", value: duration });
@@ -185,6 +192,9 @@ impl ContactDynamics {
         let mut state = state.clone();
         let patience = PATIENCE.map(|p| p * phase.closed.len() + 2);
         loop {
+            if !(self.goes_on)() {
+                return Err(TimestepError::Ended);
+            }
             let start = phase.enter(&state.z, &state.v);
             let (length, switch) = first_switch(&phase, &start, duration - from);
             let end = phase.after(&start, length);

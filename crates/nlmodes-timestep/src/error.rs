@@ -76,6 +76,9 @@ pub enum TimestepError {
         /// How often.
         switches: usize,
     },
+    /// Whoever was asked did not want it to go on.
+    #[error("it was asked to end")]
+    Ended,
     /// Newton's method found no periodic motion.
     #[error("no periodic motion was found: residual {residual:e} after {iterations} iterations")]
     NotConverged {

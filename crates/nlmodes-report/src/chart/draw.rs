@@ -8,6 +8,13 @@ const TITLE: f64 = 16.0;
 pub(super) const LABEL: f64 = 15.0;
 /// Size of the label of an ordinate that shares its height with others.
 pub(super) const SMALL_LABEL: f64 = 13.0;
+/// By how much the label of an ordinate may be longer than its panel is high, pixels.
+pub(super) const LABEL_BEYOND: f64 = 12.0;
+/// Largest factor by which panels grow for their labels.
+const HIGHER: f64 = 1.3;
+/// Width of a figure, pixels, below which its legend begins at its edge, and how far from that.
+const NARROW: f64 = 500.0;
+const MARGIN: f64 = 12.0;
 const NOTE: f64 = 11.5;
 const NOTE_ROOM: f64 = 18.0;
 const GAP: f64 = 16.0;
@@ -18,10 +25,12 @@ impl Chart {
     /// The chart as an SVG document.
     pub fn draw(&self, style: &FigureStyle) -> String {
         let width = style.pixels();
-        let height = self.panel_height * style.height_share();
+        let height = self.height_with_labels(style);
         let left = self.left_margin(height);
         let room = width - left - RIGHT;
-        let rows = legend::rows(&self.legend, room);
+        // A narrow figure has its legend over all of its width.
+        let legend_left = if width < NARROW { MARGIN } else { left };
+        let rows = legend::rows(&self.legend, width - legend_left - RIGHT);
         let title = if style.has_title { self.title.as_str() } else { "" };
         let head = if title.is_empty() { 14.0 } else { 40.0 };
         let top = head + rows.len() as f64 * legend::ROW + 6.0;
@@ -32,7 +41,7 @@ impl Chart {
         if !title.is_empty() {
             svg.text((middle, 26.0), Anchor::Middle, fitting_size(title, TITLE, room), title);
         }
-        legend::draw(&mut svg, &rows, (left, head));
+        legend::draw(&mut svg, &rows, (legend_left, head));
         for (index, panel) in self.panels.iter().enumerate() {
             let frame = Frame { left, top: top + index as f64 * (height + GAP), width: room, height };
             let inset: Option<&Inset> = self.inset.as_ref().filter(|_| index == 0);
@@ -43,6 +52,13 @@ impl Chart {
             svg.text(at, Anchor::Middle, fitting_size(note, NOTE, width - 16.0), note);
         }
         svg.finish(style.width_mm)
+    }
+
+    /// Height of a panel: where there are several, none is lower than its label is long, unless that is far too long.
+    fn height_with_labels(&self, style: &FigureStyle) -> f64 {
+        let height = self.panel_height * style.height_share();
+        let long = self.panels.iter().map(|panel| text_width(&panel.y.label, SMALL_LABEL)).fold(0.0, f64::max);
+        height.max((long - LABEL_BEYOND).min(HIGHER * height))
     }
 
     /// Room for the widest label of an ordinate.

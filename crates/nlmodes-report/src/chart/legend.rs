@@ -2,10 +2,12 @@ use super::Shape;
 use crate::svg::{Anchor, Stroke, Svg, text_width};
 
 const FONT: f64 = 13.0;
-const KEY: f64 = 30.0;
-const GAP: f64 = 18.0;
+/// Room of a line before its name, of a symbol, and behind a name, pixels.
+const LINE: f64 = 30.0;
+const SYMBOL: f64 = 20.0;
+const GAP: f64 = 14.0;
 /// Height of a row of the legend, pixels.
-pub(crate) const ROW: f64 = 20.0;
+pub(crate) const ROW: f64 = 18.0;
 
 /// What stands before a name in the legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +16,15 @@ pub(crate) enum Key {
     Symbol(Shape, &'static str),
     /// Outlined in this colour.
     Open(Shape, &'static str),
+}
+
+impl Key {
+    fn width(self) -> f64 {
+        match self {
+            Self::Line(_) => LINE,
+            Self::Symbol(..) | Self::Open(..) => SYMBOL,
+        }
+    }
 }
 
 /// A name in the legend.
@@ -25,7 +36,7 @@ pub(crate) struct LegendEntry {
 
 impl LegendEntry {
     fn width(&self) -> f64 {
-        KEY + text_width(&self.name, FONT) + GAP
+        self.key.width() + text_width(&self.name, FONT) + GAP
     }
 }
 
@@ -53,17 +64,18 @@ pub(crate) fn draw(svg: &mut Svg, rows: &[&[LegendEntry]], corner: (f64, f64)) {
         let y = corner.1 + (index as f64 + 0.5) * ROW;
         for entry in *row {
             draw_key(svg, entry.key, (x, y));
-            svg.text((x + KEY, y + 0.35 * FONT), Anchor::Start, FONT, &entry.name);
+            svg.text((x + entry.key.width(), y + 0.35 * FONT), Anchor::Start, FONT, &entry.name);
             x += entry.width();
         }
     }
 }
 
 fn draw_key(svg: &mut Svg, key: Key, (x, y): (f64, f64)) {
+    let length = key.width() - 6.0;
     match key {
-        Key::Line(stroke) => svg.line((x, y), (x + KEY - 6.0, y), &stroke),
-        Key::Open(shape, color) => shape.draw_open(svg, "key", (x + 0.5 * (KEY - 6.0), y), color),
-        Key::Symbol(shape, fill) => shape.draw(svg, "key", (x + 0.5 * (KEY - 6.0), y), fill),
+        Key::Line(stroke) => svg.line((x, y), (x + length, y), &stroke),
+        Key::Open(shape, color) => shape.draw_open(svg, "key", (x + 0.5 * length, y), color),
+        Key::Symbol(shape, fill) => shape.draw(svg, "key", (x + 0.5 * length, y), fill),
     }
 }
 

@@ -8,6 +8,8 @@ const FONT: f64 = 13.0;
 const SYMBOL: f64 = 7.0;
 /// Distance between the places of a curve at which it is looked for, pixels.
 const STEP: f64 = 4.0;
+/// Least distance of two names on one line, pixels.
+const APART: f64 = 10.0;
 const LEADER: Stroke = Stroke::solid("#666666", 0.7);
 
 /// What is in the picture already.
@@ -22,6 +24,26 @@ pub(super) struct Taken {
 struct Place {
     rectangle: Rectangle,
     is_far: bool,
+}
+
+impl Place {
+    /// Where the line from the symbol at `at` ends.
+    fn near(&self, at: (f64, f64)) -> (f64, f64) {
+        let (x, y, w, h) = self.rectangle;
+        (at.0.clamp(x, x + w), at.1.clamp(y, y + h))
+    }
+
+    /// Whether that line runs through one of these rectangles.
+    fn leads_through(&self, at: (f64, f64), boxes: &[Rectangle]) -> bool {
+        let near = self.near(at);
+        let on_way = |k: i32| {
+            let share = f64::from(k) / 16.0;
+            (at.0 + share * (near.0 - at.0), at.1 + share * (near.1 - at.1))
+        };
+        let holds =
+            |(x, y, w, h): &Rectangle, at: (f64, f64)| (*x..=x + w).contains(&at.0) && (*y..=y + h).contains(&at.1);
+        self.is_far && (0..=16).map(on_way).any(|at| boxes.iter().any(|one| holds(one, at)))
+    }
 }
 
 impl Taken {
@@ -58,7 +80,7 @@ impl Taken {
         let size = (text_width(name, FONT) * 0.92, FONT);
         let candidates = candidates(at, size);
         let Some((cost, place)) =
-            candidates.map(|place| (self.cost(&place, frame), place)).min_by(|a, b| a.0.total_cmp(&b.0))
+            candidates.map(|place| (self.cost(&place, at, frame), place)).min_by(|a, b| a.0.total_cmp(&b.0))
         else {
             return;
         };
@@ -67,26 +89,27 @@ impl Taken {
         }
         let (x, y, w, h) = place.rectangle;
         if place.is_far {
-            let near = (at.0.clamp(x, x + w), at.1.clamp(y, y + h));
-            svg.line(at, near, &LEADER);
+            svg.line(at, place.near(at), &LEADER);
         }
         svg.haloed_text((x + 0.5 * w, y + 0.82 * h), Anchor::Middle, FONT, name);
         self.boxes.push(place.rectangle);
     }
 
-    fn cost(&self, place: &Place, frame: Rectangle) -> f64 {
+    fn cost(&self, place: &Place, at: (f64, f64), frame: Rectangle) -> f64 {
         let (x, y, w, h) = place.rectangle;
         let holds = |margin: f64, (a, b): &(f64, f64)| {
             (x - margin..=x + w + margin).contains(a) && (y - margin..=y + h + margin).contains(b)
         };
         let curves = self.places.iter().filter(|at| holds(1.5, at)).count();
         let symbols = self.symbols.iter().filter(|at| holds(SYMBOL, at)).count();
-        let crosses = |(a, b, c, d): &Rectangle| x < a + c && *a < x + w && y < b + d && *b < y + h;
+        // Beside each other two names read as one.
+        let crosses = |(a, b, c, d): &Rectangle| x < a + c + APART && *a < x + w + APART && y < b + d && *b < y + h;
         let boxes = self.boxes.iter().filter(|other| crosses(other)).count();
+        let through = usize::from(place.leads_through(at, &self.boxes));
         let (left, top, width, height) = frame;
         let outside = x < left + 2.0 || y < top + 2.0 || x + w > left + width - 2.0 || y + h > top + height - 2.0;
         let far = if place.is_far { 3.0 } else { 0.0 };
-        curves as f64 + far + HIDES * (symbols + 2 * boxes) as f64 + if outside { 20.0 * HIDES } else { 0.0 }
+        curves as f64 + far + HIDES * (symbols + 2 * boxes + through) as f64 + if outside { 20.0 * HIDES } else { 0.0 }
     }
 }
 
@@ -129,6 +152,31 @@ mod tests {
             for (a, b, c, d) in &taken.boxes[..k] {
                 assert!(x + w <= *a || a + c <= *x || y + h <= *b || b + d <= *y, "names {k}");
             }
+        }
+    }
+
+    #[test]
+    fn names_of_one_place_do_not_read_as_one() {
+        let mut taken = Taken::default();
+        let mut svg = Svg::new(400.0, 300.0);
+        taken.symbol((200.0, 150.0));
+        // A mark, the tongue whose tip it is, and tongues of other branches close by.
+        for (shift, name, may_go) in
+            [(0.0, "4", false), (0.0, "5:mode 2", true), (3.0, "16:mode 2", true), (-4.0, "17:mode 2", true)]
+        {
+            taken.name(&mut svg, FRAME, (200.0 + shift, 150.0), name, may_go);
+        }
+        assert_eq!(taken.boxes.len(), 4);
+        for (k, (x, y, w, h)) in taken.boxes.iter().enumerate() {
+            for (a, b, c, d) in &taken.boxes[..k] {
+                let is_beside = y + h > *b && b + d > *y;
+                assert!(!is_beside || x - (a + c) >= APART || a - (x + w) >= APART, "{:?}", taken.boxes);
+            }
+            // No line to a name runs through another one.
+            let place = Place { rectangle: (*x, *y, *w, *h), is_far: true };
+            let at = (200.0 + [0.0, 0.0, 3.0, -4.0][k], 150.0);
+            let far = (at.0 - place.near(at).0).hypot(at.1 - place.near(at).1) > 25.0;
+            assert!(!far || !place.leads_through(at, &taken.boxes[..k]), "{:?}", taken.boxes);
         }
     }
 

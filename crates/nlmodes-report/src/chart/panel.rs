@@ -1,10 +1,13 @@
-use super::draw::{FONT, LABEL, SMALL_LABEL, y_target};
+use super::draw::{FONT, LABEL, LABEL_BEYOND, SMALL_LABEL, y_target};
 use super::names::Taken;
 use super::smooth;
 use super::ticks::Tick;
 use super::{Axis, Chart, Curve, Form, Inset, Panel, Shape, Symbol};
 use crate::palette;
-use crate::svg::{Anchor, Stroke, Svg, fitting_size};
+use crate::svg::{Anchor, Stroke, Svg, fitting_size, text_width};
+
+/// Least distance of two labels of an abscissa, pixels.
+const BETWEEN: f64 = 14.0;
 
 const FRAME: Stroke = Stroke::solid(palette::INK, 1.0);
 
@@ -73,18 +76,35 @@ impl Chart {
                 }
             }
         }
-        let size = if self.panels.len() > 1 { SMALL_LABEL } else { LABEL };
-        let size = fitting_size(&panel.y.label, size, frame.height + 12.0);
+        let size = self.label_size(frame);
         svg.vertical_text((20.0, frame.top + 0.5 * frame.height), size, &panel.y.label);
         if lowest {
             let below = (frame.left + 0.5 * frame.width, frame.bottom() + 44.0);
-            svg.text(below, Anchor::Middle, fitting_size(&self.x.label, LABEL, frame.width + 20.0), &self.x.label);
+            svg.text(below, Anchor::Middle, size, &self.x.label);
         }
     }
 
+    /// One size for the labels of all axes, in which each has room.
+    fn label_size(&self, frame: Frame) -> f64 {
+        let size = if self.panels.len() > 1 { SMALL_LABEL } else { LABEL };
+        let fits = self.panels.iter().map(|panel| fitting_size(&panel.y.label, size, frame.height + LABEL_BEYOND));
+        fits.fold(fitting_size(&self.x.label, size, frame.width + 20.0), f64::min)
+    }
+
+    /// As many ticks as there is room for their labels.
+    fn x_ticks(&self, frame: Frame) -> Vec<Tick> {
+        let fits = |ticks: &Vec<Tick>| {
+            let place = |tick: &Tick| Some((frame.x(&self.x, tick.value)?, text_width(tick.label.as_ref()?, FONT)));
+            let labels: Vec<(f64, f64)> = ticks.iter().filter_map(place).collect();
+            labels.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 0.5 * (pair[0].1 + pair[1].1) + BETWEEN)
+        };
+        let most = (frame.width / 92.0).round().max(3.0) as usize;
+        let fewer = (1..=most).rev().map(|target| self.x.scale.ticks(target)).find(fits);
+        fewer.unwrap_or_else(|| self.x.scale.ticks(most))
+    }
+
     fn draw_x_ticks(&self, svg: &mut Svg, frame: Frame, labelled: bool) {
-        let target = (frame.width / 92.0).round().max(3.0) as usize;
-        for Tick { value, label } in self.x.scale.ticks(target) {
+        for Tick { value, label } in self.x_ticks(frame) {
             let Some(x) = frame.x(&self.x, value) else { continue };
             svg.line((x, frame.top), (x, frame.bottom()), &grid(label.is_some()));
             svg.line((x, frame.bottom()), (x, frame.bottom() + tick_length(label.is_some())), &FRAME);

@@ -1,11 +1,13 @@
-use super::{Column, DIFFERENCE_COLUMNS, FileMeaning, MODAL_POINT_COLUMNS, RESPONSE_DIFFERENCE_COLUMNS};
+use super::{
+    Column, DIFFERENCE_COLUMNS, FileMeaning, MODAL_POINT_COLUMNS, RESPONSE_DIFFERENCE_COLUMNS, STOP_DIFFERENCE_COLUMNS,
+};
 use crate::table::{
     APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
     PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
 /// The files of results of a structure, in the order in which they are of use.
-pub const FILES: [FileMeaning; 21] = [
+pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
@@ -66,6 +68,11 @@ pub const FILES: [FileMeaning; 21] = [
         name: "methods.csv",
         meaning: "Where a scene has several methods or numbers of harmonics: each point of the others against the first one at equal modal amplitude",
         columns: &[&DIFFERENCE_COLUMNS],
+    },
+    FileMeaning {
+        name: "methods_stops.csv",
+        meaning: "The same stop by stop: the impulse of each at equal modal amplitude, or energy, and at equal frequency; `overlay_stops.csv` where a branch with `contacts.csv` is laid over",
+        columns: &[&STOP_DIFFERENCE_COLUMNS],
     },
     FileMeaning {
         name: "starts.npz",

@@ -13,6 +13,9 @@ use nlmodes_modal::{Event, ModalBranch, ModalPoint, Tongue, tongues};
 use pieces::{State, branch_stroke, pieces};
 use std::f64::consts::TAU;
 
+/// Share of the axis of amplitudes below which the points begin if it goes down to zero.
+const FROM_ZERO: f64 = 0.5;
+
 /// Over what the frequency of a nonlinear mode is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -225,14 +228,17 @@ impl<'a> BranchFigure<'a> {
             true => Key::Open(Shape::Circle, palette::curve(index)),
             false => Key::Line(branch_stroke(index)),
         };
+        // What has no point in this figure, such as a test without energies over energy, has no place in its legend.
+        let branches = branches.filter(|(_, branch)| branch.points.iter().any(|point| self.is_visible(point)));
         let branches = branches.map(|(index, branch)| LegendEntry { key: key(index), name: branch.label.clone() });
         let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
-        let states = self.branches.iter().flat_map(|branch| &branch.points).map(State::of).collect::<Vec<_>>();
+        let curves = self.branches.iter().enumerate().filter(|(index, _)| !self.scattered.contains(index));
+        let states: Vec<State> =
+            curves.flat_map(|(_, branch)| pieces(&branch.points)).map(|piece| piece.state).collect();
         let unstable =
             states.contains(&State::Unstable).then(|| entry(Stroke::short_dashed(palette::INK, 2.0), "unstable"));
-        let judged = states.iter().any(|state| *state != State::Unknown);
-        let unknown = judged && states.contains(&State::Unknown);
-        let unknown = unknown.then(|| entry(Stroke::solid(palette::INK, 0.9), "stability unknown"));
+        let unknown =
+            states.contains(&State::Unknown).then(|| entry(Stroke::solid(palette::INK, 0.9), "stability unknown"));
         branches.chain(linear).chain(unstable).chain(unknown).chain(events.legend()).collect()
     }
 }
@@ -263,7 +269,7 @@ impl Abscissa {
         }
     }
 
-    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a share of the decades.
+    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a fifth of an axis whose points lie far from zero.
     fn scale(self, values: impl Iterator<Item = f64>, grazing: Option<f64>) -> Option<Scale> {
         match self {
             Self::Energy => {
@@ -274,8 +280,12 @@ impl Abscissa {
             }
             Self::ModalAmplitude => {
                 let scale = Scale::linear(values, 0.04)?;
+                let (low, high) = scale.ends();
                 let below = grazing.filter(|amplitude| *amplitude > 0.0);
-                Some(below.map_or(scale, |_| scale.starting_at(0.0)))
+                Some(below.map_or(scale, |amplitude| match low > FROM_ZERO * high {
+                    true => scale.starting_at(low.min(amplitude - 0.25 * (high - amplitude))),
+                    false => scale.starting_at(0.0),
+                }))
             }
         }
     }

@@ -12,12 +12,20 @@ impl HtmlReport<'_> {
             self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line))).collect();
         let Some(branch) = self.branches.first() else { return lines };
         let cards: String = self.cards(branch).into_iter().map(|(value, name)| card(&value, &name)).collect();
-        format!("{}{lines}<ul class=\"cards\">\n{cards}</ul>\n", outcome(self.branches))
+        format!("{}{lines}<ul class=\"cards\">\n{cards}</ul>\n", self.outcome())
+    }
+
+    /// The branches that were computed, or those that were measured.
+    fn branches_that(&self, are_measured: bool) -> impl Iterator<Item = &ModalBranch> {
+        let all = self.branches.iter().enumerate();
+        all.filter(move |(k, _)| self.scattered.contains(k) == are_measured).map(|(_, branch)| *branch)
     }
 
     fn cards(&self, branch: &ModalBranch) -> Vec<(String, String)> {
-        let mut cards = match self.branches {
-            [_] => ends(branch),
+        let computed: Vec<&ModalBranch> = self.branches_that(false).collect();
+        let mut cards = match computed.as_slice() {
+            [only] => ends(only),
+            [] if self.branches.len() == 1 => ends(branch),
             _ => Vec::new(),
         };
         let points = || self.branches.iter().flat_map(|branch| &branch.points).filter(|point| point.omega.is_finite());
@@ -26,9 +34,6 @@ impl HtmlReport<'_> {
         }
         let energies = || points().map(|point| point.kinetic_energy).filter(|energy| energy.is_finite());
         let (least, most) = (energies().fold(f64::INFINITY, f64::min), energies().fold(0.0, f64::max));
-        let n_branches = self.branches.len();
-        let of = if n_branches == 1 { "points".into() } else { format!("points on {n_branches} branches") };
-        let n_points: usize = self.branches.iter().map(|branch| branch.points.len()).sum();
         if least.is_finite() {
             let text = format!("{} … {} J", significant(least, 3), significant(most, 3));
             cards.push((text, "averaged kinetic energy".into()));
@@ -46,7 +51,7 @@ impl HtmlReport<'_> {
             let of = if self.scattered.contains(&0) { " of a point, each the mean over its periods" } else { "" };
             cards.push((force(points()), format!("largest contact force{of}")));
         }
-        cards.push((n_points.to_string(), of));
+        cards.extend(self.counts(computed.len()));
         let mut resonances: Vec<String> = Vec::new();
         for tongue in self.branches.iter().flat_map(|branch| tongues(&branch.points)) {
             let name = tongue.resonance.to_string();
@@ -58,6 +63,56 @@ impl HtmlReport<'_> {
             cards.push((resonances.join(", "), "internal resonance".into()));
         }
         cards
+    }
+}
+
+impl HtmlReport<'_> {
+    /// How many points were computed, on so many branches, and how many measured.
+    fn counts(&self, computed: usize) -> impl Iterator<Item = (String, String)> {
+        let count = |measured: bool| self.branches_that(measured).map(|branch| branch.points.len()).sum::<usize>();
+        let of = if computed == 1 { "points".to_owned() } else { format!("points on {computed} branches") };
+        let all = [(count(false), of), (count(true), "measured points".to_owned())];
+        all.into_iter().filter(|(count, _)| *count > 0).map(|(count, of)| (count.to_string(), of))
+    }
+
+    /// How the branches ended: each of several by its name, and whether one did not end where it should. What was measured did not end anywhere.
+    fn outcome(&self) -> String {
+        let early = self.branches.iter().filter(|branch| !branch.end.complete).count();
+        let on_tongue =
+            self.branches.iter().filter(|branch| branch.end.complete && tongue_at_end(branch).is_some()).count();
+        let is_test = self.scattered.contains(&0);
+        let (class, word) = match (early, on_tongue) {
+            (0, _) if is_test => ("done", "✓ All measured"),
+            (0, 0) => ("done", "✓ Complete"),
+            (0, _) => ("done", "✓ Complete; it ends on the tongue of an internal resonance"),
+            _ if is_test => ("early", "⚠ Not all measured"),
+            _ => ("early", "⚠ Ended early"),
+        };
+        let of = match (self.branches_that(false).count(), if early > 0 { early } else { on_tongue }) {
+            (0 | 1, _) | (_, 0) => String::new(),
+            (n, count) => format!(" ({count} of {n} branches)"),
+        };
+        let text = match self.branches {
+            [only] => format!(": {}.", said(only)),
+            all => {
+                let line = |(k, branch): (usize, &&ModalBranch)| {
+                    let (label, n, range) = (escape(&branch.label), branch.points.len(), range(branch));
+                    let points = if self.scattered.contains(&k) { "measured points" } else { "points" };
+                    let early = if branch.end.complete { "" } else { "⚠ " };
+                    format!("<br/>{early}{label}: {n} {points}{range}; {}", said(branch))
+                };
+                all.iter().enumerate().map(line).collect::<String>()
+            }
+        };
+        format!("<p class=\"outcome {class}\">{word}{of}{text}</p>\n")
+    }
+}
+
+/// Why a branch ended, and on which tongue.
+fn said(branch: &ModalBranch) -> String {
+    match tongue_at_end(branch) {
+        Some(tongue) => format!("{}, on the tongue {tongue}", escape(&branch.end.message)),
+        None => escape(&branch.end.message),
     }
 }
 
@@ -102,35 +157,4 @@ fn force<'p>(points: impl Iterator<Item = &'p ModalPoint>) -> String {
 /// The internal resonance on whose tongue a branch ends.
 pub(super) fn tongue_at_end(branch: &ModalBranch) -> Option<String> {
     branch.points.last()?.resonance.as_ref().map(ToString::to_string)
-}
-
-/// How the branches ended: each of several by its name, and whether one did not end where it should.
-fn outcome(branches: &[&ModalBranch]) -> String {
-    let early = branches.iter().filter(|branch| !branch.end.complete).count();
-    let on_tongue = branches.iter().filter(|branch| branch.end.complete && tongue_at_end(branch).is_some()).count();
-    let (class, word) = match (early, on_tongue) {
-        (0, 0) => ("done", "✓ Complete"),
-        (0, _) => ("early", "⚠ Ended on the tongue of an internal resonance"),
-        _ => ("early", "⚠ Ended early"),
-    };
-    let of = match (branches.len(), early, on_tongue) {
-        (1, ..) | (_, 0, 0) => String::new(),
-        (n, 0, count) | (n, count, _) => format!(" ({count} of {n} branches)"),
-    };
-    let said = |branch: &&ModalBranch| match tongue_at_end(branch) {
-        Some(tongue) => format!("{}, on the tongue {tongue}", escape(&branch.end.message)),
-        None => escape(&branch.end.message),
-    };
-    let text = match branches {
-        [only] => format!(": {}.", said(only)),
-        all => {
-            let line = |branch: &&ModalBranch| {
-                let (label, n, range) = (escape(&branch.label), branch.points.len(), range(branch));
-                let early = if branch.end.complete { "" } else { "⚠ " };
-                format!("<br/>{early}{label}: {n} points{range}; {}", said(branch))
-            };
-            all.iter().map(line).collect::<String>()
-        }
-    };
-    format!("<p class=\"outcome {class}\">{word}{of}{text}</p>\n")
 }

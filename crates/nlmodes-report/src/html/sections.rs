@@ -237,9 +237,10 @@ impl HtmlReport<'_> {
     }
 
     fn ends(&self) -> String {
-        let row = |branch: &&nlmodes_modal::ModalBranch| {
+        let row = |(k, branch): (usize, &&nlmodes_modal::ModalBranch)| {
             let (end, n) = (&branch.end, branch.points.len().to_string());
             let complete = match tongue_at_end(branch) {
+                _ if self.scattered.contains(&k) && end.complete => "measured points".to_owned(),
                 _ if !end.complete => "no, ended early".to_owned(),
                 Some(tongue) => format!("yes, but on the tongue {tongue}"),
                 None => "yes".to_owned(),
@@ -247,7 +248,7 @@ impl HtmlReport<'_> {
             let label = cell(" ", &escape(&branch.label));
             vec![label, cell(&n, &n), cell(" ", &escape(&end.message)), cell(" ", &escape(&complete))]
         };
-        let rows: Vec<Vec<String>> = self.branches.iter().map(row).collect();
+        let rows: Vec<Vec<String>> = self.branches.iter().enumerate().map(row).collect();
         DataTable::new("Branches and why they end", &["branch", "points", "end", "complete"]).html_with(rows)
     }
 

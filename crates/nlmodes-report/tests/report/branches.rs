@@ -1,6 +1,6 @@
 use crate::{checked, of_class, points, samples, texts};
 use nlmodes_modal::{Event, ModalBranch, Stability};
-use nlmodes_report::{Abscissa, BranchFigure, ReportError};
+use nlmodes_report::{Abscissa, BranchFigure, FigureStyle, ReportError};
 
 const BOTH: [Abscissa; 2] = [Abscissa::Energy, Abscissa::ModalAmplitude];
 
@@ -97,11 +97,65 @@ fn values_that_cannot_be_shown_interrupt_the_curve() {
 }
 
 #[test]
-fn empty_branch_beside_another_stays_in_the_legend() {
-    let mut empty = samples::rod(0, 1);
-    empty.label = "measured".into();
-    let figure = BranchFigure::new(Abscissa::Energy, &[&empty, &samples::rod(5, 1)]).render().unwrap();
-    assert!(texts(&checked(&figure)).contains(&"measured".into()));
+fn the_legend_names_what_has_a_point_in_its_figure() {
+    // A test gives amplitudes, and no energies; nobody judged its stability.
+    let mut test = samples::rod(4, 1);
+    test.label = "measured".into();
+    test.points.iter_mut().for_each(|point| (point.kinetic_energy, point.stability) = (f64::NAN, None));
+    let mut rod = samples::rod(5, 1);
+    for point in &mut rod.points {
+        point.stability = Some(Stability { stable: true, largest_multiplier: [1.0, 0.0] });
+    }
+    for (abscissa, is_there) in BOTH.into_iter().zip([false, true]) {
+        let figure = BranchFigure::new(abscissa, &[&rod, &test]).scattered(&[1]).render().unwrap();
+        let texts = texts(&checked(&figure));
+        assert_eq!(texts.contains(&"measured".into()), is_there, "{texts:?}");
+        assert!(!texts.contains(&"stability unknown".into()), "{texts:?}");
+        assert_eq!(of_class(&checked(&figure), "measured").len(), if is_there { 4 } else { 0 });
+    }
+}
+
+#[test]
+fn the_axis_of_amplitudes_begins_at_zero_unless_all_points_lie_far_from_it() {
+    for (step, is_far) in [(0.05, true), (1.0, false)] {
+        let mut branch = samples::rod(9, 1);
+        branch.points.iter_mut().enumerate().for_each(|(k, point)| point.modal_amplitude = 1.0 + step * k as f64);
+        let figure = BranchFigure::new(Abscissa::ModalAmplitude, &[&branch]).render().unwrap();
+        let document = checked(&figure);
+        let line = points(of_class(&document, "linear-mode")[0]);
+        let has_zero = texts(&document).iter().any(|text| text == "0");
+        // Without a margin the axis ends 0.04 of the span behind the last point.
+        let (first, last) = (branch.points[0].modal_amplitude, branch.points[8].modal_amplitude);
+        let curve = points(of_class(&document, "branch")[0]);
+        let pixels = (curve[8].0 - curve[0].0) / (last - first);
+        let axis = (line[1].0 - line[0].0) / pixels;
+        assert_eq!(has_zero, !is_far);
+        let expected = if has_zero { first } else { 0.25 * 1.04 * (last - first) };
+        assert!((axis / expected - 1.0).abs() < 2e-3, "{axis} {expected}");
+    }
+}
+
+#[test]
+fn the_labels_of_both_axes_have_letters_of_one_size() {
+    let branch = samples::rod(9, 1);
+    for width in [60.0, 90.0, 180.0] {
+        let style = FigureStyle { width_mm: Some(width), has_title: true };
+        for abscissa in BOTH {
+            let figure = BranchFigure::new(abscissa, &[&branch]).render().unwrap().styled(&style);
+            let document = checked(&figure);
+            let size = |label: &str| {
+                let text = document.descendants().find(|node| node.text().is_some_and(|text| text.starts_with(label)));
+                text.and_then(|node| node.attribute("font-size")).map(str::to_owned)
+            };
+            let x = if abscissa == Abscissa::Energy { "averaged" } else { "modal amplitude" };
+            assert!(
+                size(x).is_some() && size(x) == size("frequency in"),
+                "{width}: {:?} {:?}",
+                size(x),
+                size("frequency")
+            );
+        }
+    }
 }
 
 #[test]

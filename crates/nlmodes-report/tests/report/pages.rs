@@ -1,7 +1,7 @@
 use crate::samples;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use nlmodes_modal::{ContactPeriod, Event, ModalBranch, Participation, TimeHistory};
+use nlmodes_modal::{ContactPeriod, Event, InternalResonance, ModalBranch, Participation, TimeHistory};
 use nlmodes_report::{DataTable, HtmlReport, ReportError, StopLine};
 use roxmltree::Document;
 
@@ -181,6 +181,34 @@ fn ten_branches_of_five_hundred_points_before_ten_stops_stay_under_five_megabyte
         assert!(frames.iter().all(|frame| frame["contacts"].as_array().unwrap().len() == 10));
         assert_eq!(column(&branch["stops"][9]["force"])[77], 12.345_679);
     }
+}
+
+#[test]
+fn measured_points_are_no_branch_and_the_tongue_at_an_end_that_was_asked_for_is_no_warning() {
+    const DONE: &str = "<p class=\"outcome done\">";
+    const EARLY: &str = "<p class=\"outcome early\">";
+    let (computed, mut test) = (samples::looped(20), samples::rod(7, 1));
+    test.label = "rig".into();
+    let own = [&computed, &test];
+    let page = HtmlReport::new("rod", &own).scattered(&[1]).render().unwrap();
+    for text in
+        ["rig: 7 measured points", "<strong>7</strong><span>measured points", "<strong>20</strong><span>points<"]
+    {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(!page.contains("on 2 branches") && page.contains(DONE));
+    // Records alone.
+    let page = HtmlReport::new("records", &own[1..]).scattered(&[0]).render().unwrap();
+    assert!(page.contains("✓ All measured") && !page.contains("Complete"), "{}", &page[..3000]);
+    test.end.complete = false;
+    let page = HtmlReport::new("records", &[&test]).scattered(&[0]).render().unwrap();
+    assert!(page.contains(EARLY) && page.contains("⚠ Not all measured"));
+    let mut ended = samples::looped(20);
+    ended.points.last_mut().unwrap().resonance = Some(InternalResonance { harmonic: 16, mode: 2 });
+    let page = HtmlReport::new("rod", &[&ended]).render().unwrap();
+    assert!(page.contains(DONE) && page.contains("on the tongue 16:mode 2") && !page.contains(EARLY));
+    ended.end.complete = false;
+    assert!(HtmlReport::new("rod", &[&ended]).render().unwrap().contains("⚠ Ended early"));
 }
 
 /// Participation of two modes, one of which has its sign changed at each point.

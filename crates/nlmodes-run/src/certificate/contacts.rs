@@ -24,7 +24,7 @@ pub fn complementarity(computed: &ComputedBranch, points: &[usize]) -> Check {
     }
     let words = format!(
         "no force pulls, no gap is negative, none of both at once: largest |min(λ/λ_max, g/q_max)| over a period, {}",
-        listed(points)
+        listed(points, &computed.branch.points)
     );
     Check::found(NAME, None, worst.value, LIMIT, words).at(&worst)
 }

@@ -42,7 +42,8 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
             Err(error) => return missing(format!("point {k}: {error}"), "`verify`"),
         }
     }
-    let words = format!("change of the energy over a period of the motion, {}; an exact one keeps it", listed(points));
+    let at = listed(points, &computed.branch.points);
+    let words = format!("change of the energy over a period of the motion, {at}; an exact one keeps it");
     Check::found(NAME, OF, worst.value, LIMIT, words).at(&worst)
 }
 

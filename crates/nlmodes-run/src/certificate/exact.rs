@@ -2,9 +2,10 @@
 
 use nlmodes::modal::ModalPoint;
 use nlmodes::study::ComputedBranch;
+use nlmodes::timestep::TimestepError;
 
-use super::finer::{floors, relative};
-use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Sources, Worst, listed};
+use super::finer::{TOUCHING, UNTOUCHED, floors, relative, touches};
+use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Place, Sources, Worst, listed, named};
 use crate::verify::{Found, Point, verify_up_to};
 
 const RETURN: &str = "return after a period";
@@ -35,48 +36,54 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>,
             Ok(point) => point,
             Err(error) => return missing(&format!("point {k}: {error}"), "`verify`"),
         };
-        let found = match verify_up_to(&point, LARGEST[1]) {
+        let found = match verify_up_to(&point, LARGEST[1], sources.watch) {
             Ok(found) => found,
+            Err(TimestepError::Ended) => return missing(BROKEN_OFF, CERTIFY),
             Err(error) => return missing(&format!("point {k}: {error}"), "`verify`"),
         };
         returned.take(k, found.verification.energy_norm);
         match beside(&found, &computed.branch.points[k], floors(computed)) {
             Some(errors) => worst.iter_mut().zip(errors).for_each(|(worst, error)| worst.take(k, error)),
-            None => lost.push(k),
+            None => lost.push(Place::of(k, &computed.branch.points[k])),
         }
     }
-    let words = format!("what is missing to the first state in the energy norm, {}", listed(points));
+    let at = listed(points, &computed.branch.points);
+    let words = format!("what is missing to the first state in the energy norm, {at}");
     let mut checks = vec![Check::found(RETURN, Some(Number::Displacement), returned.value, LIMIT, words).at(&returned)];
     if lost.len() == points.len() {
         let why = match n > LARGEST[1] {
             true => format!("{n} degrees of freedom, more than {}", LARGEST[1]),
-            false => format!("no exact motion of that energy was found next to {}", listed(points)),
+            false => format!("no exact motion of that energy was found next to {at}"),
         };
         let missing =
             Check::missing(EXACT, None, Number::Frequency.limit(), why, "more harmonics; method.kind = \"shooting\"");
         checks.push(missing);
         return checks;
     }
-    let said = if lost.is_empty() { String::new() } else { format!("; none was found next to {}", listed(&lost)) };
-    let words = format!("beside the exact motion of the same energy, {}{said}", listed(points));
+    let said = if lost.is_empty() { String::new() } else { format!("; none was found next to {}", named(&lost)) };
+    let words = format!("beside the exact motion of the same energy, {at}{said}");
     let of = |(number, worst): (Number, Worst)| {
+        if worst.all.is_empty() {
+            return Check::missing(EXACT, Some(number), number.limit(), UNTOUCHED, TOUCHING);
+        }
         Check::found(EXACT, Some(number), worst.value, number.limit(), words.clone()).at(&worst)
     };
     checks.extend(COMPARED.into_iter().zip(worst).map(of));
     checks
 }
 
-/// Relative differences to the numbers of the exact motion, in the order in which they are compared.
-fn beside(found: &Found, point: &ModalPoint, [small_force, small_impulse]: [f64; 2]) -> Option<[f64; 3]> {
+/// Relative differences to the numbers of the exact motion, in the order in which they are compared; none of forces where no stop is touched.
+fn beside(found: &Found, point: &ModalPoint, [small_force, small_impulse]: [f64; 2]) -> Option<[Option<f64>; 3]> {
     let motion = &found.exact.as_ref()?.as_ref().ok()?.motion;
     let exact = motion.trajectory.contact_periods(point.contacts.len());
     let pairs = point.contacts.iter().zip(&exact);
     let impulses = pairs.map(|(own, exact)| relative(own.impulse, exact.impulse, small_impulse));
     let force = exact.iter().map(|c| c.peak_force).fold(0.0, f64::max);
+    let touches = touches(point.peak_contact_force.max(force), small_force);
     Some([
-        relative(point.omega, motion.omega, 0.0),
-        impulses.fold(0.0, f64::max),
-        relative(point.peak_contact_force, force, small_force),
+        Some(relative(point.omega, motion.omega, 0.0)),
+        touches.then(|| impulses.fold(0.0, f64::max)),
+        touches.then(|| relative(point.peak_contact_force, force, small_force)),
     ])
 }
 

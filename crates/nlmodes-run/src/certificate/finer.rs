@@ -2,9 +2,9 @@
 
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
-use nlmodes::study::{ComputedBranch, StudyError};
+use nlmodes::study::{ComputedBranch, StudyError, Watch};
 
-use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Sources, Worst, listed};
+use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Place, Sources, Worst, listed, named};
 
 const HARMONICS: &str = "harmonics";
 const MODES: &str = "modes";
@@ -47,7 +47,7 @@ pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>,
     };
     let number = |k: usize| 2 * computed.branch.points[k].coefficients.n_harmonics();
     let solve = |k: usize| computed.refined(k, number(k), &computed.structure);
-    again((HARMONICS, "method.harmonics twice as large"), computed, &points, words, solve, look)
+    again((HARMONICS, "method.harmonics twice as large"), computed, &points, words, solve, (look, sources.watch))
 }
 
 /// The estimates of the frequency's error that an accuracy has been asked for with; else nothing.
@@ -104,10 +104,10 @@ pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, 
         Ok(finer) => finer,
         Err(error) => return vec![Check::missing(MODES, None, limit, error.to_string(), how)],
     };
-    let words =
-        |lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {}{lost}", listed(points));
+    let at = listed(points, &computed.branch.points);
+    let words = |lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {at}{lost}");
     let number = |k: usize| computed.branch.points[k].coefficients.n_harmonics();
-    again((MODES, how), computed, points, words, |k| computed.refined(k, number(k), &finer), look)
+    again((MODES, how), computed, points, words, |k| computed.refined(k, number(k), &finer), (look, sources.watch))
 }
 
 /// Largest changes of the numbers where points are solved again.
@@ -117,7 +117,7 @@ fn again(
     points: &[usize],
     words: impl Fn(&str) -> String,
     solve: impl Fn(usize) -> Result<Option<ModalPoint>, StudyError>,
-    look: Looking<'_>,
+    (look, watch): (Looking<'_>, &Watch),
 ) -> Vec<Check> {
     let missing = |why: String, how| vec![Check::missing(name, None, Number::Frequency.limit(), why, how)];
     let (mut worst, mut lost) = (<[Worst; 4]>::default(), Vec::new());
@@ -125,40 +125,55 @@ fn again(
         if !look(name, k, [number + 1, points.len()]) {
             return missing(BROKEN_OFF.to_owned(), CERTIFY);
         }
-        match solve(k) {
+        let solved = solve(k);
+        if watch.asks_to_end() {
+            return missing(BROKEN_OFF.to_owned(), CERTIFY);
+        }
+        match solved {
             Ok(Some(after)) => {
                 let found = changes(computed, &computed.branch.points[k], &after);
                 worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(k, found));
             }
-            Ok(None) => lost.push(k),
+            Ok(None) => lost.push(Place::of(k, &computed.branch.points[k])),
             Err(error) => return missing(error.to_string(), how),
         }
     }
     let said = match lost.as_slice() {
         [] => String::new(),
-        lost => format!("; from {} Newton's method does not lead to one and back", listed(lost)),
+        lost => format!("; from {} Newton's method does not lead to one and back", named(lost)),
     };
     // A motion to which more harmonics, or modes, have nothing near is not one to trust, whatever the other points say.
     let words = words(&said);
     let of = |(number, worst): (Number, Worst)| {
+        let silent = points.len() - lost.len() - worst.all.len();
+        let words = match worst.all.is_empty() && lost.is_empty() {
+            true => return Check::missing(name, Some(number), number.limit(), UNTOUCHED, TOUCHING),
+            false if silent > 0 => format!("{words}; {silent} of them touch no stop and say nothing of this number"),
+            false => words.clone(),
+        };
         let value = if lost.len() == points.len() { f64::NAN } else { worst.value };
-        Check::found(name, Some(number), value, number.limit(), words.clone()).at(&worst).without(&lost)
+        Check::found(name, Some(number), value, number.limit(), words).at(&worst).without(&lost)
     };
     Number::ALL.into_iter().zip(worst).map(of).collect()
 }
 
-/// Relative changes of the numbers, in their order.
-fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -> [f64; 4] {
+/// What is said where no point has a force.
+pub(super) const UNTOUCHED: &str = "no point that was looked at touches a stop";
+pub(super) const TOUCHING: &str = "a branch that goes on beyond the first touch";
+
+/// Relative changes of the numbers, in their order; none of forces where no stop is touched.
+fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -> [Option<f64>; 4] {
     let [force, impulse] = floors(computed);
     let amplitude = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.modal_amplitude));
     let each = before.contacts.iter().zip(&after.contacts);
     // Before a rigid stop the largest displacement is the gap, whatever the harmonics.
     let displacement = relative(before.modal_amplitude, after.modal_amplitude, FLOOR * amplitude);
+    let touches = touches(before.peak_contact_force.max(after.peak_contact_force), force);
     [
-        relative(before.omega, after.omega, 0.0),
-        relative(before.peak, after.peak, 0.0).max(displacement),
-        each.map(|(b, a)| relative(b.impulse, a.impulse, impulse)).fold(0.0, f64::max),
-        relative(before.peak_contact_force, after.peak_contact_force, force),
+        Some(relative(before.omega, after.omega, 0.0)),
+        Some(relative(before.peak, after.peak, 0.0).max(displacement)),
+        touches.then(|| each.map(|(b, a)| relative(b.impulse, a.impulse, impulse)).fold(0.0, f64::max)),
+        touches.then(|| relative(before.peak_contact_force, after.peak_contact_force, force)),
     ]
 }
 
@@ -168,6 +183,11 @@ pub fn floors(computed: &ComputedBranch) -> [f64; 2] {
     let force = points.iter().map(|p| p.peak_contact_force).fold(0.0, f64::max);
     let impulse = points.iter().flat_map(|p| &p.contacts).map(|c| c.impulse).fold(0.0, f64::max);
     [force, impulse].map(|largest| (FLOOR * largest).max(f64::MIN_POSITIVE))
+}
+
+/// Whether a largest force is more than rounding, by the one below which forces do not count by themselves.
+pub fn touches(force: f64, floor: f64) -> bool {
+    force > 1e-7 * floor
 }
 
 /// `|before − after|` over the latter, or over `floor` where that is larger.

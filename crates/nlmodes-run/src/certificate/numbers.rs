@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Check, Outcome, listed, share};
+use super::{Check, Outcome, Place, named, share};
 
 /// A number of the results, or several that stand and fall together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -121,20 +121,26 @@ fn refused(against: &[&Check]) -> String {
     let one = |check: &&Check| match check.value {
         _ if !check.lost.is_empty() => {
             let more = check.name;
-            let at = listed(&check.lost);
+            let at = named(&check.lost);
             let found = check.value.filter(|value| *value > check.limit).map_or_else(String::new, |value| {
-                let point = check.point.map_or_else(String::new, |point| format!(" at point {point}"));
-                format!(", and {}{point}, good is up to {}", share(value), share(check.limit))
+                format!(", and {}{}, good is up to {}", share(value), place(check), share(check.limit))
             });
             format!("{more}: no motion with twice as many leads from {at} and back{found}")
         }
         Some(value) => {
-            let at = check.point.map_or_else(String::new, |point| format!(" at point {point}"));
-            format!("{}: {}{at}, good is up to {}", check.name, share(value), share(check.limit))
+            format!("{}: {}{}, good is up to {}", check.name, share(value), place(check), share(check.limit))
         }
         None => format!("{}: {}", check.name, check.words),
     };
     against.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+/// ` at point 7 (66.123 Hz, 0.0124 J)`; nothing where it is at none.
+fn place(check: &Check) -> String {
+    let energy = |place: &Place| place.energy_j.map_or_else(String::new, |_| format!(", {} J", place.joule()));
+    check
+        .place
+        .map_or_else(String::new, |place| format!(" at point {} ({} Hz{})", place.point, place.hertz(), energy(&place)))
 }
 
 /// What to use instead of a largest force, by what the same checks say of impulses.

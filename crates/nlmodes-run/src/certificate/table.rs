@@ -2,7 +2,7 @@
 
 use nlmodes::report::DataTable;
 
-use super::{Certificate, Check, Outcome, share};
+use super::{Certificate, Check, Outcome, Place, share};
 
 impl Outcome {
     /// In words.
@@ -29,23 +29,29 @@ pub fn tables(certificate: &Certificate, name: Option<&str>, branch: Option<usiz
     let head = ["looked at", "of", "came out", "largest", "good up to", "what was compared"];
     let mut checks = DataTable::new(of("What was looked at, and what was not"), &head);
     checks.rows = certificate.checks.iter().map(row).collect();
-    let mut points = DataTable::new(of("Points that were looked at"), &["point", "came out", "what speaks against it"]);
+    let mut points = DataTable::new(
+        of("Points that were looked at"),
+        &["point", "frequency, Hz", "energy, J", "came out", "what speaks against it"],
+    );
     points.chooses = branch;
-    let doubt = |point: usize| certificate.points_in_doubt.iter().find(|doubt| doubt.point == point);
-    let mut all: Vec<usize> = certificate.points.clone();
-    all.extend(certificate.points_in_doubt.iter().map(|doubt| doubt.point));
-    all.sort_unstable();
-    all.dedup();
-    let of_point = |point: usize| match doubt(point) {
-        Some(doubt) => vec![point.to_string(), Outcome::Doubtful.name().into(), doubt.against.join(", ")],
-        None => vec![point.to_string(), Outcome::Good.name().into(), String::new()],
+    let doubt = |point: usize| certificate.points_in_doubt.iter().find(|doubt| doubt.place.point == point);
+    let mut all: Vec<Place> = certificate.points.clone();
+    all.extend(certificate.points_in_doubt.iter().map(|doubt| doubt.place));
+    all.sort_by_key(|place| place.point);
+    all.dedup_by_key(|place| place.point);
+    let of_point = |place: Place| {
+        let (outcome, against) = match doubt(place.point) {
+            Some(doubt) => (Outcome::Doubtful, doubt.against.join(", ")),
+            None => (Outcome::Good, String::new()),
+        };
+        vec![place.point.to_string(), place.hertz(), place.joule(), outcome.name().into(), against]
     };
     points.rows = all.into_iter().map(of_point).collect();
     [numbers, points, checks]
 }
 
 fn row(check: &Check) -> Vec<String> {
-    let at = check.point.map_or_else(String::new, |point| format!(" (point {point})"));
+    let at = check.place.map_or_else(String::new, |place| format!(" (point {}, {} Hz)", place.point, place.hertz()));
     let value = check.value.map_or_else(|| "–".to_owned(), |value| format!("{}{at}", share(value)));
     let how = check.how.map_or_else(String::new, |how| format!("; to have it looked at: {how}"));
     vec![

@@ -33,7 +33,11 @@ fn branch(scene: &Scene, start: BranchStart) -> ComputedBranch {
 fn certificate(elements: usize, harmonics: usize, units: [f64; 2], thorough: bool) -> Certificate {
     let scene = scene(elements, harmonics, units);
     let computed = branch(&scene, BranchStart::Grazing);
-    Certificate::of(&computed, Sources { scene: &scene, open: None, shift: None, thorough }, &mut |_, _, _| true)
+    Certificate::of(
+        &computed,
+        Sources { scene: &scene, open: None, shift: None, thorough, watch: &Watch::default() },
+        &mut |_, _, _| true,
+    )
 }
 
 const SI: [f64; 2] = [1.0, 1.0];
@@ -139,7 +143,7 @@ fn too_few_held_modes_are_doubted_and_enough_are_not() {
     for (kept, expected) in [(3, Outcome::Doubtful), (10, Outcome::Good)] {
         let settings = BranchSettings { held_modes: Some(kept), ..branch_settings(&scene) };
         let few = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(())).unwrap();
-        let sources = Sources { scene: &scene, open: None, shift: None, thorough: true };
+        let sources = Sources { scene: &scene, open: None, shift: None, thorough: true, watch: &Watch::default() };
         let checks = finer::modes(&few, &few_points(&few), sources, &mut |_, _, _| true);
         let force = checks.iter().find(|c| c.number == Some(Number::PeakForce)).unwrap();
         assert_eq!(force.outcome, expected, "{kept}: {checks:?}");
@@ -182,17 +186,19 @@ fn the_impulse_is_recommended_only_where_it_is_good() {
 fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     let (scene, force) = (scene(4, 2, SI), Number::PeakForce);
     let computed = branch(&scene, BranchStart::Grazing);
-    let sources = Sources { scene: &scene, open: None, shift: None, thorough: true };
+    let sources = Sources { scene: &scene, open: None, shift: None, thorough: true, watch: &Watch::default() };
     let poor = Certificate::of(&computed, sources, &mut |_, _, _| true);
     let (all, doubted) = (computed.branch.points.len(), &poor.points_in_doubt);
-    assert!(!doubted.is_empty() && doubted.iter().all(|doubt| poor.points.contains(&doubt.point)), "{poor:?}");
+    assert!(!doubted.is_empty() && doubted.iter().all(|doubt| poor.points.contains(&doubt.place)), "{poor:?}");
     // Each by its own numbers: a point whose force changes beyond the limit is named, one within it is not.
-    for &point in &poor.points {
+    for &Place { point, frequency_hz, energy_j } in &poor.points {
+        let found = &computed.branch.points[point];
+        assert_eq!((frequency_hz, energy_j), (found.omega / (2.0 * PI), Some(found.kinetic_energy)));
         let after = computed.refined(point, 4, &computed.structure).unwrap();
         let before = computed.branch.points[point].peak_contact_force;
         let floor = 1e-2 * computed.branch.points.iter().map(|p| p.peak_contact_force).fold(0.0, f64::max);
         let off = after.map(|after| (before - after.peak_contact_force).abs() / after.peak_contact_force.max(floor));
-        let named = doubted.iter().any(|d| d.point == point && d.against.iter().any(|a| a.contains("harmonics")));
+        let named = doubted.iter().any(|d| d.place.point == point && d.against.iter().any(|a| a.contains("harmonics")));
         assert!(named || off.is_some_and(|off| off <= force.limit()), "point {point}: {off:?}, {doubted:?}");
     }
     let looked = poor.points.len();
@@ -205,6 +211,36 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     // Whoever looks on may end it: what was not looked at says so.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
     assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, Outcome::NotLookedAt);
+}
+
+#[test]
+fn points_that_touch_no_stop_say_nothing_of_forces() {
+    // At grazing, the first point, there is no force.
+    let fine = certificate(4, 10, SI, true);
+    let looked = |number: Number| check(&fine, "harmonics", number).looked.clone();
+    assert!(looked(Number::Frequency).contains(&0));
+    for number in [Number::Impulse, Number::PeakForce] {
+        assert_eq!(looked(number), looked(Number::Frequency)[1..], "{number:?}");
+        let words = &check(&fine, "harmonics", number).words;
+        assert!(words.contains("1 of them touch no stop"), "{words}");
+    }
+    let number = usable(&certificate(4, 2, SI, true), Number::PeakForce).words.clone();
+    let at = number.split("at point ").nth(1).unwrap_or_default();
+    assert!(at.contains(" Hz, ") && at.contains(" J)"), "a point is found by its frequency and energy: {number}");
+}
+
+#[test]
+fn whoever_watches_ends_a_check_within_its_points() {
+    let scene = scene(4, 4, SI);
+    let computed = branch(&scene, BranchStart::Grazing);
+    let watch = Watch::new(|_, _| ControlFlow::Break(()));
+    let sources = Sources { scene: &scene, open: None, shift: None, thorough: true, watch: &watch };
+    // Between points nobody ends it.
+    let ended = Certificate::of(&computed, sources, &mut |_, _, _| true);
+    for (name, number) in [("harmonics", Number::Frequency), ("return after a period", Number::Displacement)] {
+        let check = check(&ended, name, number);
+        assert_eq!((check.outcome, check.words.as_str()), (Outcome::NotLookedAt, BROKEN_OFF), "{check:?}");
+    }
 }
 
 #[test]

@@ -1,21 +1,67 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use nlmodes::modal::{Event, ModalBranch, ModalPoint};
+use nlmodes::modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
 use super::Laid;
 
-/// Relative difference of frequencies below which two motions of an amplitude are one.
+/// Relative difference of frequencies, or sizes, below which two motions are one.
 const SAME: f64 = 1e-9;
 
-/// A point that is laid over, against the branch at the same modal amplitude, or the same energy where it has no amplitude.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What two motions that are compared have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Equal {
+    /// The modal amplitude.
+    Amplitude,
+    /// The averaged kinetic energy, where there is no amplitude.
+    Energy,
+    /// The frequency.
+    Frequency,
+}
+
+impl Equal {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Amplitude => "modal amplitude",
+            Self::Energy => "energy",
+            Self::Frequency => "frequency",
+        }
+    }
+
+    /// The size by which this point is compared.
+    fn of(point: &ModalPoint) -> Self {
+        if point.modal_amplitude.is_finite() { Self::Amplitude } else { Self::Energy }
+    }
+
+    /// It, of a point.
+    fn value(self, point: &ModalPoint) -> f64 {
+        match self {
+            Self::Amplitude => point.modal_amplitude,
+            Self::Energy => point.kinetic_energy,
+            Self::Frequency => point.omega,
+        }
+    }
+
+    /// By what several motions that have it in common are told apart.
+    fn other(self, point: &ModalPoint) -> f64 {
+        match self {
+            Self::Amplitude | Self::Energy => point.omega,
+            Self::Frequency => Self::of(point).value(point),
+        }
+    }
+}
+
+/// A point that is laid over, against the branch where that has something in common with it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// Number of the point that is laid over.
     pub point: usize,
-    /// Modal amplitude (m√kg) of both, NaN where energies are equal.
+    /// What both have in common.
+    pub equal: Equal,
+    /// Modal amplitude (m√kg) of both, NaN where something else is equal.
     pub amplitude: f64,
-    /// Averaged kinetic energy (J) of both, NaN where amplitudes are equal.
+    /// Averaged kinetic energy (J) of both, NaN where something else is equal.
     pub energy: f64,
     /// Frequency of the point, Hz.
     pub frequency: f64,
@@ -29,7 +75,9 @@ pub struct Difference {
     pub force: f64,
     /// That of the branch there, N.
     pub own_force: f64,
-    /// Motions of this amplitude, or energy, that the branch has, or the curve that is laid over, whichever has more: with several, as at a tongue or
+    /// Impulse of each stop at the point and of the branch there, N·s; none where one of them is not known.
+    pub stops: Vec<[f64; 2]>,
+    /// Motions that the branch has with what is equal, or the curve that is laid over, whichever has more: with several, as at a tongue or
     /// behind a fold, the two may be on different arms. One where both are on the way from grazing to the first turn.
     pub motions: usize,
 }
@@ -41,38 +89,64 @@ impl Difference {
     }
 }
 
-/// The differences of all points that are laid over and lie within the amplitudes, or energies, of the branch; the branch is linear between its
-/// points, and where it has an amplitude several times, the frequency nearest to that of the point counts. A point that touches no stop is not held against motions that do.
+/// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points that are laid over and lie within those of the branch; the
+/// branch is linear between its points, and where it has an amplitude several times, the frequency nearest to that of the point counts. A point that touches no
+/// stop is not held against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
-    laid.branch.points.iter().enumerate().filter_map(|(number, point)| difference(number, point, laid, own)).collect()
+    all(laid, own, Equal::of)
 }
 
-/// What a branch has at some amplitude: angular frequency, impulse, largest force.
-type There = (f64, f64, f64);
+/// The same at equal frequency; of several motions of a frequency the one counts whose amplitude, or energy, is nearest.
+pub fn at_equal_frequency(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
+    all(laid, own, |_| Equal::Frequency)
+}
 
-/// The quantity that is equal on both: modal amplitude, or energy.
-type Size = fn(&ModalPoint) -> f64;
+fn all(laid: &Laid, own: &ModalBranch, equal: fn(&ModalPoint) -> Equal) -> Vec<Difference> {
+    let points = laid.branch.points.iter().enumerate();
+    points.filter_map(|(number, point)| difference((number, point), laid, own, equal(point))).collect()
+}
 
-/// All motions of a size on a branch, each once.
-fn motions(points: &[ModalPoint], size: Size, wanted: f64) -> Vec<There> {
+/// What a branch has where it is compared.
+#[derive(Debug, Clone)]
+struct There {
+    omega: f64,
+    /// What tells it from other motions with the same in common.
+    other: f64,
+    impulse: f64,
+    force: f64,
+    /// Impulse of each stop.
+    stops: Vec<f64>,
+}
+
+/// All motions of a branch with this in common, each once.
+fn motions(points: &[ModalPoint], equal: Equal, wanted: f64) -> Vec<There> {
     let mut found: Vec<There> = Vec::new();
     for pair in points.windows(2).filter(|pair| !pair[1].has_event(Event::Resumed)) {
-        let (a, b) = (size(&pair[0]), size(&pair[1]));
-        let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
-        let at = |value: fn(&ModalPoint) -> f64| value(&pair[0]) + share * (value(&pair[1]) - value(&pair[0]));
-        if (a.min(b)..=a.max(b)).contains(&wanted) {
-            found.push((at(|p| p.omega), at(impulse), at(|p| p.peak_contact_force)));
+        let (a, b) = (equal.value(&pair[0]), equal.value(&pair[1]));
+        if !(a.min(b)..=a.max(b)).contains(&wanted) {
+            continue;
         }
+        let share = if a == b { 0.0 } else { (wanted - a) / (b - a) };
+        let between = |a: f64, b: f64| a + share * (b - a);
+        let at = |value: &dyn Fn(&ModalPoint) -> f64| between(value(&pair[0]), value(&pair[1]));
+        let both = pair[0].contacts.iter().zip(&pair[1].contacts);
+        found.push(There {
+            omega: at(&|p| p.omega),
+            other: at(&|p| equal.other(p)),
+            impulse: at(&impulse),
+            force: at(&|p| p.peak_contact_force),
+            stops: both.map(|(a, b)| between(a.impulse, b.impulse)).collect(),
+        });
     }
-    // A size that is met at a point is met on both sides of it.
-    found.dedup_by(|a, b| (a.0 - b.0).abs() <= SAME * b.0.abs());
+    // What is met at a point is met on both sides of it.
+    found.dedup_by(|a, b| (a.other - b.other).abs() <= SAME * b.other.abs());
     found
 }
 
-/// Numbers of the points from grazing on, as long as their size grows: on these two branches of a mode go the same way, whatever their tongues do
+/// Numbers of the points from grazing on, as long as what is equal grows: on these two branches of a mode go the same way, whatever their tongues do
 /// behind them. Empty for a branch that does not begin or end at grazing.
-fn first_arm(points: &[ModalPoint], size: Size) -> Range<usize> {
-    let grows = |pair: &[ModalPoint]| size(&pair[1]) > size(&pair[0]);
+fn first_arm(points: &[ModalPoint], equal: Equal) -> Range<usize> {
+    let grows = |pair: &[ModalPoint]| equal.value(&pair[1]) > equal.value(&pair[0]);
     let grazes = |point: Option<&ModalPoint>| point.is_some_and(|point| point.has_event(Event::Grazing));
     if grazes(points.first()) {
         0..1 + points.windows(2).take_while(|pair| grows(pair)).count()
@@ -84,43 +158,59 @@ fn first_arm(points: &[ModalPoint], size: Size) -> Range<usize> {
     }
 }
 
-fn difference(number: usize, point: &ModalPoint, laid: &Laid, own: &ModalBranch) -> Option<Difference> {
-    let by_amplitude = point.modal_amplitude.is_finite();
-    let size: Size = if by_amplitude { |p| p.modal_amplitude } else { |p| p.kinetic_energy };
-    let wanted = size(point);
+fn difference(
+    (number, point): (usize, &ModalPoint),
+    laid: &Laid,
+    own: &ModalBranch,
+    equal: Equal,
+) -> Option<Difference> {
+    let wanted = equal.value(point);
     // A branch without forces may touch or not.
-    let touches_as_well = |(_, _, force): &There| point.peak_contact_force != 0.0 || force.is_nan() || *force <= 0.0;
+    let touches_as_well = |there: &There| point.peak_contact_force != 0.0 || there.force.is_nan() || there.force <= 0.0;
     let find = |points: &[ModalPoint]| -> Vec<There> {
-        motions(points, size, wanted).into_iter().filter(touches_as_well).collect()
+        motions(points, equal, wanted).into_iter().filter(touches_as_well).collect()
     };
     let all = find(&own.points);
-    let (points, arms) = (&laid.branch.points, [&laid.branch.points, &own.points].map(|p| first_arm(p, size)));
+    let (points, arms) = (&laid.branch.points, [&laid.branch.points, &own.points].map(|p| first_arm(p, equal)));
     let beside = if arms[0].contains(&number) { find(&own.points[arms[1].clone()]) } else { Vec::new() };
-    let off = |(omega, ..): &There| (omega - point.omega).abs();
-    let (found, alike) = match beside.as_slice() {
-        [one] if !laid.is_scattered => (*one, 1),
+    let off = |there: &There| (there.other - equal.other(point)).abs();
+    let (there, alike) = match beside.as_slice() {
+        [one] if !laid.is_scattered => (one.clone(), 1),
         _ => {
-            let nearest = *all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            // Points of a test are no curve: the frequency tells which motion was measured.
-            let count = if laid.is_scattered { 1 } else { motions(points, size, wanted).len().max(all.len()) };
+            let nearest = all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?.clone();
+            let count = match (laid.is_scattered, equal) {
+                // Points of a test are no curve: the frequency tells which motion was measured.
+                (true, Equal::Amplitude | Equal::Energy) => 1,
+                (true, Equal::Frequency) => all.len(),
+                (false, _) => motions(points, equal, wanted).len().max(all.len()),
+            };
             // A point on the first arm whose partner is on another one is not alone either.
             let is_apart = !laid.is_scattered && arms[0].contains(&number) && !arms[1].is_empty();
             (nearest, if is_apart { count.max(2) } else { count })
         }
     };
-    let (omega, own_impulse, force) = found;
     Some(Difference {
         point: number,
-        amplitude: if by_amplitude { wanted } else { f64::NAN },
-        energy: if by_amplitude { f64::NAN } else { wanted },
+        equal,
+        amplitude: if equal == Equal::Amplitude { wanted } else { f64::NAN },
+        energy: if equal == Equal::Energy { wanted } else { f64::NAN },
         frequency: point.omega / TAU,
-        own_frequency: omega / TAU,
+        own_frequency: there.omega / TAU,
         impulse: impulse(point),
-        own_impulse,
+        own_impulse: there.impulse,
         force: point.peak_contact_force,
-        own_force: force,
+        own_force: there.force,
+        stops: of_stops(&point.contacts, &there.stops),
         motions: alike,
     })
+}
+
+/// Impulses of the same stops; none where these are not as many.
+fn of_stops(contacts: &[ContactPeriod], own: &[f64]) -> Vec<[f64; 2]> {
+    if contacts.len() != own.len() {
+        return Vec::new();
+    }
+    contacts.iter().zip(own).map(|(contact, own)| [contact.impulse, *own]).collect()
 }
 
 /// That of the point, NaN where no contact is known.
@@ -206,6 +296,55 @@ mod tests {
         assert!((found[0].impulse - 5.1).abs() < 1e-12 && (found[0].own_impulse - 4.5).abs() < 1e-12);
         let said = sentence(&other, &found, &own.branch.label);
         assert!(said.contains("impulse a period by +13.3 %") && said.contains("largest force by +100 %"), "{said}");
+    }
+
+    #[test]
+    fn at_equal_frequency_the_motion_with_the_nearest_amplitude_counts_and_several_are_said() {
+        let contact = |impulse: f64| ContactPeriod { impulse, ..ContactPeriod::default() };
+        // Both stiffen; the first turns at 14 Hz and comes back.
+        let mut own = laid("frequency_hz,modal_amplitude\n10,1\n12,2\n14,3\n13,4\n");
+        let mut other = laid("frequency_hz,modal_amplitude\n10,1\n11,2\n12.5,3\n13.5,3.4\n");
+        for (k, point) in own.branch.points.iter_mut().enumerate() {
+            point.contacts = vec![contact(k as f64), contact(10.0)];
+        }
+        other.branch.points.iter_mut().for_each(|point| point.contacts = vec![contact(3.0), contact(10.0)]);
+        other.is_scattered = false;
+        let found = at_equal_frequency(&other, &own.branch);
+        assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 1, 2]);
+        assert!(
+            found.iter().all(|d| d.equal == Equal::Frequency && d.relative().abs() < 1e-12 && d.amplitude.is_nan())
+        );
+        // Half-way from the first to the second point, a quarter behind the second; at 13.5 Hz amplitude 3.5 is nearer to 3.4 than 2.75 is.
+        for (difference, impulse) in found[1..].iter().zip([0.5, 1.25, 2.5]) {
+            assert!(
+                (difference.stops[0][1] - impulse).abs() < 1e-12 && difference.stops[1] == [10.0; 2],
+                "{difference:?}"
+            );
+            assert!((difference.own_impulse - impulse - 10.0).abs() < 1e-12);
+        }
+        // Of a test nothing tells which of several motions of a frequency was measured.
+        other.is_scattered = true;
+        assert_eq!(at_equal_frequency(&other, &own.branch)[3].motions, 2);
+    }
+
+    #[test]
+    fn points_without_contact_are_in_no_mean_of_impulses_and_forces() {
+        let contact = |impulse: f64| ContactPeriod { impulse, ..ContactPeriod::default() };
+        let table = "frequency_hz,modal_amplitude,peak_contact_force_n\n10,1,0\n11,2,0\n12,3,0\n13,4,100\n14,5,300\n";
+        let (mut own, mut other) = (laid(table), laid(table));
+        for (laid, share) in [(&mut own, 1.0), (&mut other, 2.0)] {
+            laid.is_scattered = false;
+            for point in &mut laid.branch.points {
+                point.contacts = vec![contact(share * point.peak_contact_force)];
+                point.peak_contact_force *= share;
+            }
+        }
+        let said = sentence(&other, &differences(&other, &own.branch), &own.branch.label);
+        assert!(
+            said.contains("impulse a period by +100 % (+100 to +100 %, 2 points that touch a stop in both)"),
+            "{said}"
+        );
+        assert!(said.contains("largest force by +100 %") && said.contains("5 points)"), "{said}");
     }
 
     #[test]

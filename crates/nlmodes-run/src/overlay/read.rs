@@ -140,7 +140,10 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         return Err(OverlayError::NoPoint(path));
     }
     let is_scattered = !path.ends_with(TABLES[0]);
-    let message = format!("{} points of {}", points.len(), path.display());
+    let message = match is_scattered {
+        true => format!("from {}", path.display()),
+        false => format!("{} points of {}", points.len(), path.display()),
+    };
     let branch = ModalBranch {
         label,
         coordinates: Vec::new(),

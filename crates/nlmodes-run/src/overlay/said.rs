@@ -2,48 +2,51 @@
 
 use nlmodes::report::DataTable;
 
-use super::{Difference, Laid};
+use super::stops::ROUNDING;
+use super::{Difference, Equal, Laid};
 
 /// Most rows of the table on the page.
 const SHOWN: usize = 20;
 /// Largest difference in per cent, of either sign, that is called agreement.
 const AGREES: f64 = 0.1;
 /// Differences in per cent that are none.
-const ROUNDING: f64 = 1e-5;
+const NOTHING: f64 = 1e-5;
 
-/// Mean, least and largest of the relative differences in per cent; none without a pair of values.
-fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 3]> {
+/// Mean, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of values.
+pub(super) fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
     let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
     let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    (!all.is_empty()).then(|| [all.iter().sum::<f64>() / all.len() as f64, least, most])
+    (!all.is_empty()).then(|| ([all.iter().sum::<f64>() / all.len() as f64, least, most], all.len()))
 }
 
 /// In per cent; no number where there is nothing to divide by.
-fn relative(value: f64, own: f64) -> f64 {
+pub(super) fn relative(value: f64, own: f64) -> f64 {
     if own == 0.0 { f64::NAN } else { 100.0 * (value / own - 1.0) }
 }
 
 /// `−1.00`, to three digits with its sign; what is rounding is zero.
-fn signed(percent: f64) -> String {
-    if percent.abs() < ROUNDING {
+pub(super) fn signed(percent: f64) -> String {
+    if percent.abs() < NOTHING {
         return "0".to_owned();
     }
     let whole = percent.abs().log10().floor().clamp(-5.0, 2.0) as i32;
     format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
 }
 
-/// By how much the impulse differs, and the largest force, which need not converge; nothing where neither is known.
+/// By how much the impulse differs, and the largest force, which need not converge, at points that touch a stop in both; nothing where neither is known.
 fn of_forces(found: &[&Difference]) -> String {
-    let text = |name: &str, note: &str, range: Option<[f64; 3]>| {
-        range.map_or_else(String::new, |range| {
+    let text = |name: &str, note: &str, of: fn(&Difference) -> (f64, f64)| {
+        let pairs = || found.iter().map(|difference| of(difference));
+        let least = ROUNDING * pairs().map(|(value, own)| value.max(own)).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        percent(pairs().filter(|(value, own)| value.min(*own) > least)).map_or_else(String::new, |(range, n)| {
             let [mean, least, most] = range.map(signed);
-            format!("; {name} by {mean} % ({least} to {most} %){note}")
+            let of = if n == found.len() { String::new() } else { format!(", {n} points that touch a stop in both") };
+            format!("; {name} by {mean} % ({least} to {most} %{of}){note}")
         })
     };
-    let impulse = percent(found.iter().map(|d| (d.impulse, d.own_impulse)));
-    let force = percent(found.iter().map(|d| (d.force, d.own_force)));
     let note = ", which of short blows need not converge with harmonics";
-    text("its impulse a period", "", impulse) + &text("its largest force", note, force)
+    text("its impulse a period", "", |d| (d.impulse, d.own_impulse))
+        + &text("its largest force", note, |d| (d.force, d.own_force))
 }
 
 /// Points at whose amplitude there are several motions, and which are in no mean.
@@ -64,10 +67,11 @@ pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
     let name = &laid.branch.label;
     let own = if own.is_empty() { "this branch" } else { own };
     let Some(first) = found.first() else { return format!("{name}: no point within the amplitudes of {own}") };
-    let what = if first.amplitude.is_finite() { "modal amplitude" } else { "energy" };
+    let what = first.equal.name();
     let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
     let others = left_out(found.len() - clear.len(), what);
-    let Some(range) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency))) else {
+    let Some((range, _)) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency)))
+    else {
         return format!("{name}: nothing to compare with {own}{others}");
     };
     let word = match range {
@@ -82,6 +86,15 @@ pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
         "{name}: {word} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
         of_forces(&clear)
     )
+}
+
+/// By how much impulse and largest force differ at equal frequency, in a sentence; nothing where they are not known.
+pub fn sentence_at_equal_frequency(laid: &Laid, found: &[Difference], own: &str) -> Option<String> {
+    let own = if own.is_empty() { "this branch" } else { own };
+    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
+    let (said, others) = (of_forces(&clear), left_out(found.len() - clear.len(), Equal::Frequency.name()));
+    let said = said.strip_prefix("; ")?;
+    Some(format!("{} against {own} at equal frequency: differs in {said}{others}", laid.branch.label))
 }
 
 /// The differences as a table of the page: evenly chosen rows.

@@ -33,7 +33,8 @@ impl Against {
     /// # Errors
     /// [`ReportError::Io`].
     pub fn write(&self, directory: &Path) -> Result<(), ReportError> {
-        if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), &self.0) }
+        let all = self.0.iter().map(|(laid, found)| (laid, found.as_slice()));
+        if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), all) }
     }
 
     /// Softer or stiffer, a sentence for each branch.

@@ -1,12 +1,15 @@
 //! What was looked at in responses, and which of their numbers to use.
 
+use std::f64::consts::TAU;
+
+use nlmodes::response::ResponsePoint;
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
 use crate::certificate::mesh::contact_mass;
-use crate::certificate::{Certificate, Check, Number, residual};
+use crate::certificate::{Certificate, Check, Number, Place, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;
@@ -37,7 +40,10 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
             "what dashpots move beyond the modes that are taken, of what they hold at the frequency of the mode";
         checks.push(Check::found("dashpots", None, share, DASHPOTS, words));
     }
-    Certificate::new(curves.iter().flat_map(ComputedResponse::points).count(), checks)
+    let points = curves.iter().flat_map(ComputedResponse::points).enumerate();
+    let place =
+        |(point, found): (usize, &ResponsePoint)| Place { point, frequency_hz: found.omega / TAU, energy_j: None };
+    Certificate::new(&points.map(place).collect::<Vec<_>>(), checks)
 }
 
 /// What modes left out do to the linear frequency with the first contact closed.

@@ -4,58 +4,109 @@ use std::path::Path;
 
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, ReportError};
+use nlmodes::study::ComputedBranch;
 
-use crate::overlay::{Difference, Laid, differences, sentence, table, write};
+use super::stops;
+use crate::overlay::{
+    Difference, Laid, StopChange, at_equal_frequency, changes, differences, lines, sentence,
+    sentence_at_equal_frequency, stops_table, table, write, write_stops,
+};
 
 /// Other results and their differences from the first branch.
 pub struct Overlaid {
-    laid: Vec<(Laid, Vec<Difference>)>,
+    compared: Vec<Compared>,
     /// Name of the first branch, where there are others beside it.
     first: String,
+    /// Names of its stops.
+    stops: Vec<String>,
+}
+
+/// One of them: at equal modal amplitude or energy, and at equal frequency.
+struct Compared {
+    laid: Laid,
+    at_size: Vec<Difference>,
+    at_frequency: Vec<Difference>,
+    changes: Vec<Vec<StopChange>>,
+}
+
+impl Compared {
+    fn new(laid: &Laid, first: &ModalBranch) -> Self {
+        let (at_size, at_frequency) = (differences(laid, first), at_equal_frequency(laid, first));
+        let changes = vec![changes(&at_size), changes(&at_frequency)];
+        Self { laid: laid.clone(), at_size, at_frequency, changes }
+    }
 }
 
 impl Overlaid {
     /// Compares them with the first branch.
-    pub fn new(laid: &[Laid], first: &ModalBranch) -> Self {
-        let laid = laid.iter().map(|laid| (laid.clone(), differences(laid, first))).collect();
-        Self { laid, first: first.label.clone() }
+    pub fn new(laid: &[Laid], first: &ComputedBranch) -> Self {
+        let compared = laid.iter().map(|laid| Compared::new(laid, &first.branch)).collect();
+        Self { compared, first: first.branch.label.clone(), stops: stops::names(first) }
     }
 
     /// The other branches of a run against its first one.
-    pub fn others(all: &[&ModalBranch]) -> Self {
+    pub fn others(all: &[&ComputedBranch]) -> Self {
         let Some((first, others)) = all.split_first() else {
-            return Self { laid: Vec::new(), first: String::new() };
+            return Self { compared: Vec::new(), first: String::new(), stops: Vec::new() };
         };
-        let laid = |branch: &&ModalBranch| Laid { branch: (*branch).clone(), is_scattered: false };
+        let laid = |computed: &&ComputedBranch| Laid { branch: computed.branch.clone(), is_scattered: false };
         Self::new(&others.iter().map(laid).collect::<Vec<_>>(), first)
     }
 
-    /// Writes the differences, where there is anything laid over.
+    /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid over.
     ///
     /// # Errors
     /// [`ReportError::Io`].
     pub fn write(&self, directory: &Path, name: &str) -> Result<(), ReportError> {
-        if self.laid.is_empty() { Ok(()) } else { write(&directory.join(name), &self.laid) }
+        if self.compared.is_empty() {
+            return Ok(());
+        }
+        let all = self.compared.iter().map(|one| (&one.laid, one.at_size.as_slice()));
+        write(&directory.join(format!("{name}.csv")), all)?;
+        if self.compared.iter().all(|one| one.changes.iter().all(Vec::is_empty)) {
+            return Ok(());
+        }
+        let all = self
+            .compared
+            .iter()
+            .flat_map(|one| [&one.at_size, &one.at_frequency].map(|found| (&one.laid, found.as_slice())));
+        write_stops(&directory.join(format!("{name}_stops.csv")), all)
     }
 
     /// The branches that are laid over.
     pub fn branches(&self) -> impl Iterator<Item = &ModalBranch> {
-        self.laid.iter().map(|(laid, _)| &laid.branch)
+        self.compared.iter().map(|one| &one.laid.branch)
     }
 
     /// Numbers of those without lines, where they stand behind `before` others.
     pub fn scattered(&self, before: usize) -> Vec<usize> {
-        let all = self.laid.iter().enumerate();
-        all.filter(|(_, (laid, _))| laid.is_scattered).map(|(number, _)| before + number).collect()
+        let all = self.compared.iter().enumerate();
+        all.filter(|(_, one)| one.laid.is_scattered).map(|(number, _)| before + number).collect()
     }
 
-    /// Softer or stiffer, a sentence each.
+    /// Softer or stiffer, and what differs at equal frequency, in sentences.
     pub fn sentences(&self) -> impl Iterator<Item = String> {
-        self.laid.iter().map(|(laid, found)| sentence(laid, found, &self.first))
+        self.compared.iter().flat_map(|one| {
+            let at_frequency = sentence_at_equal_frequency(&one.laid, &one.at_frequency, &self.first);
+            [sentence(&one.laid, &one.at_size, &self.first)].into_iter().chain(at_frequency)
+        })
     }
 
-    /// The differences, a table each.
+    /// The sentences, and a line for each stop below each.
+    pub fn lines(&self) -> Vec<String> {
+        let of = |one: &Compared| {
+            let sentence = sentence(&one.laid, &one.at_size, &self.first);
+            let stops = lines(&one.changes, &self.stops).into_iter().map(|line| format!("  {line}"));
+            [sentence].into_iter().chain(stops).collect::<Vec<_>>()
+        };
+        self.compared.iter().flat_map(of).collect()
+    }
+
+    /// The differences, those of each stop and those of points.
     pub fn tables(&self) -> impl Iterator<Item = DataTable> {
-        self.laid.iter().map(|(laid, found)| table(laid, found))
+        self.compared.iter().flat_map(|one| {
+            let stops = stops_table(&one.laid, &one.changes, (&self.stops, &self.first));
+            [stops, table(&one.laid, &one.at_size)]
+        })
     }
 }

@@ -82,7 +82,7 @@ pub fn study(
     observer: &mut dyn Observer,
     structures: &Structures,
 ) -> Result<RunOutcome, RunError> {
-    let mut outcome = RunOutcome { parts: Vec::new(), failure: None, is_cut_off: false };
+    let mut outcome = RunOutcome { parts: Vec::new(), compared: Vec::new(), failure: None, is_cut_off: false };
     let mut rows = Vec::new();
     for (number, part) in parts.iter().enumerate() {
         if observer.is_cancelled() {
@@ -105,7 +105,10 @@ pub fn study(
         outcome.parts.push(done);
     }
     if !outcome.parts.is_empty() {
-        outcome.failure = write(files, &outcome.parts, rows).err();
+        match write(files, &outcome.parts, rows) {
+            Ok(compared) => outcome.compared = compared,
+            Err(failure) => outcome.failure = Some(failure),
+        }
     }
     Ok(outcome)
 }
@@ -136,41 +139,44 @@ impl Branch {
     }
 }
 
-fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Result<(), Failure> {
-    let (Some(scene), Some(first)) = (files.first().map(|file| &file.scene), parts.first()) else { return Ok(()) };
+/// Writes the common files; the differences from the first part in lines.
+fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Result<Vec<String>, Failure> {
+    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
+    let (Some(file), Some(first), Some(own)) = (files.first(), parts.first(), branches.first()) else {
+        return Ok(Vec::new());
+    };
+    let scene = &file.scene;
     let directory = &scene.output_directory;
     remove_figures(directory);
-    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
+    let laid = Overlaid::new(&overlay::laid_over(file, &scene.overlays)?, own);
+    laid.write(directory, "overlay")?;
+    let methods = Overlaid::others(&branches);
+    methods.write(directory, "methods")?;
     let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
     let participation: Vec<&[Participation]> =
         parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
     if scene.files.figures || scene.files.page {
         let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
-        write_figures(files, scene, first, (&branches, &all, &certificates), &participation)?;
+        write_figures(files, first, (&branches, &all, &certificates), &participation, (&laid, &methods))?;
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
-    Ok(write_summary(directory.join("summary.json"), &summary)?)
+    write_summary(directory.join("summary.json"), &summary)?;
+    Ok(methods.lines())
 }
 
 /// The common figures and the page, as far as they are asked for.
 fn write_figures(
     files: &[SceneFile],
-    scene: &Scene,
     first: &PartOutcome,
     (branches, all, certificates): (&[&ComputedBranch], &[&ModalBranch], &[&Certificate]),
     participation: &[&[Participation]],
+    (laid, methods): (&Overlaid, &Overlaid),
 ) -> Result<(), Failure> {
+    let Some(scene) = files.first().map(|file| &file.scene) else { return Ok(()) };
     let directory = &scene.output_directory;
     let references = histories::references(branches)?;
-    let laid = match (files.first(), branches.first()) {
-        (Some(file), Some(own)) => Overlaid::new(&overlay::laid_over(file, &file.scene.overlays)?, &own.branch),
-        _ => return Ok(()),
-    };
     let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();
-    laid.write(directory, "overlay.csv")?;
-    let methods = Overlaid::others(all);
-    methods.write(directory, "methods.csv")?;
     if scene.files.figures {
         let style = style_of(&scene.files);
         for (abscissa, name) in
@@ -190,6 +196,6 @@ fn write_figures(
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
-    let shown = page::Shown { references: &references, laid: &laid, methods: &methods, period: None };
+    let shown = page::Shown { references: &references, laid, methods, period: None };
     page::write(directory, &scenes, &first.linear, (branches, certificates), participation, &shown)
 }

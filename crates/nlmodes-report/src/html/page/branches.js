@@ -111,7 +111,8 @@ function branchSpec(columns, kinds, onHover, onChoose) {
   symbols.push(...happening.sort((a, b) => a.layer - b.layer));
   const view = span(curves.flatMap(curve => curve.x.map(value => toPlace(kinds[0], value))), 0.04);
   if (columns[1].id === "frequency" && ["energy", "amplitude"].includes(columns[0].id)) {
-    DATA.branches.forEach((branch, key) => addLinearMode(curves, branch, key, branch[columns[0].id], kinds[0], view));
+    const whole = [...view];
+    DATA.branches.forEach((branch, key) => addLinearMode(curves, branch, key, branch[columns[0].id], kinds[0], whole, view));
   }
   const name = titleOf(columns);
   return {
@@ -136,12 +137,16 @@ function stretches(numbers) {
   return found;
 }
 
-/// The linear mode below grazing: a dashed line, for which the view is made wider.
-function addLinearMode(curves, branch, key, x, kind, view) {
+/// Share of a linear axis below which the points begin if it goes down to zero; else the linear mode has a fifth of it, as on logarithmic ones.
+const FROM_ZERO = 0.5;
+
+/// The linear mode below grazing: a dashed line, for which the view of the `whole` is made wider.
+function addLinearMode(curves, branch, key, x, kind, whole, view) {
   if (branch.grazing === null) return;
   const [place, frequency] = [toPlace(kind, x[branch.grazing]), branch.frequency[branch.grazing]];
   if (!Number.isFinite(place)) return;
-  const start = kind === "log" ? place - 0.2 * (view[1] - view[0]) : 0;
+  const fifth = kind === "log" ? place - 0.2 * (whole[1] - whole[0]) : place - 0.25 * (whole[1] - place);
+  const start = kind === "log" || whole[0] > FROM_ZERO * whole[1] ? fifth : 0;
   view[0] = Math.min(view[0], start);
   const ends = { x: [fromPlace(kind, view[0]), x[branch.grazing]], y: [frequency, frequency] };
   curves.unshift({ key, ...ends, color: branch.color, width: 1.6, dash: "6 4", describes: false });

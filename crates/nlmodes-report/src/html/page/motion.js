@@ -169,7 +169,8 @@ class Motion {
     const degrees = Math.round(360 * this.player.phase) % 360;
     const stop = this.motion.stops[0];
     const value = stop && shape[stop.station] * this.unit.perSi;
-    this.reading.textContent = `${degrees}°` + (stop ? `, contact node at ${significant(value, 4)} ${this.unit.symbol}` : "");
+    const node = this.motion.stops.length > 1 ? `contact node of stop ${stop.number}` : "contact node";
+    this.reading.textContent = `${degrees}°` + (stop ? `, ${node} at ${significant(value, 4)} ${this.unit.symbol}` : "");
   }
 }
 
