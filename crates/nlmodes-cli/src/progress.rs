@@ -204,6 +204,7 @@ impl Looking {
     }
 }
 
+/// What is inside, whatever happened to whoever held it.
 fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -266,5 +267,21 @@ impl Limits {
         let all = all.filter(|(share, _)| share.is_finite());
         let (share, limit) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some((share.clamp(0.0, 1.0) + 0.0, limit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_says_how_long_it_may_take_by_the_points_before() {
+        let line = |number, seconds, time| {
+            let began = Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+            Looking { check: "harmonics", point: 7, number, of: 5, began }.line(time)
+        };
+        assert_eq!(line(1, 3, 9.0), "certificate: harmonics, point 7 (1 of 5), 9 s");
+        // Two points took 10 s, three are left.
+        assert_eq!(line(3, 10, 19.0), "certificate: harmonics, point 7 (3 of 5), 19 s, this check some 15 s more");
     }
 }

@@ -57,7 +57,7 @@ impl DataTable {
 
 /// A cell; `text` decides on which side its content stands.
 pub(super) fn cell(text: &str, html: &str) -> String {
-    let number = text.trim_start_matches('−').starts_with(|c: char| c.is_ascii_digit()) || text == "–";
+    let number = text.trim_start_matches(['−', '+']).starts_with(|c: char| c.is_ascii_digit()) || text == "–";
     let class = if number { " class=\"number\"" } else { "" };
     format!("<td{class}>{html}</td>")
 }

@@ -9,7 +9,7 @@ mod samples;
 
 use driver::Browser;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
-use nlmodes_report::{DataTable, HtmlReport};
+use nlmodes_report::{DataTable, HtmlReport, StopLine};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use tempfile::TempDir;
@@ -277,6 +277,22 @@ fn structure_moves_as_computed_and_stops_when_asked() {
         heights[index] - heights[0],
         of_tip * middle
     );
+}
+
+#[test]
+fn the_reading_says_of_which_of_several_stops_it_is() {
+    let [exact, _] = branches();
+    let stop = |coordinate| StopLine { coordinate, position: samples::STOP, positive: true };
+    let (folder, all) = (tempfile::tempdir().unwrap(), [&exact]);
+    for (stops, said) in
+        [(vec![stop(78)], "contact node at "), (vec![stop(78), stop(38)], "contact node of stop 0 at ")]
+    {
+        let path = folder.path().join(format!("{}.html", stops.len()));
+        HtmlReport::new(TITLE, &all).clamped_at(&[0.0]).stops(&stops).write(&path).unwrap();
+        let Some(browser) = Browser::open(&path, WINDOW, &[]) else { return };
+        let reading = browser.text("return document.querySelector('#controls .reading').textContent");
+        assert!(reading.contains(said), "{reading}");
+    }
 }
 
 /// What a script returns as soon as it is true, two seconds at most.

@@ -56,6 +56,11 @@ fn change(found: &[Difference], stop: usize) -> Option<StopChange> {
 }
 
 impl StopChange {
+    /// Whether the stop has an impulse anywhere.
+    fn is_touched(&self) -> bool {
+        self.points + self.alone + self.apart > 0
+    }
+
     /// Why so many points are in no mean; nothing where all are.
     fn left_out(&self) -> String {
         let several = format!("{} where there are several motions of that {}", self.apart, self.equal.name());
@@ -79,14 +84,17 @@ impl StopChange {
 /// A line for each stop, with its differences in all comparisons; nothing where impulses are not known.
 pub fn lines(all: &[Vec<StopChange>], names: &[String]) -> Vec<String> {
     let line = |(number, name): (usize, &String)| {
-        let own = all.iter().flatten().filter(|change| change.stop == number);
-        let said: Vec<String> = own.map(StopChange::sentence).collect();
+        let own: Vec<&StopChange> = all.iter().flatten().filter(|change| change.stop == number).collect();
+        if !own.is_empty() && !own.iter().any(|change| change.is_touched()) {
+            return Some(format!("impulse of {name}: not touched"));
+        }
+        let said: Vec<String> = own.into_iter().map(StopChange::sentence).collect();
         (!said.is_empty()).then(|| format!("impulse of {name}: {}", said.join("; ")))
     };
     names.iter().enumerate().filter_map(line).collect()
 }
 
-/// The same as a table of the page.
+/// The same as a table of the page, of the stops that are touched.
 pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String], &str)) -> DataTable {
     let own = if own.is_empty() { "this branch" } else { own };
     let title = format!("Impulse of each stop: {} against {own}", laid.branch.label);
@@ -98,20 +106,21 @@ pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String
         "largest, %",
         "points compared",
         "point that differs most",
-        "points left out",
+        "left out: several motions",
+        "left out: touched in one only",
     ];
     let mut table = DataTable::new(title, &head);
     for (number, name) in names.iter().enumerate() {
-        for change in all.iter().flatten().filter(|change| change.stop == number) {
+        for change in all.iter().flatten().filter(|change| change.stop == number && change.is_touched()) {
             let cells = match change.percent {
                 Some(range) => range.map(signed),
                 None => [(); 3].map(|()| "–".to_owned()),
             };
             let at = change.largest_at.map_or_else(|| "–".to_owned(), |point| point.to_string());
-            let left_out = change.left_out();
-            let left_out = if left_out.is_empty() { "0".to_owned() } else { left_out };
             let row = [name.clone(), change.equal.name().to_owned()].into_iter().chain(cells);
-            table.rows.push(row.chain([change.points.to_string(), at, left_out]).collect());
+            let points = change.points.to_string();
+            let left_out = [change.apart, change.alone].map(|count| count.to_string());
+            table.rows.push(row.chain([points, at]).chain(left_out).collect());
         }
     }
     table
@@ -166,6 +175,9 @@ mod tests {
                 "impulse of stop 0 at 1 m: at equal frequency by +15.0 % on average (+10.0 to +20.0 %, 2 points); \
                  left out: 1 where there are several motions of that frequency"
             );
+            // A stop that nobody touches says so.
+            let silent = changes(&found(&[&[pair(0.0, 0.0)], &[pair(0.0, 0.0)]]));
+            assert_eq!(lines(&[silent], &["stop 0".to_owned()]), ["impulse of stop 0: not touched"]);
             assert!(said[1].contains(" %, 1 point)") && said[1].contains("1 where it is touched in one"));
         }
     }

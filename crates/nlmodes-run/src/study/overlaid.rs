@@ -88,6 +88,10 @@ impl Overlaid {
     pub fn sentences(&self) -> impl Iterator<Item = String> {
         self.compared.iter().flat_map(|one| {
             let at_frequency = sentence_at_equal_frequency(&one.laid, &one.at_frequency, &self.first);
+            let at_frequency = at_frequency.map(|text| match one.changes.iter().all(Vec::is_empty) {
+                true => text,
+                false => format!("{text}; stop by stop: table \"Impulse of each stop\""),
+            });
             [sentence(&one.laid, &one.at_size, &self.first)].into_iter().chain(at_frequency)
         })
     }
