@@ -74,7 +74,7 @@ impl Inset {
     }
 
     fn draw_ticks(&self, svg: &mut Svg, (left, top, width, height): Rectangle) {
-        for tick in self.x.scale.ticks(3) {
+        for tick in self.x.scale.ticks_with_room(3, width, FONT) {
             let (Some(share), Some(label)) = (self.x.scale.place(tick.value), tick.label) else { continue };
             let x = left + share * width;
             svg.line((x, top + height), (x, top + height + 3.0), &FRAME);

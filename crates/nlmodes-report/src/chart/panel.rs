@@ -4,10 +4,7 @@ use super::smooth;
 use super::ticks::Tick;
 use super::{Axis, Chart, Curve, Form, Inset, Panel, Shape, Symbol};
 use crate::palette;
-use crate::svg::{Anchor, Stroke, Svg, fitting_size, text_width};
-
-/// Least distance of two labels of an abscissa, pixels.
-const BETWEEN: f64 = 14.0;
+use crate::svg::{Anchor, Stroke, Svg, fitting_size};
 
 const FRAME: Stroke = Stroke::solid(palette::INK, 1.0);
 
@@ -91,20 +88,9 @@ impl Chart {
         fits.fold(fitting_size(&self.x.label, size, frame.width + 20.0), f64::min)
     }
 
-    /// As many ticks as there is room for their labels.
-    fn x_ticks(&self, frame: Frame) -> Vec<Tick> {
-        let fits = |ticks: &Vec<Tick>| {
-            let place = |tick: &Tick| Some((frame.x(&self.x, tick.value)?, text_width(tick.label.as_ref()?, FONT)));
-            let labels: Vec<(f64, f64)> = ticks.iter().filter_map(place).collect();
-            labels.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 0.5 * (pair[0].1 + pair[1].1) + BETWEEN)
-        };
-        let most = (frame.width / 92.0).round().max(3.0) as usize;
-        let fewer = (1..=most).rev().map(|target| self.x.scale.ticks(target)).find(fits);
-        fewer.unwrap_or_else(|| self.x.scale.ticks(most))
-    }
-
     fn draw_x_ticks(&self, svg: &mut Svg, frame: Frame, labelled: bool) {
-        for Tick { value, label } in self.x_ticks(frame) {
+        let most = (frame.width / 92.0).round().max(3.0) as usize;
+        for Tick { value, label } in self.x.scale.ticks_with_room(most, frame.width, FONT) {
             let Some(x) = frame.x(&self.x, value) else { continue };
             svg.line((x, frame.top), (x, frame.bottom()), &grid(label.is_some()));
             svg.line((x, frame.bottom()), (x, frame.bottom() + tick_length(label.is_some())), &FRAME);

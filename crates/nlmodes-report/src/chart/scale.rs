@@ -1,4 +1,5 @@
 use super::ticks::{Tick, linear_ticks, logarithmic_ticks};
+use crate::svg::text_width;
 
 /// Span of values, relative to their size, below which they count as equal: their differences are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -6,6 +7,8 @@ const ROUNDING: f64 = 1e-9;
 const AROUND_EQUAL: f64 = 0.02;
 /// Narrowest span of a logarithmic axis, decades.
 const NARROWEST_DECADES: f64 = 0.1;
+/// Least distance of two labels of an abscissa over the size of their letters.
+const BETWEEN: f64 = 1.0;
 
 /// Span of an axis and its division.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +72,33 @@ impl Scale {
         let labelled = |ticks: &Vec<Tick>| ticks.iter().filter(|tick| tick.label.is_some()).count() >= 3;
         (target..target + 6).map(of).find(labelled).unwrap_or_else(|| of(target))
     }
+
+    /// Ticks of an abscissa of this width, pixels, about `most` of them with a label in letters of this size: fewer where these have no room, and where even few have
+    /// none, ticks without.
+    pub fn ticks_with_room(self, most: usize, width: f64, letters: f64) -> Vec<Tick> {
+        let extent = |tick: &Tick| {
+            let (middle, half) = (self.place(tick.value)? * width, 0.5 * text_width(tick.label.as_ref()?, letters));
+            Some([middle - half, middle + half])
+        };
+        let is_clear = |before: [f64; 2], next: [f64; 2]| next[0] - before[1] >= BETWEEN * letters;
+        let fits = |ticks: &Vec<Tick>| {
+            let all: Vec<[f64; 2]> = ticks.iter().filter_map(extent).collect();
+            all.windows(2).all(|pair| is_clear(pair[0], pair[1]))
+        };
+        if let Some(ticks) = (1..=most).rev().map(|target| self.ticks(target)).find(fits) {
+            return ticks;
+        }
+        let mut last: Option<[f64; 2]> = None;
+        let mut ticks = self.ticks(1);
+        for tick in &mut ticks {
+            let Some(own) = extent(tick) else { continue };
+            match last {
+                Some(before) if !is_clear(before, own) => tick.label = None,
+                _ => last = Some(own),
+            }
+        }
+        ticks
+    }
 }
 
 fn extent(values: impl IntoIterator<Item = f64>, usable: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
@@ -111,6 +141,30 @@ mod tests {
                         let n = scale.ticks(target).iter().filter(|tick| tick.label.is_some()).count();
                         assert!((3..=2 * target + 4).contains(&n), "{scale:?}: {n} for {target}");
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn labels_of_an_abscissa_keep_apart_whatever_the_room() {
+        let scales = [
+            Scale::Linear { low: 2.1e-5, high: 4.8e-5 },
+            Scale::Linear { low: 60.78661, high: 60.78667 },
+            Scale::Logarithmic { low: 3e-5, high: 1.6e-4 },
+            Scale::Logarithmic { low: 1e-9, high: 1.0 },
+        ];
+        for scale in scales {
+            for width in [90.0, 150.0, 320.0, 640.0] {
+                let ticks = scale.ticks_with_room(7, width, 10.5);
+                let labels: Vec<(f64, f64)> = ticks
+                    .iter()
+                    .filter_map(|t| Some((scale.place(t.value)? * width, text_width(t.label.as_ref()?, 10.5))))
+                    .collect();
+                assert!(!labels.is_empty(), "{scale:?} {width}");
+                for pair in labels.windows(2) {
+                    let gap = pair[1].0 - pair[0].0 - 0.5 * (pair[0].1 + pair[1].1);
+                    assert!(gap >= 10.5 - 1e-9, "{scale:?} {width}: {labels:?}");
                 }
             }
         }

@@ -97,18 +97,12 @@ pub fn lines(all: &[Vec<StopChange>], names: &[String]) -> Vec<String> {
 /// The same as a table of the page, of the stops that are touched.
 pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String], &str)) -> DataTable {
     let own = if own.is_empty() { "this branch" } else { own };
-    let title = format!("Impulse of each stop: {} against {own}", laid.branch.label);
-    let head = [
-        "stop",
-        "at equal",
-        "difference, mean, %",
-        "least, %",
-        "largest, %",
-        "points compared",
-        "point that differs most",
-        "left out: several motions",
-        "left out: touched in one only",
-    ];
+    let title = format!(
+        "Impulse of each stop, by how much it differs: {} against {own}; left out are points with several motions, and those at which one of both touches it alone",
+        laid.branch.label
+    );
+    let head =
+        ["stop", "at equal", "mean, %", "least, %", "largest, %", "points", "most at point", "several", "one alone"];
     let mut table = DataTable::new(title, &head);
     for (number, name) in names.iter().enumerate() {
         for change in all.iter().flatten().filter(|change| change.stop == number && change.is_touched()) {
