@@ -89,9 +89,8 @@ impl Difference {
     }
 }
 
-/// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points that are laid over and lie within those of the branch; the
-/// branch is linear between its points, and where it has an amplitude several times, the frequency nearest to that of the point counts. A point that touches no
-/// stop is not held against motions that do.
+/// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points within those of the branch, which is linear between its points; of
+/// several motions the one with the nearest frequency counts. A point that touches no stop is not held against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     all(laid, own, Equal::of)
 }
