@@ -7,7 +7,7 @@ use clap::{CommandFactory, Parser};
 use nlmodes_run::updating::updated;
 use nlmodes_run::{chain, no_contact};
 use nlmodes_scene::scene::TestScene;
-use nlmodes_scene::{self as scenes, AnyScene, Refused, SceneFile, memory, nearest};
+use nlmodes_scene::{self as scenes, AnyScene, SceneError, SceneFile, memory, nearest};
 
 use crate::arguments::{Command, CommandLine, Experiment, SceneArguments};
 use crate::observer::TerminalObserver;
@@ -241,13 +241,10 @@ fn extract_records(arguments: &SceneArguments, out: Option<PathBuf>, force: bool
 }
 
 /// Says what is wrong with the scene, or goes on.
-fn with<T>(loaded: Result<T, Box<Refused>>, then: impl FnOnce(T) -> Status) -> Status {
+fn with<T>(loaded: Result<T, SceneError>, then: impl FnOnce(T) -> Status) -> Status {
     match loaded {
         Ok(scene) => then(scene),
-        Err(refused) => {
-            say!("{}", refused.text(wants_colours()));
-            Status::Wrong
-        }
+        Err(error) => refuse(&error),
     }
 }
 

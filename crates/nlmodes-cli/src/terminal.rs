@@ -35,7 +35,6 @@ pub fn refuse(error: &SceneError) -> Status {
 pub fn refuse_run(error: &RunError) -> Status {
     match error {
         RunError::Scene(said) | RunError::Failed(said) => _ = refuse(said),
-        RunError::Scenes(all) => all.iter().for_each(|said| _ = refuse(said)),
         RunError::Foreign { .. } => {
             say!("error: {error}");
             say!("  `--out DIR` writes to another directory, `--force` overwrites what is there");

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use nlmodes_run::RunError;
-use nlmodes_scene::{Document, Problem, Refused, SceneError, Severity};
+use nlmodes_scene::{Diagnostic, SceneError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
@@ -15,36 +15,21 @@ static RUN_ERROR: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 type Mistake = (Option<usize>, Option<String>, String, Vec<String>);
 
 /// Everything that is wrong with a scene, as the command line says it.
-pub fn refused(py: Python<'_>, refused: &Refused) -> PyErr {
-    let errors = refused.problems().iter().filter(|problem| problem.severity == Severity::Error);
-    of_scene(py, &refused.text(false), refused.document(), errors)
-}
-
-fn of_scene<'p>(py: Python<'_>, text: &str, document: &Document, problems: impl Iterator<Item = &'p Problem>) -> PyErr {
-    let mistake = |problem: &Problem| -> Mistake {
-        let key = document.key_of(problem).map(str::to_owned);
-        (document.line_of(problem), key, problem.title.clone(), problem.help.clone())
+pub fn refused(py: Python<'_>, error: &SceneError) -> PyErr {
+    let document = error.document();
+    let mistake = |one: &Diagnostic| -> Mistake {
+        (document.line_of(one), document.key_of(one).map(str::to_owned), one.title.clone(), one.help.clone())
     };
-    let mistakes: Vec<Mistake> = problems.map(mistake).collect();
+    let mistakes: Vec<Mistake> = error.errors().map(mistake).collect();
+    let text = error.text(false);
     let class = SCENE_ERROR.import(py, "nlmodes._errors", "SceneError");
     raised(class.and_then(|class| class.call1((text, mistakes))))
-}
-
-fn at(py: Python<'_>, error: &SceneError) -> PyErr {
-    of_scene(py, &error.text(false), error.document(), std::iter::once(error.problem()))
 }
 
 /// Why a run gives no results.
 pub fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
     match error {
-        RunError::Scene(said) => at(py, said),
-        RunError::Scenes(all) => match all.first() {
-            Some(first) => {
-                let problems = all.iter().map(SceneError::problem);
-                of_scene(py, &error.to_string(), first.document(), problems)
-            }
-            None => run_error(py, &error.to_string()),
-        },
+        RunError::Scene(error) => refused(py, error),
         RunError::Foreign { .. } => {
             run_error(py, &format!("{error}\nout= takes another directory, force=True overwrites what is there"))
         }

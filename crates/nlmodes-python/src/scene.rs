@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nlmodes_scene::{AnyScene, Refused, load_any, memory, parse_any};
+use nlmodes_scene::{AnyScene, SceneError, load_any, memory, parse_any};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
@@ -25,7 +25,7 @@ pub enum Source {
 }
 
 impl Source {
-    fn read(&self, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+    fn read(&self, overrides: &[String]) -> Result<AnyScene, SceneError> {
         match self {
             Self::Text(name, text) => parse_any(name, text, overrides),
             Self::File(path) => load_any(path, overrides),

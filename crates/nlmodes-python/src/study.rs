@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use nlmodes_scene::Refused;
+use nlmodes_scene::SceneError;
 use nlmodes_scene::memory::Limit;
 use nlmodes_study::{Collected, Counts, Evaluator, Progress, Settings, Shard, StudyError, StudyFile, StudyObserver};
 use pyo3::exceptions::PyValueError;
@@ -36,7 +36,7 @@ fn evaluator(study: &nlmodes_study::Study) -> Evaluator {
     Evaluator::new(study.clone(), Settings::default())
 }
 
-fn read(source: &Source, scene: Option<&str>) -> Result<StudyFile, Box<Refused>> {
+fn read(source: &Source, scene: Option<&str>) -> Result<StudyFile, SceneError> {
     use nlmodes_study::Study;
     match (source, scene) {
         (Source::Text(name, text), Some(scene)) => Study::parse_with_scene(name, text, scene),

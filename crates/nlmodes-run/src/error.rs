@@ -16,13 +16,10 @@ pub type Failure = Box<dyn Error + Send + Sync>;
 pub enum RunError {
     /// The scene cannot be computed, at the key that it is about.
     #[error("{0}")]
-    Scene(Box<SceneError>),
-    /// Several places of the scene stand in the way.
-    #[error("{}", joined(.0))]
-    Scenes(Vec<SceneError>),
+    Scene(SceneError),
     /// The computation failed, at the key that it is about; another value may do, but the scene is not wrong.
     #[error("{0}")]
-    Failed(Box<SceneError>),
+    Failed(SceneError),
     /// It was asked to end before there was any point.
     #[error("ended before any point was found: there are no results")]
     Ended,
@@ -77,7 +74,7 @@ impl RunError {
     /// Whether scene or call are to be changed; the computation, disk or machine failed otherwise.
     pub fn is_of_the_call(&self) -> bool {
         match self {
-            Self::Scene(_) | Self::Scenes(_) | Self::NoScene => true,
+            Self::Scene(_) | Self::NoScene => true,
             Self::InUse { .. } | Self::Foreign { .. } | Self::Link { .. } => true,
             Self::Ended | Self::Failed(_) | Self::Unwritable { .. } | Self::NotRecorded { .. } | Self::Files(_) => {
                 false
@@ -88,12 +85,8 @@ impl RunError {
 
 impl From<SceneError> for RunError {
     fn from(error: SceneError) -> Self {
-        Self::Scene(Box::new(error))
+        Self::Scene(error)
     }
-}
-
-fn joined(errors: &[SceneError]) -> String {
-    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 /// The message of an error and of all its causes.

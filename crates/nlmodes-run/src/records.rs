@@ -127,14 +127,13 @@ fn with_modes(file: &SceneFile<RecordScene>) -> Result<RecordScene, RunError> {
 /// Whether all files of the scene are there, of kinds that can be read.
 ///
 /// # Errors
-/// [`RunError::Scenes`] with each that is not, at its place in the scene.
+/// [`RunError::Scene`] with each that is not, at its place in the scene.
 pub fn files_are_there(file: &SceneFile<RecordScene>) -> Result<(), RunError> {
     let lost = file.scene.files.iter().enumerate().filter_map(|(i, name)| {
         let error = Recording::find(&file.scene.base.join(name)).err()?;
         Some(unusable(file, i, name, &error))
     });
-    let lost: Vec<_> = lost.collect();
-    if lost.is_empty() { Ok(()) } else { Err(RunError::Scenes(lost)) }
+    lost.reduce(SceneError::with).map_or(Ok(()), |error| Err(error.into()))
 }
 
 fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordError) -> SceneError {
@@ -145,7 +144,7 @@ fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordE
 /// All records with the names of their files.
 ///
 /// # Errors
-/// [`RunError::Scenes`] with each that cannot be read, at its place in the scene.
+/// [`RunError::Scene`] with each that cannot be read, at its place in the scene.
 fn read(file: &SceneFile<RecordScene>) -> Result<Vec<(String, Record)>, RunError> {
     let scene = &file.scene;
     let (mut records, mut refused) = (Vec::new(), Vec::new());
@@ -155,7 +154,7 @@ fn read(file: &SceneFile<RecordScene>) -> Result<Vec<(String, Record)>, RunError
             Err(error) => refused.push(unusable(file, i, name, &error)),
         }
     }
-    if refused.is_empty() { Ok(records) } else { Err(RunError::Scenes(refused)) }
+    refused.into_iter().reduce(SceneError::with).map_or(Ok(records), |error| Err(error.into()))
 }
 
 fn help(error: &RecordError) -> &'static [&'static str] {

@@ -72,7 +72,7 @@ pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
             | StudyError::Continuation(_)
     );
     let said = file.error_at(path, &chain(error), "", &[]);
-    if unlucky { RunError::Failed(Box::new(said)) } else { said.into() }
+    if unlucky { RunError::Failed(said) } else { said.into() }
 }
 
 /// Whether all stops of a beam stand along its axis.

@@ -35,7 +35,7 @@ pub fn updated(mut file: SceneFile) -> Result<SceneFile, RunError> {
             };
             let said = file.error_at(path, &chain(&error), "", &[]);
             let failed = matches!(error, UpdatingError::NotConverged { .. } | UpdatingError::Linalg(_));
-            Err(if failed { RunError::Failed(Box::new(said)) } else { said.into() })
+            Err(if failed { RunError::Failed(said) } else { said.into() })
         }
     }
 }

@@ -5,7 +5,7 @@ use std::thread;
 use nlmodes_run::records::Outcome;
 use nlmodes_run::virtual_test::TestOutcome;
 use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, Silent};
-use nlmodes_scene::{AnyScene, Refused, SceneError, SceneFile, parse_each_method};
+use nlmodes_scene::{AnyScene, SceneError, SceneFile, parse_each_method};
 
 const ROD: &str = r#"
 [structure]
@@ -30,7 +30,7 @@ fn send<T: Send>() {}
 
 #[test]
 fn scenes_outcomes_and_errors_go_to_other_threads() {
-    send::<(SceneFile, AnyScene, Refused, SceneError)>();
+    send::<(SceneFile, AnyScene, SceneError)>();
     send::<(RunOutcome, RunError, TestOutcome, Outcome)>();
 }
 

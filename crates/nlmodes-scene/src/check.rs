@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use nodes::Nodes;
 use parts::Fixed;
 
-use crate::Findings;
+use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
 use crate::raw::{RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure, RawStudy};
@@ -40,67 +40,67 @@ pub struct Subject<'a> {
     contact_tables: usize,
 }
 
-/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file.
-pub fn scene(raw: &RawScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
+/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file.
+pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
     let tables = raw.contact.as_deref().unwrap_or_default();
     let stops: Vec<f64> = tables.iter().filter_map(|contact| contact.at_m).collect();
-    let nodes = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, &stops, findings));
+    let nodes = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, &stops, diagnostics));
     let structure = raw.structure.as_ref().and_then(|raw| {
-        let fixed = Fixed::of_one(raw, findings);
-        structure::alone(raw, findings);
-        structure::check(raw, nodes.as_ref(), &fixed, findings)
+        let fixed = Fixed::of_one(raw, diagnostics);
+        structure::alone(raw, diagnostics);
+        structure::check(raw, nodes.as_ref(), &fixed, diagnostics)
     });
     let mesh = nodes.as_ref().map(|nodes| &nodes.mesh);
-    let contacts = contact::check(tables, &[Body { raw: raw.structure.as_ref(), mesh }], findings);
+    let contacts = contact::check(tables, &[Body { raw: raw.structure.as_ref(), mesh }], diagnostics);
     let structure = structure.map(SceneStructure::Straight);
     let places = Places::along(raw.structure.as_ref(), mesh);
     let subject = Subject { places, contact_tables: tables.len() };
-    let scene = rest(&raw.study, (stem, base), structure, contacts, &subject, findings)?;
-    plausible::warn(&scene, findings);
+    let scene = rest(&raw.study, (stem, base), structure, contacts, &subject, diagnostics)?;
+    plausible::warn(&scene, diagnostics);
     Some(scene)
 }
 
 /// The checked scene of several rods and beams, in the same way.
-pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
+pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
     let (raws, tables) = (raw.structure.as_deref().unwrap_or_default(), raw.contact.as_deref().unwrap_or_default());
-    let fixed = Fixed::of_several(raws, findings);
+    let fixed = Fixed::of_several(raws, diagnostics);
     let (mut nodes, mut structures) = (Vec::new(), Vec::new());
     for (i, (raw, fixed)) in raws.iter().zip(&fixed).enumerate() {
-        findings.about_structure(Some(i));
-        let own = nodes::mesh(raw, &contact::stops_of(i, tables), findings);
-        structures.push(structure::check(raw, own.as_ref(), fixed, findings));
+        diagnostics.about_structure(Some(i));
+        let own = nodes::mesh(raw, &contact::stops_of(i, tables), diagnostics);
+        structures.push(structure::check(raw, own.as_ref(), fixed, diagnostics));
         nodes.push(own);
     }
     let bodies = raws.iter().zip(&nodes);
     let bodies: Vec<Body<'_>> =
         bodies.map(|(raw, nodes)| Body { raw: Some(raw), mesh: nodes.as_ref().map(|nodes| &nodes.mesh) }).collect();
-    findings.about_structure(None);
-    let contacts = contact::check(tables, &bodies, findings);
+    diagnostics.about_structure(None);
+    let contacts = contact::check(tables, &bodies, diagnostics);
     let structures = structures.into_iter().collect::<Option<Vec<Structure>>>().map(SceneStructure::Several);
     let subject = Subject { places: Places::Bodies(&bodies), contact_tables: tables.len() };
-    let scene = rest(&raw.study, (stem, base), structures, contacts, &subject, findings)?;
+    let scene = rest(&raw.study, (stem, base), structures, contacts, &subject, diagnostics)?;
     for (i, structure) in scene.structure.bodies().iter().enumerate() {
-        findings.about_structure(Some(i));
-        plausible::structure(structure, findings);
+        diagnostics.about_structure(Some(i));
+        plausible::structure(structure, diagnostics);
     }
-    findings.about_structure(None);
+    diagnostics.about_structure(None);
     Some(scene)
 }
 
 /// The checked scene of a structure from files, in the same way; paths count from `base`.
-pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<Scene> {
-    let matrices = matrices::check(raw, base, findings).map(SceneStructure::Matrices);
+pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
+    let matrices = matrices::check(raw, base, diagnostics).map(SceneStructure::Matrices);
     let contact_tables = raw.contact.as_ref().map_or(0, Vec::len);
     let subject = Subject { places: Places::Nodes, contact_tables };
-    rest(&raw.study, (stem, base), matrices, Vec::new(), &subject, findings)
+    rest(&raw.study, (stem, base), matrices, Vec::new(), &subject, diagnostics)
 }
 
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.
-fn one_structure(raw: &RawStructure, stops: &[f64], findings: &mut Findings<'_>) -> Option<Structure> {
-    let nodes: Option<Nodes> = nodes::mesh(raw, stops, findings);
-    let fixed = Fixed::of_one(raw, findings);
-    structure::alone(raw, findings);
-    structure::check(raw, nodes.as_ref(), &fixed, findings)
+fn one_structure(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Structure> {
+    let nodes: Option<Nodes> = nodes::mesh(raw, stops, diagnostics);
+    let fixed = Fixed::of_one(raw, diagnostics);
+    structure::alone(raw, diagnostics);
+    structure::check(raw, nodes.as_ref(), &fixed, diagnostics)
 }
 
 /// What all structures share.
@@ -110,7 +110,7 @@ fn rest(
     mut structure: Option<SceneStructure>,
     mut contacts: Vec<Contact>,
     subject: &Subject<'_>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Scene> {
     let is_along = matches!(subject.places, Places::Along(_));
     let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
@@ -120,7 +120,7 @@ fn rest(
             // No contact has mass: what the scene says of it has no effect.
             method.mass_redistribution = None;
         }
-        method::check(&method, raw, subject, &contacts, findings)
+        method::check(&method, raw, subject, &contacts, diagnostics)
     });
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
@@ -128,13 +128,13 @@ fn rest(
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
     }
-    let reduction = reduction::check(raw.reduction.as_ref(), raw, (default, &subject.places), findings);
+    let reduction = reduction::check(raw.reduction.as_ref(), raw, (default, &subject.places), diagnostics);
     let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
-    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, findings));
+    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, diagnostics));
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
-    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, uniform, findings));
-    contact::dampers(&contacts, structure.as_ref(), has_responses, findings);
-    let of_responses = response::check(raw, &subject.places, method.as_ref(), findings);
+    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, uniform, diagnostics));
+    contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);
+    let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,

@@ -2,6 +2,9 @@
 //!
 //! Whatever does not conform is reported and taken out, so that the rest can still be read and checked further.
 
+mod unknown;
+mod value;
+
 use std::borrow::Cow;
 
 use serde_json::Value;
@@ -9,22 +12,22 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::rule::{Kind, Rule, join};
-use crate::{Findings, Problem, mistakes, unknown};
+use crate::{Diagnostic, Diagnostics};
 
 /// Reports whatever in the table does not conform to the schema, and takes it out.
-pub fn conform(root: &mut DeTable<'_>, schema: &Value, findings: &mut Findings<'_>) {
-    let mut walk = Walk { root: Rule(schema), findings, missing: Vec::new(), missing_one: Vec::new() };
+pub fn conform(root: &mut DeTable<'_>, schema: &Value, diagnostics: &mut Diagnostics<'_>) {
+    let mut walk = Walk { root: Rule(schema), diagnostics, missing: Vec::new(), missing_one: Vec::new() };
     walk.table(root, Rule(schema), "");
-    let Walk { mut missing, missing_one, findings, .. } = walk;
+    let Walk { mut missing, missing_one, diagnostics, .. } = walk;
     // The first of several is the one that is asked for.
-    let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| findings.is_meant(path)));
+    let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| diagnostics.is_meant(path)));
     missing.extend(first.filter_map(|keys| keys.into_iter().next()));
     for (path, rule) in missing {
-        if findings.is_meant(&path) {
+        if diagnostics.is_meant(&path) {
             continue;
         }
-        let problem = mistakes::missing(&path, rule);
-        findings.put(&path, problem, mistakes::missing_label(&path, rule));
+        let diagnostic = value::missing(&path, rule);
+        diagnostics.put(&path, diagnostic, value::missing_label(&path, rule));
     }
 }
 
@@ -35,7 +38,7 @@ type Item<'d> = Spanned<DeValue<'d>>;
 
 struct Walk<'w, 'b, 'f> {
     root: Rule<'w>,
-    findings: &'b mut Findings<'f>,
+    diagnostics: &'b mut Diagnostics<'f>,
     /// Required keys that are not there.
     missing: Vec<(String, Rule<'w>)>,
     /// Keys of which one is required and none is there.
@@ -68,16 +71,16 @@ impl<'w> Walk<'w, '_, '_> {
             return self.value(&mut value, rule, &join(path, name)).then_some((key, value));
         }
         let guess = unknown::guess(name, path, self.root);
-        self.findings.push(unknown::problem(name, path, table, &guess).at(key.span(), guess.label(path)));
+        self.diagnostics.push(unknown::diagnostic(name, path, table, &guess).at(key.span(), guess.label(path)));
         if let Some(meant) = guess.path(path) {
-            self.findings.mean(meant);
+            self.diagnostics.mean(meant);
         }
         None
     }
 
     /// Whether the value conforms, or is a table of which the rest does.
     fn value(&mut self, value: &mut Item<'_>, rule: Rule<'w>, path: &str) -> bool {
-        let problem = match (rule.kind(), value.get_mut()) {
+        let diagnostic = match (rule.kind(), value.get_mut()) {
             (Kind::Any, _) => None,
             (Kind::Table, DeValue::Table(table)) => {
                 self.table(table, rule, path);
@@ -92,22 +95,22 @@ impl<'w> Walk<'w, '_, '_> {
             ) => {
                 let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
                 let x = exact.map_or(f64::MAX, |n| n as f64);
-                (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
+                (!rule.admits(x)).then(|| value::out_of_range(path, x))
             }
             (Kind::Boolean, DeValue::Boolean(_)) => None,
             (Kind::Number | Kind::Numbers, DeValue::Float(x)) => {
                 let x = x.as_str().parse().unwrap_or(f64::NAN);
-                (!rule.admits(x)).then(|| mistakes::out_of_range(path, x))
+                (!rule.admits(x)).then(|| value::out_of_range(path, x))
             }
             (Kind::Text | Kind::IntegerOrText | Kind::TextOrNumbers, DeValue::String(text)) => {
-                mistakes::in_text(path, text, rule)
+                value::in_text(path, text, rule)
             }
-            (Kind::OneOf, other) => (!rule.fits(other)).then(|| mistakes::unfit(path)),
-            (_, other) => Some(mistakes::wrong_kind(path, other, rule)),
+            (Kind::OneOf, other) => (!rule.fits(other)).then(|| value::unfit(path)),
+            (_, other) => Some(value::wrong_kind(path, other, rule)),
         };
-        let conforms = problem.is_none();
-        if let Some(problem) = problem {
-            self.report(path, problem, rule);
+        let conforms = diagnostic.is_none();
+        if let Some(diagnostic) = diagnostic {
+            self.report(path, diagnostic, rule);
         } else if matches!(rule.kind(), Kind::Integers | Kind::Numbers) {
             wrap(value);
         }
@@ -116,7 +119,7 @@ impl<'w> Walk<'w, '_, '_> {
 
     fn array(&mut self, items: &mut DeArray<'_>, rule: Rule<'w>, path: &str) -> bool {
         if !rule.admits_length(items.len()) {
-            self.report(path, mistakes::wrong_length(path, items.len()), rule);
+            self.report(path, value::wrong_length(path, items.len()), rule);
             return false;
         }
         let Some(each) = rule.items() else { return true };
@@ -127,9 +130,9 @@ impl<'w> Walk<'w, '_, '_> {
         conforms
     }
 
-    fn report(&mut self, path: &str, problem: Problem, rule: Rule<'_>) {
-        let label = format!("found {}, expected {}", self.findings.written(path), rule.expected());
-        self.findings.put(path, problem, label);
+    fn report(&mut self, path: &str, diagnostic: Diagnostic, rule: Rule<'_>) {
+        let label = format!("found {}, expected {}", self.diagnostics.written(path), rule.expected());
+        self.diagnostics.put(path, diagnostic, label);
     }
 }
 

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::text::Text;
 use crate::units::converted;
-use crate::{Problem, Sources, methods, render, responses, set};
+use crate::{Diagnostic, Sources, methods, responses, set};
 
 /// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
 const MAX_SYNTAX_ERRORS: usize = 3;
@@ -31,25 +31,25 @@ pub struct Place {
 
 impl Document {
     /// Takes the tables of the text and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
-    /// is left as the only one, `[method]`. Problems go to `problems`; there is no table if the text is not TOML.
+    /// is left as the only one, `[method]`. What is wrong goes to `diagnostics`; there is no table if the text is not TOML.
     pub(crate) fn new<'a>(
         text: &Text<'a>,
         overrides: &'a [String],
         method: usize,
-        problems: &mut Vec<Problem>,
+        diagnostics: &mut Vec<Diagnostic>,
     ) -> (Self, Option<Spanned<DeTable<'a>>>) {
         let mut root = text.root.clone();
-        problems.extend(syntax_problems(text.text, &text.errors));
+        diagnostics.extend(syntax_problems(text.text, &text.errors));
         let mut sources = Sources::new(text.name, text.text);
         // `method.1.mode=2` is for one of several methods, `method.mode=2` for all of them.
         let (of_one, of_all): (Vec<_>, Vec<_>) =
             overrides.iter().partition(|argument| methods::is_for_one(argument, root.get_mut()));
         for argument in of_one {
-            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+            diagnostics.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
-        problems.extend(methods::keep(root.get_mut(), method).err());
+        diagnostics.extend(methods::keep(root.get_mut(), method).err());
         for argument in of_all {
-            problems.extend(set::apply(argument, root.get_mut(), &mut sources).err());
+            diagnostics.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
         responses::listed(root.get_mut());
         let mut places = BTreeMap::new();
@@ -77,9 +77,9 @@ impl Document {
         self.places.keys().map(String::as_str)
     }
 
-    /// The path of the key that a problem is about, as `contact.0.gap_m`: the innermost one around its place.
-    pub fn key_of(&self, problem: &Problem) -> Option<&str> {
-        let at = problem.place.as_ref()?.range.start;
+    /// The path of the key that a diagnostic is about, as `contact.0.gap_m`: the innermost one around its place.
+    pub fn key_of(&self, diagnostic: &Diagnostic) -> Option<&str> {
+        let at = diagnostic.place.as_ref()?.range.start;
         let around = |(path, place): (&'_ String, &'_ Place)| {
             let length =
                 [&place.key, &place.value].into_iter().filter(|range| range.contains(&at)).map(|r| r.len()).min();
@@ -89,9 +89,9 @@ impl Document {
         found.min().map(|(_, path)| path.as_str())
     }
 
-    /// The line of the file that a problem is about, from 1; nothing where it is about an override.
-    pub fn line_of(&self, problem: &Problem) -> Option<usize> {
-        let (file, range) = (self.sources.file(), &problem.place.as_ref()?.range);
+    /// The line of the file that a diagnostic is about, from 1; nothing where it is about an override.
+    pub fn line_of(&self, diagnostic: &Diagnostic) -> Option<usize> {
+        let (file, range) = (self.sources.file(), &diagnostic.place.as_ref()?.range);
         let (source, range) = self.sources.locate(range);
         let before = file.text.get(..range.start).filter(|_| std::ptr::eq(source, file))?;
         Some(1 + before.bytes().filter(|byte| *byte == b'\n').count())
@@ -102,18 +102,18 @@ impl Document {
         self.place(path).map_or_else(String::new, |place| self.sources.excerpt(&place.value))
     }
 
-    /// Puts a problem at the value of the key, or at the heading of the nearest table around it that is written.
-    pub fn put(&self, problem: Problem, path: &str, label: impl Into<String>) -> Problem {
+    /// Puts a diagnostic at the value of the key, or at the heading of the nearest table around it that is written.
+    pub fn put(&self, diagnostic: Diagnostic, path: &str, label: impl Into<String>) -> Diagnostic {
         let around = std::iter::successors(Some(path), |path| path.rsplit_once('.').map(|(parent, _)| parent));
         match around.filter_map(|path| self.place(path)).next() {
-            Some(place) => problem.at(place.value.clone(), label),
-            None => problem,
+            Some(place) => diagnostic.at(place.value.clone(), label),
+            None => diagnostic,
         }
     }
 
-    /// Problems of this document as text.
-    pub fn render(&self, problems: &[Problem], colours: bool) -> String {
-        render::render(problems, &self.sources, colours)
+    /// Diagnostics of this document as text.
+    pub fn render(&self, diagnostics: &[Diagnostic], colours: bool) -> String {
+        crate::diagnostic::render::render(diagnostics, &self.sources, colours)
     }
 }
 
@@ -137,7 +137,7 @@ fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, pl
 }
 
 /// The first syntax errors, at most one a line.
-fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
+fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Diagnostic> {
     let place = |error: &toml::de::Error| error.span().unwrap_or(text.len()..text.len());
     let line = |error: &toml::de::Error| text.bytes().take(place(error).start).filter(|byte| *byte == b'\n').count();
     let mut shown: Vec<&toml::de::Error> = Vec::new();
@@ -148,24 +148,24 @@ fn syntax_problems(text: &str, errors: &[toml::de::Error]) -> Vec<Problem> {
     }
     let more = shown.len().saturating_sub(MAX_SYNTAX_ERRORS);
     shown.truncate(MAX_SYNTAX_ERRORS);
-    let mut problems: Vec<Problem> =
+    let mut diagnostics: Vec<Diagnostic> =
         shown.iter().map(|error| syntax_problem(text, error.message(), place(error))).collect();
     if more > 0
-        && let Some(last) = problems.last_mut()
+        && let Some(last) = diagnostics.last_mut()
     {
         last.help.push("the lines that follow cannot be read either; mend these first".into());
     }
-    problems
+    diagnostics
 }
 
-fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
+fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Diagnostic {
     if let Some(number) = decimal_comma(text, place.start) {
-        return Problem::error("a number is written with a decimal comma")
+        return Diagnostic::error("a number is written with a decimal comma")
             .at(place, "expected a decimal point")
             .help(format!("write {number}"));
     }
     if let Some((key, value)) = number_with_unit(text, place.start) {
-        return Problem::error(format!("`{key}` is a number with a unit behind it"))
+        return Diagnostic::error(format!("`{key}` is a number with a unit behind it"))
             .at(place, "expected the end of the line")
             .help(format!("write {key} = {value}; the unit is part of the key"));
     }
@@ -173,16 +173,16 @@ fn syntax_problem(text: &str, message: &str, place: Range<usize>) -> Problem {
         "duplicate key" => "a key is given twice in the same table",
         _ => "the scene is not valid TOML",
     };
-    let problem = Problem::error(title).at(place.clone(), message);
+    let diagnostic = Diagnostic::error(title).at(place.clone(), message);
     match message {
         _ if message.contains("must be quoted") => {
             let (key, value) = bare_word(text, place.start).unwrap_or(("kind", "rod"));
-            problem.help(format!("texts stand in quotes: {key} = \"{value}\""))
+            diagnostic.help(format!("texts stand in quotes: {key} = \"{value}\""))
         }
         _ if message.contains("array") => {
-            problem.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
+            diagnostic.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
         }
-        _ => problem,
+        _ => diagnostic,
     }
 }
 
@@ -241,7 +241,7 @@ mod tests {
         let text = "[structure]\nkind = \"rod\"\n[[contact]]\ngap_mm = 1\n[[contact]]\ngap_m = \"a\"\n";
         let refused = crate::parse("a.toml", text, &["method.harmonics=-1".to_owned()]).unwrap_err();
         let document = refused.document();
-        let places: Vec<_> = refused.problems().iter().map(|p| (document.key_of(p), document.line_of(p))).collect();
+        let places: Vec<_> = refused.diagnostics().iter().map(|p| (document.key_of(p), document.line_of(p))).collect();
         for place in [
             (Some("contact.0.gap_mm"), Some(4)),
             (Some("contact.1.gap_m"), Some(6)),

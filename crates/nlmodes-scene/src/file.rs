@@ -6,7 +6,7 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::Problem;
+use crate::Diagnostic;
 
 /// Most bytes that a scene file may have.
 const MAX_BYTES: u64 = 1 << 20;
@@ -35,15 +35,15 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// As a problem of the scene.
-    pub fn problem(&self) -> Problem {
-        let problem = Problem::error(self.to_string());
+    /// As a diagnostic of the scene.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let diagnostic = Diagnostic::error(self.to_string());
         match self {
             Self::Io(error) if error.kind() == io::ErrorKind::NotFound => {
-                problem.help("a path is taken from the directory where the program is started")
+                diagnostic.help("a path is taken from the directory where the program is started")
             }
-            Self::NotText { .. } => problem.help("save it as UTF-8 in the editor"),
-            _ => problem,
+            Self::NotText { .. } => diagnostic.help("save it as UTF-8 in the editor"),
+            _ => diagnostic,
         }
     }
 }

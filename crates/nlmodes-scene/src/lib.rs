@@ -12,7 +12,7 @@
 //! | [`parse_each_method`], [`load_each_method`] | text or file → the checked scene of a structure, one for each method |
 //! | [`load_any`], [`load_to_run`], [`parse_any`] | the same for a file or text of any kind: [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
-//! | [`Refused`], [`SceneError`], [`Problem`] | what is wrong, and where it stands |
+//! | [`Diagnostic`], [`Diagnostics`], [`SceneError`] | what is wrong and where it stands: one thing, as they are found, all that refuses a scene |
 //! | [`load_other`], [`parse_other`] | files of other kinds than scenes, with messages as good |
 //! | [`whole_schema`] | every key with its unit, limits and default |
 //! | [`assemble`] | scene → structural model |
@@ -54,46 +54,37 @@
 pub mod assemble;
 mod check;
 mod conform;
+mod diagnostic;
 mod document;
 mod file;
-mod findings;
 pub mod memory;
 mod methods;
-mod mistakes;
 mod nearest;
 mod other;
 mod planned;
-mod problem;
 mod raw;
 mod read;
-mod refused;
-mod render;
 mod responses;
 mod rule;
 pub mod scene;
-mod scene_error;
 mod scene_file;
 mod schema;
 mod set;
 mod sources;
 mod text;
 mod units;
-mod unknown;
 
+pub use diagnostic::{Diagnostic, Diagnostics, Mark, SceneError, Severity};
 pub use document::{Document, Place};
 pub use file::FileError;
-pub use findings::Findings;
 pub use nearest::nearest;
 pub use other::{load_other, parse_other};
-pub use problem::{Mark, Problem, Severity};
 pub use read::{
     load_any, load_each_method, load_records, load_to_run, parse, parse_any, parse_each_method, parse_records,
     parse_test,
 };
-pub use refused::Refused;
 pub use rule::number;
 pub use scene::{RecordScene, Scene, TestScene};
-pub use scene_error::SceneError;
 pub use scene_file::{AnyScene, SceneFile, warnings_text};
 pub use schema::{schema, whole_schema};
 pub use sources::{Source, Sources};

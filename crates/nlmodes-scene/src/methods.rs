@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::Problem;
+use crate::Diagnostic;
 
 const KEY: &str = "method";
 
@@ -21,11 +21,11 @@ pub fn count(root: &DeTable<'_>) -> usize {
 /// Leaves the method `number` of several as the only one.
 ///
 /// # Errors
-/// A [`Problem`] if there are too many.
-pub fn keep(root: &mut DeTable<'_>, number: usize) -> Result<(), Problem> {
+/// A [`Diagnostic`] if there are too many.
+pub fn keep(root: &mut DeTable<'_>, number: usize) -> Result<(), Diagnostic> {
     let Some(tables) = tables(root) else { return Ok(()) };
     let too_many = tables.get(MAX_METHODS).map(|table| {
-        Problem::error(format!("the scene has {} methods", tables.len()))
+        Diagnostic::error(format!("the scene has {} methods", tables.len()))
             .at(table.span(), format!("expected at most {MAX_METHODS} headings [[method]]"))
     });
     let kept =

@@ -8,24 +8,24 @@ use serde::de::DeserializeOwned;
 use toml::de::Deserializer;
 
 use crate::text::Text;
-use crate::{Document, Findings, Mark, Problem, Refused, SceneFile, conform, file, schema};
+use crate::{Diagnostic, Diagnostics, Document, Mark, SceneError, SceneFile, conform, file, schema};
 
 /// Reads a file of kind `what`, as `study`: its tables against the schema of `T`, then `check` makes of them what is wanted, or tells the
-/// findings why not.
+/// diagnostics why not.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong, each at its place.
+/// [`SceneError`] with all that is wrong, each at its place.
 pub fn load_other<T: DeserializeOwned + JsonSchema, S>(
     path: &Path,
     what: &str,
-    check: impl FnOnce(&T, &mut Findings<'_>) -> Option<S>,
-) -> Result<SceneFile<S>, Box<Refused>> {
+    check: impl FnOnce(&T, &mut Diagnostics<'_>) -> Option<S>,
+) -> Result<SceneFile<S>, SceneError> {
     let name = path.display().to_string();
     match file::read(path) {
         Ok(text) => parse_other(&name, &text, what, check),
         Err(error) => {
             let (document, _) = Document::new(&Text::new(&name, ""), &[], 0, &mut Vec::new());
-            Err(Box::new(Refused::new(document, vec![called(error.problem(), what)])))
+            Err(SceneError::of_checks(document, vec![called(error.diagnostic(), what)]))
         }
     }
 }
@@ -33,47 +33,47 @@ pub fn load_other<T: DeserializeOwned + JsonSchema, S>(
 /// The same for a text; `name` stands in messages.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong, each at its place.
+/// [`SceneError`] with all that is wrong, each at its place.
 pub fn parse_other<T: DeserializeOwned + JsonSchema, S>(
     name: &str,
     text: &str,
     what: &str,
-    check: impl FnOnce(&T, &mut Findings<'_>) -> Option<S>,
-) -> Result<SceneFile<S>, Box<Refused>> {
-    let mut problems = Vec::new();
+    check: impl FnOnce(&T, &mut Diagnostics<'_>) -> Option<S>,
+) -> Result<SceneFile<S>, SceneError> {
+    let mut diagnostics = Vec::new();
     let text = Text::new(name, text);
-    let (document, root) = Document::new(&text, &[], 0, &mut problems);
-    let mut findings = Findings::new(&document, problems);
+    let (document, root) = Document::new(&text, &[], 0, &mut diagnostics);
+    let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let raw = root.and_then(|mut root| {
-        conform::conform(root.get_mut(), &schema::schema_of::<T>(), &mut findings);
+        conform::conform(root.get_mut(), &schema::schema_of::<T>(), &mut diagnostics);
         match <T as Deserialize>::deserialize(Deserializer::from(root)) {
             Ok(raw) => Some(raw),
             Err(error) => {
-                findings.push(Problem::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
+                diagnostics.push(Diagnostic::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
                 None
             }
         }
     });
-    findings.reword(|problem| called(problem, what));
-    let made = raw.and_then(|raw| check(&raw, &mut findings));
-    let refused = findings.refuse();
-    let problems = findings.into_sorted();
+    diagnostics.reword(|diagnostic| called(diagnostic, what));
+    let made = raw.and_then(|raw| check(&raw, &mut diagnostics));
+    let refused = diagnostics.refuse();
+    let diagnostics = diagnostics.into_sorted();
     match made {
-        Some(scene) if !refused => Ok(SceneFile { scene, document, warnings: problems }),
-        _ => Err(Box::new(Refused::new(document, problems))),
+        Some(scene) if !refused => Ok(SceneFile { scene, document, warnings: diagnostics }),
+        _ => Err(SceneError::of_checks(document, diagnostics)),
     }
 }
 
-/// The problem as one of a file of that kind.
-fn called(problem: Problem, what: &str) -> Problem {
+/// The diagnostic as one of a file of that kind.
+fn called(diagnostic: Diagnostic, what: &str) -> Diagnostic {
     let text =
         |text: String| text.replace("a scene", &format!("a {what}")).replace("the scene", &format!("the {what}"));
     let mark = |mark: Mark| Mark { label: text(mark.label), range: mark.range };
-    Problem {
-        severity: problem.severity,
-        title: text(problem.title),
-        place: problem.place.map(mark),
-        context: problem.context.into_iter().map(mark).collect(),
-        help: problem.help.into_iter().map(text).collect(),
+    Diagnostic {
+        severity: diagnostic.severity,
+        title: text(diagnostic.title),
+        place: diagnostic.place.map(mark),
+        context: diagnostic.context.into_iter().map(mark).collect(),
+        help: diagnostic.help.into_iter().map(text).collect(),
     }
 }

@@ -2,7 +2,7 @@
 
 use toml::de::{DeTable, DeValue};
 
-use crate::Problem;
+use crate::Diagnostic;
 
 const RECORDS: [&str; 5] = ["recording", "channel", "linear_modes", "extraction", "stop"];
 const COMPUTED: [&str; 4] = ["contact", "method", "continuation", "structure"];
@@ -29,37 +29,37 @@ pub fn is_of_test(root: &DeTable<'_>) -> bool {
     first(root, &["virtual_test"]).is_some()
 }
 
-/// The problem of a scene of a virtual test where one of another kind is wanted.
-pub fn of_test(root: &DeTable<'_>) -> Option<Problem> {
+/// The diagnostic of a scene of a virtual test where one of another kind is wanted.
+pub fn of_test(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &["virtual_test"])?;
-    let problem = Problem::error("this scene describes a virtual test").help("`nlmodes-cli run` runs it");
-    Some(problem.at(range, format!("`{key}` describes the rig")))
+    let diagnostic = Diagnostic::error("this scene describes a virtual test").help("`nlmodes-cli run` runs it");
+    Some(diagnostic.at(range, format!("`{key}` describes the rig")))
 }
 
-/// The problem of a scene of a virtual test that is one of a branch too.
-pub fn of_test_and_branch(root: &DeTable<'_>) -> Option<Problem> {
+/// The diagnostic of a scene of a virtual test that is one of a branch too.
+pub fn of_test_and_branch(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &["contact", "method", "continuation"])?;
-    let problem = Problem::error(format!("`{key}` does not belong to a virtual test"));
-    let problem = problem.help(
+    let diagnostic = Diagnostic::error(format!("`{key}` does not belong to a virtual test"));
+    let diagnostic = diagnostic.help(
         "the stop of the rig stands below [virtual_test.stop], and [virtual_test.backbone] has its backbone computed",
     );
-    Some(problem.at(range, "found beside [virtual_test]"))
+    Some(diagnostic.at(range, "found beside [virtual_test]"))
 }
 
-/// The problem of a scene of measured records where one of a structure is wanted.
-pub fn of_records(root: &DeTable<'_>) -> Option<Problem> {
+/// The diagnostic of a scene of measured records where one of a structure is wanted.
+pub fn of_records(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &RECORDS).filter(|_| is_of_records(root))?;
-    let problem = Problem::error("this scene describes measured records, not a structure to compute with");
-    let problem = problem.help("`nlmodes-cli experiment extract` turns records into modal points");
-    Some(problem.at(range, format!("`{key}` describes measured records")))
+    let diagnostic = Diagnostic::error("this scene describes measured records, not a structure to compute with");
+    let diagnostic = diagnostic.help("`nlmodes-cli experiment extract` turns records into modal points");
+    Some(diagnostic.at(range, format!("`{key}` describes measured records")))
 }
 
-/// The problem of a scene of a structure where one of measured records is wanted.
-pub fn not_of_records(root: &DeTable<'_>) -> Option<Problem> {
+/// The diagnostic of a scene of a structure where one of measured records is wanted.
+pub fn not_of_records(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &COMPUTED).filter(|_| !is_of_records(root))?;
-    let problem = Problem::error("this scene describes a structure to compute with, not measured records");
-    let problem = problem.help("`nlmodes-cli run` computes it; records stand below a heading [recording]");
-    Some(problem.at(range, format!("`{key}` describes what is computed")))
+    let diagnostic = Diagnostic::error("this scene describes a structure to compute with, not measured records");
+    let diagnostic = diagnostic.help("`nlmodes-cli run` computes it; records stand below a heading [recording]");
+    Some(diagnostic.at(range, format!("`{key}` describes what is computed")))
 }
 
 /// The first of these keys in the text, and where it stands.

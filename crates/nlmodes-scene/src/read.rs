@@ -8,16 +8,16 @@ use toml::de::{DeTable, Deserializer};
 
 use crate::text::Text;
 use crate::{
-    AnyScene, Document, FileError, Findings, Problem, RecordScene, Refused, SceneFile, TestScene, check, conform, file,
-    planned, raw, refused, schema,
+    AnyScene, Diagnostic, Diagnostics, Document, FileError, RecordScene, SceneError, SceneFile, TestScene, check,
+    conform, file, planned, raw, schema,
 };
 
 /// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
 /// is a scene for each; an override of `method` holds for all of them.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong with any of them, each mistake once.
-pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+/// [`SceneError`] with all that is wrong with any of them, each mistake once.
+pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, SceneError> {
     let (name, text) = content(path)?;
     parse_each_method(&name, &text, overrides)
 }
@@ -25,16 +25,16 @@ pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFi
 /// Reads and checks the text of a scene, with each of its methods; `name` as for [`parse`].
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong with any of them, each mistake once.
-pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+/// [`SceneError`] with all that is wrong with any of them, each mistake once.
+pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result<Vec<SceneFile>, SceneError> {
     each_method(Read::new(&Text::new(name, text), overrides, 0), overrides)
 }
 
 /// Reads and checks a scene file of measured records, in the same way.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<RecordScene>, SceneError> {
     let (name, text) = content(path)?;
     parse_records(&name, &text, overrides)
 }
@@ -42,8 +42,8 @@ pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<Recor
 /// Reads and checks a scene file of any kind.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneError> {
     let (name, text) = content(path)?;
     parse_any(&name, &text, overrides)
 }
@@ -51,8 +51,8 @@ pub fn load_any(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refus
 /// Reads and checks the text of a scene of any kind; `name` as for [`parse`].
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScene, SceneError> {
     let text = Text::new(name, text);
     let first = Read::new(&text, overrides, 0);
     if first.is(planned::is_of_test) {
@@ -67,8 +67,8 @@ pub fn parse_any(name: &str, text: &str, overrides: &[String]) -> Result<AnyScen
 /// Reads and checks a scene file for `run`: of a virtual test, or of a structure.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong; also a scene of measured records, with the command that takes it.
-pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Refused>> {
+/// [`SceneError`] with all that is wrong; also a scene of measured records, with the command that takes it.
+pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneError> {
     let (name, text) = content(path)?;
     let text = Text::new(&name, &text);
     let first = Read::new(&text, overrides, 0);
@@ -81,29 +81,29 @@ pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, Box<Re
 /// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the default of the output directory.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, SceneError> {
     one_method(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn parse_records(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<RecordScene>, SceneError> {
     records(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Reads and checks the text of a scene of a virtual test, in the same way.
 ///
 /// # Errors
-/// [`Refused`] with all that is wrong.
-pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, Box<Refused>> {
+/// [`SceneError`] with all that is wrong.
+pub fn parse_test(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile<TestScene>, SceneError> {
     test(Read::new(&Text::new(name, text), overrides, 0))
 }
 
 /// Name and text of a scene file.
-fn content(path: &Path) -> Result<(String, String), Box<Refused>> {
+fn content(path: &Path) -> Result<(String, String), SceneError> {
     let name = path.display().to_string();
     match file::read(path) {
         Ok(text) => Ok((name, text)),
@@ -111,9 +111,9 @@ fn content(path: &Path) -> Result<(String, String), Box<Refused>> {
     }
 }
 
-fn refuse_file(name: &str, error: &FileError) -> Box<Refused> {
+fn refuse_file(name: &str, error: &FileError) -> SceneError {
     let (document, _) = Document::new(&Text::new(name, ""), &[], 0, &mut Vec::new());
-    Box::new(Refused::new(document, vec![error.problem()]))
+    SceneError::of_checks(document, vec![error.diagnostic()])
 }
 
 /// A text with its overrides and one of its methods: what there is before its kind is known.
@@ -121,14 +121,14 @@ struct Read<'t, 'a> {
     text: &'t Text<'a>,
     document: Document,
     root: Option<Spanned<DeTable<'a>>>,
-    problems: Vec<Problem>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 impl<'t, 'a> Read<'t, 'a> {
     fn new(text: &'t Text<'a>, overrides: &'a [String], method: usize) -> Self {
-        let mut problems = Vec::new();
-        let (document, root) = Document::new(text, overrides, method, &mut problems);
-        Self { text, document, root, problems }
+        let mut diagnostics = Vec::new();
+        let (document, root) = Document::new(text, overrides, method, &mut diagnostics);
+        Self { text, document, root, diagnostics }
     }
 
     fn is(&self, of_kind: fn(&DeTable<'_>) -> bool) -> bool {
@@ -137,61 +137,61 @@ impl<'t, 'a> Read<'t, 'a> {
 }
 
 /// The scenes of all methods, of which the first one is read.
-fn each_method<'a>(first: Read<'_, 'a>, overrides: &'a [String]) -> Result<Vec<SceneFile>, Box<Refused>> {
+fn each_method<'a>(first: Read<'_, 'a>, overrides: &'a [String]) -> Result<Vec<SceneFile>, SceneError> {
     let text = first.text;
     let others = (1..text.n_methods()).map(|number| one_method(Read::new(text, overrides, number)));
-    refused::or_all(std::iter::once(one_method(first)).chain(others).collect())
+    crate::diagnostic::or_all(std::iter::once(one_method(first)).chain(others).collect())
 }
 
 /// The scene with one method.
-fn one_method(read: Read<'_, '_>) -> Result<SceneFile, Box<Refused>> {
-    let Read { text, document, root, problems } = read;
-    let mut findings = Findings::new(&document, problems);
+fn one_method(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
+    let Read { text, document, root, diagnostics } = read;
+    let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let other =
         root.as_ref().and_then(|root| planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref())));
     let stem = stem(text.name);
     let scene = if root.as_ref().is_some_and(|root| planned::is_of_matrices(root.get_ref())) {
         let raw: Option<raw::RawMatrixScene> =
-            root.and_then(|root| tables(root, other, schema::of_matrices(), &mut findings));
-        raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut findings))
+            root.and_then(|root| tables(root, other, schema::of_matrices(), &mut diagnostics));
+        raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
         let raw: Option<raw::RawBodiesScene> =
-            root.and_then(|root| tables(root, other, schema::of_bodies(), &mut findings));
-        raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut findings))
+            root.and_then(|root| tables(root, other, schema::of_bodies(), &mut diagnostics));
+        raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else {
         let raw: Option<raw::RawScene> =
-            root.and_then(|root| tables(root, other, schema::of_structure(), &mut findings));
-        raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut findings))
+            root.and_then(|root| tables(root, other, schema::of_structure(), &mut diagnostics));
+        raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut diagnostics))
     };
-    let mut file = finish(scene, findings)?;
+    let mut file = finish(scene, diagnostics)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)
 }
 
 /// The scene of measured records.
-fn records(read: Read<'_, '_>) -> Result<SceneFile<RecordScene>, Box<Refused>> {
-    let Read { text, document, root, problems } = read;
-    let mut findings = Findings::new(&document, problems);
+fn records(read: Read<'_, '_>) -> Result<SceneFile<RecordScene>, SceneError> {
+    let Read { text, document, root, diagnostics } = read;
+    let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
         let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
-        tables(root, other, schema::of_records(), &mut findings)
+        tables(root, other, schema::of_records(), &mut diagnostics)
     });
-    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base(text.name), &mut findings));
-    let mut file = finish(scene, findings)?;
+    let scene = raw.and_then(|raw| check::record_scene(&raw, &stem(text.name), base(text.name), &mut diagnostics));
+    let mut file = finish(scene, diagnostics)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)
 }
 
 /// The scene of a virtual test.
-fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, Box<Refused>> {
-    let Read { text, document, root, problems } = read;
-    let mut findings = Findings::new(&document, problems);
+fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, SceneError> {
+    let Read { text, document, root, diagnostics } = read;
+    let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let raw: Option<raw::RawTestScene> = root.and_then(|root| {
         let other = planned::of_test_and_branch(root.get_ref());
-        tables(root, other, schema::of_test(), &mut findings)
+        tables(root, other, schema::of_test(), &mut diagnostics)
     });
-    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &base(text.name), &mut findings));
-    let mut file = finish(scene, findings)?;
+    let scene = raw.and_then(|raw| check::test_scene(&raw, &stem(text.name), &base(text.name), &mut diagnostics));
+    let mut file = finish(scene, diagnostics)?;
     file.scene.warnings = file.warning_sentences();
     Ok(file)
 }
@@ -199,29 +199,29 @@ fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, Box<Refused>> {
 /// The raw tables, unless the scene is one of another kind.
 fn tables<'de, T: Deserialize<'de>>(
     mut root: Spanned<DeTable<'de>>,
-    other: Option<Problem>,
+    other: Option<Diagnostic>,
     schema: &serde_json::Value,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<T> {
-    if let Some(problem) = other {
-        findings.push(problem);
+    if let Some(diagnostic) = other {
+        diagnostics.push(diagnostic);
         return None;
     }
-    conform::conform(root.get_mut(), schema, findings);
+    conform::conform(root.get_mut(), schema, diagnostics);
     match T::deserialize(Deserializer::from(root)) {
         Ok(raw) => Some(raw),
         Err(error) => {
-            findings.push(Problem::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
+            diagnostics.push(Diagnostic::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
             None
         }
     }
 }
 
-fn finish<S>(scene: Option<S>, findings: Findings<'_>) -> Result<SceneFile<S>, Box<Refused>> {
-    let document = findings.document().clone();
+fn finish<S>(scene: Option<S>, diagnostics: Diagnostics<'_>) -> Result<SceneFile<S>, SceneError> {
+    let document = diagnostics.document().clone();
     match scene {
-        Some(scene) if !findings.refuse() => Ok(SceneFile { scene, document, warnings: findings.into_sorted() }),
-        _ => Err(Box::new(Refused::new(document, findings.into_sorted()))),
+        Some(scene) if !diagnostics.refuse() => Ok(SceneFile { scene, document, warnings: diagnostics.into_sorted() }),
+        _ => Err(SceneError::of_checks(document, diagnostics.into_sorted())),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A scene with the texts that it was read from.
 
-use crate::{Document, Problem, RecordScene, Scene, SceneError, TestScene, problem};
+use crate::{Diagnostic, Document, RecordScene, Scene, SceneError, TestScene, diagnostic};
 
 /// A scene with the texts it was read from, so that what turns out to be wrong later is shown at its place too.
 #[derive(Debug, Clone)]
@@ -10,7 +10,7 @@ pub struct SceneFile<S = Scene> {
     /// Where its keys stand.
     pub document: Document,
     /// What looks wrong, but does not stand in the way.
-    pub warnings: Vec<Problem>,
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl<S> SceneFile<S> {
@@ -21,14 +21,14 @@ impl<S> SceneFile<S> {
 
     /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is said beside the value.
     pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> SceneError {
-        let problem = help.iter().fold(Problem::error(title), |problem, help| problem.help(*help));
-        SceneError::new(self.document.clone(), self.document.put(problem, path, label))
+        let diagnostic = help.iter().fold(Diagnostic::error(title), |diagnostic, help| diagnostic.help(*help));
+        SceneError::new(self.document.clone(), self.document.put(diagnostic, path, label))
     }
 
     /// Adds a warning at the value of a key.
     pub fn warn_at(&mut self, path: &str, title: &str, label: &str, help: &str) {
-        let problem = self.document.put(Problem::warning(title).help(help), path, label);
-        self.warnings.push(problem);
+        let diagnostic = self.document.put(Diagnostic::warning(title).help(help), path, label);
+        self.warnings.push(diagnostic);
     }
 
     /// The warnings as text; empty if there are none.
@@ -38,14 +38,14 @@ impl<S> SceneFile<S> {
 
     /// The warnings, a line each without its place.
     pub fn warning_sentences(&self) -> Vec<String> {
-        self.warnings.iter().map(Problem::sentence).collect()
+        self.warnings.iter().map(Diagnostic::sentence).collect()
     }
 }
 
 /// The warnings of all scenes of one file as text, each once; empty if there are none.
 pub fn warnings_text(files: &[SceneFile], colours: bool) -> String {
     let all = files.iter().flat_map(|file| file.warnings.iter().cloned()).collect();
-    files.first().map_or_else(String::new, |file| file.document.render(&problem::each_once(all), colours))
+    files.first().map_or_else(String::new, |file| file.document.render(&diagnostic::each_once(all), colours))
 }
 
 /// A scene of any kind.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::{Problem, Sources};
+use crate::{Diagnostic, Sources};
 
 /// What stands in front of the argument where it is shown.
 const LEAD: &str = "--set ";
@@ -21,8 +21,8 @@ type Item<'a> = Spanned<DeValue<'a>>;
 /// Puts the value of `key=value` into the table. The key is a dotted path; items of arrays go by number, from 0.
 ///
 /// # Errors
-/// A [`Problem`] that points at the argument if it is not of this form or the path leads nowhere.
-pub fn apply<'a>(argument: &'a str, root: &mut DeTable<'a>, sources: &mut Sources) -> Result<(), Problem> {
+/// A [`Diagnostic`] that points at the argument if it is not of this form or the path leads nowhere.
+pub fn apply<'a>(argument: &'a str, root: &mut DeTable<'a>, sources: &mut Sources) -> Result<(), Diagnostic> {
     let start = sources.add_argument(format!("{LEAD}{argument}")) + LEAD.len();
     let whole = start..start + argument.len();
     let Some((key, text)) = argument.split_once('=') else {
@@ -36,8 +36,8 @@ pub fn apply<'a>(argument: &'a str, root: &mut DeTable<'a>, sources: &mut Source
     insert(root, &path, 0, value)
 }
 
-fn form(label: &str, range: Range<usize>) -> Problem {
-    Problem::error("`--set` needs a key and a value")
+fn form(label: &str, range: Range<usize>) -> Diagnostic {
+    Diagnostic::error("`--set` needs a key and a value")
         .at(range, label)
         .help("write it like --set method.harmonics=5 or --set contact.0.gap_m=1e-3")
 }
@@ -54,7 +54,7 @@ fn segments(key: &str, start: usize) -> Vec<Segment<'_>> {
 }
 
 /// The value as TOML; a bare word is taken as text.
-fn read_value(text: &str, start: usize) -> Result<Item<'_>, Problem> {
+fn read_value(text: &str, start: usize) -> Result<Item<'_>, Diagnostic> {
     let from = start + (text.len() - text.trim_start().len());
     let text = text.trim();
     let whole = from..from + text.len();
@@ -64,14 +64,14 @@ fn read_value(text: &str, start: usize) -> Result<Item<'_>, Problem> {
     match DeValue::parse(text) {
         Ok(value) => Ok(shifted(value, from)),
         Err(error) if text.starts_with(['[', '{', '"', '\'']) => {
-            Err(Problem::error("the value of `--set` is not TOML").at(whole, error.message()))
+            Err(Diagnostic::error("the value of `--set` is not TOML").at(whole, error.message()))
         }
         Err(_) => Ok(Spanned::new(whole, DeValue::String(Cow::Borrowed(text)))),
     }
 }
 
 /// Puts the value at the path below the table. `depth` parts of the path lead to the table.
-fn insert<'a>(table: &mut DeTable<'a>, path: &[Segment<'a>], depth: usize, value: Item<'a>) -> Result<(), Problem> {
+fn insert<'a>(table: &mut DeTable<'a>, path: &[Segment<'a>], depth: usize, value: Item<'a>) -> Result<(), Diagnostic> {
     let Some((name, range)) = path.get(depth) else { return Ok(()) };
     let key = Spanned::new(range.clone(), Cow::Borrowed(*name));
     if depth + 1 == path.len() {
@@ -88,7 +88,7 @@ fn insert<'a>(table: &mut DeTable<'a>, path: &[Segment<'a>], depth: usize, value
     }
 }
 
-fn insert_into<'a>(node: &mut Item<'a>, path: &[Segment<'a>], depth: usize, value: Item<'a>) -> Result<(), Problem> {
+fn insert_into<'a>(node: &mut Item<'a>, path: &[Segment<'a>], depth: usize, value: Item<'a>) -> Result<(), Diagnostic> {
     match node.get_mut() {
         DeValue::Table(table) => insert(table, path, depth, value),
         DeValue::Array(items) => insert_item(items, path, depth, value),
@@ -101,7 +101,7 @@ fn insert_item<'a>(
     path: &[Segment<'a>],
     depth: usize,
     value: Item<'a>,
-) -> Result<(), Problem> {
+) -> Result<(), Diagnostic> {
     let n = items.len();
     let number = path.get(depth).and_then(|(name, _)| name.parse::<usize>().ok());
     match number.and_then(|i| items.get_mut(i)) {
@@ -118,13 +118,13 @@ fn split(path: &[Segment], depth: usize) -> (String, Range<usize>) {
     (names.join("."), path.get(depth).map_or(0..0, |(_, range)| range.clone()))
 }
 
-fn below_a_single_value(path: &[Segment], depth: usize) -> Problem {
+fn below_a_single_value(path: &[Segment], depth: usize) -> Diagnostic {
     let (above, range) = split(path, depth);
-    Problem::error(format!("`{above}` is a single value"))
+    Diagnostic::error(format!("`{above}` is a single value"))
         .at(range, format!("there is nothing inside `{above}` to set"))
 }
 
-fn no_such_item(path: &[Segment], depth: usize, n: usize) -> Problem {
+fn no_such_item(path: &[Segment], depth: usize, n: usize) -> Diagnostic {
     let (above, range) = split(path, depth);
     let have = match n {
         0 => "it has none".to_owned(),
@@ -132,7 +132,7 @@ fn no_such_item(path: &[Segment], depth: usize, n: usize) -> Problem {
         n => format!("it has {n}, numbered 0 to {}", n - 1),
     };
     let name = path.get(depth).map_or("", |(name, _)| name);
-    Problem::error(format!("`{above}` has no item `{name}`"))
+    Diagnostic::error(format!("`{above}` has no item `{name}`"))
         .at(range, format!("expected the number of an item; {have}"))
 }
 

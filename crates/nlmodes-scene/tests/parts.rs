@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nlmodes::model::{DofKind, linear_modes};
 use nlmodes_scene::assemble::{Elements, Structures, structural_model};
-use nlmodes_scene::{Refused, Scene, parse};
+use nlmodes_scene::{Scene, SceneError, parse};
 
 type Outcome = Result<(), Box<dyn Error>>;
 
@@ -13,7 +13,7 @@ const REST: &str = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 
 
 fn scene(structure: &str, more: &str) -> Result<Scene, String> {
     let text = format!("{structure}\n{more}\n{REST}");
-    parse("scene.toml", &text, &[]).map(|file| file.scene).map_err(|refused: Box<Refused>| refused.text(false))
+    parse("scene.toml", &text, &[]).map(|file| file.scene).map_err(|refused: SceneError| refused.text(false))
 }
 
 fn refused(structure: &str, more: &str) -> String {

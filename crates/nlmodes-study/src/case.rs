@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use nlmodes_scene::{Refused, SceneFile, parse_each_method};
+use nlmodes_scene::{SceneError, SceneFile, parse_each_method};
 use serde_json::Value;
 
 use crate::design::Points;
@@ -72,16 +72,16 @@ fn toml(value: &Value) -> String {
 /// The scenes of a point: one for each method and number of harmonics.
 ///
 /// # Errors
-/// [`Refused`], what is wrong with the scene that the values make.
-pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, Box<Refused>> {
+/// [`SceneError`], what is wrong with the scene that the values make.
+pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, SceneError> {
     resolve_set(study, overrides(study, point))
 }
 
 /// The scenes with these values, as `--set` takes them.
 ///
 /// # Errors
-/// [`Refused`], what is wrong with the scene that the values make.
-pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, Box<Refused>> {
+/// [`SceneError`], what is wrong with the scene that the values make.
+pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, SceneError> {
     let files = parse_each_method(&study.scene_name, &study.scene_text, &set)?;
     let mut parts = Vec::new();
     for file in files {
@@ -147,7 +147,7 @@ fn of_point(study: &Study, number: usize, point: &[Vec<Value>]) -> Vec<Case> {
             parts.into_iter().enumerate().map(one).collect()
         }
         Err(refused) => {
-            let errors = refused.problems().iter().map(nlmodes_scene::Problem::sentence);
+            let errors = refused.diagnostics().iter().map(nlmodes_scene::Diagnostic::sentence);
             vec![case(0, "", 0, Err(errors.collect::<Vec<_>>().join(" | ").into()))]
         }
     }

@@ -7,7 +7,7 @@ mod vary;
 
 use std::path::{Path, PathBuf};
 
-use nlmodes_scene::{Findings, Problem};
+use nlmodes_scene::{Diagnostic, Diagnostics};
 
 use crate::design::{MAX_DIMENSIONS, Points};
 use crate::raw::{RawDesign, RawStudy};
@@ -21,27 +21,27 @@ pub fn study(
     raw: &RawStudy,
     name: &str,
     scene: impl FnOnce(&Path) -> Result<String, String>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Study> {
     let base = Path::new(name).parent().unwrap_or(Path::new("")).to_path_buf();
     let stem = Path::new(name).file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
-    let design = design(raw.design.as_ref().unwrap_or(&RawDesign::default()), findings);
+    let design = design(raw.design.as_ref().unwrap_or(&RawDesign::default()), diagnostics);
     let tables = raw.vary.as_deref().unwrap_or_default();
     let mut variables: Vec<Variable> =
-        tables.iter().enumerate().filter_map(|(k, raw)| vary::variable(raw, k, &design, findings)).collect();
+        tables.iter().enumerate().filter_map(|(k, raw)| vary::variable(raw, k, &design, diagnostics)).collect();
     if let Some(file) = raw.design.as_ref().and_then(|design| design.file.as_ref()) {
-        variables = list::variables(&base.join(file), &design, tables.len(), findings).unwrap_or_default();
+        variables = list::variables(&base.join(file), &design, tables.len(), diagnostics).unwrap_or_default();
     } else if tables.is_empty() {
-        let problem = Problem::error("nothing varies")
+        let diagnostic = Diagnostic::error("nothing varies")
             .help("what varies stands under a heading [[vary]]: key = \"contact.0.gap_m\", values = [1e-3, 2e-3]");
-        findings.put("vary", problem, "");
+        diagnostics.put("vary", diagnostic, "");
     }
-    vary::same_lengths(&variables, &design, findings);
-    let quantities = quantity::quantities(raw.quantity.as_deref().unwrap_or_default(), findings);
-    names_differ(&variables, &quantities, findings);
+    vary::same_lengths(&variables, &design, diagnostics);
+    let quantities = quantity::quantities(raw.quantity.as_deref().unwrap_or_default(), diagnostics);
+    names_differ(&variables, &quantities, diagnostics);
     let path = base.join(raw.scene.as_ref()?);
     let scene_text = scene(&path)
-        .map_err(|reason| findings.put("scene", Problem::error("the scene of the study cannot be read"), reason))
+        .map_err(|reason| diagnostics.put("scene", Diagnostic::error("the scene of the study cannot be read"), reason))
         .ok()?;
     let directory = raw.output.as_ref().and_then(|output| output.directory.clone());
     let keep = raw.output.as_ref().and_then(|output| output.keep).unwrap_or_default();
@@ -55,24 +55,24 @@ pub fn study(
         directory: directory.map_or_else(|| Path::new("results").join(&stem), PathBuf::from),
         keep,
     };
-    (!findings.refuse()).then_some(())?;
-    fits(&study, findings);
-    said::first_case(&study, findings);
+    (!diagnostics.refuse()).then_some(())?;
+    fits(&study, diagnostics);
+    said::first_case(&study, diagnostics);
     Some(study)
 }
 
-fn design(raw: &RawDesign, findings: &mut Findings<'_>) -> Design {
+fn design(raw: &RawDesign, diagnostics: &mut Diagnostics<'_>) -> Design {
     let kind = raw.kind.unwrap_or(DesignKind::Grid);
     let sobol_indices = raw.sobol_indices.unwrap_or(false);
-    if kind.is_sampled() && raw.samples.is_none() && !findings.is_meant("design.samples") {
-        let problem = Problem::error("`design.samples` is missing");
-        findings.put("design", problem, format!("kind \"{}\" needs the number of points", kind.name()));
+    if kind.is_sampled() && raw.samples.is_none() && !diagnostics.is_meant("design.samples") {
+        let diagnostic = Diagnostic::error("`design.samples` is missing");
+        diagnostics.put("design", diagnostic, format!("kind \"{}\" needs the number of points", kind.name()));
     }
     for (key, is_given) in [("samples", raw.samples.is_some()), ("sobol_indices", sobol_indices)] {
         if is_given && !kind.is_sampled() {
-            let problem = Problem::error(format!("`design.{key}` has no meaning for a {}", kind.name()));
+            let diagnostic = Diagnostic::error(format!("`design.{key}` has no meaning for a {}", kind.name()));
             let help = "kind \"sobol\", \"latin-hypercube\" and \"random\" draw points";
-            findings.put(&format!("design.{key}"), problem.help(help), "expected to be left out");
+            diagnostics.put(&format!("design.{key}"), diagnostic.help(help), "expected to be left out");
         }
     }
     let samples = if kind.is_sampled() { raw.samples.unwrap_or(1) as usize } else { 0 };
@@ -80,13 +80,13 @@ fn design(raw: &RawDesign, findings: &mut Findings<'_>) -> Design {
 }
 
 /// Limits of what can be counted and drawn.
-fn fits(study: &Study, findings: &mut Findings<'_>) {
+fn fits(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     let dimensions = study.variables.len() * if study.design.sobol_indices { 2 } else { 1 };
     if study.design.kind == DesignKind::Sobol && dimensions > MAX_DIMENSIONS {
-        let problem = Problem::error(format!("a Sobol' sequence of {dimensions} dimensions is asked for"));
-        findings.put(
+        let diagnostic = Diagnostic::error(format!("a Sobol' sequence of {dimensions} dimensions is asked for"));
+        diagnostics.put(
             "design.kind",
-            problem.help("\"latin-hypercube\" has no such limit"),
+            diagnostic.help("\"latin-hypercube\" has no such limit"),
             format!("expected at most {MAX_DIMENSIONS}"),
         );
     }
@@ -96,15 +96,15 @@ fn fits(study: &Study, findings: &mut Findings<'_>) {
         study.design.samples as f64 * if study.design.sobol_indices { study.variables.len() as f64 + 2.0 } else { 1.0 };
     let cases = f64::max(grid, drawn);
     if cases > MAX_CASES as f64 {
-        let problem = Problem::error(format!("the study has {cases:.0} cases"));
-        findings.put("design", problem, format!("expected at most {MAX_CASES}"));
+        let diagnostic = Diagnostic::error(format!("the study has {cases:.0} cases"));
+        diagnostics.put("design", diagnostic, format!("expected at most {MAX_CASES}"));
     } else if Points::new(study).is_empty() {
-        findings.put("design", Problem::error("the study has no cases"), "");
+        diagnostics.put("design", Diagnostic::error("the study has no cases"), "");
     }
 }
 
 /// Columns of the table have names of their own.
-fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], findings: &mut Findings<'_>) {
+fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], diagnostics: &mut Diagnostics<'_>) {
     let mut known: Vec<&str> = crate::collect::FIXED.to_vec();
     let named = variables.iter().enumerate().map(|(k, variable)| (format!("vary.{k}"), variable.name.as_str()));
     let wanted = quantities.iter().enumerate().map(|(k, quantity)| (format!("quantity.{k}"), quantity.name.as_str()));
@@ -112,10 +112,10 @@ fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], f
     known.extend(errors.iter().map(String::as_str));
     for (path, name) in named.chain(wanted) {
         if known.contains(&name) {
-            let problem = Problem::error(format!("two columns of the table would be called `{name}`"));
-            findings.put(
+            let diagnostic = Diagnostic::error(format!("two columns of the table would be called `{name}`"));
+            diagnostics.put(
                 &format!("{path}.name"),
-                problem.help("`name` gives a column another name"),
+                diagnostic.help("`name` gives a column another name"),
                 "expected a name of its own",
             );
         }

@@ -65,7 +65,8 @@ impl Evaluator {
                 Err(_) => return Ok(Some(self.failed("the scene has several methods or numbers of harmonics"))),
             },
             Err(refused) => {
-                let errors: Vec<String> = refused.problems().iter().map(nlmodes_scene::Problem::sentence).collect();
+                let errors: Vec<String> =
+                    refused.diagnostics().iter().map(nlmodes_scene::Diagnostic::sentence).collect();
                 return Ok(Some(self.failed(&errors.join(" | "))));
             }
         };

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nlmodes_scene::{Refused, SceneFile, Severity, load_other, parse_other};
+use nlmodes_scene::{SceneError, SceneFile, Severity, load_other, parse_other};
 
 use crate::design::Points;
 use crate::raw::RawStudy;
@@ -17,42 +17,42 @@ impl Study {
     /// Reads and checks a study file, and the scene that it names.
     ///
     /// # Errors
-    /// [`Refused`] with all that is wrong with the study, or with its scene.
-    pub fn load(path: &Path) -> Result<StudyFile, Box<Refused>> {
+    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    pub fn load(path: &Path) -> Result<StudyFile, SceneError> {
         let name = path.display().to_string();
-        with_sound_scene(load_other(path, "study", |raw: &RawStudy, findings| {
-            check::study(raw, &name, |scene| fs::read_to_string(scene).map_err(|error| error.to_string()), findings)
+        with_sound_scene(load_other(path, "study", |raw: &RawStudy, diagnostics| {
+            check::study(raw, &name, |scene| fs::read_to_string(scene).map_err(|error| error.to_string()), diagnostics)
         })?)
     }
 
     /// Reads and checks the text of a study; `name` stands in messages, and paths are relative to its directory.
     ///
     /// # Errors
-    /// [`Refused`] with all that is wrong with the study, or with its scene.
-    pub fn parse(name: &str, text: &str) -> Result<StudyFile, Box<Refused>> {
-        with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, findings| {
-            check::study(raw, name, |scene| fs::read_to_string(scene).map_err(|error| error.to_string()), findings)
+    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    pub fn parse(name: &str, text: &str) -> Result<StudyFile, SceneError> {
+        with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, diagnostics| {
+            check::study(raw, name, |scene| fs::read_to_string(scene).map_err(|error| error.to_string()), diagnostics)
         })?)
     }
 
     /// The same with the text of the scene, which is not read from a file.
     ///
     /// # Errors
-    /// [`Refused`] with all that is wrong with the study, or with its scene.
-    pub fn parse_with_scene(name: &str, text: &str, scene: &str) -> Result<StudyFile, Box<Refused>> {
-        with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, findings| {
-            check::study(raw, name, |_| Ok(scene.to_owned()), findings)
+    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    pub fn parse_with_scene(name: &str, text: &str, scene: &str) -> Result<StudyFile, SceneError> {
+        with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, diagnostics| {
+            check::study(raw, name, |_| Ok(scene.to_owned()), diagnostics)
         })?)
     }
 }
 
 /// Refuses the study where its scene is wrong as it is written, not only with the values of a case.
-fn with_sound_scene(file: StudyFile) -> Result<StudyFile, Box<Refused>> {
+fn with_sound_scene(file: StudyFile) -> Result<StudyFile, SceneError> {
     let Err(refused) = case::resolve(&file.scene, &Points::new(&file.scene).get(0)) else { return Ok(file) };
-    let written = |problem: &nlmodes_scene::Problem| {
+    let written = |diagnostic: &nlmodes_scene::Diagnostic| {
         // Names of arguments are not those of the file.
-        let found = problem.place.as_ref().map(|mark| mark.range.end <= file.scene.scene_text.len());
-        problem.severity == Severity::Error && found.unwrap_or(true)
+        let found = diagnostic.place.as_ref().map(|mark| mark.range.end <= file.scene.scene_text.len());
+        diagnostic.severity == Severity::Error && found.unwrap_or(true)
     };
-    if refused.problems().iter().any(written) { Err(refused) } else { Ok(file) }
+    if refused.diagnostics().iter().any(written) { Err(refused) } else { Ok(file) }
 }

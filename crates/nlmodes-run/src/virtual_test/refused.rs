@@ -21,7 +21,7 @@ pub fn by_rig(file: &SceneFile<TestScene>, error: &RigError) -> RunError {
     let said = file.error_at(path, &title, &label, &[]);
     // A motion that cannot be followed is not the scene's mistake.
     if matches!(error, RigError::Chatter { .. } | RigError::Diverged { .. }) {
-        RunError::Failed(Box::new(said))
+        RunError::Failed(said)
     } else {
         said.into()
     }

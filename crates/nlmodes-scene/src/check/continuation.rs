@@ -1,22 +1,26 @@
 use crate::raw::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 use crate::rule::number;
 use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance, Start};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own.
-pub fn check(raw: &RawContinuation, has_responses: bool, findings: &mut Findings<'_>) -> Option<Continuation> {
+pub fn check(raw: &RawContinuation, has_responses: bool, diagnostics: &mut Diagnostics<'_>) -> Option<Continuation> {
     if let Some(window) = raw.frequency_hz {
-        check_window(window, findings);
-        check_start(raw.start_frequency_hz, window, findings);
+        check_window(window, diagnostics);
+        check_start(raw.start_frequency_hz, window, diagnostics);
     }
-    let has_end = findings.has("continuation.max_energy_ratio") || findings.has("continuation.frequency_hz");
+    let has_end = diagnostics.has("continuation.max_energy_ratio") || diagnostics.has("continuation.frequency_hz");
     if !has_end && !has_responses {
-        let problem = Problem::error("`continuation` does not say where the branch ends")
+        let diagnostic = Diagnostic::error("`continuation` does not say where the branch ends")
             .help("max_energy_ratio = 20.0 ends it at 20 times the energy at grazing, frequency_hz = [50.0, 66.5] at a frequency");
-        findings.put("continuation", problem, "expected `max_energy_ratio`, `frequency_hz` or both in this table");
+        diagnostics.put(
+            "continuation",
+            diagnostic,
+            "expected `max_energy_ratio`, `frequency_hz` or both in this table",
+        );
     }
-    check_energy(raw, findings);
-    check_choices(raw, findings);
+    check_energy(raw, diagnostics);
+    check_choices(raw, diagnostics);
     Some(Continuation {
         max_energy_ratio: raw.max_energy_ratio,
         frequency_hz: raw.frequency_hz,
@@ -37,74 +41,78 @@ fn start(raw: &RawContinuation) -> Start {
     }
 }
 
-fn check_energy(raw: &RawContinuation, findings: &mut Findings<'_>) {
+fn check_energy(raw: &RawContinuation, diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_energy_ratio";
     let (Some(ratio), Some(max)) = (raw.start_energy_ratio, raw.max_energy_ratio) else { return };
     if ratio > max {
-        let problem = Problem::error(format!("`{path}` lies beyond the end of the branch"));
-        let problem = match findings.document().place("continuation.max_energy_ratio") {
-            Some(place) => problem.with(place.value.clone(), "the end"),
-            None => problem,
+        let diagnostic = Diagnostic::error(format!("`{path}` lies beyond the end of the branch"));
+        let diagnostic = match diagnostics.document().place("continuation.max_energy_ratio") {
+            Some(place) => diagnostic.with(place.value.clone(), "the end"),
+            None => diagnostic,
         };
-        findings.put(path, problem, format!("found {}, expected at most {}", findings.written(path), number(max)));
+        diagnostics.put(
+            path,
+            diagnostic,
+            format!("found {}, expected at most {}", diagnostics.written(path), number(max)),
+        );
     }
 }
 
 /// Choices that exclude each other, or mean nothing without another.
-fn check_choices(raw: &RawContinuation, findings: &mut Findings<'_>) {
+fn check_choices(raw: &RawContinuation, diagnostics: &mut Diagnostics<'_>) {
     let elsewhere = raw.start_frequency_hz.is_some() || raw.start_energy_ratio.is_some();
     if raw.direction.is_some() && !elsewhere {
-        let problem = Problem::warning("`continuation.direction` has no effect");
+        let diagnostic = Diagnostic::warning("`continuation.direction` has no effect");
         let label = "only a branch with `start_frequency_hz` or `start_energy_ratio` uses it";
-        findings.put("continuation.direction", problem, label);
+        diagnostics.put("continuation.direction", diagnostic, label);
     }
     if raw.start_frequency_hz.is_some() && raw.start_energy_ratio.is_some() {
-        let problem = Problem::error("a branch has one start, and this scene has two");
+        let diagnostic = Diagnostic::error("a branch has one start, and this scene has two");
         let label = "expected this or `start_frequency_hz`, not both";
-        findings.put("continuation.start_energy_ratio", problem, label);
+        diagnostics.put("continuation.start_energy_ratio", diagnostic, label);
     }
     let all = raw.at_branch_point == Some(AtBranchPoint::All);
     if raw.max_branches.is_some() && !all {
-        let problem = Problem::warning("`continuation.max_branches` has no effect");
-        findings.put("continuation.max_branches", problem, "only `at_branch_point = \"all\"` uses it");
+        let diagnostic = Diagnostic::warning("`continuation.max_branches` has no effect");
+        diagnostics.put("continuation.max_branches", diagnostic, "only `at_branch_point = \"all\"` uses it");
     }
     if all && raw.internal_resonance == Some(InternalResonance::Skip) {
-        let problem = Problem::error("all arms are to be followed, and tongues to be skipped");
+        let diagnostic = Diagnostic::error("all arms are to be followed, and tongues to be skipped");
         let label = "with `at_branch_point = \"all\"`, \"follow\" was expected here";
-        findings.put("continuation.internal_resonance", problem, label);
+        diagnostics.put("continuation.internal_resonance", diagnostic, label);
     }
     if all && elsewhere && raw.direction == Some(FrequencyDirection::Both) {
-        let problem = Problem::error("a tree of branches has one start in one direction");
+        let diagnostic = Diagnostic::error("a tree of branches has one start in one direction");
         let label = "with `at_branch_point = \"all\"`, \"up\" or \"down\" was expected here";
-        findings.put("continuation.direction", problem, label);
+        diagnostics.put("continuation.direction", diagnostic, label);
     }
 }
 
-fn check_window([low, high]: [f64; 2], findings: &mut Findings<'_>) {
+fn check_window([low, high]: [f64; 2], diagnostics: &mut Diagnostics<'_>) {
     if low < high {
         return;
     }
     let path = "continuation.frequency_hz";
-    let found = findings.written(path);
+    let found = diagnostics.written(path);
     if low > high {
-        let problem = Problem::error(format!("`{path}` is the wrong way round"));
-        let problem = problem.help(format!("write frequency_hz = [{}, {}]", number(high), number(low)));
-        findings.put(path, problem, format!("found {found}, expected the lower frequency first, in Hz"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is the wrong way round"));
+        let diagnostic = diagnostic.help(format!("write frequency_hz = [{}, {}]", number(high), number(low)));
+        diagnostics.put(path, diagnostic, format!("found {found}, expected the lower frequency first, in Hz"));
     } else {
-        let problem = Problem::error(format!("`{path}` is an empty window"));
-        findings.put(path, problem, format!("found {found}, expected two different frequencies, in Hz"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is an empty window"));
+        diagnostics.put(path, diagnostic, format!("found {found}, expected two different frequencies, in Hz"));
     }
 }
 
-fn check_start(start: Option<f64>, [low, high]: [f64; 2], findings: &mut Findings<'_>) {
+fn check_start(start: Option<f64>, [low, high]: [f64; 2], diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_frequency_hz";
     if start.is_some_and(|start| low < high && !(low..=high).contains(&start)) {
-        let problem = Problem::error(format!("`{path}` lies outside the frequency window"));
-        let problem = match findings.document().place("continuation.frequency_hz") {
-            Some(place) => problem.with(place.value.clone(), "the window"),
-            None => problem,
+        let diagnostic = Diagnostic::error(format!("`{path}` lies outside the frequency window"));
+        let diagnostic = match diagnostics.document().place("continuation.frequency_hz") {
+            Some(place) => diagnostic.with(place.value.clone(), "the window"),
+            None => diagnostic,
         };
-        let label = format!("found {}, expected {} to {}, in Hz", findings.written(path), number(low), number(high));
-        findings.put(path, problem, label);
+        let label = format!("found {}, expected {} to {}, in Hz", diagnostics.written(path), number(low), number(high));
+        diagnostics.put(path, diagnostic, label);
     }
 }

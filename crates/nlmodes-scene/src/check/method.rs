@@ -6,7 +6,7 @@ use crate::scene::{
     Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
     Symmetry, free_dofs,
 };
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// Fewest samples a period where the scene does not say.
 const MIN_DEFAULT_SAMPLES: usize = 256;
@@ -19,22 +19,22 @@ pub fn check(
     scene: &RawStudy,
     subject: &Subject<'_>,
     contacts: &[Contact],
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Method> {
     let along = subject.places.straight();
     let kind = method.kind.unwrap_or(MethodKind::MsHbm);
-    let mass_rule = mass_rule(method, kind, findings);
-    let stiffness = stiffness(method, subject.contact_tables, kind, findings);
-    let samples = samples(method, findings);
-    let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, findings) };
+    let mass_rule = mass_rule(method, kind, diagnostics);
+    let stiffness = stiffness(method, subject.contact_tables, kind, diagnostics);
+    let samples = samples(method, diagnostics);
+    let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, diagnostics) };
     let mode = method.mode.map_or(1, |mode| mode as usize);
-    check_modes(mode, method.held_modes, modes(along, kind, mass_rule, contacts), findings);
+    check_modes(mode, method.held_modes, modes(along, kind, mass_rule, contacts), diagnostics);
     if kind == MethodKind::Shooting {
-        shooting::check(method, findings);
+        shooting::check(method, diagnostics);
         let is_rod = along.is_some_and(|(structure, _)| structure.kind == Some(StructureKind::Rod));
         let all = modes(along, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
-        shooting::check_gaps(contacts, findings);
-        shooting::check_size(method.held_modes.map(|n| n as usize).or(all), findings);
+        shooting::check_gaps(contacts, diagnostics);
+        shooting::check_size(method.held_modes.map(|n| n as usize).or(all), diagnostics);
     }
     Some(Method {
         kind,
@@ -52,7 +52,7 @@ pub fn check(
     })
 }
 
-fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) -> MassRule {
+fn mass_rule(method: &RawMethod, kind: MethodKind, diagnostics: &mut Diagnostics<'_>) -> MassRule {
     let default = match kind {
         MethodKind::MsHbm | MethodKind::Shooting => MassRule::Drop,
         MethodKind::Hbm => MassRule::None,
@@ -60,41 +60,43 @@ fn mass_rule(method: &RawMethod, kind: MethodKind, findings: &mut Findings<'_>) 
     let rule = method.mass_redistribution.unwrap_or(default);
     if (kind, rule) == (MethodKind::MsHbm, MassRule::None) {
         let path = "method.mass_redistribution";
-        let problem = Problem::error(format!("`{path}` cannot be \"none\" with method \"ms-hbm\""));
-        let problem = problem.help("ms-hbm rests on contact nodes without mass; \"none\" is for method.kind = \"hbm\"");
-        findings.put(path, problem, "expected \"drop\", \"move\" or \"conserve\"");
+        let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"none\" with method \"ms-hbm\""));
+        let diagnostic =
+            diagnostic.help("ms-hbm rests on contact nodes without mass; \"none\" is for method.kind = \"hbm\"");
+        diagnostics.put(path, diagnostic, "expected \"drop\", \"move\" or \"conserve\"");
     }
     rule
 }
 
 /// Contact stiffness of the stops that have none of their own; only harmonic balance has such a default.
-fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, findings: &mut Findings<'_>) -> Option<f64> {
+fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics: &mut Diagnostics<'_>) -> Option<f64> {
     let path = "method.contact_stiffness_n_m";
-    let each_has_its_own = contacts > 0 && (0..contacts).all(|i| findings.has(&format!("contact.{i}.stiffness_n_m")));
+    let each_has_its_own =
+        contacts > 0 && (0..contacts).all(|i| diagnostics.has(&format!("contact.{i}.stiffness_n_m")));
     let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
     match kind {
-        MethodKind::Shooting if with_mass && !findings.has(path) && !each_has_its_own => {
-            let problem = Problem::error("contact nodes that keep their mass need elastic stops");
-            let problem = problem.help("this for all of them, or `stiffness_n_m` below each [[contact]]; mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
-            findings.put(
+        MethodKind::Shooting if with_mass && !diagnostics.has(path) && !each_has_its_own => {
+            let diagnostic = Diagnostic::error("contact nodes that keep their mass need elastic stops");
+            let diagnostic = diagnostic.help("this for all of them, or `stiffness_n_m` below each [[contact]]; mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            diagnostics.put(
                 path,
-                problem,
+                diagnostic,
                 "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
             );
         }
-        MethodKind::Hbm if !findings.has(path) && !each_has_its_own => {
-            let problem = Problem::error(format!("`{path}` is missing"));
-            let problem = problem
+        MethodKind::Hbm if !diagnostics.has(path) && !each_has_its_own => {
+            let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
+            let diagnostic = diagnostic
                 .help("hbm needs elastic stops: this for all of them, or `stiffness_n_m` below each [[contact]]; method.kind = \"ms-hbm\" takes rigid ones");
-            findings.put(
+            diagnostics.put(
                 path,
-                problem,
+                diagnostic,
                 "expected `contact_stiffness_n_m` in this table: a number greater than 0, in N/m",
             );
         }
-        MethodKind::MsHbm if findings.has(path) => {
-            let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
+        MethodKind::MsHbm if diagnostics.has(path) => {
+            let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+            diagnostics.put(path, diagnostic, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
         }
         _ => {}
     }
@@ -102,38 +104,38 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, findings: &m
 }
 
 /// The accuracy, with what it cannot stand together with.
-fn accuracy(method: &RawMethod, scene: &RawStudy, findings: &mut Findings<'_>) -> Option<Accuracy> {
+fn accuracy(method: &RawMethod, scene: &RawStudy, diagnostics: &mut Diagnostics<'_>) -> Option<Accuracy> {
     let path = "method.max_harmonics";
     let Some(error) = method.accuracy else {
-        if findings.has(path) && !findings.has("method.accuracy") {
-            let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(path, problem, "only `accuracy` chooses a number of harmonics");
+        if diagnostics.has(path) && !diagnostics.has("method.accuracy") {
+            let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+            diagnostics.put(path, diagnostic, "only `accuracy` chooses a number of harmonics");
         }
         return None;
     };
     let max_harmonics = method.max_harmonics.unwrap_or(DEFAULT_MAX_HARMONICS) as usize;
     let list = harmonics_list(method);
     if list.len() > 1 {
-        let problem = Problem::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
-        let problem =
-            problem.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
-        findings.put("method.harmonics", problem, "expected a single number beside `accuracy`");
+        let diagnostic = Diagnostic::error("`method.accuracy` chooses the number of harmonics, which a list gives too");
+        let diagnostic =
+            diagnostic.help("leave out one of them; a single number of `harmonics` is the smallest that is used");
+        diagnostics.put("method.harmonics", diagnostic, "expected a single number beside `accuracy`");
     } else if let Some(fewest) = list.first().filter(|fewest| **fewest > max_harmonics) {
-        let problem = Problem::error("`method.harmonics` is more than `method.max_harmonics`");
-        findings.put("method.harmonics", problem, format!("found {fewest}, expected at most {max_harmonics}"));
+        let diagnostic = Diagnostic::error("`method.harmonics` is more than `method.max_harmonics`");
+        diagnostics.put("method.harmonics", diagnostic, format!("found {fewest}, expected at most {max_harmonics}"));
     }
     if method.switching == Some(Switching::Sampled) {
-        let problem = Problem::error("`method.accuracy` does not see the error of sampling");
-        let problem = problem.help("leave `switching` out: exact instants have no such error and cost less");
-        findings.put("method.switching", problem, "expected \"exact\" beside `accuracy`");
+        let diagnostic = Diagnostic::error("`method.accuracy` does not see the error of sampling");
+        let diagnostic = diagnostic.help("leave `switching` out: exact instants have no such error and cost less");
+        diagnostics.put("method.switching", diagnostic, "expected \"exact\" beside `accuracy`");
     }
     let all = scene.continuation.as_ref().and_then(|c| c.at_branch_point) == Some(AtBranchPoint::All);
     if all {
         let path = "continuation.at_branch_point";
-        let problem = Problem::error("`method.accuracy` cannot follow all arms of branch points");
-        let problem =
-            problem.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
-        findings.put(path, problem, "found \"all\" beside `method.accuracy`");
+        let diagnostic = Diagnostic::error("`method.accuracy` cannot follow all arms of branch points");
+        let diagnostic =
+            diagnostic.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
+        diagnostics.put(path, diagnostic, "found \"all\" beside `method.accuracy`");
     }
     Some(Accuracy { error, max_harmonics })
 }
@@ -154,16 +156,20 @@ fn most_harmonics(method: &RawMethod) -> Option<usize> {
 }
 
 /// The samples of the scene, at least 4 times the harmonics, or enough of them where the scene does not say.
-fn samples(method: &RawMethod, findings: &mut Findings<'_>) -> Option<usize> {
+fn samples(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
     let harmonics = most_harmonics(method)?;
     let Some(samples) = method.samples.map(|n| n as usize) else {
         return Some((32 * harmonics).next_power_of_two().max(MIN_DEFAULT_SAMPLES));
     };
     if samples < 4 * harmonics && method.switching == Some(Switching::Sampled) {
         let path = "method.samples";
-        let problem = Problem::error(format!("`{path}` is too small for {harmonics} harmonics"))
+        let diagnostic = Diagnostic::error(format!("`{path}` is too small for {harmonics} harmonics"))
             .help("a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower `harmonics`");
-        findings.put(path, problem, format!("found {samples}, expected {} or more (4 × {harmonics})", 4 * harmonics));
+        diagnostics.put(
+            path,
+            diagnostic,
+            format!("found {samples}, expected {} or more (4 × {harmonics})", 4 * harmonics),
+        );
         return None;
     }
     Some(samples)
@@ -188,23 +194,31 @@ fn modes(
     Some([free, if kind == MethodKind::Hbm || mass_rule == MassRule::None { free } else { held }])
 }
 
-fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, findings: &mut Findings<'_>) {
+fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, diagnostics: &mut Diagnostics<'_>) {
     let Some([modes, held]) = available else { return };
     if modes == 0 {
-        let problem = Problem::error("nothing with mass is left to move").help(
+        let diagnostic = Diagnostic::error("nothing with mass is left to move").help(
             "the supports hold all nodes but those whose mass is taken away at a stop; take more `structure.elements`",
         );
-        findings.put("structure.elements", problem, format!("found {}", findings.written("structure.elements")));
+        diagnostics.put(
+            "structure.elements",
+            diagnostic,
+            format!("found {}", diagnostics.written("structure.elements")),
+        );
         return;
     }
     if mode > modes {
-        let problem = Problem::error(format!("`method.mode`: the structure has no mode {mode}"));
-        let problem =
-            problem.help("it has one for each degree of freedom with mass; more `structure.elements` give more");
-        findings.put("method.mode", problem, format!("found {mode}, expected a whole number from 1 to {modes}"));
+        let diagnostic = Diagnostic::error(format!("`method.mode`: the structure has no mode {mode}"));
+        let diagnostic =
+            diagnostic.help("it has one for each degree of freedom with mass; more `structure.elements` give more");
+        diagnostics.put("method.mode", diagnostic, format!("found {mode}, expected a whole number from 1 to {modes}"));
     }
     if let Some(wanted) = held_modes.filter(|wanted| *wanted as usize > held) {
-        let problem = Problem::error("`method.held_modes` is more than the structure has");
-        findings.put("method.held_modes", problem, format!("found {wanted}, expected a whole number from 1 to {held}"));
+        let diagnostic = Diagnostic::error("`method.held_modes` is more than the structure has");
+        diagnostics.put(
+            "method.held_modes",
+            diagnostic,
+            format!("found {wanted}, expected a whole number from 1 to {held}"),
+        );
     }
 }

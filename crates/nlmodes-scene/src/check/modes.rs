@@ -3,29 +3,33 @@
 use crate::raw::RawModes;
 use crate::rule::number;
 use crate::scene::ImposedModes;
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 const FREQUENCIES: &str = "structure.modes.frequencies_hz";
 
-pub fn check(raw: &RawModes, findings: &mut Findings<'_>) -> Option<ImposedModes> {
+pub fn check(raw: &RawModes, diagnostics: &mut Diagnostics<'_>) -> Option<ImposedModes> {
     let frequencies_hz = raw.frequencies_hz.clone()?;
-    let is_paired = is_paired(raw.damping_ratios.as_deref(), frequencies_hz.len(), findings);
-    let ascends = ascends(&frequencies_hz, FREQUENCIES, findings);
+    let is_paired = is_paired(raw.damping_ratios.as_deref(), frequencies_hz.len(), diagnostics);
+    let ascends = ascends(&frequencies_hz, FREQUENCIES, diagnostics);
     (is_paired && ascends).then(|| ImposedModes { frequencies_hz, damping_ratios: raw.damping_ratios.clone() })
 }
 
-fn is_paired(ratios: Option<&[f64]>, wanted: usize, findings: &mut Findings<'_>) -> bool {
+fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostics<'_>) -> bool {
     let Some(found) = ratios.map(<[f64]>::len).filter(|found| *found != wanted) else { return true };
-    let problem = Problem::error("`structure.modes` has not one damping ratio for each frequency");
+    let diagnostic = Diagnostic::error("`structure.modes` has not one damping ratio for each frequency");
     let label = format!("found {found}, expected {wanted}, one a frequency");
-    findings.put("structure.modes.damping_ratios", problem, label);
+    diagnostics.put("structure.modes.damping_ratios", diagnostic, label);
     false
 }
 
 /// Whether each frequency of the list at `path` is above the one before; said at the first that is not.
-pub fn ascends(frequencies: &[f64], path: &str, findings: &mut Findings<'_>) -> bool {
+pub fn ascends(frequencies: &[f64], path: &str, diagnostics: &mut Diagnostics<'_>) -> bool {
     let Some(k) = (1..frequencies.len()).find(|&k| frequencies[k] <= frequencies[k - 1]) else { return true };
-    let problem = Problem::error(format!("`{path}` does not ascend"));
-    findings.put(&format!("{path}.{k}"), problem, format!("expected more than {} Hz", number(frequencies[k - 1])));
+    let diagnostic = Diagnostic::error(format!("`{path}` does not ascend"));
+    diagnostics.put(
+        &format!("{path}.{k}"),
+        diagnostic,
+        format!("expected more than {} Hz", number(frequencies[k - 1])),
+    );
     false
 }

@@ -4,7 +4,7 @@ use nlmodes_fem::{FemError, Mesh};
 
 use crate::raw::RawStructure;
 use crate::scene::Refined;
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// A stop is at a node if it is nearer to it than this part of the shorter element beside it.
 const TOLERANCE: f64 = 1e-4;
@@ -16,41 +16,41 @@ pub struct Nodes {
 }
 
 /// The mesh of the structure with stops at these positions, if what it depends on is sound.
-pub fn mesh(raw: &RawStructure, stops: &[f64], findings: &mut Findings<'_>) -> Option<Nodes> {
-    let mesh = coarse(raw, findings)?;
+pub fn mesh(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Nodes> {
+    let mesh = coarse(raw, diagnostics)?;
     let Some(factor) = raw.refine.filter(|factor| *factor > 1.0) else { return Some(Nodes { mesh, refined: None }) };
     let mut beside: Vec<usize> = stops.iter().filter_map(|at| node_at(&mesh, *at)).collect();
     beside.sort_unstable();
     beside.dedup();
     if beside.is_empty() {
         let path = "structure.refine";
-        let problem = Problem::warning(format!("`{path}` has no effect"));
-        findings.put(path, problem, "there is no stop at a node of the mesh");
+        let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+        diagnostics.put(path, diagnostic, "there is no stop at a node of the mesh");
         return Some(Nodes { mesh, refined: None });
     }
     match mesh.refined(&beside, factor) {
         Ok(mesh) => Some(Nodes { mesh, refined: Some(Refined { beside, factor }) }),
         Err(error) => {
-            findings.put("structure.refine", unusable(&error), "expected elements that can be told apart");
+            diagnostics.put("structure.refine", unusable(&error), "expected elements that can be told apart");
             None
         }
     }
 }
 
-fn coarse(raw: &RawStructure, findings: &mut Findings<'_>) -> Option<Mesh> {
+fn coarse(raw: &RawStructure, diagnostics: &mut Diagnostics<'_>) -> Option<Mesh> {
     let (length, elements, grading) = (raw.length_m?, raw.elements? as usize, raw.grading.unwrap_or(1.0));
     match Mesh::graded(length, elements, grading) {
         Ok(mesh) => Some(mesh),
         Err(error) => {
-            findings.put("structure.grading", unusable(&error), "expected elements that can be told apart");
+            diagnostics.put("structure.grading", unusable(&error), "expected elements that can be told apart");
             None
         }
     }
 }
 
-fn unusable(error: &FemError) -> Problem {
-    let problem = Problem::error(format!("the mesh cannot be made: {error}"));
-    problem.help("take fewer `structure.elements`, or a `structure.grading` nearer to 1")
+fn unusable(error: &FemError) -> Diagnostic {
+    let diagnostic = Diagnostic::error(format!("the mesh cannot be made: {error}"));
+    diagnostic.help("take fewer `structure.elements`, or a `structure.grading` nearer to 1")
 }
 
 /// The node nearest to a position.

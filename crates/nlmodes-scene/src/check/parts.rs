@@ -6,7 +6,7 @@ use super::nodes::{beside, node_at};
 use crate::raw::{RawMassPoint, RawSpring, RawStructure};
 use crate::rule::number;
 use crate::scene::{Direction, GroundSpring, MassPoint, SpringDirection, StructureKind, Support, holds};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// A table that stands under the heading of some structure.
 pub struct Table<'a, T> {
@@ -26,53 +26,59 @@ pub struct Fixed<'a> {
 
 impl<'a> Fixed<'a> {
     /// Of the only structure of a scene.
-    pub fn of_one(raw: &'a RawStructure, findings: &mut Findings<'_>) -> Self {
-        let mut all = Self::of_each(std::slice::from_ref(raw), None, findings);
+    pub fn of_one(raw: &'a RawStructure, diagnostics: &mut Diagnostics<'_>) -> Self {
+        let mut all = Self::of_each(std::slice::from_ref(raw), None, diagnostics);
         all.pop().unwrap_or_default()
     }
 
     /// Of each of several structures.
-    pub fn of_several(raw: &'a [RawStructure], findings: &mut Findings<'_>) -> Vec<Self> {
-        Self::of_each(raw, Some(0), findings)
+    pub fn of_several(raw: &'a [RawStructure], diagnostics: &mut Diagnostics<'_>) -> Vec<Self> {
+        Self::of_each(raw, Some(0), diagnostics)
     }
 
-    fn of_each(raw: &'a [RawStructure], first: Option<usize>, findings: &mut Findings<'_>) -> Vec<Self> {
+    fn of_each(raw: &'a [RawStructure], first: Option<usize>, diagnostics: &mut Diagnostics<'_>) -> Vec<Self> {
         let mut all: Vec<Self> = raw.iter().map(|_| Self::default()).collect();
         for (i, structure) in raw.iter().enumerate() {
             let home = first.map(|first| first + i);
-            findings.about_structure(home);
+            diagnostics.about_structure(home);
             for (number, table) in structure.mass_point.iter().flatten().enumerate() {
                 let path = format!("structure.mass_point.{number}");
-                if let Some(owner) = owner(&path, table.structure, i, raw.len(), findings) {
+                if let Some(owner) = owner(&path, table.structure, i, raw.len(), diagnostics) {
                     all[owner].masses.push(Table { home, number, table });
                 }
             }
             for (number, table) in structure.spring.iter().flatten().enumerate() {
                 let path = format!("structure.spring.{number}");
-                if let Some(owner) = owner(&path, table.structure, i, raw.len(), findings) {
+                if let Some(owner) = owner(&path, table.structure, i, raw.len(), diagnostics) {
                     all[owner].springs.push(Table { home, number, table });
                 }
             }
         }
-        findings.about_structure(None);
+        diagnostics.about_structure(None);
         all
     }
 }
 
 /// Index of the structure that a table names, or of that under whose heading it stands.
-fn owner(path: &str, named: Option<u32>, home: usize, count: usize, findings: &mut Findings<'_>) -> Option<usize> {
+fn owner(
+    path: &str,
+    named: Option<u32>,
+    home: usize,
+    count: usize,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<usize> {
     let Some(number) = named.map(|number| number as usize) else { return Some(home) };
     if number <= count {
         return Some(number - 1);
     }
-    no_such_structure(&format!("{path}.structure"), number, count, findings);
+    no_such_structure(&format!("{path}.structure"), number, count, diagnostics);
     None
 }
 
 /// Says that there are fewer structures.
-pub fn no_such_structure(path: &str, number: usize, count: usize, findings: &mut Findings<'_>) {
-    let problem = Problem::error(format!("`{path}`: there is no structure {number}"));
-    findings.put(path, problem, format!("expected a whole number from 1 to {count}, in the order of the file"));
+pub fn no_such_structure(path: &str, number: usize, count: usize, diagnostics: &mut Diagnostics<'_>) {
+    let diagnostic = Diagnostic::error(format!("`{path}`: there is no structure {number}"));
+    diagnostics.put(path, diagnostic, format!("expected a whole number from 1 to {count}, in the order of the file"));
 }
 
 /// The point masses that are sound.
@@ -80,28 +86,28 @@ pub fn masses(
     raw: &RawStructure,
     tables: &[Table<'_, RawMassPoint>],
     mesh: &Mesh,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Vec<MassPoint> {
-    let (mut sound, own) = (Vec::new(), findings.structure());
+    let (mut sound, own) = (Vec::new(), diagnostics.structure());
     for Table { home, number, table: point } in tables {
-        findings.about_structure(*home);
+        diagnostics.about_structure(*home);
         let path = format!("structure.mass_point.{number}");
-        let Some(node) = point.at_m.and_then(|at| node(&path, at, mesh, findings)) else { continue };
+        let Some(node) = point.at_m.and_then(|at| node(&path, at, mesh, diagnostics)) else { continue };
         let inertia = point.inertia_kg_m2.unwrap_or(0.0);
         if inertia > 0.0 && raw.kind == Some(StructureKind::Rod) {
             let path = format!("{path}.inertia_kg_m2");
-            let problem = Problem::warning(format!("`{path}` has no effect"));
-            findings.put(&path, problem, "a rod does not turn");
+            let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+            diagnostics.put(&path, diagnostic, "a rod does not turn");
         }
         if is_clamped(raw, node, mesh) {
             let path = format!("{path}.at_m");
-            let problem = Problem::error(format!("`{path}` is at an end that does not move"));
-            findings.put(&path, problem, "expected a node that moves");
+            let diagnostic = Diagnostic::error(format!("`{path}` is at an end that does not move"));
+            diagnostics.put(&path, diagnostic, "expected a node that moves");
             continue;
         }
         sound.extend(point.mass_kg.map(|mass| MassPoint { node, mass, inertia }));
     }
-    findings.about_structure(own);
+    diagnostics.about_structure(own);
     sound
 }
 
@@ -110,52 +116,53 @@ pub fn springs(
     raw: &RawStructure,
     tables: &[Table<'_, RawSpring>],
     mesh: &Mesh,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Vec<GroundSpring> {
-    let (mut sound, own) = (Vec::new(), findings.structure());
+    let (mut sound, own) = (Vec::new(), diagnostics.structure());
     for Table { home, number, table: spring } in tables {
-        findings.about_structure(*home);
+        diagnostics.about_structure(*home);
         let path = format!("structure.spring.{number}");
-        let node = spring.at_m.and_then(|at| node(&path, at, mesh, findings));
+        let node = spring.at_m.and_then(|at| node(&path, at, mesh, diagnostics));
         let (Some(node), Some(direction), Some(kind)) = (node, spring.direction, raw.kind) else { continue };
         if kind == StructureKind::Rod && direction != SpringDirection::Axial {
             let path = format!("{path}.direction");
-            let problem = Problem::error(format!("`{path}` cannot be \"{}\" on a rod", direction.name()));
-            findings.put(&path, problem.help("a rod moves along its axis only"), "expected \"axial\"");
+            let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"{}\" on a rod", direction.name()));
+            diagnostics.put(&path, diagnostic.help("a rod moves along its axis only"), "expected \"axial\"");
             continue;
         }
         let (key, unused) = match direction {
             SpringDirection::Rotation => ("stiffness_nm", "stiffness_n_m"),
             _ => ("stiffness_n_m", "stiffness_nm"),
         };
-        if findings.has(&format!("{path}.{unused}")) {
+        if diagnostics.has(&format!("{path}.{unused}")) {
             let path = format!("{path}.{unused}");
-            let problem = Problem::error(format!("`{path}` does not belong to direction = \"{}\"", direction.name()));
-            findings.put(&path, problem, format!("expected `{key}`"));
+            let diagnostic =
+                Diagnostic::error(format!("`{path}` does not belong to direction = \"{}\"", direction.name()));
+            diagnostics.put(&path, diagnostic, format!("expected `{key}`"));
             continue;
         }
         if is_held(raw, node, direction, mesh) {
             let path = format!("{path}.at_m");
-            let problem = Problem::error(format!("`{path}` is at an end that does not move"));
-            findings.put(&path, problem, "expected a node that moves in this direction");
+            let diagnostic = Diagnostic::error(format!("`{path}` is at an end that does not move"));
+            diagnostics.put(&path, diagnostic, "expected a node that moves in this direction");
             continue;
         }
         let stiffness = if key == "stiffness_nm" { spring.stiffness_nm } else { spring.stiffness_n_m };
         sound.extend(stiffness.map(|stiffness| GroundSpring { node, direction, stiffness }));
     }
-    findings.about_structure(own);
+    diagnostics.about_structure(own);
     sound
 }
 
 /// The node at a position.
-fn node(path: &str, at: f64, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
+fn node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
     let found = node_at(mesh, at);
     if found.is_none() {
         let path = format!("{path}.at_m");
         let [low, high] = beside(mesh, at).map(|node| number(mesh.nodes()[node]));
-        let problem = Problem::error(format!("`{path}` is not at a node of the mesh"));
-        let label = format!("found {}, expected the position of a node: {low} or {high} m", findings.written(&path));
-        findings.put(&path, problem, label);
+        let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
+        let label = format!("found {}, expected the position of a node: {low} or {high} m", diagnostics.written(&path));
+        diagnostics.put(&path, diagnostic, label);
     }
     found
 }

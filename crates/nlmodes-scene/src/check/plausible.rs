@@ -10,38 +10,38 @@ pub use test::{damping, warn as warn_of_test};
 
 use crate::rule::number;
 use crate::scene::{Scene, Section, SpringDirection, Structure, StructureKind, Support};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// Structures that are longer are rare, m.
 const LONG: f64 = 100.0;
 
-pub fn warn(scene: &Scene, findings: &mut Findings<'_>) {
+pub fn warn(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     let Some(straight) = scene.structure.straight() else { return };
-    let before = findings.count();
-    structure(straight, findings);
-    let sound = findings.count() == before;
+    let before = diagnostics.count();
+    structure(straight, diagnostics);
+    let sound = diagnostics.count() == before;
     for (i, contact) in scene.contacts.iter().enumerate() {
-        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, straight, findings);
-        stop::stiffness(i, contact, straight, findings);
+        stop::gap(&format!("contact.{i}.gap_m"), contact.gap, straight, diagnostics);
+        stop::stiffness(i, contact, straight, diagnostics);
     }
     // With a slip in the structure its frequencies are wrong too.
     if sound {
-        window::warn(scene, straight, findings);
+        window::warn(scene, straight, diagnostics);
     }
 }
 
-pub fn structure(structure: &Structure, findings: &mut Findings<'_>) {
-    rigid_body(structure, findings);
+pub fn structure(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
+    rigid_body(structure, diagnostics);
     let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_deref());
-    damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), findings);
+    damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), diagnostics);
     if is_dimensionless(structure) {
         return;
     }
-    material::warn(structure, findings);
-    if !section::warn(structure, findings) {
-        slenderness(structure, findings);
+    material::warn(structure, diagnostics);
+    if !section::warn(structure, diagnostics) {
+        slenderness(structure, diagnostics);
     }
-    length(structure.length, findings);
+    length(structure.length, diagnostics);
 }
 
 /// Whether the scene is written in units of its own, as `EA = ρA = 1`: then nothing can be said about sizes.
@@ -54,28 +54,28 @@ fn meant(value: f64, unit: &str, factor: f64) -> String {
     format!("if {} {unit} is meant, write {}", number(value), number(value * factor))
 }
 
-fn length(length: f64, findings: &mut Findings<'_>) {
+fn length(length: f64, diagnostics: &mut Diagnostics<'_>) {
     let path = "structure.length_m";
     if length > LONG {
-        let problem = Problem::warning(format!("`{path}` is very long"))
+        let diagnostic = Diagnostic::warning(format!("`{path}` is very long"))
             .help(format!("{}; all lengths of a scene are in m", meant(length, "mm", 1e-3)));
-        findings.put(path, problem, format!("{} m", number(length)));
+        diagnostics.put(path, diagnostic, format!("{} m", number(length)));
     }
 }
 
-fn slenderness(structure: &Structure, findings: &mut Findings<'_>) {
+fn slenderness(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     let Section::Beam { area, second_moment, .. } = structure.section else { return };
     let height = (12.0 * second_moment / area).sqrt();
     if structure.length < 2.0 * height {
         let label = format!("{} m, but {} m high", number(structure.length), number(height));
-        let problem = Problem::warning("the beam is too short for beam theory")
+        let diagnostic = Diagnostic::warning("the beam is too short for beam theory")
             .help("a Timoshenko beam should be at least twice as long as it is high; lengths are in m");
-        findings.put("structure.length_m", problem, label);
+        diagnostics.put("structure.length_m", diagnostic, label);
     }
 }
 
 /// Supports that hold nothing, and how far springs make up for that.
-fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
+fn rigid_body(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     if (structure.start, structure.end) != (Support::Free, Support::Free) {
         return;
     }
@@ -92,7 +92,7 @@ fn rigid_body(structure: &Structure, findings: &mut Findings<'_>) {
         _ => format!("its first {left} modes are rigid-body motions"),
     };
     let help = format!("{modes} at 0 Hz; method.mode = {} is the first that vibrates", left + 1);
-    findings.put("structure.start", Problem::warning(title).help(help), label);
+    diagnostics.put("structure.start", Diagnostic::warning(title).help(help), label);
 }
 
 /// Rigid motions that the springs of a free structure leave: along the axis, and of a beam across it and about a point.

@@ -11,23 +11,28 @@ use crate::nearest::nearest;
 use crate::raw::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 use crate::rule::either;
 use crate::scene::{ChannelRole, MeasuredQuantity, RecordScene, Side};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 const HARMONICS: u32 = 20;
 
-/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file, `base` its directory.
-pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Findings<'_>) -> Option<RecordScene> {
-    let channels = channels(raw.channel.as_deref().unwrap_or_default(), findings);
-    let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, findings));
-    let settings = settings(raw, modes, findings);
-    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &[], findings));
+/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file, `base` its directory.
+pub fn scene(
+    raw: &RawRecordScene,
+    stem: &str,
+    base: PathBuf,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<RecordScene> {
+    let channels = channels(raw.channel.as_deref().unwrap_or_default(), diagnostics);
+    let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, diagnostics));
+    let settings = settings(raw, modes, diagnostics);
+    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &[], diagnostics));
     if let Some(structure) = &structure {
-        super::plausible::structure(structure, findings);
+        super::plausible::structure(structure, diagnostics);
     }
-    one_source_of_modes(raw, findings);
+    one_source_of_modes(raw, diagnostics);
     let recording = raw.recording.as_ref()?;
     let files = recording.files.clone()?;
-    rate(&files, recording.sample_rate_hz, recording.time_column.as_deref(), findings);
+    rate(&files, recording.sample_rate_hz, recording.time_column.as_deref(), diagnostics);
     Some(RecordScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         files,
@@ -49,35 +54,35 @@ pub fn scene(raw: &RawRecordScene, stem: &str, base: PathBuf, findings: &mut Fin
 }
 
 /// Linear modes are given or computed, not both.
-fn one_source_of_modes(raw: &RawRecordScene, findings: &mut Findings<'_>) {
+fn one_source_of_modes(raw: &RawRecordScene, diagnostics: &mut Diagnostics<'_>) {
     if raw.structure.is_some() && raw.linear_modes.is_some() {
-        let problem = Problem::error("the linear modes are given twice");
+        let diagnostic = Diagnostic::error("the linear modes are given twice");
         let help = "leave out [structure] to use the given modes, or [linear_modes] to have them computed";
-        findings.put("structure", problem.help(help), "there are `linear_modes` too");
+        diagnostics.put("structure", diagnostic.help(help), "there are `linear_modes` too");
     }
 }
 
 /// Files that tell no sampling rate need one in the scene.
-fn rate(files: &[String], rate: Option<f64>, time_column: Option<&str>, findings: &mut Findings<'_>) {
+fn rate(files: &[String], rate: Option<f64>, time_column: Option<&str>, diagnostics: &mut Diagnostics<'_>) {
     let needs = |file: &String| {
         let file = file.to_lowercase();
         file.ends_with(".npy") || (file.ends_with(".csv") && time_column.is_none())
     };
     if let Some(file) = files.iter().find(|file| rate.is_none() && needs(file)) {
-        let problem = Problem::error(format!("no sampling rate is known for \"{file}\""));
+        let diagnostic = Diagnostic::error(format!("no sampling rate is known for \"{file}\""));
         let help = "give `sample_rate_hz`, or for .csv files the name of their `time_column`";
-        findings.put("recording", problem.help(help), "expected `sample_rate_hz` in this table");
+        diagnostics.put("recording", diagnostic.help(help), "expected `sample_rate_hz` in this table");
     }
 }
 
-fn channels(raw: &[RawChannel], findings: &mut Findings<'_>) -> Option<Vec<Channel>> {
+fn channels(raw: &[RawChannel], diagnostics: &mut Diagnostics<'_>) -> Option<Vec<Channel>> {
     let mut channels: Vec<Channel> = Vec::new();
     let mut sound = true;
     for (i, raw) in raw.iter().enumerate() {
-        match channel(raw, &format!("channel.{i}"), findings) {
+        match channel(raw, &format!("channel.{i}"), diagnostics) {
             Some(channel) if channels.iter().any(|other| other.name == channel.name) => {
-                let problem = Problem::error(format!("two channels have the name \"{}\"", channel.name));
-                findings.put(&format!("channel.{i}.name"), problem, "the second one");
+                let diagnostic = Diagnostic::error(format!("two channels have the name \"{}\"", channel.name));
+                diagnostics.put(&format!("channel.{i}.name"), diagnostic, "the second one");
                 sound = false;
             }
             Some(channel) => channels.push(channel),
@@ -87,27 +92,28 @@ fn channels(raw: &[RawChannel], findings: &mut Findings<'_>) -> Option<Vec<Chann
     sound.then_some(channels)
 }
 
-fn channel(raw: &RawChannel, path: &str, findings: &mut Findings<'_>) -> Option<Channel> {
+fn channel(raw: &RawChannel, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Channel> {
     let (quantity, role) = (quantity(raw.quantity?), role(raw.role?));
     if !role.fits(quantity) {
         let fitting: Vec<&str> = Quantity::ALL.into_iter().filter(|q| role.fits(*q)).map(Quantity::name).collect();
-        let problem = Problem::error(format!("a channel with the role \"{}\" cannot measure {quantity}", role.name()));
-        findings.put(&format!("{path}.quantity"), problem, format!("expected {}", either(&fitting)));
+        let diagnostic =
+            Diagnostic::error(format!("a channel with the role \"{}\" cannot measure {quantity}", role.name()));
+        diagnostics.put(&format!("{path}.quantity"), diagnostic, format!("expected {}", either(&fitting)));
         return None;
     }
     let unit = raw.unit.clone().unwrap_or_else(|| quantity.si_unit().to_owned());
     if quantity.factor(&unit).is_none() {
-        unknown_unit(&unit, quantity, path, findings);
+        unknown_unit(&unit, quantity, path, diagnostics);
         return None;
     }
     if raw.sign == Some(0) {
-        let problem = Problem::error(format!("`{path}.sign` cannot be 0"));
-        findings.put(&format!("{path}.sign"), problem, "found 0, expected 1 or -1");
+        let diagnostic = Diagnostic::error(format!("`{path}.sign` cannot be 0"));
+        diagnostics.put(&format!("{path}.sign"), diagnostic, "found 0, expected 1 or -1");
         return None;
     }
     if let Some([low, high]) = raw.range.filter(|[low, high]| low >= high) {
-        let problem = Problem::error(format!("`{path}.range` is empty"));
-        findings.put(&format!("{path}.range"), problem, format!("{low} is not less than {high}"));
+        let diagnostic = Diagnostic::error(format!("`{path}.range` is empty"));
+        diagnostics.put(&format!("{path}.range"), diagnostic, format!("{low} is not less than {high}"));
         return None;
     }
     Some(Channel {
@@ -120,14 +126,14 @@ fn channel(raw: &RawChannel, path: &str, findings: &mut Findings<'_>) -> Option<
     })
 }
 
-fn unknown_unit(unit: &str, quantity: Quantity, path: &str, findings: &mut Findings<'_>) {
+fn unknown_unit(unit: &str, quantity: Quantity, path: &str, diagnostics: &mut Diagnostics<'_>) {
     let known: Vec<&str> = quantity.units().iter().map(|(name, _)| *name).collect();
-    let problem = Problem::error(format!("\"{unit}\" is not a unit of {quantity}"));
-    let problem = match nearest(unit, known.iter().copied()) {
-        Some(meant) => problem.help(format!("did you mean \"{meant}\"?")),
-        None => problem,
+    let diagnostic = Diagnostic::error(format!("\"{unit}\" is not a unit of {quantity}"));
+    let diagnostic = match nearest(unit, known.iter().copied()) {
+        Some(meant) => diagnostic.help(format!("did you mean \"{meant}\"?")),
+        None => diagnostic,
     };
-    findings.put(&format!("{path}.unit"), problem, format!("expected {}", either(&known)));
+    diagnostics.put(&format!("{path}.unit"), diagnostic, format!("expected {}", either(&known)));
 }
 
 fn quantity(quantity: MeasuredQuantity) -> Quantity {
@@ -150,14 +156,14 @@ fn role(role: ChannelRole) -> Role {
     }
 }
 
-fn linear_modes(raw: &RawLinearModes, findings: &mut Findings<'_>) -> Option<LinearModes> {
+fn linear_modes(raw: &RawLinearModes, diagnostics: &mut Diagnostics<'_>) -> Option<LinearModes> {
     let (frequencies, positions) = (raw.frequencies_hz.as_ref()?, raw.positions_m.as_ref()?);
     let shapes = raw.shapes.as_ref()?;
     let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f).collect();
     let damping = raw.damping_ratios.clone().unwrap_or_else(|| vec![0.0; omegas.len()]);
-    super::plausible::damping("linear_modes.damping_ratios", &damping, findings);
-    match table(positions, shapes, omegas.len(), damping.len(), findings) {
-        Some(rows) => given(positions, &omegas, &damping, shapes, rows, findings),
+    super::plausible::damping("linear_modes.damping_ratios", &damping, diagnostics);
+    match table(positions, shapes, omegas.len(), damping.len(), diagnostics) {
+        Some(rows) => given(positions, &omegas, &damping, shapes, rows, diagnostics),
         None => None,
     }
 }
@@ -168,26 +174,27 @@ fn table(
     shapes: &[Vec<f64>],
     frequencies: usize,
     damping: usize,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<usize> {
     let path = "linear_modes.shapes";
     let columns = shapes.first().map_or(0, Vec::len);
     if shapes.len() != positions.len() {
-        let problem = Problem::error(format!("`{path}` has {} rows for {} positions", shapes.len(), positions.len()));
-        findings.put(path, problem, format!("expected a row for each of the {} `positions_m`", positions.len()));
+        let diagnostic =
+            Diagnostic::error(format!("`{path}` has {} rows for {} positions", shapes.len(), positions.len()));
+        diagnostics.put(path, diagnostic, format!("expected a row for each of the {} `positions_m`", positions.len()));
         return None;
     }
     if let Some(row) = shapes.iter().position(|row| row.len() != columns) {
-        let problem =
-            Problem::error(format!("`{path}.{row}` has {} entries, the first row {columns}", shapes[row].len()));
-        findings.put(&format!("{path}.{row}"), problem, "expected as many entries as in the first row");
+        let diagnostic =
+            Diagnostic::error(format!("`{path}.{row}` has {} entries, the first row {columns}", shapes[row].len()));
+        diagnostics.put(&format!("{path}.{row}"), diagnostic, "expected as many entries as in the first row");
         return None;
     }
     for (key, found) in [("frequencies_hz", frequencies), ("damping_ratios", damping)] {
         if found < columns {
-            let problem =
-                Problem::error(format!("`{path}` has {columns} modes, but `linear_modes.{key}` only {found}"));
-            findings.put(&format!("linear_modes.{key}"), problem, format!("expected {columns} numbers"));
+            let diagnostic =
+                Diagnostic::error(format!("`{path}` has {columns} modes, but `linear_modes.{key}` only {found}"));
+            diagnostics.put(&format!("linear_modes.{key}"), diagnostic, format!("expected {columns} numbers"));
             return None;
         }
     }
@@ -201,19 +208,20 @@ fn given(
     damping: &[f64],
     shapes: &[Vec<f64>],
     columns: usize,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<LinearModes> {
     let kept = columns.min(positions.len());
     let shapes: Vec<Vec<f64>> = shapes.iter().map(|row| row[..kept].to_vec()).collect();
     match LinearModes::new(positions, omegas, damping, &shapes) {
         Ok(modes) if kept < columns => {
-            let problem = Problem::warning(format!("{columns} linear modes, but shapes at {kept} positions only"));
-            findings.put("linear_modes.shapes", problem, format!("the first {kept} modes are used"));
+            let diagnostic =
+                Diagnostic::warning(format!("{columns} linear modes, but shapes at {kept} positions only"));
+            diagnostics.put("linear_modes.shapes", diagnostic, format!("the first {kept} modes are used"));
             Some(modes)
         }
         Ok(modes) => Some(modes),
         Err(error) => {
-            findings.put("linear_modes.shapes", Problem::error(error.to_string()), "these shapes");
+            diagnostics.put("linear_modes.shapes", Diagnostic::error(error.to_string()), "these shapes");
             None
         }
     }
@@ -222,14 +230,14 @@ fn given(
 fn settings(
     raw: &RawRecordScene,
     modes: Option<LinearModes>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<ExtractionSettings> {
     let default = RawExtraction::default();
     let extraction = raw.extraction.as_ref().unwrap_or(&default);
     let mode = extraction.mode.unwrap_or(1) as usize;
     if let Some(n) = modes.as_ref().map(LinearModes::n_modes).filter(|n| mode > *n) {
-        let problem = Problem::error(format!("there is no mode {mode}: `linear_modes` has {n}"));
-        findings.put("extraction.mode", problem, format!("expected a whole number from 1 to {n}"));
+        let diagnostic = Diagnostic::error(format!("there is no mode {mode}: `linear_modes` has {n}"));
+        diagnostics.put("extraction.mode", diagnostic, format!("expected a whole number from 1 to {n}"));
         return None;
     }
     let stop = raw.stop.as_ref().and_then(stop);

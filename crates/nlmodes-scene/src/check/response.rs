@@ -6,7 +6,7 @@ mod place;
 use crate::raw::{RawResponse, RawStudy};
 use crate::rule::number;
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 pub use loads::own_damping;
 pub use place::{Places, WrittenPlace};
 
@@ -19,51 +19,58 @@ pub struct Responses {
     pub responses: Vec<Response>,
 }
 
-/// The parts that are sound; those that are not are in the findings.
-pub fn check(raw: &RawStudy, places: &Places<'_>, method: Option<&Method>, findings: &mut Findings<'_>) -> Responses {
+/// The parts that are sound; those that are not are in the diagnostics.
+pub fn check(
+    raw: &RawStudy,
+    places: &Places<'_>,
+    method: Option<&Method>,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Responses {
     let written = raw.response.as_deref().unwrap_or_default();
-    let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, findings));
-    let forces = loads::forces(raw, places, findings);
-    let base_motion = loads::base_motion(raw, places, findings);
+    let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, diagnostics));
+    let forces = loads::forces(raw, places, diagnostics);
+    let base_motion = loads::base_motion(raw, places, diagnostics);
     if let (Some(method), false) = (method, written.is_empty()) {
-        of_method(method, findings);
+        of_method(method, diagnostics);
     }
     if written.is_empty() {
-        without_effect(raw, findings);
+        without_effect(raw, diagnostics);
     }
     let responses: Vec<Response> =
-        written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, findings)).collect();
+        written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, diagnostics)).collect();
     if !responses.is_empty() && responses.iter().all(|response| response.kind.is_forced()) {
         for path in ["continuation.max_energy_ratio", "continuation.frequency_hz"] {
             has_no_effect(
                 path,
                 "it ends modes; responses to loads end at their own `frequency_hz` and levels",
-                findings,
+                diagnostics,
             );
         }
     }
     if let Some(method) = method {
-        harmonics_of_forces(raw, &responses, method, findings);
+        harmonics_of_forces(raw, &responses, method, diagnostics);
     }
     Responses { damping, forces, base_motion, responses }
 }
 
 /// A motion of so many harmonics follows no force in a higher one; over several periods of the force its harmonics are as many times higher.
-fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, findings: &mut Findings<'_>) {
+fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, diagnostics: &mut Diagnostics<'_>) {
     let forced = responses.iter().filter(|response| response.kind.is_forced());
     let Some(times) = forced.map(|response| response.subharmonic).max() else { return };
     for (i, force) in raw.force.iter().flatten().enumerate() {
         let needed = times * force.harmonic.unwrap_or(1) as usize;
         if needed > method.harmonics {
-            let problem =
-                Problem::error(format!("a force in harmonic {needed} of the motion, which has {}", method.harmonics));
-            let problem = match times {
-                1 => problem.help("more `method.harmonics`"),
-                _ => problem.help(format!("more `method.harmonics`: with `subharmonic = {times}` harmonic 1 of the force is {times} of the motion")),
+            let diagnostic = Diagnostic::error(format!(
+                "a force in harmonic {needed} of the motion, which has {}",
+                method.harmonics
+            ));
+            let diagnostic = match times {
+                1 => diagnostic.help("more `method.harmonics`"),
+                _ => diagnostic.help(format!("more `method.harmonics`: with `subharmonic = {times}` harmonic 1 of the force is {times} of the motion")),
             };
-            findings.put(
+            diagnostics.put(
                 &format!("force.{i}.harmonic"),
-                problem,
+                diagnostic,
                 format!("expected at most {}", method.harmonics / times),
             );
         }
@@ -71,27 +78,27 @@ fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, 
 }
 
 /// Loads and damping of a scene that has no use for them.
-fn without_effect(raw: &RawStudy, findings: &mut Findings<'_>) {
+fn without_effect(raw: &RawStudy, diagnostics: &mut Diagnostics<'_>) {
     let keys = [
         ("damping", raw.damping.is_some()),
         ("force", raw.force.is_some()),
         ("base_motion", raw.base_motion.is_some()),
     ];
     for (key, _) in keys.into_iter().filter(|(_, there)| *there) {
-        let problem = Problem::warning(format!("`{key}` has no effect without a response"));
+        let diagnostic = Diagnostic::warning(format!("`{key}` has no effect without a response"));
         let help = "[response] with kind = \"frequency\", \"force\", \"phase-resonance\" or \"damped-mode\" uses it";
-        findings.put(key, problem.help(help), "the scene computes the conservative nonlinear mode");
+        diagnostics.put(key, diagnostic.help(help), "the scene computes the conservative nonlinear mode");
     }
 }
 
 /// Says of a key that is there that no response uses it.
-fn has_no_effect(path: &str, why: &str, findings: &mut Findings<'_>) {
-    if findings.has(path) {
-        findings.put(path, Problem::warning(format!("`{path}` has no effect on responses")), why);
+fn has_no_effect(path: &str, why: &str, diagnostics: &mut Diagnostics<'_>) {
+    if diagnostics.has(path) {
+        diagnostics.put(path, Diagnostic::warning(format!("`{path}` has no effect on responses")), why);
     }
 }
 
-fn of_method(method: &Method, findings: &mut Findings<'_>) {
+fn of_method(method: &Method, diagnostics: &mut Diagnostics<'_>) {
     let beginning = "a response begins at the ends of its window, at rest, or at the linear resonance";
     let unused = [
         (
@@ -103,19 +110,19 @@ fn of_method(method: &Method, findings: &mut Findings<'_>) {
         ("continuation.start_frequency_hz", beginning),
         ("continuation.start_energy_ratio", beginning),
     ];
-    unused.iter().for_each(|(path, why)| has_no_effect(path, why, findings));
+    unused.iter().for_each(|(path, why)| has_no_effect(path, why, diagnostics));
     if method.kind == MethodKind::Shooting {
-        let problem = Problem::error("responses are computed with method \"ms-hbm\" or \"hbm\"");
-        findings.put("method.kind", problem, "expected \"ms-hbm\" or \"hbm\"");
+        let diagnostic = Diagnostic::error("responses are computed with method \"ms-hbm\" or \"hbm\"");
+        diagnostics.put("method.kind", diagnostic, "expected \"ms-hbm\" or \"hbm\"");
     }
     if method.harmonics_list.len() > 1 {
-        let problem = Problem::error("responses are computed with one number of harmonics");
-        findings.put("method.harmonics", problem, "expected one whole number");
+        let diagnostic = Diagnostic::error("responses are computed with one number of harmonics");
+        diagnostics.put("method.harmonics", diagnostic, "expected one whole number");
     }
     if method.accuracy.is_some() {
-        let problem =
-            Problem::error("responses have the harmonics that the scene says; an accuracy does not choose them");
-        findings.put("method.accuracy", problem, "expected `harmonics` in its place");
+        let diagnostic =
+            Diagnostic::error("responses have the harmonics that the scene says; an accuracy does not choose them");
+        diagnostics.put("method.accuracy", diagnostic, "expected `harmonics` in its place");
     }
 }
 
@@ -124,23 +131,23 @@ fn response(
     raw: &RawResponse,
     scene: &RawStudy,
     places: &Places<'_>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Response> {
     let kind = raw.kind?;
     let is_mode = !kind.is_forced();
     let is_sound = [
-        has_damping(i, kind, scene, places, findings),
-        has_frequency(i, raw, kind, findings),
-        has_load(i, kind, scene, is_mode, findings),
-        uses_its_keys(i, raw, kind, findings),
+        has_damping(i, kind, scene, places, diagnostics),
+        has_frequency(i, raw, kind, diagnostics),
+        has_load(i, kind, scene, is_mode, diagnostics),
+        uses_its_keys(i, raw, kind, diagnostics),
     ];
-    let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, findings) };
+    let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, diagnostics) };
     let base = format!("response.{i}.drive");
     let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
         let keys = ["m", "node", "direction", "structure"].map(|key| format!("{base}_{key}"));
         let (direction, structure) = (raw.drive_direction.as_ref(), raw.drive_structure);
         let written = WrittenPlace { keys, at: raw.drive_m, node: raw.drive_node, direction, structure };
-        Some(places.place(&written, findings)?)
+        Some(places.place(&written, diagnostics)?)
     } else {
         None
     };
@@ -163,19 +170,23 @@ fn has_damping(
     kind: ResponseKind,
     scene: &RawStudy,
     places: &Places<'_>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> bool {
-    if scene.damping.is_some() || kind == ResponseKind::Mode || findings.has("damping") || places.are_damped() {
+    if scene.damping.is_some() || kind == ResponseKind::Mode || diagnostics.has("damping") || places.are_damped() {
         return true;
     }
-    let problem = Problem::error(format!("a response of kind \"{}\" needs a table [damping]", kind.name()));
+    let diagnostic = Diagnostic::error(format!("a response of kind \"{}\" needs a table [damping]", kind.name()));
     let help = "[damping] with ratio = 0.01 damps all modes with 1 %";
-    findings.put(&format!("response.{i}.kind"), problem.help(help), "nothing else bounds the motion at a resonance");
+    diagnostics.put(
+        &format!("response.{i}.kind"),
+        diagnostic.help(help),
+        "nothing else bounds the motion at a resonance",
+    );
     false
 }
 
 /// The frequency or the window that the kind needs.
-fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut Findings<'_>) -> bool {
+fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) -> bool {
     let path = |key: &str| format!("response.{i}.{key}");
     let given = raw.frequency_hz.as_deref().unwrap_or_default();
     let wanted = if kind == ResponseKind::Force { 1 } else { 2 };
@@ -184,45 +195,45 @@ fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut
         1 => "expected one frequency, as frequency_hz = 41.0",
         _ => "expected the lowest and the highest frequency, as frequency_hz = [39.0, 43.0]",
     };
-    if given.is_empty() && is_needed && !findings.has(&path("frequency_hz")) {
-        let problem = Problem::error(format!("`{}` is missing", path("frequency_hz")));
-        findings.put(&path("kind"), problem, expected);
+    if given.is_empty() && is_needed && !diagnostics.has(&path("frequency_hz")) {
+        let diagnostic = Diagnostic::error(format!("`{}` is missing", path("frequency_hz")));
+        diagnostics.put(&path("kind"), diagnostic, expected);
         return false;
     }
     if !given.is_empty() && given.len() != wanted {
-        let problem = Problem::error(match wanted {
+        let diagnostic = Diagnostic::error(match wanted {
             1 => format!("a response of kind \"{}\" has one frequency", kind.name()),
             _ => format!("a response of kind \"{}\" has a window of frequencies", kind.name()),
         });
-        findings.put(&path("frequency_hz"), problem, expected);
+        diagnostics.put(&path("frequency_hz"), diagnostic, expected);
         return false;
     }
     if given.windows(2).any(|w| w[0] >= w[1]) {
-        let problem = Problem::error(format!("`{}` is an empty window", path("frequency_hz")));
-        findings.put(&path("frequency_hz"), problem, expected);
+        let diagnostic = Diagnostic::error(format!("`{}` is an empty window", path("frequency_hz")));
+        diagnostics.put(&path("frequency_hz"), diagnostic, expected);
         return false;
     }
     true
 }
 
-fn has_load(i: usize, kind: ResponseKind, scene: &RawStudy, is_mode: bool, findings: &mut Findings<'_>) -> bool {
+fn has_load(i: usize, kind: ResponseKind, scene: &RawStudy, is_mode: bool, diagnostics: &mut Diagnostics<'_>) -> bool {
     let has_force = scene.force.as_ref().is_some_and(|f| !f.is_empty());
     let path = format!("response.{i}.kind");
     if kind == ResponseKind::Appropriation && !has_force {
-        let problem = Problem::error("force appropriation needs [[force]]");
-        findings.put(&path, problem, "expected a force at each drive point; its amplitude is what is computed");
+        let diagnostic = Diagnostic::error("force appropriation needs [[force]]");
+        diagnostics.put(&path, diagnostic, "expected a force at each drive point; its amplitude is what is computed");
         return false;
     }
     if is_mode || has_force || scene.base_motion.is_some() {
         return true;
     }
-    let problem = Problem::error(format!("a response of kind \"{}\" needs a load", kind.name()));
-    findings.put(&path, problem, "expected [[force]] or [base_motion] in the scene");
+    let diagnostic = Diagnostic::error(format!("a response of kind \"{}\" needs a load", kind.name()));
+    diagnostics.put(&path, diagnostic, "expected [[force]] or [base_motion] in the scene");
     false
 }
 
 /// Keys that belong to another kind of response have no effect.
-fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut Findings<'_>) -> bool {
+fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) -> bool {
     let is_mode = !kind.is_forced();
     let keys = [
         ("lag_deg", raw.lag_deg.is_some() && kind != ResponseKind::PhaseResonance, "phase-resonance"),
@@ -238,21 +249,25 @@ fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, findings: &mut
     ];
     for (key, _, other) in keys.into_iter().filter(|(_, unused, _)| *unused) {
         let path = format!("response.{i}.{key}");
-        let problem = Problem::warning(format!("`{path}` has no effect"));
-        findings.put(&path, problem, format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name()));
+        let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+        diagnostics.put(
+            &path,
+            diagnostic,
+            format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name()),
+        );
     }
     true
 }
 
 /// The levels in the unit of the load.
-fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
+fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<f64>> {
     let path = |key: &str| format!("response.{i}.{key}");
     let base = scene.base_motion.as_ref();
     let given = [("levels_n", &raw.levels_n), ("levels_m_s2", &raw.levels_m_s2), ("levels_m", &raw.levels_m)];
     let given: Vec<_> = given.into_iter().filter_map(|(key, levels)| Some((key, levels.as_ref()?))).collect();
     if let [_, (second, _), ..] = given[..] {
-        let problem = Problem::error("a response has levels of one unit");
-        findings.put(&path(second), problem, "expected one of `levels_n`, `levels_m_s2` and `levels_m`");
+        let diagnostic = Diagnostic::error("a response has levels of one unit");
+        diagnostics.put(&path(second), diagnostic, "expected one of `levels_n`, `levels_m_s2` and `levels_m`");
         return None;
     }
     let Some(&(key, levels)) = given.first() else {
@@ -261,10 +276,10 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings
             None => scene.force.iter().flatten().next().map(|force| force.amplitude_n.unwrap_or(1.0).abs()),
         };
         let is_misspelt =
-            ["acceleration_m_s2", "amplitude_m"].iter().any(|key| findings.has(&format!("base_motion.{key}")));
+            ["acceleration_m_s2", "amplitude_m"].iter().any(|key| diagnostics.has(&format!("base_motion.{key}")));
         if own.is_none() && base.is_some() && !is_misspelt {
-            let problem = Problem::error("the base motion has no amplitude");
-            findings.put("base_motion", problem, "expected `acceleration_m_s2` or `amplitude_m` in this table");
+            let diagnostic = Diagnostic::error("the base motion has no amplitude");
+            diagnostics.put("base_motion", diagnostic, "expected `acceleration_m_s2` or `amplitude_m` in this table");
         }
         return Some(vec![own?]);
     };
@@ -275,10 +290,11 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings
         _ => false,
     };
     if !fits {
-        let problem = Problem::error(format!("`{}` are levels of a load that the scene does not have", path(key)));
+        let diagnostic =
+            Diagnostic::error(format!("`{}` are levels of a load that the scene does not have", path(key)));
         let label =
             "levels_n go with [[force]], levels_m_s2 and levels_m with acceleration and amplitude of [base_motion]";
-        findings.put(&path(key), problem, label);
+        diagnostics.put(&path(key), diagnostic, label);
         return None;
     }
     let forces = scene.force.as_deref().unwrap_or_default();
@@ -290,9 +306,9 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, findings: &mut Findings
             "levels are of the first force; that of {} N grows with them, as {0} N for each newton",
             number(other)
         );
-        let problem = Problem::warning(title)
+        let diagnostic = Diagnostic::warning(title)
             .help("`amplitude_n` of the first [[force]]: the others keep their ratio to it at every level");
-        findings.put(&path(key), problem, "the first force states no amplitude, which counts as 1 N");
+        diagnostics.put(&path(key), diagnostic, "the first force states no amplitude, which counts as 1 N");
     }
     Some(levels.clone())
 }

@@ -4,47 +4,51 @@ use nlmodes::timestep::MAX_SHOOTING_MODES;
 
 use crate::raw::RawMethod;
 use crate::scene::{Contact, ContactSolver, Switching, Symmetry};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
-pub fn check(method: &RawMethod, findings: &mut Findings<'_>) {
+pub fn check(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) {
     if method.symmetry == Some(Symmetry::None) {
         let path = "method.symmetry";
-        let problem = Problem::error("shooting finds motions that are even in time")
+        let diagnostic = Diagnostic::error("shooting finds motions that are even in time")
             .help("method.kind = \"ms-hbm\" finds others too");
-        findings.put(path, problem, "with method \"shooting\", \"even\" was expected here");
+        diagnostics.put(path, diagnostic, "with method \"shooting\", \"even\" was expected here");
     }
     if method.harmonics.as_ref().is_some_and(|list| list.len() > 1) {
         let path = "method.harmonics";
-        let problem = Problem::error("a list of numbers of harmonics makes no sense with shooting")
+        let diagnostic = Diagnostic::error("a list of numbers of harmonics makes no sense with shooting")
             .help("its motions are exact whatever the number; it says how many harmonics of them are written");
-        findings.put(path, problem, "expected one whole number");
+        diagnostics.put(path, diagnostic, "expected one whole number");
     }
     if method.accuracy.is_some() {
-        let problem = Problem::error("`method.accuracy` is of no use to shooting")
+        let diagnostic = Diagnostic::error("`method.accuracy` is of no use to shooting")
             .help("its motions are exact; method.harmonics says how many harmonics of them are written");
-        findings.put("method.accuracy", problem, "expected `harmonics` instead");
+        diagnostics.put("method.accuracy", diagnostic, "expected `harmonics` instead");
     }
     if method.switching == Some(Switching::Sampled) {
-        let problem = Problem::warning("`method.switching` has no effect");
-        findings.put("method.switching", problem, "shooting finds the instants of touching and leaving as roots");
+        let diagnostic = Diagnostic::warning("`method.switching` has no effect");
+        diagnostics.put("method.switching", diagnostic, "shooting finds the instants of touching and leaving as roots");
     }
     if method.contact_solver.is_some_and(|solver| solver != ContactSolver::ActiveSet) {
-        let problem = Problem::warning("`method.contact_solver` has no effect");
-        findings.put(
+        let diagnostic = Diagnostic::warning("`method.contact_solver` has no effect");
+        diagnostics.put(
             "method.contact_solver",
-            problem,
+            diagnostic,
             "shooting solves contact problems at the start of a motion only",
         );
     }
 }
 
 /// Refuses stops that touch at rest: shooting begins at a linear mode that grazes.
-pub fn check_gaps(contacts: &[Contact], findings: &mut Findings<'_>) {
+pub fn check_gaps(contacts: &[Contact], diagnostics: &mut Diagnostics<'_>) {
     let touching = contacts.iter().position(|contact| contact.gap == 0.0);
     let Some(contact) = touching.filter(|_| contacts.iter().all(|contact| contact.gap >= 0.0)) else { return };
-    let problem = Problem::error("shooting has no start where a stop touches at rest")
+    let diagnostic = Diagnostic::error("shooting has no start where a stop touches at rest")
         .help("it begins at the linear mode that just touches; method.kind = \"ms-hbm\" starts with a gap of 0 too");
-    findings.put(&format!("contact.{contact}.gap_m"), problem, "expected a positive gap, in m; a small one will do");
+    diagnostics.put(
+        &format!("contact.{contact}.gap_m"),
+        diagnostic,
+        "expected a positive gap, in m; a small one will do",
+    );
 }
 
 /// Modes up to which a branch by shooting takes seconds.
@@ -57,26 +61,26 @@ const EVALUATIONS: f64 = 250.0;
 const SECONDS: f64 = 8e-4;
 
 /// Warns of more modes than are sensible.
-fn warn_of_size(found: usize, at: &str, findings: &mut Findings<'_>) {
+fn warn_of_size(found: usize, at: &str, diagnostics: &mut Diagnostics<'_>) {
     let seconds = EVALUATIONS * SECONDS * (found as f64 / 100.0).powi(3);
     let text =
         format!("shooting with {found} modes: some {seconds:.1} s a point, and internal resonances with all of them");
-    let problem = Problem::warning(text).help(
+    let diagnostic = Diagnostic::warning(text).help(
         "an exact branch follows the tongues of all of them, in small steps; `held_modes = 20` in this table \
          leaves the others to answer statically",
     );
-    findings.put(at, problem, "expected `held_modes` in this table, 5 to 40");
+    diagnostics.put(at, diagnostic, "expected `held_modes` in this table, 5 to 40");
 }
 
 /// Refuses more held modes than shooting is sensible for; those of a beam that leave its stops at rest are known only when they are computed.
-pub fn check_size(modes: Option<usize>, findings: &mut Findings<'_>) {
+pub fn check_size(modes: Option<usize>, diagnostics: &mut Diagnostics<'_>) {
     let path = "method.held_modes";
     let Some(found) = modes.filter(|modes| *modes > MODES_OF_SECONDS) else { return };
     if found <= MAX_SHOOTING_MODES {
-        return warn_of_size(found, path, findings);
+        return warn_of_size(found, path, diagnostics);
     }
-    let problem = Problem::error(format!("shooting with {found} modes costs too much"))
+    let diagnostic = Diagnostic::error(format!("shooting with {found} modes costs too much"))
         .help("the modes left out answer statically; or take fewer `structure.elements`, or method.kind = \"ms-hbm\"");
     let label = format!("expected `held_modes` in this table: a whole number from 1 to {MAX_SHOOTING_MODES}");
-    findings.put(path, problem, label);
+    diagnostics.put(path, diagnostic, label);
 }

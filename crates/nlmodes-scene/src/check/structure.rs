@@ -4,7 +4,7 @@ use super::section::section;
 use crate::raw::{RawMaterial, RawSegment, RawStructure};
 use crate::rule::number;
 use crate::scene::{MassMatrix, Section, Segment, Structure, Support};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 use super::nodes::{Nodes, beside, node_at};
 use super::parts::Fixed;
@@ -15,17 +15,17 @@ pub fn check(
     raw: &RawStructure,
     nodes: Option<&Nodes>,
     fixed: &Fixed<'_>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Structure> {
     let own = raw.section.as_ref().zip(raw.kind);
     let section =
-        own.and_then(|(found, kind)| section("structure.section", found, kind, raw.material.as_ref(), findings));
-    let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, findings));
-    let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, findings));
-    let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, findings));
-    let damping = raw.damping.as_ref().map(|written| own_damping(written, findings));
+        own.and_then(|(found, kind)| section("structure.section", found, kind, raw.material.as_ref(), diagnostics));
+    let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, diagnostics));
+    let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, diagnostics));
+    let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, diagnostics));
+    let damping = raw.damping.as_ref().map(|written| own_damping(written, diagnostics));
     let segments = match nodes {
-        Some(nodes) => segments(raw, section, &nodes.mesh, findings),
+        Some(nodes) => segments(raw, section, &nodes.mesh, diagnostics),
         None => Some(Vec::new()),
     };
     let material = raw.material.as_ref()?;
@@ -56,10 +56,10 @@ pub fn check(
 }
 
 /// Says that a structure that stands alone has no damping of its own.
-pub fn alone(raw: &RawStructure, findings: &mut Findings<'_>) {
+pub fn alone(raw: &RawStructure, diagnostics: &mut Diagnostics<'_>) {
     if raw.damping.is_some() {
-        let problem = Problem::error("`structure.damping` is for scenes of several structures");
-        findings.put("structure.damping", problem, "expected a table [damping] beside [structure]");
+        let diagnostic = Diagnostic::error("`structure.damping` is for scenes of several structures");
+        diagnostics.put("structure.damping", diagnostic, "expected a table [damping] beside [structure]");
     }
 }
 
@@ -68,13 +68,13 @@ fn segments(
     raw: &RawStructure,
     own: Option<Section>,
     mesh: &Mesh,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Vec<Segment>> {
     let (mut sound, mut from) = (Some(Vec::new()), 0);
     for (i, found) in raw.segment.iter().flatten().enumerate() {
-        let to_node = end(i, found, from, mesh, findings);
+        let to_node = end(i, found, from, mesh, diagnostics);
         from = to_node.unwrap_or(from);
-        let segment = segment(i, found, raw, own, findings);
+        let segment = segment(i, found, raw, own, diagnostics);
         let segment =
             segment.zip(to_node).map(|(segment, to_node)| Segment { to_node, to: mesh.nodes()[to_node], ..segment });
         match (&mut sound, segment) {
@@ -86,19 +86,19 @@ fn segments(
 }
 
 /// The node at which segment `i` ends.
-fn end(i: usize, raw: &RawSegment, from: usize, mesh: &Mesh, findings: &mut Findings<'_>) -> Option<usize> {
+fn end(i: usize, raw: &RawSegment, from: usize, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
     let path = format!("structure.segment.{i}.to_m");
     let to = raw.to_m?;
     let Some(node) = node_at(mesh, to) else {
         let [low, high] = beside(mesh, to).map(|node| number(mesh.nodes()[node]));
-        let problem = Problem::error(format!("`{path}` is not at a node of the mesh"));
-        let label = format!("found {}, expected the position of a node: {low} or {high} m", findings.written(&path));
-        findings.put(&path, problem, label);
+        let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
+        let label = format!("found {}, expected the position of a node: {low} or {high} m", diagnostics.written(&path));
+        diagnostics.put(&path, diagnostic, label);
         return None;
     };
     if node <= from {
-        let problem = Problem::error(format!("`{path}` is not behind the end of the segment before"));
-        findings.put(&path, problem, format!("expected more than {} m", number(mesh.nodes()[from])));
+        let diagnostic = Diagnostic::error(format!("`{path}` is not behind the end of the segment before"));
+        diagnostics.put(&path, diagnostic, format!("expected more than {} m", number(mesh.nodes()[from])));
         return None;
     }
     Some(node)
@@ -110,12 +110,12 @@ fn segment(
     raw: &RawSegment,
     structure: &RawStructure,
     own: Option<Section>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Segment> {
     let material = raw.material.as_ref().or(structure.material.as_ref());
     let path = format!("structure.segment.{i}.section");
     let section = match &raw.section {
-        Some(found) => section(&path, found, structure.kind?, material, findings),
+        Some(found) => section(&path, found, structure.kind?, material, diagnostics),
         None => own.map(|own| with_poissons_ratio(own, material)),
     };
     Some(Segment {

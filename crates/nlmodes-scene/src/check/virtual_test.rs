@@ -14,7 +14,7 @@ use crate::scene::{
     Backbone, BackboneMethod, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop,
     TestScene, TestStop,
 };
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 const SAMPLE_RATE: f64 = 20e3;
 const LAG_DEG: f64 = 90.0;
@@ -24,33 +24,33 @@ const MAX_SAMPLES: f64 = 1e7;
 /// Most samples of a whole test, some hours of computing.
 const MAX_TEST_SAMPLES: f64 = 1e9;
 
-/// The checked scene, or `None` if a problem of the findings stands in its way. `stem` is the name of the file, `base` its directory.
-pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, findings: &mut Findings<'_>) -> Option<TestScene> {
+/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file, `base` its directory.
+pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<TestScene> {
     let at = raw.virtual_test.as_ref().and_then(|test| test.stop.as_ref()?.position_m);
     let stops: Vec<f64> = at.into_iter().collect();
-    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &stops, findings));
+    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &stops, diagnostics));
     let test = raw.virtual_test.as_ref()?;
     let length = raw.structure.as_ref().and_then(|structure| structure.length_m);
-    positions(test, length, findings);
-    let damping_ratios = damping_ratios(raw, findings);
-    let modes = modes(raw, damping_ratios.as_deref(), findings);
-    let exciter = exciter(test.exciter.as_ref(), findings);
-    let schedule = test.schedule.as_ref().zip(exciter).and_then(|(raw, exciter)| schedule(raw, exciter, findings));
-    let settings = settings(raw.extraction.as_ref(), modes, findings);
+    positions(test, length, diagnostics);
+    let damping_ratios = damping_ratios(raw, diagnostics);
+    let modes = modes(raw, damping_ratios.as_deref(), diagnostics);
+    let exciter = exciter(test.exciter.as_ref(), diagnostics);
+    let schedule = test.schedule.as_ref().zip(exciter).and_then(|(raw, exciter)| schedule(raw, exciter, diagnostics));
+    let settings = settings(raw.extraction.as_ref(), modes, diagnostics);
     let records = test.records.as_ref().map(|kept| KeptRecords {
         format: kept.format.unwrap_or(RecordFormat::Csv),
         levels: kept.levels.as_ref().map(|levels| levels.iter().map(|n| *n as usize).collect()),
     });
     if let (Some(records), Some(schedule)) = (&records, &schedule) {
-        kept_levels(records, schedule.levels.len(), findings);
+        kept_levels(records, schedule.levels.len(), diagnostics);
     }
     let sample_rate = test.sample_rate_hz.unwrap_or(SAMPLE_RATE);
     if let Some(schedule) = &schedule {
-        record_length(schedule.record, sample_rate, findings);
+        record_length(schedule.record, sample_rate, diagnostics);
     }
     if test.backbone.is_some() && test.stop.is_none() {
-        let problem = Problem::error("a backbone is to be computed, but there is no stop");
-        findings.put("virtual_test.backbone", problem, "without a stop the backbone is a straight line");
+        let diagnostic = Diagnostic::error("a backbone is to be computed, but there is no stop");
+        diagnostics.put("virtual_test.backbone", diagnostic, "without a stop the backbone is a straight line");
     }
     let stop = match &test.stop {
         Some(raw) => Some(stop(raw)?),
@@ -58,7 +58,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, findings: &mut Finding
     };
     let backbone = match &test.backbone {
         Some(raw) => Some(Backbone {
-            methods: methods(raw, findings)?,
+            methods: methods(raw, diagnostics)?,
             harmonics: raw.harmonics.unwrap_or(BACKBONE_HARMONICS) as usize,
             end_hz: raw.end_frequency_hz?,
         }),
@@ -88,29 +88,29 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, findings: &mut Finding
         ),
         warnings: Vec::new(),
     };
-    super::plausible::warn_of_test(&scene, findings);
-    duration(&scene, findings);
+    super::plausible::warn_of_test(&scene, diagnostics);
+    duration(&scene, diagnostics);
     Some(scene)
 }
 
 /// The longest that the test can take, over all levels.
-fn duration(scene: &TestScene, findings: &mut Findings<'_>) {
+fn duration(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let schedule = &scene.schedule;
     let level = schedule.ramp + schedule.hold.longest + schedule.record;
     let samples = level * schedule.levels.len() as f64 * scene.sample_rate;
     // Also what is not finite.
     let sound = samples <= MAX_TEST_SAMPLES;
     if !sound {
-        let problem = Problem::error(format!("the test may take {} samples", number(samples))).help(
+        let diagnostic = Diagnostic::error(format!("the test may take {} samples", number(samples))).help(
             "lower `longest_hold_s`, `ramp_s`, `record_s`, the number of levels or `virtual_test.sample_rate_hz`",
         );
         let label = format!("expected at most {} samples over all levels", number(MAX_TEST_SAMPLES));
-        findings.put("virtual_test.schedule", problem, label);
+        diagnostics.put("virtual_test.schedule", diagnostic, label);
     }
 }
 
 /// Everything on the bench stands beside the structure.
-fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings<'_>) {
+fn positions(test: &RawVirtualTest, length: Option<f64>, diagnostics: &mut Diagnostics<'_>) {
     let Some(length) = length else { return };
     let accelerometers = test.accelerometers_m.iter().flatten().enumerate();
     let accelerometers = accelerometers.map(|(i, x)| (format!("virtual_test.accelerometers_m.{i}"), Some(*x)));
@@ -118,68 +118,73 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, findings: &mut Findings
     let single = [("virtual_test.drive_m", test.drive_m), ("virtual_test.stop.position_m", stop)];
     for (path, x) in single.map(|(path, x)| (path.to_owned(), x)).into_iter().chain(accelerometers) {
         if x.is_some_and(|x| x > length) {
-            let problem =
-                Problem::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)));
-            let problem = super::contact::perhaps_millimetres(problem, x.unwrap_or(0.0), length);
+            let diagnostic =
+                Diagnostic::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)));
+            let diagnostic = super::contact::perhaps_millimetres(diagnostic, x.unwrap_or(0.0), length);
             let label =
-                format!("found {}, expected a number from 0 to {}, in m", findings.written(&path), number(length));
-            findings.put(&path, problem, label);
+                format!("found {}, expected a number from 0 to {}, in m", diagnostics.written(&path), number(length));
+            diagnostics.put(&path, diagnostic, label);
         }
     }
 }
 
 /// Each method once.
-fn methods(raw: &RawBackbone, findings: &mut Findings<'_>) -> Option<Vec<BackboneMethod>> {
+fn methods(raw: &RawBackbone, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<BackboneMethod>> {
     let methods = raw.methods.clone().unwrap_or_else(|| vec![BackboneMethod::Hbm]);
     if let Some(k) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
         let path = "virtual_test.backbone.methods";
-        let problem = Problem::error(format!("`{path}` names \"{}\" twice", methods[k].name()));
-        findings.put(path, problem, "expected each once");
+        let diagnostic = Diagnostic::error(format!("`{path}` names \"{}\" twice", methods[k].name()));
+        diagnostics.put(path, diagnostic, "expected each once");
         return None;
     }
     Some(methods)
 }
 
 /// Those of the test, or of the structure's imposed modes.
-fn damping_ratios(raw: &RawTestScene, findings: &mut Findings<'_>) -> Option<Vec<f64>> {
+fn damping_ratios(raw: &RawTestScene, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<f64>> {
     const PATH: &str = "virtual_test.damping_ratios";
     let own = raw.virtual_test.as_ref().and_then(|test| test.damping_ratios.clone());
     let imposed = raw.structure.as_ref().and_then(|structure| structure.modes.as_ref());
     let found = own.or_else(|| imposed.and_then(|modes| modes.damping_ratios.clone()));
-    let is_written = findings.has(PATH) || findings.has("structure.modes.damping_ratios");
-    if found.is_none() && !is_written && !findings.has_misspelt("damping_ratios") {
-        let problem = Problem::error(format!("`{PATH}` is missing"));
-        let problem = problem.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
-        findings.put(PATH, problem, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");
+    let is_written = diagnostics.has(PATH) || diagnostics.has("structure.modes.damping_ratios");
+    if found.is_none() && !is_written && !diagnostics.has_misspelt("damping_ratios") {
+        let diagnostic = Diagnostic::error(format!("`{PATH}` is missing"));
+        let diagnostic =
+            diagnostic.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
+        diagnostics.put(PATH, diagnostic, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");
     }
     found
 }
 
 /// The number of modes, if frequencies and damping ratios agree on it.
-fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, findings: &mut Findings<'_>) -> Option<usize> {
+fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
     let (modes, test) = (damping_ratios?.len(), raw.virtual_test.as_ref()?);
     let Some(frequencies) = &test.frequencies_hz else { return Some(modes) };
     let path = "virtual_test.frequencies_hz";
     if raw.structure.as_ref().is_some_and(|structure| structure.modes.is_some()) {
-        let problem = Problem::error("the frequencies of the modes are given twice");
-        let problem =
-            problem.help("those below [structure.modes] hold for the test and for what is computed beside it");
-        findings.put(path, problem, "found beside [structure.modes]");
+        let diagnostic = Diagnostic::error("the frequencies of the modes are given twice");
+        let diagnostic =
+            diagnostic.help("those below [structure.modes] hold for the test and for what is computed beside it");
+        diagnostics.put(path, diagnostic, "found beside [structure.modes]");
         return None;
     }
     if frequencies.len() != modes {
-        let problem = Problem::error("`virtual_test` has not one damping ratio for each frequency");
-        findings.put(path, problem, format!("found {}, expected {modes}, one a damping ratio", frequencies.len()));
+        let diagnostic = Diagnostic::error("`virtual_test` has not one damping ratio for each frequency");
+        diagnostics.put(
+            path,
+            diagnostic,
+            format!("found {}, expected {modes}, one a damping ratio", frequencies.len()),
+        );
         return None;
     }
-    super::modes::ascends(frequencies, path, findings).then_some(modes)
+    super::modes::ascends(frequencies, path, diagnostics).then_some(modes)
 }
 
 /// The exciter, if its kind is one.
-fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Option<Exciter> {
+fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Option<Exciter> {
     let (typical, none) = (Shaker::default(), RawExciter::default());
     let raw = raw.unwrap_or(&none);
-    if raw.kind.is_none() && findings.has("virtual_test.exciter.kind") {
+    if raw.kind.is_none() && diagnostics.has("virtual_test.exciter.kind") {
         return None;
     }
     if raw.kind == Some(ExciterKind::Force) {
@@ -194,9 +199,9 @@ fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Option<Exci
             "stinger_damping_n_s_m",
         ];
         for path in keys.map(|key| format!("virtual_test.exciter.{key}")) {
-            if findings.has(&path) {
-                let problem = Problem::warning(format!("`{path}` has no effect"));
-                findings.put(&path, problem, "only kind = \"shaker\" uses it");
+            if diagnostics.has(&path) {
+                let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+                diagnostics.put(&path, diagnostic, "only kind = \"shaker\" uses it");
             }
         }
         return Some(Exciter::IdealForce);
@@ -213,22 +218,23 @@ fn exciter(raw: Option<&RawExciter>, findings: &mut Findings<'_>) -> Option<Exci
     }))
 }
 
-fn schedule(raw: &RawSchedule, exciter: Exciter, findings: &mut Findings<'_>) -> Option<Schedule> {
+fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'_>) -> Option<Schedule> {
     let ((key, levels), (other, wrong), kind) = match exciter {
         Exciter::Shaker(_) => (("levels_v", &raw.levels_v), ("levels_n", &raw.levels_n), "a shaker"),
         Exciter::IdealForce => (("levels_n", &raw.levels_n), ("levels_v", &raw.levels_v), "an ideal force"),
     };
     if wrong.is_some() {
         let path = format!("virtual_test.schedule.{other}");
-        let problem = Problem::error(format!("`{path}` is not for {kind}"));
-        let problem = problem.help("`virtual_test.exciter.kind` says what the exciter is: \"shaker\" or \"force\"");
-        findings.put(&path, problem, format!("expected `{key}`: levels of {kind}"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is not for {kind}"));
+        let diagnostic =
+            diagnostic.help("`virtual_test.exciter.kind` says what the exciter is: \"shaker\" or \"force\"");
+        diagnostics.put(&path, diagnostic, format!("expected `{key}`: levels of {kind}"));
         return None;
     }
     let path = format!("virtual_test.schedule.{key}");
-    if levels.is_none() && !findings.has(&path) {
-        let problem = Problem::error(format!("`{path}` is missing"));
-        findings.put(&path, problem, format!("expected `{key}` in this table: levels of {kind}"));
+    if levels.is_none() && !diagnostics.has(&path) {
+        let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
+        diagnostics.put(&path, diagnostic, format!("expected `{key}` in this table: levels of {kind}"));
     }
     let levels = levels.clone()?;
     let schedule = match raw.order.unwrap_or(LevelOrder::Once) {
@@ -251,36 +257,36 @@ fn schedule(raw: &RawSchedule, exciter: Exciter, findings: &mut Findings<'_>) ->
     })
 }
 
-fn kept_levels(records: &KeptRecords, levels: usize, findings: &mut Findings<'_>) {
+fn kept_levels(records: &KeptRecords, levels: usize, diagnostics: &mut Diagnostics<'_>) {
     for (i, number) in records.levels.iter().flatten().enumerate() {
         if *number > levels {
             let path = format!("virtual_test.records.levels.{i}");
-            let problem = Problem::error(format!("there is no level {number}: the schedule has {levels}"));
-            findings.put(&path, problem, format!("expected a whole number from 1 to {levels}"));
+            let diagnostic = Diagnostic::error(format!("there is no level {number}: the schedule has {levels}"));
+            diagnostics.put(&path, diagnostic, format!("expected a whole number from 1 to {levels}"));
         }
     }
 }
 
-fn record_length(record: f64, sample_rate: f64, findings: &mut Findings<'_>) {
+fn record_length(record: f64, sample_rate: f64, diagnostics: &mut Diagnostics<'_>) {
     let samples = record * sample_rate;
     if samples > MAX_SAMPLES {
-        let problem = Problem::error("a record has more samples than can be kept");
+        let diagnostic = Diagnostic::error("a record has more samples than can be kept");
         let label = format!("{} samples a channel, expected at most {}", number(samples), number(MAX_SAMPLES));
         let path = ["virtual_test.schedule.record_s", "virtual_test.sample_rate_hz"];
-        findings.put(path.into_iter().find(|path| findings.has(path)).unwrap_or(path[0]), problem, label);
+        diagnostics.put(path.into_iter().find(|path| diagnostics.has(path)).unwrap_or(path[0]), diagnostic, label);
     }
 }
 
 fn settings(
     raw: Option<&RawExtraction>,
     modes: Option<usize>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<ExtractionSettings> {
     let default = RawExtraction::default();
     let settings = super::records::extraction(raw.unwrap_or(&default));
     if let Some(n) = modes.filter(|n| settings.mode > *n) {
-        let problem = Problem::error(format!("there is no mode {}: `virtual_test` has {n}", settings.mode));
-        findings.put("extraction.mode", problem, format!("expected a whole number from 1 to {n}"));
+        let diagnostic = Diagnostic::error(format!("there is no mode {}: `virtual_test` has {n}", settings.mode));
+        diagnostics.put("extraction.mode", diagnostic, format!("expected a whole number from 1 to {n}"));
         return None;
     }
     Some(settings)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nlmodes_scene::{Findings, Problem};
+use nlmodes_scene::{Diagnostic, Diagnostics};
 use serde_json::Value;
 
 use crate::study::{Design, DesignKind, Values, Variable};
@@ -10,17 +10,22 @@ use crate::study::{Design, DesignKind, Values, Variable};
 const KEY: &str = "design.file";
 
 /// A variable for each column.
-pub fn variables(path: &Path, design: &Design, tables: usize, findings: &mut Findings<'_>) -> Option<Vec<Variable>> {
+pub fn variables(
+    path: &Path,
+    design: &Design,
+    tables: usize,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<Vec<Variable>> {
     if design.kind != DesignKind::List || tables > 0 {
-        let problem = Problem::error("a file of cases stands by itself")
+        let diagnostic = Diagnostic::error("a file of cases stands by itself")
             .help("design.kind = \"list\", and no heading [[vary]]: the header of the file says what varies");
-        findings.put(KEY, problem, "expected a list without other variables");
+        diagnostics.put(KEY, diagnostic, "expected a list without other variables");
         return None;
     }
     match read(path) {
         Ok(variables) => Some(variables),
         Err(reason) => {
-            findings.put(KEY, Problem::error(format!("the cases in {} cannot be read", path.display())), reason);
+            diagnostics.put(KEY, Diagnostic::error(format!("the cases in {} cannot be read", path.display())), reason);
             None
         }
     }

@@ -2,7 +2,7 @@
 
 use nlmodes::modal::Event;
 use nlmodes::report::BRANCH_COLUMNS;
-use nlmodes_scene::{Findings, Problem, nearest};
+use nlmodes_scene::{Diagnostic, Diagnostics, nearest};
 use serde_json::Value;
 
 use crate::curve::{ENERGY_RATIO, has_numbers};
@@ -11,15 +11,15 @@ use crate::study::{Place, Quantity};
 
 const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or the name of an event";
 /// The quantities of all tables.
-pub fn quantities(raw: &[RawQuantity], findings: &mut Findings<'_>) -> Vec<Quantity> {
-    raw.iter().enumerate().filter_map(|(k, raw)| quantity(raw, k, findings)).collect()
+pub fn quantities(raw: &[RawQuantity], diagnostics: &mut Diagnostics<'_>) -> Vec<Quantity> {
+    raw.iter().enumerate().filter_map(|(k, raw)| quantity(raw, k, diagnostics)).collect()
 }
 
-fn quantity(raw: &RawQuantity, k: usize, findings: &mut Findings<'_>) -> Option<Quantity> {
+fn quantity(raw: &RawQuantity, k: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Quantity> {
     let path = format!("quantity.{k}");
-    let at = place(raw.at.as_ref()?, &format!("{path}.at"), findings);
+    let at = place(raw.at.as_ref()?, &format!("{path}.at"), diagnostics);
     let of = raw.of.clone()?;
-    is_column(&of, &format!("{path}.of"), findings)?;
+    is_column(&of, &format!("{path}.of"), diagnostics)?;
     Some(Quantity { name: raw.name.clone()?, of, at: at? })
 }
 
@@ -28,46 +28,46 @@ fn columns() -> impl Iterator<Item = &'static str> {
     std::iter::once(ENERGY_RATIO).chain(BRANCH_COLUMNS.into_iter().filter(|name| has_numbers(name)))
 }
 
-fn is_column(name: &str, path: &str, findings: &mut Findings<'_>) -> Option<()> {
+fn is_column(name: &str, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<()> {
     if columns().any(|column| column == name) {
         return Some(());
     }
-    let problem = Problem::error(format!("a branch has no column `{name}` with numbers"));
-    let (problem, label) = match nearest(name, columns()) {
-        Some(column) => (problem, format!("did you mean \"{column}\"?")),
+    let diagnostic = Diagnostic::error(format!("a branch has no column `{name}` with numbers"));
+    let (diagnostic, label) = match nearest(name, columns()) {
+        Some(column) => (diagnostic, format!("did you mean \"{column}\"?")),
         None => (
-            problem.help(format!("columns: {}", columns().collect::<Vec<_>>().join(", "))),
+            diagnostic.help(format!("columns: {}", columns().collect::<Vec<_>>().join(", "))),
             "expected a column of branch.csv".into(),
         ),
     };
-    findings.put(path, problem, label);
+    diagnostics.put(path, diagnostic, label);
     None
 }
 
-fn place(raw: &Value, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
+fn place(raw: &Value, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
     match raw {
-        Value::String(text) => named(text, path, findings),
+        Value::String(text) => named(text, path, diagnostics),
         Value::Object(entries) if entries.len() == 1 => {
             let (name, value) = entries.iter().next()?;
             if name == "event" && value.is_string() {
-                return named(value.as_str()?, path, findings);
+                return named(value.as_str()?, path, diagnostics);
             }
-            is_column(name, &format!("{path}.{name}"), findings)?;
+            is_column(name, &format!("{path}.{name}"), diagnostics)?;
             let Some(value) = value.as_f64() else {
-                let problem = Problem::error(format!("`{path}.{name}` is not a number"));
-                findings.put(&format!("{path}.{name}"), problem, "expected a number");
+                let diagnostic = Diagnostic::error(format!("`{path}.{name}` is not a number"));
+                diagnostics.put(&format!("{path}.{name}"), diagnostic, "expected a number");
                 return None;
             };
             Some(Place::Column { name: name.clone(), value })
         }
         _ => {
-            findings.put(path, Problem::error(format!("`{path}` is no place on a branch")), EXPECTED);
+            diagnostics.put(path, Diagnostic::error(format!("`{path}` is no place on a branch")), EXPECTED);
             None
         }
     }
 }
 
-fn named(text: &str, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
+fn named(text: &str, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
     match text {
         "first" => return Some(Place::First),
         "last" => return Some(Place::Last),
@@ -78,11 +78,12 @@ fn named(text: &str, path: &str, findings: &mut Findings<'_>) -> Option<Place> {
     if let Some(event) = Event::from_name(text) {
         return Some(Place::Event(event));
     }
-    let problem = Problem::error(format!("`{path}` cannot be \"{text}\""));
-    let problem = match nearest(text, Event::ALL.map(Event::name).into_iter().chain(["first", "last", "max", "min"])) {
-        Some(known) => problem.help(format!("did you mean \"{known}\"?")),
-        None => problem.help(format!("events: {}", Event::ALL.map(Event::name).join(", "))),
+    let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"{text}\""));
+    let diagnostic = match nearest(text, Event::ALL.map(Event::name).into_iter().chain(["first", "last", "max", "min"]))
+    {
+        Some(known) => diagnostic.help(format!("did you mean \"{known}\"?")),
+        None => diagnostic.help(format!("events: {}", Event::ALL.map(Event::name).join(", "))),
     };
-    findings.put(path, problem, EXPECTED);
+    diagnostics.put(path, diagnostic, EXPECTED);
     None
 }

@@ -1,6 +1,6 @@
 //! What a scene says of the first case, at the place of the study that it is about.
 
-use nlmodes_scene::{Findings, Problem, Severity};
+use nlmodes_scene::{Diagnostic, Diagnostics, Severity};
 
 use crate::case;
 use crate::design::Points;
@@ -9,8 +9,8 @@ use crate::study::Study;
 /// Looks whether the keys of the first case lead anywhere in the scene: those that do not make no case at all.
 ///
 /// A value that the scene refuses is another matter: another one may do, and that case says so.
-pub fn first_case(study: &Study, findings: &mut Findings<'_>) {
-    if findings.refuse() {
+pub fn first_case(study: &Study, diagnostics: &mut Diagnostics<'_>) {
+    if diagnostics.refuse() {
         return;
     }
     let point = Points::new(study).get(0);
@@ -18,25 +18,28 @@ pub fn first_case(study: &Study, findings: &mut Findings<'_>) {
         Err(refused) => refused,
         Ok(parts) => {
             if parts.iter().any(|part| !part.file.scene.responses.is_empty()) {
-                let problem = Problem::error("the scene asks for responses: studies are of nonlinear modes so far");
-                findings.put("scene", problem, "expected a scene without [response]");
+                let diagnostic =
+                    Diagnostic::error("the scene asks for responses: studies are of nonlinear modes so far");
+                diagnostics.put("scene", diagnostic, "expected a scene without [response]");
             }
             return;
         }
     };
-    let errors = refused.problems().iter().filter(|problem| problem.severity == Severity::Error);
-    for problem in errors.filter(|problem| leads_nowhere(problem)) {
-        let names = |key: &String| problem.title.contains(&format!("`{key}`")) || leads_through(key, &problem.title);
+    let errors = refused.diagnostics().iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+    for diagnostic in errors.filter(|diagnostic| leads_nowhere(diagnostic)) {
+        let names =
+            |key: &String| diagnostic.title.contains(&format!("`{key}`")) || leads_through(key, &diagnostic.title);
         let Some(k) = study.variables.iter().position(|variable| variable.keys.iter().any(names)) else { continue };
-        let label = problem.place.as_ref().map_or("", |mark| mark.label.as_str());
-        let moved = problem.help.iter().fold(Problem::error(problem.title.clone()), |p, help| p.help(help.as_str()));
-        findings.put(&format!("vary.{k}.key"), moved, label);
+        let label = diagnostic.place.as_ref().map_or("", |mark| mark.label.as_str());
+        let moved =
+            diagnostic.help.iter().fold(Diagnostic::error(diagnostic.title.clone()), |p, help| p.help(help.as_str()));
+        diagnostics.put(&format!("vary.{k}.key"), moved, label);
     }
 }
 
 /// Whether a key is unknown, or its path leads nowhere.
-fn leads_nowhere(problem: &Problem) -> bool {
-    ["unknown key", "has no item", "is a single value"].iter().any(|sign| problem.title.contains(sign))
+fn leads_nowhere(diagnostic: &Diagnostic) -> bool {
+    ["unknown key", "has no item", "is a single value"].iter().any(|sign| diagnostic.title.contains(sign))
 }
 
 /// Whether the first name in the title is a table on the way to the key.

@@ -1,6 +1,6 @@
 //! What varies: keys and values.
 
-use nlmodes_scene::{Findings, Problem, number};
+use nlmodes_scene::{Diagnostic, Diagnostics, number};
 use serde_json::Value;
 
 use crate::distribution::Distribution;
@@ -13,14 +13,14 @@ const WAYS: [&str; 6] = ["values", "linspace", "uniform", "loguniform", "normal"
 const MAX_VALUES: f64 = 1e6;
 
 /// The variable of the table number `k`.
-pub fn variable(raw: &RawVary, k: usize, design: &Design, findings: &mut Findings<'_>) -> Option<Variable> {
+pub fn variable(raw: &RawVary, k: usize, design: &Design, diagnostics: &mut Diagnostics<'_>) -> Option<Variable> {
     let path = format!("vary.{k}");
-    let keys = keys(raw.key.as_ref()?, &path, findings)?;
-    let values = values(raw, &path, keys.len(), findings)?;
+    let keys = keys(raw.key.as_ref()?, &path, diagnostics)?;
+    let values = values(raw, &path, keys.len(), diagnostics)?;
     if let (Values::Drawn(_), false) = (&values, design.kind.is_sampled()) {
-        let problem = Problem::error(format!("a distribution has no values for a {}", design.kind.name()))
+        let diagnostic = Diagnostic::error(format!("a distribution has no values for a {}", design.kind.name()))
             .help("write `values` or `linspace`, or take `design.kind` \"sobol\", \"latin-hypercube\" or \"random\"");
-        findings.put(&path, problem, "expected values");
+        diagnostics.put(&path, diagnostic, "expected values");
         return None;
     }
     let name = raw.name.clone().unwrap_or_else(|| keys[0].clone());
@@ -28,25 +28,25 @@ pub fn variable(raw: &RawVary, k: usize, design: &Design, findings: &mut Finding
 }
 
 /// A list of values side by side has one for each case.
-pub fn same_lengths(variables: &[Variable], design: &Design, findings: &mut Findings<'_>) {
+pub fn same_lengths(variables: &[Variable], design: &Design, diagnostics: &mut Diagnostics<'_>) {
     if design.kind != DesignKind::List {
         return;
     }
     let lengths: Vec<usize> = variables.iter().map(crate::design::n_listed).collect();
     for (k, length) in lengths.iter().enumerate() {
         if lengths[0] != *length {
-            let problem = Problem::error("the values of a list stand side by side")
+            let diagnostic = Diagnostic::error("the values of a list stand side by side")
                 .help("design.kind = \"grid\" takes all combinations");
-            findings.put(
+            diagnostics.put(
                 &format!("vary.{k}"),
-                problem,
+                diagnostic,
                 format!("has {length}, expected {} as the first one", lengths[0]),
             );
         }
     }
 }
 
-fn keys(raw: &Value, path: &str, findings: &mut Findings<'_>) -> Option<Vec<String>> {
+fn keys(raw: &Value, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<String>> {
     let list = match raw {
         Value::Array(items) => items.clone(),
         single => vec![single.clone()],
@@ -54,15 +54,15 @@ fn keys(raw: &Value, path: &str, findings: &mut Findings<'_>) -> Option<Vec<Stri
     let texts: Vec<String> = list.iter().filter_map(|item| Some(item.as_str()?.trim().to_owned())).collect();
     let sound = |key: &String| !key.is_empty() && !key.contains('=');
     if texts.is_empty() || texts.len() != list.len() || !texts.iter().all(sound) {
-        let problem = Problem::error(format!("`{path}.key` is no key of a scene"));
+        let diagnostic = Diagnostic::error(format!("`{path}.key` is no key of a scene"));
         let label = "expected what `--set` takes, as \"contact.0.gap_m\", or a list of such keys";
-        findings.put(&format!("{path}.key"), problem, label);
+        diagnostics.put(&format!("{path}.key"), diagnostic, label);
         return None;
     }
     Some(texts)
 }
 
-fn values(raw: &RawVary, path: &str, n_keys: usize, findings: &mut Findings<'_>) -> Option<Values> {
+fn values(raw: &RawVary, path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Values> {
     let given = [
         raw.values.is_some(),
         raw.linspace.is_some(),
@@ -73,50 +73,50 @@ fn values(raw: &RawVary, path: &str, n_keys: usize, findings: &mut Findings<'_>)
     ];
     let ways: Vec<&str> = WAYS.iter().zip(given).filter(|(_, given)| *given).map(|(way, _)| *way).collect();
     let [_] = ways.as_slice() else {
-        let misspelt = WAYS.iter().any(|way| findings.is_meant(&format!("{path}.{way}")));
+        let misspelt = WAYS.iter().any(|way| diagnostics.is_meant(&format!("{path}.{way}")));
         if !(ways.is_empty() && misspelt) {
-            let problem = Problem::error(match ways.len() {
+            let diagnostic = Diagnostic::error(match ways.len() {
                 0 => "nothing says which values there are".to_owned(),
                 _ => format!("{} exclude each other", ways.join(" and ")),
             });
-            findings.put(path, problem, format!("expected one of {}", WAYS.join(", ")));
+            diagnostics.put(path, diagnostic, format!("expected one of {}", WAYS.join(", ")));
         }
         return None;
     };
     if let Some(values) = &raw.values {
-        return listed(values, path, n_keys, findings).map(Values::Listed);
+        return listed(values, path, n_keys, diagnostics).map(Values::Listed);
     }
     if let Some(linspace) = &raw.linspace {
-        return evenly(linspace, path, n_keys, findings).map(Values::Listed);
+        return evenly(linspace, path, n_keys, diagnostics).map(Values::Listed);
     }
-    drawn(raw, path, findings).map(Values::Drawn)
+    drawn(raw, path, diagnostics).map(Values::Drawn)
 }
 
 /// Values one by one; of several keys each may be a list.
-fn listed(values: &Value, path: &str, n_keys: usize, findings: &mut Findings<'_>) -> Option<Vec<Vec<Value>>> {
+fn listed(values: &Value, path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<Vec<Value>>> {
     let Value::Array(items) = values else {
-        let problem = Problem::error(format!("`{path}.values` is not a list"));
-        findings.put(&format!("{path}.values"), problem, "expected values in square brackets");
+        let diagnostic = Diagnostic::error(format!("`{path}.values` is not a list"));
+        diagnostics.put(&format!("{path}.values"), diagnostic, "expected values in square brackets");
         return None;
     };
     if items.is_empty() {
-        findings.put(
+        diagnostics.put(
             &format!("{path}.values"),
-            Problem::error(format!("`{path}.values` is empty")),
+            Diagnostic::error(format!("`{path}.values` is empty")),
             "expected a value",
         );
         return None;
     }
-    let before = findings.count();
+    let before = diagnostics.count();
     let rows = items.iter().enumerate().map(|(i, item)| {
         let place = format!("{path}.values.{i}");
         if has_null(item) {
-            findings.put(&place, Problem::error(format!("`{place}` is not a finite number")), "expected a value");
+            diagnostics.put(&place, Diagnostic::error(format!("`{place}` is not a finite number")), "expected a value");
         }
         match item {
             Value::Array(row) if n_keys > 1 && row.len() != n_keys => {
-                let problem = Problem::error("several keys that move together have a value each");
-                findings.put(&place, problem, format!("has {}, expected {n_keys}", row.len()));
+                let diagnostic = Diagnostic::error("several keys that move together have a value each");
+                diagnostics.put(&place, diagnostic, format!("has {}, expected {n_keys}", row.len()));
                 Vec::new()
             }
             Value::Array(row) if n_keys > 1 => row.clone(),
@@ -124,7 +124,7 @@ fn listed(values: &Value, path: &str, n_keys: usize, findings: &mut Findings<'_>
         }
     });
     let rows = rows.collect();
-    (findings.count() == before).then_some(rows)
+    (diagnostics.count() == before).then_some(rows)
 }
 
 /// Numbers that are not finite have no place in JSON.
@@ -137,29 +137,29 @@ fn has_null(value: &Value) -> bool {
     }
 }
 
-fn evenly(linspace: &[f64], path: &str, n_keys: usize, findings: &mut Findings<'_>) -> Option<Vec<Vec<Value>>> {
+fn evenly(linspace: &[f64], path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<Vec<Value>>> {
     let &[from, to, count] = linspace else { return None };
     if count.fract() != 0.0 || !(1.0..=MAX_VALUES).contains(&count) || (count == 1.0 && from != to) {
-        let problem = Problem::error(format!("`{path}.linspace` asks for {} values", number(count)));
-        findings.put(&format!("{path}.linspace.2"), problem, "expected a whole number from 2 to 1000000");
+        let diagnostic = Diagnostic::error(format!("`{path}.linspace` asks for {} values", number(count)));
+        diagnostics.put(&format!("{path}.linspace.2"), diagnostic, "expected a whole number from 2 to 1000000");
         return None;
     }
     let at = |k: usize| if k + 1 == count as usize { to } else { from + (to - from) * k as f64 / (count - 1.0) };
     Some((0..count as usize).map(|k| vec![Value::from(at(k)); n_keys]).collect())
 }
 
-fn drawn(raw: &RawVary, path: &str, findings: &mut Findings<'_>) -> Option<Distribution> {
+fn drawn(raw: &RawVary, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Distribution> {
     if let Some(&[low, high]) = raw.uniform.as_deref() {
-        ascending(low, high, &format!("{path}.uniform"), findings)?;
+        ascending(low, high, &format!("{path}.uniform"), diagnostics)?;
         return Some(Distribution::Uniform { low, high });
     }
     if let Some(&[low, high]) = raw.loguniform.as_deref() {
         let place = format!("{path}.loguniform");
-        ascending(low, high, &place, findings)?;
+        ascending(low, high, &place, diagnostics)?;
         if low <= 0.0 {
-            findings.put(
+            diagnostics.put(
                 &place,
-                Problem::error(format!("`{place}` has no logarithm")),
+                Diagnostic::error(format!("`{place}` has no logarithm")),
                 "expected two positive numbers",
             );
             return None;
@@ -168,18 +168,22 @@ fn drawn(raw: &RawVary, path: &str, findings: &mut Findings<'_>) -> Option<Distr
     }
     if let Some(normal) = &raw.normal {
         let (min, max) = (normal.min.unwrap_or(f64::NEG_INFINITY), normal.max.unwrap_or(f64::INFINITY));
-        ascending(min, max, &format!("{path}.normal"), findings)?;
+        ascending(min, max, &format!("{path}.normal"), diagnostics)?;
         return Some(Distribution::Normal { mean: normal.mean?, std: normal.std?, min, max });
     }
     let lognormal = raw.lognormal.as_ref()?;
     Some(Distribution::LogNormal { mean: lognormal.mean?, std: lognormal.std? })
 }
 
-fn ascending(low: f64, high: f64, path: &str, findings: &mut Findings<'_>) -> Option<()> {
+fn ascending(low: f64, high: f64, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<()> {
     if low < high {
         return Some(());
     }
-    let problem = Problem::error(format!("the limits of `{path}` are not in order"));
-    findings.put(path, problem, format!("found {} before {}, expected the lower one first", number(low), number(high)));
+    let diagnostic = Diagnostic::error(format!("the limits of `{path}` are not in order"));
+    diagnostics.put(
+        path,
+        diagnostic,
+        format!("found {} before {}, expected the lower one first", number(low), number(high)),
+    );
     None
 }

@@ -111,8 +111,7 @@ impl Worker<'_> {
 /// Why a case has no branch, or the error where the next one would meet it too.
 fn failure(error: RunError) -> Result<(Status, String), RunError> {
     let reason = match error {
-        RunError::Scene(said) | RunError::Failed(said) => said.problem().sentence(),
-        RunError::Scenes(all) => all.iter().map(|said| said.problem().sentence()).collect::<Vec<_>>().join(" | "),
+        RunError::Scene(said) | RunError::Failed(said) => said.sentence(),
         RunError::Unwritable { .. } | RunError::InUse { .. } | RunError::Link { .. } => return Err(error),
         RunError::Files(failure) if is_of_disk(failure.as_ref()) => return Err(RunError::Files(failure)),
         other => chain(&other),

@@ -1,14 +1,14 @@
 use super::{is_dimensionless, meant};
 use crate::rule::number;
 use crate::scene::{Contact, Direction, Section, Structure};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// Displacements of this share of the length are beyond linear theory.
 const LARGE: f64 = 0.2;
 /// A stop softer than the structure by this factor is hardly felt.
 const SOFT: f64 = 1e-3;
 
-pub fn gap(path: &str, gap: f64, structure: &Structure, findings: &mut Findings<'_>) {
+pub fn gap(path: &str, gap: f64, structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     let part = gap.abs() / structure.length;
     let size = match (part > 1.0, gap > 0.0) {
         (true, true) => "longer than the structure",
@@ -17,10 +17,10 @@ pub fn gap(path: &str, gap: f64, structure: &Structure, findings: &mut Findings<
         _ => return,
     };
     let label = format!("{} m, beside a length of {} m", number(gap), number(structure.length));
-    findings.put(path, Problem::warning(format!("`{path}` is {size}")).help(meant(gap, "mm", 1e-3)), label);
+    diagnostics.put(path, Diagnostic::warning(format!("`{path}` is {size}")).help(meant(gap, "mm", 1e-3)), label);
 }
 
-pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, findings: &mut Findings<'_>) {
+pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     let Some(stiffness) = contact.stiffness.filter(|_| !is_dimensionless(structure)) else { return };
     let (length, modulus) = (structure.length, structure.youngs_modulus);
     let own = match (structure.section, contact.direction) {
@@ -31,10 +31,10 @@ pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, findings: &
         return;
     }
     let own_path = format!("contact.{i}.stiffness_n_m");
-    let path = if findings.has(&own_path) { own_path } else { "method.contact_stiffness_n_m".into() };
-    let problem = Problem::warning(format!("`{path}` is so soft that the stop is hardly felt"));
+    let path = if diagnostics.has(&own_path) { own_path } else { "method.contact_stiffness_n_m".into() };
+    let diagnostic = Diagnostic::warning(format!("`{path}` is so soft that the stop is hardly felt"));
     let label = format!("{} N/m; the structure has some {} N/m", number(stiffness), short(own));
-    findings.put(&path, problem.help(meant(stiffness, "N/mm", 1e3)), label);
+    diagnostics.put(&path, diagnostic.help(meant(stiffness, "N/mm", 1e3)), label);
 }
 
 /// Two digits.

@@ -4,80 +4,85 @@ use super::{meant, stop, structure};
 use crate::check::frequencies::estimate;
 use crate::rule::number;
 use crate::scene::TestScene;
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// Structures with more damping have no modes worth the name.
 const DAMPED: f64 = 0.1;
 /// Amplitudes of the voltage of a shaker's amplifier are below this, V.
 const HIGH_VOLTAGE: f64 = 200.0;
 
-pub fn warn(scene: &TestScene, findings: &mut Findings<'_>) {
-    structure(&scene.structure, findings);
-    damping("virtual_test.damping_ratios", &scene.damping_ratios, findings);
+pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
+    structure(&scene.structure, diagnostics);
+    damping("virtual_test.damping_ratios", &scene.damping_ratios, diagnostics);
     if let Some(own) = &scene.stop {
-        stop::gap("virtual_test.stop.gap_m", own.gap, &scene.structure, findings);
+        stop::gap("virtual_test.stop.gap_m", own.gap, &scene.structure, diagnostics);
     }
-    frequencies(scene, findings);
-    sampling(scene, findings);
-    lag(scene.control.lag_deg, findings);
-    levels(scene, findings);
+    frequencies(scene, diagnostics);
+    sampling(scene, diagnostics);
+    lag(scene.control.lag_deg, diagnostics);
+    levels(scene, diagnostics);
 }
 
 /// Damping ratios that look like per cent.
-pub fn damping(path: &str, ratios: &[f64], findings: &mut Findings<'_>) {
+pub fn damping(path: &str, ratios: &[f64], diagnostics: &mut Diagnostics<'_>) {
     let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio > DAMPED) else { return };
-    let problem = Problem::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));
-    let problem = problem.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 is 1 %");
-    findings.put(&format!("{path}.{i}"), problem, format!("a damping ratio of {}", number(*ratio)));
+    let diagnostic = Diagnostic::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));
+    let diagnostic = diagnostic.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 is 1 %");
+    diagnostics.put(&format!("{path}.{i}"), diagnostic, format!("a damping ratio of {}", number(*ratio)));
 }
 
 /// Measured frequencies that the structure cannot have.
-fn frequencies(scene: &TestScene, findings: &mut Findings<'_>) {
+fn frequencies(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let (Some(given), Some(own)) = (&scene.frequencies_hz, estimate(&scene.structure, 1)) else { return };
     let Some(first) = given.first().filter(|_| own > 0.0) else { return };
     if (0.2..=5.0).contains(&(first / own)) {
         return;
     }
     let path = "virtual_test.frequencies_hz.0";
-    let problem = Problem::warning("the first of `virtual_test.frequencies_hz` is far from that of the structure");
+    let diagnostic =
+        Diagnostic::warning("the first of `virtual_test.frequencies_hz` is far from that of the structure");
     let own = number(format!("{own:.1e}").parse().unwrap_or(own));
     let label = format!("{} Hz; the structure has some {own} Hz", number(*first));
     let help = "frequencies are in Hz, not in rad/s or kHz; are material and lengths of the structure in SI units?";
-    findings.put(path, problem.help(help), label);
+    diagnostics.put(path, diagnostic.help(help), label);
 }
 
-fn sampling(scene: &TestScene, findings: &mut Findings<'_>) {
+fn sampling(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let path = "virtual_test.sample_rate_hz";
     let first = scene.frequencies_hz.as_ref().and_then(|given| given.first().copied());
     let Some(first) = first.or_else(|| estimate(&scene.structure, 1)).filter(|hz| *hz > 0.0) else { return };
     if scene.sample_rate < 20.0 * first {
-        let problem =
-            Problem::warning(format!("`{path}` gives few samples a period")).help(meant(scene.sample_rate, "kHz", 1e3));
+        let diagnostic = Diagnostic::warning(format!("`{path}` gives few samples a period")).help(meant(
+            scene.sample_rate,
+            "kHz",
+            1e3,
+        ));
         let samples = number(format!("{:.1e}", scene.sample_rate / first).parse().unwrap_or(0.0));
-        findings.put(path, problem, format!("{samples} samples a period of {} Hz", number(first)));
+        diagnostics.put(path, diagnostic, format!("{samples} samples a period of {} Hz", number(first)));
     }
 }
 
-fn lag(degrees: f64, findings: &mut Findings<'_>) {
+fn lag(degrees: f64, diagnostics: &mut Diagnostics<'_>) {
     let path = "virtual_test.loop.lag_deg";
     if degrees < 10.0 {
-        let problem =
-            Problem::warning(format!("`{path}` is far from phase resonance, which is at 90 degrees")).help(format!(
+        let diagnostic = Diagnostic::warning(format!("`{path}` is far from phase resonance, which is at 90 degrees"))
+            .help(format!(
                 "if {} rad is meant, write {}",
                 number(degrees),
                 number((10.0 * degrees.to_degrees()).round() / 10.0)
             ));
-        findings.put(path, problem, format!("{} degrees", number(degrees)));
+        diagnostics.put(path, diagnostic, format!("{} degrees", number(degrees)));
     }
 }
 
-fn levels(scene: &TestScene, findings: &mut Findings<'_>) {
+fn levels(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let path = "virtual_test.schedule.levels_v";
-    let Some(i) = scene.schedule.levels.iter().position(|level| *level > HIGH_VOLTAGE).filter(|_| findings.has(path))
+    let Some(i) =
+        scene.schedule.levels.iter().position(|level| *level > HIGH_VOLTAGE).filter(|_| diagnostics.has(path))
     else {
         return;
     };
     let level = scene.schedule.levels[i];
-    let problem = Problem::warning(format!("`{path}` has a level of {} V", number(level)));
-    findings.put(&format!("{path}.{i}"), problem.help(meant(level, "mV", 1e-3)), "more than a shaker takes");
+    let diagnostic = Diagnostic::warning(format!("`{path}` has a level of {} V", number(level)));
+    diagnostics.put(&format!("{path}.{i}"), diagnostic.help(meant(level, "mV", 1e-3)), "more than a shaker takes");
 }

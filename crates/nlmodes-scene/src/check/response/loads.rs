@@ -3,21 +3,21 @@
 use super::place::{Places, WrittenPlace};
 use crate::raw::{RawDamping, RawDashpot, RawForce, RawOwnDamping, RawRayleigh, RawStudy};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
-pub fn damping(raw: &RawDamping, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Damping> {
+pub fn damping(raw: &RawDamping, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Damping> {
     let dashpots = raw.dashpot.as_deref().unwrap_or_default();
     let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
-    let modes = written.check("damping", !dashpots.is_empty(), findings)?;
+    let modes = written.check("damping", !dashpots.is_empty(), diagnostics)?;
     let sound: Vec<Dashpot> =
-        dashpots.iter().enumerate().filter_map(|(i, raw)| dashpot(i, raw, places, findings)).collect();
+        dashpots.iter().enumerate().filter_map(|(i, raw)| dashpot(i, raw, places, diagnostics)).collect();
     (sound.len() == dashpots.len()).then_some(Damping { modes, dashpots: sound })
 }
 
 /// Damping of one structure of several.
-pub fn own_damping(raw: &RawOwnDamping, findings: &mut Findings<'_>) -> Option<ModeDamping> {
+pub fn own_damping(raw: &RawOwnDamping, diagnostics: &mut Diagnostics<'_>) -> Option<ModeDamping> {
     let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
-    written.check("structure.damping", false, findings)
+    written.check("structure.damping", false, diagnostics)
 }
 
 /// The ways to say how modes are damped.
@@ -29,19 +29,19 @@ struct WrittenDamping<'a> {
 
 impl WrittenDamping<'_> {
     /// The one that the table at `path` uses; none is needed where there are dashpots.
-    fn check(&self, path: &str, has_dashpots: bool, findings: &mut Findings<'_>) -> Option<ModeDamping> {
+    fn check(&self, path: &str, has_dashpots: bool, diagnostics: &mut Diagnostics<'_>) -> Option<ModeDamping> {
         let count = [self.ratio.is_some(), self.ratios.is_some(), self.rayleigh.is_some()];
         let count = count.iter().filter(|given| **given).count();
         if count > 1 {
-            let problem = Problem::error(format!("`{path}` says more than once how the modes are damped"));
-            findings.put(path, problem, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
+            let diagnostic = Diagnostic::error(format!("`{path}` says more than once how the modes are damped"));
+            diagnostics.put(path, diagnostic, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
             return None;
         }
-        let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| findings.has(&format!("{path}.{key}")));
+        let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| diagnostics.has(&format!("{path}.{key}")));
         if count == 0 && !has_dashpots && !is_misspelt {
-            let problem = Problem::error(format!("`{path}` does not say how the structure is damped"));
+            let diagnostic = Diagnostic::error(format!("`{path}` does not say how the structure is damped"));
             let dashpots = if path == "damping" { " or [[damping.dashpot]]" } else { "" };
-            findings.put(path, problem, format!("expected `ratio`, `ratios`, `rayleigh`{dashpots}"));
+            diagnostics.put(path, diagnostic, format!("expected `ratio`, `ratios`, `rayleigh`{dashpots}"));
             return None;
         }
         Some(match (self.ratios, self.rayleigh) {
@@ -54,47 +54,47 @@ impl WrittenDamping<'_> {
     }
 }
 
-fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Dashpot> {
+fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Dashpot> {
     let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("damping.dashpot.{i}.{key}"));
     let direction = raw.direction.as_ref();
     let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
-    Some(Dashpot { place: places.place(&written, findings)?, damping: raw.damping_n_s_m? })
+    Some(Dashpot { place: places.place(&written, diagnostics)?, damping: raw.damping_n_s_m? })
 }
 
-pub fn forces(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Vec<Force> {
+pub fn forces(raw: &RawStudy, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Vec<Force> {
     let written = raw.force.as_deref().unwrap_or_default();
-    written.iter().enumerate().filter_map(|(i, raw)| force(i, raw, places, findings)).collect()
+    written.iter().enumerate().filter_map(|(i, raw)| force(i, raw, places, diagnostics)).collect()
 }
 
-fn force(i: usize, raw: &RawForce, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<Force> {
+fn force(i: usize, raw: &RawForce, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Force> {
     let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("force.{i}.{key}"));
     let direction = raw.direction.as_ref();
     let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
-    let place = places.place(&written, findings);
+    let place = places.place(&written, diagnostics);
     let amplitude = raw.amplitude_n.unwrap_or(1.0);
     if amplitude == 0.0 {
         let path = format!("force.{i}.amplitude_n");
-        let problem = Problem::error(format!("`{path}` is zero: this force does nothing"));
-        findings.put(&path, problem, "expected another number");
+        let diagnostic = Diagnostic::error(format!("`{path}` is zero: this force does nothing"));
+        diagnostics.put(&path, diagnostic, "expected another number");
         return None;
     }
     let (harmonic, phase_deg) = (raw.harmonic.unwrap_or(1) as usize, raw.phase_deg.unwrap_or(0.0));
     Some(Force { place: place?, amplitude, harmonic, phase_deg })
 }
 
-pub fn base_motion(raw: &RawStudy, places: &Places<'_>, findings: &mut Findings<'_>) -> Option<BaseMotion> {
+pub fn base_motion(raw: &RawStudy, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
-        let problem = Problem::error("the scene has forces and a base that shakes");
-        findings.put("base_motion", problem, "expected either this table or [[force]]");
+        let diagnostic = Diagnostic::error("the scene has forces and a base that shakes");
+        diagnostics.put("base_motion", diagnostic, "expected either this table or [[force]]");
         return None;
     }
-    let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), findings)?;
+    let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), diagnostics)?;
     let in_metres = || raw.response.iter().flatten().any(|response| response.levels_m.is_some());
     let (amplitude, is_acceleration) = match (base.acceleration_m_s2, base.amplitude_m) {
         (Some(_), Some(_)) => {
-            let problem = Problem::error("`base_motion` has two amplitudes");
-            findings.put("base_motion", problem, "expected `acceleration_m_s2` or `amplitude_m` in this table");
+            let diagnostic = Diagnostic::error("`base_motion` has two amplitudes");
+            diagnostics.put("base_motion", diagnostic, "expected `acceleration_m_s2` or `amplitude_m` in this table");
             return None;
         }
         (Some(a), None) => (a, true),

@@ -7,7 +7,7 @@ use crate::check::nodes::node_at;
 use crate::raw::{RawDirection, RawStructure};
 use crate::rule::number;
 use crate::scene::{BaseDirection, Direction, Place, StructureKind, Support, holds};
-use crate::{Findings, Problem};
+use crate::{Diagnostic, Diagnostics};
 
 /// What the structure of a scene has as places.
 pub enum Places<'a> {
@@ -54,10 +54,10 @@ impl<'a> Places<'a> {
         &self,
         path: &str,
         written: Option<&RawDirection>,
-        findings: &mut Findings<'_>,
+        diagnostics: &mut Diagnostics<'_>,
     ) -> Option<BaseDirection> {
         let kind = match self {
-            Self::Nodes => return vector(path, written, findings).map(BaseDirection::Vector),
+            Self::Nodes => return vector(path, written, diagnostics).map(BaseDirection::Vector),
             Self::Along(found) => found.as_ref()?.0.kind?,
             Self::Bodies(bodies) => {
                 let kinds = bodies.iter().map(|body| body.raw?.kind).collect::<Option<Vec<_>>>()?;
@@ -65,69 +65,72 @@ impl<'a> Places<'a> {
                 *rod.or(kinds.first())?
             }
         };
-        direction(kind, path, written, findings).map(BaseDirection::Along)
+        direction(kind, path, written, diagnostics).map(BaseDirection::Along)
     }
 
     /// The place that the keys of position, node, direction and structure say.
-    pub fn place(&self, written: &WrittenPlace<'_>, findings: &mut Findings<'_>) -> Option<Place> {
+    pub fn place(&self, written: &WrittenPlace<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
         let [at_key, node_key, direction_key, structure_key] = written.keys.each_ref().map(String::as_str);
         let (index, (structure, mesh)) = match self {
             Self::Nodes => {
                 if written.structure.is_some() {
-                    let problem = Problem::error(format!("`{structure_key}` is a number of several rods and beams"));
-                    findings.put(structure_key, problem, "matrices from files are one structure: leave this out");
+                    let diagnostic =
+                        Diagnostic::error(format!("`{structure_key}` is a number of several rods and beams"));
+                    diagnostics.put(structure_key, diagnostic, "matrices from files are one structure: leave this out");
                     return None;
                 }
                 let keys = [at_key, node_key, direction_key];
-                return of_node(keys, written.at, written.node, written.direction, findings);
+                return of_node(keys, written.at, written.node, written.direction, diagnostics);
             }
-            Self::Along(found) => (body(structure_key, written.structure, 1, "", findings)?, found.as_ref().copied()?),
+            Self::Along(found) => {
+                (body(structure_key, written.structure, 1, "", diagnostics)?, found.as_ref().copied()?)
+            }
             Self::Bodies(bodies) => {
                 let which = "a scene of several structures says which one is meant";
-                let index = body(structure_key, written.structure, bodies.len(), which, findings)?;
+                let index = body(structure_key, written.structure, bodies.len(), which, diagnostics)?;
                 (index, bodies[index].raw.zip(bodies[index].mesh)?)
             }
         };
         let kind = structure.kind?;
         if written.node.is_some() {
-            let problem = Problem::error(format!("`{node_key}` names a node of a structure from files"));
+            let diagnostic = Diagnostic::error(format!("`{node_key}` names a node of a structure from files"));
             let short = at_key.rsplit('.').next().unwrap_or(at_key);
-            findings.put(node_key, problem, format!("expected `{short}`, a position along the axis"));
+            diagnostics.put(node_key, diagnostic, format!("expected `{short}`, a position along the axis"));
             return None;
         }
-        let direction = direction(kind, direction_key, written.direction, findings);
+        let direction = direction(kind, direction_key, written.direction, diagnostics);
         let Some(at) = written.at else {
-            if !findings.has(at_key) {
-                let problem = Problem::error(format!("`{at_key}` is missing"));
-                findings.put(at_key, problem, "expected a position along the axis, in m");
+            if !diagnostics.has(at_key) {
+                let diagnostic = Diagnostic::error(format!("`{at_key}` is missing"));
+                diagnostics.put(at_key, diagnostic, "expected a position along the axis, in m");
             }
             return None;
         };
         let direction = direction?;
-        let moves = moves((kind, structure, mesh), at_key, at, direction, findings);
+        let moves = moves((kind, structure, mesh), at_key, at, direction, diagnostics);
         moves.then_some(Place::Along { at, direction, structure: index })
     }
 }
 
-/// The direction of a motion along or across the axis; `None` where it is wrong, which is in the findings.
+/// The direction of a motion along or across the axis; `None` where it is wrong, which is in the diagnostics.
 fn direction(
     kind: StructureKind,
     path: &str,
     written: Option<&RawDirection>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Direction> {
     let own = if kind == StructureKind::Rod { Direction::Axial } else { Direction::Transverse };
     match written {
         None => Some(own),
         Some(RawDirection::Word(Direction::Transverse)) if kind == StructureKind::Rod => {
-            let problem = Problem::error(format!("`{path}` cannot be \"transverse\" on a rod"));
-            findings.put(path, problem.help("a rod moves along its axis only"), "expected \"axial\"");
+            let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"transverse\" on a rod"));
+            diagnostics.put(path, diagnostic.help("a rod moves along its axis only"), "expected \"axial\"");
             None
         }
         Some(RawDirection::Word(direction)) => Some(*direction),
         Some(RawDirection::Vector(_)) => {
-            let problem = Problem::error(format!("`{path}` is a vector, which rods and beams do not need"));
-            findings.put(path, problem, "expected \"axial\" or \"transverse\"");
+            let diagnostic = Diagnostic::error(format!("`{path}` is a vector, which rods and beams do not need"));
+            diagnostics.put(path, diagnostic, "expected \"axial\" or \"transverse\"");
             None
         }
     }
@@ -139,14 +142,14 @@ fn moves(
     path: &str,
     at: f64,
     direction: Direction,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> bool {
     let length = mesh.length();
     let node = node_at(mesh, at);
     if node.is_none() && at > length {
         let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
-        let problem = perhaps_millimetres(Problem::error(title), at, length);
-        findings.put(path, problem, format!("expected a position from 0 to {} m", number(length)));
+        let diagnostic = perhaps_millimetres(Diagnostic::error(title), at, length);
+        diagnostics.put(path, diagnostic, format!("expected a position from 0 to {} m", number(length)));
         return false;
     }
     let (end, support) = match node {
@@ -156,8 +159,8 @@ fn moves(
     };
     let held = support.is_some_and(|support| holds(kind, support, direction));
     if let Some(support) = support.filter(|_| held) {
-        let problem = Problem::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
-        findings.put(path, problem, format!("expected a place that moves in {} direction", direction.name()));
+        let diagnostic = Diagnostic::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
+        diagnostics.put(path, diagnostic, format!("expected a place that moves in {} direction", direction.name()));
     }
     !held
 }
@@ -168,23 +171,23 @@ fn of_node(
     at: Option<f64>,
     node: Option<u64>,
     direction: Option<&RawDirection>,
-    findings: &mut Findings<'_>,
+    diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Place> {
     if at.is_some() {
-        let problem = Problem::error(format!("`{at_key}` is a position along a rod or beam"));
-        findings.put(at_key, problem, "expected the number of a node of the files");
+        let diagnostic = Diagnostic::error(format!("`{at_key}` is a position along a rod or beam"));
+        diagnostics.put(at_key, diagnostic, "expected the number of a node of the files");
         return None;
     }
-    if node.is_none() && !findings.has(node_key) {
-        let problem = Problem::error(format!("`{node_key}` is missing"));
-        findings.put(node_key, problem, "expected the number of a node of the files");
+    if node.is_none() && !diagnostics.has(node_key) {
+        let diagnostic = Diagnostic::error(format!("`{node_key}` is missing"));
+        diagnostics.put(node_key, diagnostic, "expected the number of a node of the files");
     }
-    let direction = vector(direction_key, direction, findings)?;
+    let direction = vector(direction_key, direction, diagnostics)?;
     Some(Place::Node { node: node?, direction })
 }
 
 /// Three numbers as a unit vector.
-fn vector(path: &str, written: Option<&RawDirection>, findings: &mut Findings<'_>) -> Option<[f64; 3]> {
+fn vector(path: &str, written: Option<&RawDirection>, diagnostics: &mut Diagnostics<'_>) -> Option<[f64; 3]> {
     if let Some(RawDirection::Vector(v)) = written
         && let [x, y, z] = v[..]
         && let length = (x * x + y * y + z * z).sqrt()
@@ -192,9 +195,9 @@ fn vector(path: &str, written: Option<&RawDirection>, findings: &mut Findings<'_
     {
         return Some([x / length, y / length, z / length]);
     }
-    if !findings.has(path) {
-        let problem = Problem::error(format!("`{path}` must be a vector"));
-        findings.put(path, problem, "expected 3 numbers in square brackets, not all 0");
+    if !diagnostics.has(path) {
+        let diagnostic = Diagnostic::error(format!("`{path}` must be a vector"));
+        diagnostics.put(path, diagnostic, "expected 3 numbers in square brackets, not all 0");
     }
     None
 }

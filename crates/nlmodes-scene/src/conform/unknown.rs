@@ -1,0 +1,112 @@
+//! Keys that the schema does not know, and what they were probably meant to be.
+
+use crate::Diagnostic;
+use crate::nearest::nearest;
+use crate::rule::{Kind, Rule, join};
+
+/// What an unknown key was probably meant to be.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Guess {
+    /// This key of the same table.
+    Key(String),
+    /// This key, of the table at this path.
+    Elsewhere(String, String),
+    /// No idea.
+    Nothing,
+}
+
+/// What the key, written in the table at `path`, was probably meant to be.
+pub fn guess(key: &str, path: &str, root: Rule<'_>) -> Guess {
+    let mut tables = Vec::new();
+    collect(root, String::new(), &mut tables);
+    let here = without_numbers(path);
+    // A letter s too few or too many is a slip in this table, whatever other tables have.
+    let is_plural = |one: &str, many: &str| many.strip_suffix('s') == Some(one);
+    let own = tables.iter().find(|(table, _)| *table == here);
+    let slip = own.and_then(|(_, rule)| rule.keys().find(|own| is_plural(own, key) || is_plural(key, own)));
+    if let Some(own) = slip {
+        return Guess::Key(own.to_owned());
+    }
+    let elsewhere = tables.iter().find(|(table, rule)| *table != here && rule.of(key).is_some());
+    if let Some((table, _)) = elsewhere {
+        return Guess::Elsewhere(key.to_owned(), table.clone());
+    }
+    let own = own.and_then(|(_, rule)| nearest(key, rule.keys()));
+    if let Some(own) = own {
+        return Guess::Key(own.to_owned());
+    }
+    let other = tables.iter().find_map(|(table, rule)| Some((nearest(key, rule.keys())?, table)));
+    other.map_or(Guess::Nothing, |(key, table)| Guess::Elsewhere(key.to_owned(), table.clone()))
+}
+
+/// All tables of the schema with their paths, arrays of tables without numbers.
+fn collect<'a>(rule: Rule<'a>, path: String, tables: &mut Vec<(String, Rule<'a>)>) {
+    for key in rule.keys() {
+        let inner = rule.of(key).and_then(|rule| if rule.kind() == Kind::Array { rule.items() } else { Some(rule) });
+        if let Some(inner) = inner.filter(|inner| inner.kind() == Kind::Table) {
+            collect(inner, join(&path, key), tables);
+        }
+    }
+    tables.push((path, rule));
+}
+
+fn without_numbers(path: &str) -> String {
+    let names: Vec<&str> = path.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
+    names.join(".")
+}
+
+impl Guess {
+    /// What is said beside the key.
+    pub fn label(&self, path: &str) -> String {
+        match self {
+            Self::Key(key) => format!("did you mean `{key}`?"),
+            Self::Elsewhere(..) | Self::Nothing if path.is_empty() => "a scene has no such key here".into(),
+            Self::Elsewhere(..) | Self::Nothing => format!("not a key of {}", heading(path)),
+        }
+    }
+
+    /// The path that was probably meant, if it is of the table at `path` or of one that stands once in a scene.
+    pub fn path(&self, path: &str) -> Option<String> {
+        match self {
+            Self::Key(key) => Some(join(path, key)),
+            Self::Elsewhere(key, table) => Some(join(table, key)),
+            Self::Nothing => None,
+        }
+    }
+}
+
+/// The diagnostic of an unknown key in the table at `path`.
+pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diagnostic {
+    let diagnostic = Diagnostic::error(format!("unknown key `{}`", join(path, key)));
+    match guess {
+        Guess::Key(_) => diagnostic,
+        Guess::Elsewhere(key, other) if other.is_empty() => {
+            diagnostic.help(format!("`{key}` stands at the top of the file, before the first heading in brackets"))
+        }
+        Guess::Elsewhere(key, other) => diagnostic.help(format!("`{key}` is a key of {}", heading(other))),
+        Guess::Nothing => {
+            let keys: Vec<&str> = table.keys().collect();
+            let place = if path.is_empty() { "a scene".to_owned() } else { heading(path) };
+            diagnostic.help(format!("{place} may have: {}", keys.join(", ")))
+        }
+    }
+}
+
+/// Tables that may stand several times.
+const LISTS: [&str; 9] = [
+    "contact",
+    "channel",
+    "vary",
+    "quantity",
+    "force",
+    "damping.dashpot",
+    "structure.mass_point",
+    "structure.spring",
+    "structure.segment",
+];
+
+/// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
+pub fn heading(path: &str) -> String {
+    let name = without_numbers(path);
+    if LISTS.contains(&name.as_str()) { format!("[[{name}]]") } else { format!("[{name}]") }
+}

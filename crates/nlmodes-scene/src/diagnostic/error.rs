@@ -1,0 +1,104 @@
+//! A scene that is refused, by its checks or by what turns out behind them.
+
+use std::fmt;
+
+use crate::{Diagnostic, Document, SceneFile, Severity, diagnostic};
+
+/// What is wrong with a scene, each thing at its place.
+#[derive(Debug, Clone)]
+pub struct SceneError {
+    /// In a box: results that carry an error stay small.
+    content: Box<Content>,
+}
+
+#[derive(Debug, Clone)]
+struct Content {
+    document: Document,
+    diagnostics: Vec<Diagnostic>,
+    last: Option<String>,
+}
+
+impl SceneError {
+    /// What a computation finds wrong with the scene in these texts.
+    pub(crate) fn new(document: Document, diagnostic: Diagnostic) -> Self {
+        Self { content: Box::new(Content { document, diagnostics: vec![diagnostic], last: None }) }
+    }
+
+    /// What the checks of a scene found, with a last line that sums it up.
+    pub(crate) fn of_checks(document: Document, diagnostics: Vec<Diagnostic>) -> Self {
+        let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
+        let count = if errors == 1 { "1 error".into() } else { format!("{errors} errors") };
+        let last = format!("{count} in {}: nothing was computed or written", document.sources().file().name);
+        Self { content: Box::new(Content { document, diagnostics, last: Some(last) }) }
+    }
+
+    /// With what else is wrong with the same scene.
+    #[must_use]
+    pub fn with(mut self, other: Self) -> Self {
+        self.content.diagnostics.extend(other.content.diagnostics);
+        self
+    }
+
+    /// With a line behind it.
+    pub(crate) fn with_last_line(mut self, line: &str) -> Self {
+        self.content.last = Some(line.to_owned());
+        self
+    }
+
+    /// What is wrong, and what else looks wrong.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.content.diagnostics
+    }
+
+    /// What is wrong, without what only looks so.
+    pub fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.diagnostics().iter().filter(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// All of it in one line, without places.
+    pub fn sentence(&self) -> String {
+        self.errors().map(Diagnostic::sentence).collect::<Vec<_>>().join(" | ")
+    }
+
+    /// The texts that they are about.
+    pub fn document(&self) -> &Document {
+        &self.content.document
+    }
+
+    /// The same as text, with the lines that it is about.
+    pub fn text(&self, colours: bool) -> String {
+        let text = self.document().render(self.diagnostics(), colours);
+        self.content.last.as_ref().map_or_else(|| text.clone(), |line| format!("{text}\n\n{line}"))
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text(false))
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// All scenes of a file with several methods, or what is wrong with any of them.
+pub(crate) fn or_all(read: Vec<Result<SceneFile, SceneError>>) -> Result<Vec<SceneFile>, SceneError> {
+    if read.iter().all(Result::is_ok) {
+        return Ok(read.into_iter().flatten().collect());
+    }
+    let mut first: Option<Document> = None;
+    let mut diagnostics = Vec::new();
+    for scene in read {
+        match scene {
+            Ok(file) => diagnostics.extend(file.warnings),
+            Err(error) => {
+                diagnostics.extend(error.content.diagnostics);
+                first.get_or_insert(error.content.document);
+            }
+        }
+    }
+    // All of them share their texts, so that a place in one is the same place in the other.
+    match first {
+        Some(document) => Err(SceneError::of_checks(document, diagnostic::each_once(diagnostics))),
+        None => Ok(Vec::new()),
+    }
+}

@@ -1,0 +1,118 @@
+//! The diagnostics of one scene, as they are found.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+use crate::{Diagnostic, Document, Severity, diagnostic};
+
+/// The diagnostics of one scene, as they are found.
+#[derive(Debug)]
+pub struct Diagnostics<'a> {
+    document: &'a Document,
+    diagnostics: Vec<Diagnostic>,
+    meant: BTreeSet<String>,
+    body: Option<usize>,
+}
+
+impl<'a> Diagnostics<'a> {
+    /// Begins with what was found before.
+    pub fn new(document: &'a Document, diagnostics: Vec<Diagnostic>) -> Self {
+        Self { document, diagnostics, meant: BTreeSet::new(), body: None }
+    }
+
+    /// The texts.
+    pub fn document(&self) -> &'a Document {
+        self.document
+    }
+
+    /// Says which structure of several (from 0) the key `structure` and those below it are about from here on; none where there is one.
+    pub fn about_structure(&mut self, body: Option<usize>) {
+        self.body = body;
+    }
+
+    /// The structure of several that is being looked at.
+    pub fn structure(&self) -> Option<usize> {
+        self.body
+    }
+
+    /// The path of a key in the file.
+    fn in_file<'p>(&self, path: &'p str) -> Cow<'p, str> {
+        match (self.body, path.strip_prefix("structure")) {
+            (Some(body), Some(rest)) if rest.is_empty() || rest.starts_with('.') => {
+                Cow::Owned(format!("structure.{body}{rest}"))
+            }
+            _ => Cow::Borrowed(path),
+        }
+    }
+
+    /// The text with the paths that it names as they are in the file.
+    fn named(&self, text: String) -> String {
+        match self.body {
+            Some(body) => text.replace("`structure.", &format!("`structure.{body}.")),
+            None => text,
+        }
+    }
+
+    /// Where the key of the path stands.
+    pub fn place(&self, path: &str) -> Option<&'a crate::Place> {
+        self.document.place(&self.in_file(path))
+    }
+
+    /// Adds a diagnostic at its place or nowhere.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Adds a diagnostic at the value of a key.
+    pub fn put(&mut self, path: &str, diagnostic: Diagnostic, label: impl Into<String>) {
+        let diagnostic = Diagnostic { title: self.named(diagnostic.title), ..diagnostic };
+        self.diagnostics.push(self.document.put(diagnostic, &self.in_file(path), label));
+    }
+
+    /// Whether the scene writes this key, or one that was probably meant to be it.
+    pub fn has(&self, path: &str) -> bool {
+        let path = self.in_file(path);
+        self.document.place(&path).is_some() || self.meant.contains(path.as_ref())
+    }
+
+    /// Whether a key at this path was misspelt.
+    pub fn is_meant(&self, path: &str) -> bool {
+        self.meant.contains(path)
+    }
+
+    /// Takes note that an unknown key was probably meant to be this one.
+    pub fn mean(&mut self, path: String) {
+        self.meant.insert(path);
+    }
+
+    /// Says the diagnostics so far in other words.
+    pub(crate) fn reword(&mut self, reworded: impl Fn(Diagnostic) -> Diagnostic) {
+        self.diagnostics = std::mem::take(&mut self.diagnostics).into_iter().map(reworded).collect();
+    }
+
+    /// Number of diagnostics so far.
+    pub fn count(&self) -> usize {
+        self.diagnostics.len()
+    }
+
+    /// Whether an unknown key was probably meant to be this one (the name without its table).
+    pub fn has_misspelt(&self, name: &str) -> bool {
+        let guess = format!("did you mean `{name}`?");
+        self.diagnostics.iter().filter_map(|diagnostic| diagnostic.place.as_ref()).any(|place| place.label == guess)
+    }
+
+    /// The value of a key as the scene writes it.
+    pub fn written(&self, path: &str) -> String {
+        self.document.written(&self.in_file(path))
+    }
+
+    /// Whether the scene is refused.
+    pub fn refuse(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// Each of them once, in the order of the text, errors before warnings.
+    pub fn into_sorted(self) -> Vec<Diagnostic> {
+        diagnostic::each_once(self.diagnostics)
+    }
+}
