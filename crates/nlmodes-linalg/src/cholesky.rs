@@ -1,3 +1,5 @@
+mod inverse_form;
+
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};

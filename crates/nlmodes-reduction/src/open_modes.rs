@@ -122,10 +122,17 @@ impl OpenModes {
         Self::new(mass, stiffness, directions, gaps, compliance, modes)
     }
 
-    /// Residual flexibility of the contacts, and the shapes that go with it if they are small.
+    /// Residual flexibility of the contacts, and the shapes that go with it if they are small: otherwise half a solution will do, and that only where
+    /// the contacts reach.
     fn press_contacts(&mut self) {
         let (n, c) = (self.shapes.nrows(), self.gaps.len());
         let mut kept = (n * c <= KEPT_SHAPES).then(|| Mat::zeros(n, c));
+        if kept.is_none()
+            && let Some(flexibility) = self.residual.form(&self.shapes, &self.contact_rows, &self.directions)
+        {
+            self.flexibility = flexibility;
+            return;
+        }
         let mut flexibility = Mat::zeros(c, c);
         for block in blocks(c) {
             let (first, count) = (block.start, block.len());

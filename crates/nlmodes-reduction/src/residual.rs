@@ -49,6 +49,13 @@ impl Residual {
         x
     }
 
+    /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is `Bᵀ K⁻¹ B`. None of a
+    /// floating structure.
+    pub fn form(&self, shapes: &Mat<f64>, rows: &Mat<f64>, directions: &SparseMatrix) -> Option<Mat<f64>> {
+        let modal_mass = (self.shift == 0.0).then(|| multiply_many(&self.mass, shapes))?;
+        Some(self.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
+    }
+
     /// Makes the columns of `x` M-orthogonal to the modes.
     fn take_out(&self, shapes: &Mat<f64>, x: &mut Mat<f64>) {
         let overlap = shapes.transpose() * multiply_many(&self.mass, x);
@@ -81,4 +88,37 @@ pub(crate) fn dense_columns(a: &SparseMatrix, columns: std::ops::Range<usize>) -
 /// The columns `0..count` in blocks.
 pub(crate) fn blocks(count: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
     (0..count).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nlmodes_linalg::{Pencil, multiply_transposed, sparse_from_triplets};
+
+    #[test]
+    fn the_form_of_the_contacts_is_what_full_answers_give_and_there_is_none_of_what_floats() {
+        // A chain of masses of which the first is held or not, in newtons and metres.
+        for held in [true, false] {
+            let (n, stiffness) = (80, 2e7);
+            let mut entries = vec![(0, 0, if held { stiffness } else { 0.0 })];
+            for i in 1..n {
+                let pair = [(i - 1, i - 1, 1.0), (i, i, 1.0), (i - 1, i, -1.0), (i, i - 1, -1.0)];
+                entries.extend(pair.map(|(i, j, k)| (i, j, stiffness * k)));
+            }
+            let k = sparse_from_triplets(n, n, &entries).unwrap();
+            let m = sparse_from_triplets(n, n, &(0..n).map(|i| (i, i, 0.1)).collect::<Vec<_>>()).unwrap();
+            let w = sparse_from_triplets(n, 3, &[(79, 0, -1.0), (40, 1, 1.0), (20, 1, -1.0), (79, 2, 0.5)]).unwrap();
+            let pencil = Pencil::new(&k, &m).unwrap();
+            let (shapes, shift) = (pencil.lowest(6).unwrap().vectors, pencil.shift());
+            let rows = multiply_transposed(&w, &shapes);
+            let residual = Residual { factor: Arc::new(pencil.into_factor()), mass: Arc::new(m), shift };
+            let Some(form) = residual.form(&shapes, &rows, &w) else {
+                assert!(!held && shift > 0.0);
+                continue;
+            };
+            assert!(held);
+            let expected = multiply_transposed(&w, &residual.answer(&shapes, dense_columns(&w, 0..3)));
+            assert!((0..9).all(|i| (form[(i / 3, i % 3)] - expected[(i / 3, i % 3)]).abs() < 1e-11 * expected[(0, 0)]));
+        }
+    }
 }
