@@ -47,7 +47,7 @@ Examples:
   nlmodes-cli run configs/rod.toml --set 'method.harmonics=[1,2,3]' --out results/harmonics
   nlmodes-cli run configs/rod.toml --resume                      go on where a run was interrupted
 
-Every point is on disk when it is found, of responses every curve. Ctrl-C ends the computation where it is and writes summary and figures; a second one ends at once.
+Every point is on disk when it is found, in branch.csv or, of responses, in steps.jsonl. Ctrl-C ends the computation where it is and writes summary and figures; a second one ends at once.
 A directory with the results of another scene is left as it is, unless `--force` is given.")]
     Run {
         #[command(flatten)]

@@ -42,7 +42,8 @@ impl Curve<'_> {
             ..Continuation::default()
         };
         self.system.hold_phase(&self.x);
-        Ok(method.run(&mut self.system, &self.x, self.p, &self.direction, watch)?)
+        let mut log = self.settings.log.clone();
+        Ok(method.run_with_log(&mut self.system, &self.x, self.p, &self.direction, &mut log, watch)?)
     }
 
     /// Follows the curve and those that branch off, at most `most` in all; the first one is the curve itself.
@@ -58,7 +59,9 @@ impl Curve<'_> {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
-        let tree = method.run_tree(&mut self.system, &self.x, self.p, &self.direction, most, watch)?;
+        let mut log = self.settings.log.clone();
+        let (system, direction) = (&mut self.system, &self.direction);
+        let tree = method.run_tree_with_log(system, &self.x, self.p, direction, most, &mut log, watch)?;
         tree.branches.iter().map(|found| self.curve(&found.branch, omega)).collect()
     }
 

@@ -57,6 +57,7 @@ mod losses;
 mod model;
 mod recovery;
 mod settings;
+mod step_log;
 
 pub use analyses::{
     Appropriation, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
@@ -73,3 +74,4 @@ pub use history::{ContactPattern, ContactState};
 pub use model::{ResponseModel, Weights};
 pub use recovery::ForcePower;
 pub use settings::ResponseSettings;
+pub use step_log::StepLog;

@@ -1,7 +1,7 @@
 use nlmodes_continuation::Bound;
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
-use crate::{Cancel, ResponseError};
+use crate::{Cancel, ResponseError, StepLog};
 
 /// What distinguishes one curve from another on the same structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +34,8 @@ pub struct ResponseSettings {
     pub levels: Vec<f64>,
     /// Who may end a curve. Default nobody.
     pub cancel: Cancel,
+    /// Where the steps of curves are kept. Default nowhere.
+    pub log: StepLog,
 }
 
 impl ResponseSettings {
@@ -54,6 +56,7 @@ impl ResponseSettings {
             max_branches: 20,
             levels: Vec::new(),
             cancel: Cancel::default(),
+            log: StepLog::default(),
         }
     }
 

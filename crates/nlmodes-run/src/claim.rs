@@ -7,6 +7,7 @@ use std::cell::Cell;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use nlmodes::modal::EndReason;
 use nlmodes::report::{ReportError, write_summary};
@@ -39,13 +40,13 @@ pub enum Over {
     Anything,
 }
 
-/// An output directory that may be written.
-#[derive(Debug)]
+/// An output directory that may be written; its clones are the same one.
+#[derive(Debug, Clone)]
 pub struct Claim {
     directory: PathBuf,
     content: Value,
     over: Over,
-    taken: Cell<bool>,
+    taken: Rc<Cell<bool>>,
 }
 
 impl Claim {
@@ -89,7 +90,7 @@ impl Claim {
             "file": file,
             "scenes": scenes,
         });
-        Self { directory: directory.to_path_buf(), content, over, taken: Cell::new(false) }
+        Self { directory: directory.to_path_buf(), content, over, taken: Rc::default() }
     }
 
     /// Whether an earlier run is gone on with.
@@ -215,7 +216,9 @@ fn interrupted(directory: &Path) -> Option<usize> {
     let stopped = match fs::read(directory.join("summary.json")) {
         Ok(bytes) => {
             let summary: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-            let ends = summary["branches"].as_array().into_iter().flatten().chain([&summary["end"]]);
+            let lists = ["branches", "curves"].into_iter().filter_map(|list| summary[list].as_array());
+            let ends = lists.flatten().map(|one| if one["end"].is_object() { &one["end"] } else { one });
+            let ends = ends.chain([&summary["end"]]);
             let mut reasons = ends.into_iter().filter_map(|end| end["reason"].as_str()).flat_map(str::split_whitespace);
             reasons.any(|reason| reason == EndReason::Stopped.name())
         }
@@ -292,6 +295,8 @@ mod tests {
         for (reason, points) in [("stopped", Some(2)), ("max-energy stopped", Some(2)), ("max-energy closed", None)] {
             put("summary.json", &json!({ "end": { "reason": reason } }).to_string());
             assert_eq!(interrupted(directory.path()), points, "{reason}");
+            put("summary.json", &json!({ "curves": [{ "end": { "reason": reason } }] }).to_string());
+            assert_eq!(interrupted(directory.path()), points, "a curve, {reason}");
         }
     }
 }

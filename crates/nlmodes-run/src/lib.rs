@@ -63,6 +63,7 @@ pub mod compare;
 mod error;
 pub mod explore;
 mod files;
+mod journal;
 pub mod lcp;
 pub mod linear;
 mod links;

@@ -14,15 +14,19 @@ mod structure;
 mod summary;
 mod tables;
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use nlmodes::report::ReportError;
+use nlmodes::response::StepLog;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::Certificate;
 use crate::claim::{Claim, identity};
+use crate::journal::Journal;
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
@@ -61,7 +65,8 @@ impl ResponsesOutcome {
 
 /// Computes the responses of a scene and writes its tables, figures and page.
 ///
-/// `branch.csv` is written anew after each curve; the other files at the end, also of a run that is asked to end.
+/// Each step is in `steps.jsonl` as soon as it is taken, and a run that goes on repeats those that are there. `branch.csv` is written anew after
+/// each curve; the other files at the end, also of a run that is asked to end.
 ///
 /// # Errors
 /// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
@@ -78,16 +83,21 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
     model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
-    if claim.resumes() {
-        // Curves take seconds: they are computed anew.
+    let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
+    let journal = Journal::open(&file.scene, &claim).map_err(|failure| unwritable(failure, true))?;
+    if claim.resumes() && journal.known_steps() == 0 {
         observer.event(Event::NothingToResume { directory: &directory });
     }
-    let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
+    let computing = journal.computing.clone();
+    let journal = Rc::new(RefCell::new(journal));
+    let log = StepLog::new(journal.clone());
     let mut curves: Vec<ComputedResponse> = Vec::new();
     let mut compute = |job: Job<'_>, number: usize, of: usize, curves: &mut Vec<ComputedResponse>| {
         let name = job.name(&file.scene, &model);
         observer.event(Event::Curve { number, of, name: &name });
-        for (further, computed) in follow(&model, &file.scene, job, &name, observer.watch()).into_iter().enumerate() {
+        for (further, computed) in
+            follow(&model, &file.scene, job, (&name, &log), observer.watch()).into_iter().enumerate()
+        {
             observer.event(Event::CurveDone {
                 name: &computed.name,
                 is_further: further > 0,
@@ -96,8 +106,14 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
             });
             curves.push(computed);
         }
+        if let Some(failure) = journal.borrow_mut().failure.take() {
+            return Err(unwritable(failure, true));
+        }
         claim.take_at_once()?;
-        tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
+        // The table of an earlier run stands until this one has come as far.
+        if computing.get() {
+            tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
+        }
         Ok::<bool, RunError>(observer.is_cancelled())
     };
     let wanted = jobs(&file.scene);
@@ -121,6 +137,9 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     }
     if curves.iter().all(|computed| computed.curve.is_err()) && is_cut_off {
         return Err(RunError::Ended);
+    }
+    if !computing.get() {
+        tables::write_points(&directory, &file.scene, &model, &curves).map_err(|source| unwritable(source, true))?;
     }
     let certificate = certified::certificate(&file.scene, &model, &curves);
     let compared = compared(&file.scene, &model, &curves, &laid);

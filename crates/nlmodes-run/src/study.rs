@@ -2,7 +2,6 @@
 
 mod figures;
 mod histories;
-pub(crate) mod journal;
 mod motion;
 mod overlaid;
 mod page;
@@ -26,6 +25,7 @@ use serde_json::Value;
 
 use crate::certificate::{Certificate, Sources};
 use crate::claim::{Claim, identity};
+use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenModes;
 use crate::outcome::{PartOutcome, RunOutcome};
@@ -35,7 +35,6 @@ use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
 pub(crate) use figures::held_ends;
-use journal::Journal;
 use motion::Period;
 use overlaid::Overlaid;
 use sink::{Sink, branch_directory};

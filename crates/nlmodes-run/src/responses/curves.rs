@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use nlmodes::hbm::Coordinates;
 use nlmodes::response::{
     Appropriation, Cancel, CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
-    ResponseSettings, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
+    ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
     force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes::study::Watch;
@@ -144,11 +144,17 @@ impl Job<'_> {
     }
 }
 
-/// Computes a curve, and those that branch off where motions have several periods of the load.
-pub fn follow(model: &Model, scene: &Scene, job: Job<'_>, name: &str, watch: Watch) -> Vec<ComputedResponse> {
+/// Computes a curve, and those that branch off where motions have several periods of the load; its steps go to the log.
+pub fn follow(
+    model: &Model,
+    scene: &Scene,
+    job: Job<'_>,
+    (name, log): (&str, &StepLog),
+    watch: Watch,
+) -> Vec<ComputedResponse> {
     let began = Instant::now();
-    let settings =
-        ResponseSettings { cancel: Cancel::new(move || watch.asks_to_end()), ..settings(model, scene, &job) };
+    let cancel = Cancel::new(move || watch.asks_to_end());
+    let settings = ResponseSettings { cancel, log: log.clone(), ..settings(model, scene, &job) };
     let followed = model.with_drive(job.response).and_then(|system| {
         let curves = curve(&system, scene, &job, &settings)?;
         let forces = if job.wanted.kind == ResponseKind::Appropriation {

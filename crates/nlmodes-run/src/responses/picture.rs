@@ -2,6 +2,7 @@
 
 use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::report::HtmlReport;
+use nlmodes::response::StepLog;
 use nlmodes::study::Watch;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
@@ -30,7 +31,7 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     let scene = &file.scene;
     let Some(job) = jobs(scene).into_iter().next() else { return Err(RunError::Ended) };
     let name = job.name(scene, &model);
-    let curves = follow(&model, scene, job, &name, watch.clone());
+    let curves = follow(&model, scene, job, (&name, &StepLog::default()), watch.clone());
     if watch.has_ended() {
         return Err(RunError::Ended);
     }

@@ -11,10 +11,10 @@ use nlmodes::study::{BranchProgress, BranchSettings, BranchStart, compute_tree_w
 use nlmodes_continuation::{Correction, RunLog, StepRecord};
 use serde_json::Value;
 
-use super::journal::{Journal, header};
 use crate::chain;
 use crate::claim::{Claim, Over, foreign, identity};
 use crate::files::{RUN, STEPS};
+use crate::journal::{Journal, header};
 use crate::settings::{branch_settings, models, starts};
 use nlmodes_scene::Scene;
 
@@ -95,7 +95,7 @@ impl Interrupted {
         Ok(points)
     }
 
-    fn journal<'a>(&self, claim: &'a Claim) -> Result<Journal<'a>, String> {
+    fn journal(&self, claim: &Claim) -> Result<Journal, String> {
         Journal::open(&self.scene, claim).map_err(|failure: ReportError| chain(&failure))
     }
 
@@ -126,9 +126,9 @@ impl Interrupted {
 }
 
 /// Repeats what a journal knows, and ends where it would have to be written.
-struct Known<'j, 'a>(&'j mut Journal<'a>);
+struct Known<'j>(&'j mut Journal);
 
-impl RunLog for Known<'_, '_> {
+impl RunLog for Known<'_> {
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord> {
         if self.0.knows(start) { self.0.begin(start) } else { Vec::new() }
     }

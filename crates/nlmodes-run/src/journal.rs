@@ -45,10 +45,10 @@ struct Known {
 /// `steps.jsonl`: a line a step, written when the step is taken.
 ///
 /// Lines behind one that is torn or makes no sense do not count.
-pub struct Journal<'a> {
+pub struct Journal {
     path: PathBuf,
     header: Value,
-    claim: &'a Claim,
+    claim: Claim,
     known: Vec<Known>,
     /// Runs that have begun.
     begun: usize,
@@ -61,16 +61,16 @@ pub struct Journal<'a> {
     pub failure: Option<ReportError>,
 }
 
-impl<'a> Journal<'a> {
+impl Journal {
     /// The steps of an earlier run of the same scene, if that is gone on with; else none.
     ///
     /// # Errors
     /// [`ReportError`] if they cannot be read, or another run is at work there.
-    pub fn open(scene: &Scene, claim: &'a Claim) -> Result<Self, ReportError> {
+    pub fn open(scene: &Scene, claim: &Claim) -> Result<Self, ReportError> {
         let path = scene.output_directory.join(STEPS);
         let mut journal = Self {
             header: header(scene),
-            claim,
+            claim: claim.clone(),
             known: Vec::new(),
             begun: 0,
             file: None,
@@ -186,7 +186,7 @@ impl<'a> Journal<'a> {
     }
 }
 
-impl RunLog for Journal<'_> {
+impl RunLog for Journal {
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord> {
         if self.failure.is_some() {
             return Vec::new();

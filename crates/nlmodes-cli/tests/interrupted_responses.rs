@@ -1,0 +1,147 @@
+//! Runs of damped and forced motions that end early go on where they were cut off.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+use tempfile::tempdir;
+
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+/// Four curves of a rod before a rigid stop: a damped mode, two levels over the frequency, phase resonances.
+const SCENE: &str = r#"
+[structure]
+kind = "rod"
+length_m = 1.0
+elements = 10
+start = "clamped"
+end = "free"
+material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }
+section = { area_m2 = 1.0 }
+
+[[contact]]
+at_m = 1.0
+direction = "axial"
+side = "positive"
+gap_m = 1.0
+
+[damping]
+ratio = 0.02
+
+[[force]]
+at_m = 0.5
+direction = "axial"
+amplitude_n = 0.2
+
+[[response]]
+kind = "damped-mode"
+
+[[response]]
+kind = "frequency"
+frequency_hz = [0.2, 0.4]
+levels_n = [0.1, 0.2]
+
+[[response]]
+kind = "phase-resonance"
+levels_n = [0.1, 0.2]
+
+[method]
+kind = "ms-hbm"
+harmonics = 8
+
+[continuation]
+max_energy_ratio = 10.0
+"#;
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_nlmodes-cli"))
+}
+
+fn run(scene: &Path, out: &Path, more: &[&str]) -> Outcome<Output> {
+    Ok(program().arg("run").arg(scene).arg("--out").arg(out).args(more).output()?)
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Whole lines of the steps.
+fn steps(out: &Path) -> usize {
+    fs::read(out.join("steps.jsonl")).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
+}
+
+/// Starts a run and ends it by a signal as soon as so many lines of steps are there; `None` where it came to its end before.
+fn ended_at(scene: &Path, out: &Path, lines: usize, signal: &str) -> Outcome<Option<i32>> {
+    let mut call = program();
+    call.arg("run").arg(scene).arg("--out").arg(out).arg("--resume").stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = call.spawn()?;
+    while steps(out) < lines {
+        assert!(child.try_wait()?.is_none(), "the run ended before {lines} steps");
+        sleep(Duration::from_millis(1));
+    }
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status()?.success());
+    Ok(child.wait()?.code())
+}
+
+/// Tables, and what the summary says of each curve but for its time.
+fn results(out: &Path) -> Outcome<(String, String, Value)> {
+    let read = |name: &str| fs::read_to_string(out.join(name));
+    let mut summary: Value = serde_json::from_str(&read("summary.json")?)?;
+    let mut curves = summary["curves"].take();
+    for curve in curves.as_array_mut().into_iter().flatten() {
+        curve["wall_time_s"].take();
+    }
+    Ok((read("branch.csv")?, read("contacts.csv")?, curves))
+}
+
+#[cfg(unix)]
+#[test]
+fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> Outcome {
+    let folder = tempdir()?;
+    let (scene, whole, out) = (folder.path().join("rod.toml"), folder.path().join("whole"), folder.path().join("cut"));
+    fs::write(&scene, SCENE)?;
+    let output = run(&scene, &whole, &[])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let (expected, n, mut before) = (results(&whole)?, steps(&whole), Vec::new());
+    // In each curve once, by `kill -9` and by Ctrl-C in turn; the next run has taken over what the last one left.
+    for (share, signal) in [(0.1, "-KILL"), (0.3, "-INT"), (0.5, "-KILL"), (0.7, "-INT"), (0.9, "-KILL")] {
+        let lines = (share * n as f64) as usize;
+        let code = ended_at(&scene, &out, lines, signal)?;
+        assert_eq!(code, (signal == "-INT").then_some(1), "{share}");
+        assert!(steps(&out) >= lines && steps(&out) < n);
+        // What was there stands there still, with the step that a Ctrl-C cut short: it would be gone had the curves been computed anew.
+        let left = fs::read(out.join("steps.jsonl"))?;
+        assert!(left.starts_with(&before), "{share}");
+        let whole_lines = left.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+        before = left[..whole_lines].to_vec();
+    }
+    let output = run(&scene, &out, &["--resume"])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(results(&out)? == expected);
+    // A run that is whole takes no further step.
+    assert!(fs::read(out.join("steps.jsonl"))?.starts_with(&before));
+    let before = fs::read(out.join("steps.jsonl"))?;
+    assert_eq!(run(&scene, &out, &["--resume"])?.status.code(), Some(0));
+    assert!(results(&out)? == expected && fs::read(out.join("steps.jsonl"))? == before);
+    Ok(())
+}
+
+#[test]
+fn responses_of_another_scene_are_not_gone_on_with() -> Outcome {
+    let folder = tempdir()?;
+    let (scene, out) = (folder.path().join("rod.toml"), folder.path().join("results"));
+    fs::write(&scene, SCENE)?;
+    assert_eq!(run(&scene, &out, &["--set", "continuation.max_points=20"])?.status.code(), Some(1));
+    let before = fs::read(out.join("steps.jsonl"))?;
+    let output = run(&scene, &out, &["--resume", "--set", "damping.ratio=0.03"])?;
+    assert_eq!(output.status.code(), Some(2));
+    for part in ["another scene", "damping", "0.02", "0.03"] {
+        assert!(said(&output).contains(part), "{}", said(&output));
+    }
+    assert!(fs::read(out.join("steps.jsonl"))? == before);
+    Ok(())
+}
