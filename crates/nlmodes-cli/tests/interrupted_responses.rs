@@ -130,6 +130,27 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
     Ok(())
 }
 
+/// As a machine leaves them that goes down: among the short steps before a contact sets in, where the motion's own phase turns, and elsewhere.
+#[test]
+fn responses_go_on_behind_any_of_their_steps() -> Outcome {
+    let folder = tempdir()?;
+    let (scene, whole, out) = (folder.path().join("rod.toml"), folder.path().join("whole"), folder.path().join("cut"));
+    fs::write(&scene, SCENE)?;
+    assert_eq!(run(&scene, &whole, &[])?.status.code(), Some(0));
+    let (expected, text) = (results(&whole)?, fs::read_to_string(whole.join("steps.jsonl"))?);
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    for kept in [99, 100, 101, 103, lines.len() / 2, lines.len() - 40] {
+        let _ = fs::remove_dir_all(&out);
+        fs::create_dir(&out)?;
+        fs::copy(whole.join("run.json"), out.join("run.json"))?;
+        fs::write(out.join("steps.jsonl"), lines[..kept].concat())?;
+        assert_eq!(run(&scene, &out, &["--resume"])?.status.code(), Some(0), "{kept}");
+        assert!(results(&out)? == expected, "cut behind line {kept}");
+        assert!(fs::read_to_string(out.join("steps.jsonl"))? == text, "cut behind line {kept}");
+    }
+    Ok(())
+}
+
 #[test]
 fn responses_of_another_scene_are_not_gone_on_with() -> Outcome {
     let folder = tempdir()?;

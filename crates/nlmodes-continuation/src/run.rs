@@ -138,10 +138,18 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         let mut repeated = 0;
         for record in self.log.begin(&self.system.scales.correction_for_log(start.clone())) {
             let record = self.system.scales.record_in_scales(record);
+            let is_whole = !record.stop.as_ref().is_some_and(StopReason::is_asked_for);
+            if repeated > 0 && is_whole {
+                self.accept_foot();
+            }
             if !self.holds(&record) {
                 break;
             }
-            h = self.repeat(record, h)?;
+            let taken = self.repeat(record, h);
+            if taken.is_break() {
+                self.accept_foot();
+            }
+            h = taken?;
             repeated += 1;
         }
         let told = self.log.computing(repeated);
@@ -152,6 +160,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             return self.record(0, outcome);
         }
         self.restore_border();
+        self.accept_foot();
         if told.is_break() { ControlFlow::Break(StopReason::Stopped) } else { ControlFlow::Continue(h) }
     }
 

@@ -1,15 +1,7 @@
 //! Something wrong with a scene, and where.
 
-mod error;
-mod list;
-pub(crate) mod render;
-
 use std::collections::HashSet;
 use std::ops::Range;
-
-pub use error::SceneError;
-pub(crate) use error::or_all;
-pub use list::Diagnostics;
 
 /// Whether the scene is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

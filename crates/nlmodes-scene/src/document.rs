@@ -113,7 +113,7 @@ impl Document {
 
     /// Diagnostics of this document as text.
     pub fn render(&self, diagnostics: &[Diagnostic], colours: bool) -> String {
-        crate::diagnostic::render::render(diagnostics, &self.sources, colours)
+        crate::render::render(diagnostics, &self.sources, colours)
     }
 }
 

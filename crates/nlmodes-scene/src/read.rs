@@ -9,7 +9,7 @@ use toml::de::{DeTable, Deserializer};
 use crate::text::Text;
 use crate::{
     AnyScene, Diagnostic, Diagnostics, Document, FileError, RecordScene, SceneError, SceneFile, TestScene, check,
-    conform, file, planned, raw, schema,
+    conform, file, planned, raw, scene_file, schema,
 };
 
 /// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
@@ -140,7 +140,7 @@ impl<'t, 'a> Read<'t, 'a> {
 fn each_method<'a>(first: Read<'_, 'a>, overrides: &'a [String]) -> Result<Vec<SceneFile>, SceneError> {
     let text = first.text;
     let others = (1..text.n_methods()).map(|number| one_method(Read::new(text, overrides, number)));
-    crate::diagnostic::or_all(std::iter::once(one_method(first)).chain(others).collect())
+    scene_file::or_all(std::iter::once(one_method(first)).chain(others).collect())
 }
 
 /// The scene with one method.

@@ -48,6 +48,30 @@ pub fn warnings_text(files: &[SceneFile], colours: bool) -> String {
     files.first().map_or_else(String::new, |file| file.document.render(&diagnostic::each_once(all), colours))
 }
 
+/// All scenes of a file with several methods, or what is wrong with any of them.
+pub(crate) fn or_all(read: Vec<Result<SceneFile, SceneError>>) -> Result<Vec<SceneFile>, SceneError> {
+    if read.iter().all(Result::is_ok) {
+        return Ok(read.into_iter().flatten().collect());
+    }
+    let mut first: Option<Document> = None;
+    let mut diagnostics = Vec::new();
+    for scene in read {
+        match scene {
+            Ok(file) => diagnostics.extend(file.warnings),
+            Err(error) => {
+                let (document, found) = error.into_parts();
+                diagnostics.extend(found);
+                first.get_or_insert(document);
+            }
+        }
+    }
+    // All of them share their texts, so that a place in one is the same place in the other.
+    match first {
+        Some(document) => Err(SceneError::of_checks(document, diagnostic::each_once(diagnostics))),
+        None => Ok(Vec::new()),
+    }
+}
+
 /// A scene of any kind.
 #[derive(Debug, Clone)]
 pub enum AnyScene {

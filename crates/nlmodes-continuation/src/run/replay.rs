@@ -64,7 +64,6 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
                 pattern: last.pattern,
             };
             self.before = record.before;
-            self.system.accepted(&last.x, last.p);
         }
         self.folds.set_senses(&record.senses);
         if let Some(choice) = record.crossing {
@@ -82,7 +81,14 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
     }
 
-    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken.
+    /// Tells the system of the foot: what it holds there, such as a phase, is in the Jacobian of the steps behind, not in that of the foot itself.
+    pub(super) fn accept_foot(&mut self) {
+        if let Some((p, x)) = self.foot.z.split_last() {
+            self.system.accepted(x, *p);
+        }
+    }
+
+    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken: before the system was told of it.
     pub(super) fn restore_border(&mut self) {
         let Some(row) = self.row.take() else { return };
         let evaluations = self.corrector.evaluations;

@@ -88,22 +88,28 @@ impl<S: ParametricSystem> ParametricSystem for Counted<'_, S> {
     fn pattern(&self) -> u64 {
         self.0.pattern()
     }
+
+    fn accepted(&mut self, x: &[f64], p: f64) {
+        self.0.accepted(x, p);
+    }
 }
 
 /// Follows a curve with the log; `shown` sees the points and may stop it.
 fn follow<S: ParametricSystem>(
     settings: &Continuation,
     mut system: S,
-    from: [f64; 2],
+    from: &[f64],
     log: &mut Log,
     shown: impl FnMut(&BranchPoint) -> ControlFlow<()>,
 ) -> Branch {
     log.run = 0;
-    settings.run_with_log(&mut system, &from[..1], from[1], &[0.0, 1.0], log, shown).unwrap()
+    let n = from.len() - 1;
+    let direction: Vec<f64> = (0..=n).map(|j| f64::from(u8::from(j == n))).collect();
+    settings.run_with_log(&mut system, &from[..n], from[n], &direction, log, shown).unwrap()
 }
 
 /// Cuts the run at every step and at every point, and compares.
-fn check<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, system: impl Fn() -> S, from: [f64; 2]) {
+fn check<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, system: impl Fn() -> S, from: &[f64]) {
     let mut whole = Log::default();
     let go_on = |_: &BranchPoint| ControlFlow::Continue(());
     let expected = follow(settings, system(), from, &mut whole, go_on);
@@ -144,20 +150,77 @@ fn check<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, syste
 #[test]
 fn a_closed_curve_goes_on_wherever_it_was_cut() {
     let circle = || smooth(|x, p| [x * x + p * p - 1.0, 2.0 * x, 2.0 * p]);
-    check(&Continuation::default(), circle, [1.0, 0.0]);
+    check(&Continuation::default(), circle, &[1.0, 0.0]);
 }
 
 #[test]
 fn a_curve_through_a_crossing_goes_on_wherever_it_was_cut() {
     let pitchfork = || smooth(|x: f64, p: f64| [x * (p - x * x), p - 3.0 * x * x, x]);
-    check(&window(1, -1.0, 0.9), pitchfork, [0.0, -0.613]);
+    check(&window(1, -1.0, 0.9), pitchfork, &[0.0, -0.613]);
 }
 
 #[test]
 fn a_curve_around_a_corner_goes_on_wherever_it_was_cut() {
     let slope = |p: f64| if p < 0.0 { 0.2 } else { -8.0 };
     let corner = || piecewise(move |x, p| [x - slope(p) * p, 1.0, -slope(p)], |_, p| u64::from(p >= 0.0));
-    check(&window(1, -0.7, 0.6), corner, [-0.14, -0.7]);
+    check(&window(1, -0.7, 0.6), corner, &[-0.14, -0.7]);
+}
+
+/// An oscillation in two harmonics, `x₀ cos + x₁ sin + x₂ cos 2 + x₃ sin 2`, whose phase is free: it does not move along the turn of the last point. Something sets
+/// in at `p = 0.3`.
+struct FreePhase {
+    turn: [f64; 4],
+    pattern: u64,
+}
+
+impl FreePhase {
+    fn at(x: &[f64]) -> Self {
+        Self { turn: [-x[1], x[0], -2.0 * x[3], 2.0 * x[2]], pattern: 0 }
+    }
+}
+
+impl ParametricSystem for FreePhase {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        4
+    }
+
+    /// `|z| = h(p)` and `w = i k(p) z²` for `z = x₀ + i x₁`, `w = x₂ + i x₃`: the same for each phase.
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        let beyond = (p - 0.3).max(0.0);
+        self.pattern = u64::from(p > 0.3);
+        let k = 0.4 + 0.3 * p;
+        out.residual[0] = x[0] * x[0] + x[1] * x[1] - 1.0 - 0.5 * p.sin() - 40.0 * beyond.powf(1.5);
+        out.residual[1] = x[2] + 2.0 * k * x[0] * x[1];
+        out.residual[2] = x[3] - k * (x[0] * x[0] - x[1] * x[1]);
+        out.residual[3] = (0..4).map(|i| self.turn[i] * x[i]).sum();
+        let rows = [
+            [2.0 * x[0], 2.0 * x[1], 0.0, 0.0, -0.5 * p.cos() - 60.0 * beyond.sqrt()],
+            [2.0 * k * x[1], 2.0 * k * x[0], 1.0, 0.0, 0.6 * x[0] * x[1]],
+            [-2.0 * k * x[0], 2.0 * k * x[1], 0.0, 1.0, -0.3 * (x[0] * x[0] - x[1] * x[1])],
+            [self.turn[0], self.turn[1], self.turn[2], self.turn[3], 0.0],
+        ];
+        for (i, j) in (0..4).flat_map(|i| (0..5).map(move |j| (i, j))) {
+            out.jacobian[(i, j)] = rows[i][j];
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> u64 {
+        self.pattern
+    }
+
+    fn accepted(&mut self, x: &[f64], _: f64) {
+        self.turn = Self::at(x).turn;
+    }
+}
+
+#[test]
+fn a_motion_whose_phase_is_held_at_the_last_point_goes_on_wherever_it_was_cut() {
+    let size = (1.0 + 0.5 * (-0.4_f64).sin()).sqrt();
+    let start = [size, 0.0, 0.0, 0.28 * size * size, -0.4];
+    check(&window(4, -0.4, 0.9), || FreePhase::at(&start), &start);
 }
 
 #[test]
@@ -262,7 +325,7 @@ fn from_a_step_on_that_cannot_be_one_a_run_is_computed_again() {
     let (settings, from) = (window(1, -0.3, 0.3), [0.0, -0.213]);
     let go_on = |_: &BranchPoint| ControlFlow::Continue(());
     let mut whole = Log::default();
-    let expected = follow(&settings, pitchfork(), from, &mut whole, go_on);
+    let expected = follow(&settings, pitchfork(), &from, &mut whole, go_on);
     assert!(!expected.crossings.is_empty());
     for (what, damage) in damages() {
         let mut applied = 0;
@@ -270,7 +333,7 @@ fn from_a_step_on_that_cannot_be_one_a_run_is_computed_again() {
             let mut log = whole.clone();
             if damage(&mut log.runs[0].1[step]) {
                 applied += 1;
-                let found = follow(&settings, pitchfork(), from, &mut log, go_on);
+                let found = follow(&settings, pitchfork(), &from, &mut log, go_on);
                 assert_eq!(log.repeated, step, "{what}");
                 assert_eq!(found, expected, "{what} at step {step}");
                 assert_eq!(log.runs, whole.runs, "{what} at step {step}");

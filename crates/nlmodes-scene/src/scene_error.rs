@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Diagnostic, Document, SceneFile, Severity, diagnostic};
+use crate::{Diagnostic, Document, Severity};
 
 /// What is wrong with a scene, each thing at its place.
 #[derive(Debug, Clone)]
@@ -37,6 +37,11 @@ impl SceneError {
     pub fn with(mut self, other: Self) -> Self {
         self.content.diagnostics.extend(other.content.diagnostics);
         self
+    }
+
+    /// The texts, and what is wrong with them.
+    pub(crate) fn into_parts(self) -> (Document, Vec<Diagnostic>) {
+        (self.content.document, self.content.diagnostics)
     }
 
     /// With a line behind it.
@@ -79,26 +84,3 @@ impl fmt::Display for SceneError {
 }
 
 impl std::error::Error for SceneError {}
-
-/// All scenes of a file with several methods, or what is wrong with any of them.
-pub(crate) fn or_all(read: Vec<Result<SceneFile, SceneError>>) -> Result<Vec<SceneFile>, SceneError> {
-    if read.iter().all(Result::is_ok) {
-        return Ok(read.into_iter().flatten().collect());
-    }
-    let mut first: Option<Document> = None;
-    let mut diagnostics = Vec::new();
-    for scene in read {
-        match scene {
-            Ok(file) => diagnostics.extend(file.warnings),
-            Err(error) => {
-                diagnostics.extend(error.content.diagnostics);
-                first.get_or_insert(error.content.document);
-            }
-        }
-    }
-    // All of them share their texts, so that a place in one is the same place in the other.
-    match first {
-        Some(document) => Err(SceneError::of_checks(document, diagnostic::each_once(diagnostics))),
-        None => Ok(Vec::new()),
-    }
-}
