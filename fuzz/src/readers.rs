@@ -96,7 +96,7 @@ fn test_scene(bytes: &[u8]) {
     }
 }
 
-fn shown(refused: &config::Refused) {
+fn shown(refused: &config::SceneError) {
     assert!(refused.text(false).contains("error"), "a scene is refused without a reason");
 }
 
