@@ -80,7 +80,8 @@ def test_two_threads_get_twice_the_processor_time_of_one(long):
         [thread.join() for thread in own]
         return (time.process_time() - before) / (time.perf_counter() - began)
 
-    assert max(share(2) / share(1) for _ in range(3)) > 1.5
+    # Under one lock no try comes near; others on the machine spoil some.
+    assert any(share(2) > 1.5 * share(1) for _ in range(10))
 
 
 def test_ctrl_c_at_any_instant_leaves_a_sane_state(long, tmp_path):
