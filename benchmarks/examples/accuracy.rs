@@ -4,6 +4,7 @@
 
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchError, BranchSettings, BranchStart, StabilityRule, compute_branch};
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::fem::MassMatrix;
@@ -13,7 +14,6 @@ use nlmodes::hbm::{
 };
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, BranchStart, StabilityRule, StudyError, compute_branch};
 use nlmodes::timestep::{ContactDynamics, ReducedStructure, Shooting, ShootingScales};
 use nlmodes_benchmarks::{Failure, beam, rod};
 
@@ -106,7 +106,7 @@ fn row_each(
     };
     let fine = match compute_branch(model.clone(), &wanted, |_| ControlFlow::Continue(())) {
         Ok(fine) => fine,
-        Err(error @ (StudyError::NoStartAtEnergy { .. } | StudyError::NoStart { .. })) => {
+        Err(error @ (BranchError::NoStartAtEnergy { .. } | BranchError::NoStart { .. })) => {
             println!("| {name} | {ratio} | {FINE} | {error} | | | |");
             return Ok(());
         }
@@ -144,7 +144,7 @@ fn rows_of_own(name: &str, model: &MasslessContactModel, ratio: f64, harmonics: 
         };
         let found = match compute_branch(model.clone(), &wanted, |_| ControlFlow::Continue(())) {
             Ok(found) => found,
-            Err(StudyError::NoStartAtEnergy { .. } | StudyError::NoStart { .. }) => {
+            Err(BranchError::NoStartAtEnergy { .. } | BranchError::NoStart { .. }) => {
                 println!("| {name} | {ratio} | {n} | no solution of this energy | | | |");
                 continue;
             }

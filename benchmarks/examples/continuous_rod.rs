@@ -5,10 +5,10 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::fem::MassMatrix;
 use nlmodes::modal::{BranchEnd, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
 use nlmodes::report::{Abscissa, BranchFigure};
-use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes_benchmarks::{Failure, rod};
 
 const LENGTH: f64 = 20.0;

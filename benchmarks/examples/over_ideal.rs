@@ -13,11 +13,11 @@
 
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::continuation::{DenseSolver, LinearSolver, Linearization, ParametricSystem};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::hbm::Symmetry;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes_benchmarks::kernels::{backbone_of_the_beam, loop_of_the_rod};
 use nlmodes_benchmarks::{Failure, beam, beam_with_ten_stops, rod, smallest_time, thread_time};
 

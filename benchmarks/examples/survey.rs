@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, ResonanceRule, compute_branch};
 use nlmodes::fem::MassMatrix;
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, ResonanceRule, compute_branch};
 use nlmodes_benchmarks::{Failure, beam, rod, thread_time};
 
 fn main() -> Result<(), Failure> {

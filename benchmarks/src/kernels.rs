@@ -3,13 +3,13 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, compute_branch};
 use nlmodes::contact::{LcpMatrix, Mat, SeriesSolution, Start, solver_by_name};
 use nlmodes::continuation::{Linearization, ParametricSystem};
 use nlmodes::fem::MassMatrix;
 use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, lowest_modes};
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, compute_branch};
 
 use crate::{Failure, beam, rig, rod};
 

@@ -3,9 +3,9 @@
 use nlmodes::modal::EndReason;
 use std::f64::consts::{PI, TAU};
 
+use nlmodes::branches::{BranchSettings, ResonanceRule};
 use nlmodes::fem::Mesh;
 use nlmodes::model::{Contact, MasslessContactModel, Side, held_modes};
-use nlmodes::study::{BranchSettings, ResonanceRule};
 use nlmodes_benchmarks::Failure;
 
 use crate::judge::{Verdict, follow, refused};

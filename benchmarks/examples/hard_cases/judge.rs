@@ -6,8 +6,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes_benchmarks::Failure;
 
 pub const HEADER: &str = "| case | points | refused | frequency, Hz | energy over start | contact, % | end | residual | violation | CPU, s | judged by | difference |\n\

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, BranchStart, compute_branch};
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::ParametricSystem;
 use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
-use nlmodes::study::{BranchSettings, BranchStart, compute_branch};
 use nlmodes::timestep::{ClosedInterval, ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
 use nlmodes_benchmarks::Failure;
 

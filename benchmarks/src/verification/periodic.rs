@@ -4,10 +4,10 @@ use nlmodes::modal::Event;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, compute_branch};
 use nlmodes::fem::MassMatrix;
 use nlmodes::hbm::{CondensedStructure, Symmetry};
 use nlmodes::model::{Contact, MasslessContactModel, Side};
-use nlmodes::study::{BranchSettings, compute_branch};
 
 use super::tools::{Bilinear, TwoMasses, at_energy, bisect, condensed, follow, mode, slope, springs, with_tips};
 use super::{Case, Check, Kind};

@@ -125,10 +125,10 @@ impl Observer for TerminalObserver {
         self.options.certify
     }
 
-    fn watch(&self) -> nlmodes::study::Watch {
+    fn watch(&self) -> nlmodes::branches::Watch {
         match &self.progress {
             Some(progress) => progress.watch(interrupt::requested),
-            None => nlmodes::study::Watch::new(|_, _| match interrupt::requested() {
+            None => nlmodes::branches::Watch::new(|_, _| match interrupt::requested() {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             }),

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use nlmodes::branches::Watch;
 use nlmodes::modal::{Event, ModalPoint};
-use nlmodes::study::Watch;
 
 use crate::options::RunOptions;
 use nlmodes_scene::number;

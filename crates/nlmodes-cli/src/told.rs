@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
+use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::{EndReason, Event};
-use nlmodes::study::ComputedBranch;
 use nlmodes_run::certificate::Certificate;
 use nlmodes_run::{PartOutcome, chain};
 

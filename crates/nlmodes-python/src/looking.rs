@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use nlmodes::study::{Doing, Watch};
+use nlmodes::branches::{Doing, Watch};
 use nlmodes_run::{Event, Observer};
 use pyo3::prelude::*;
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use nlmodes::study::ComputedBranch;
+use nlmodes::branches::ComputedBranch;
 use nlmodes_run::{Over, RunError, RunOutcome, chain};
 use nlmodes_scene::{AnyScene, SceneFile};
 use numpy::IntoPyArray;

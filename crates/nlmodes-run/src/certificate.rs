@@ -14,9 +14,9 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+use nlmodes::branches::{ComputedBranch, Watch};
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MassShift;
-use nlmodes::study::{ComputedBranch, Watch};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;

@@ -4,8 +4,8 @@ mod difference;
 mod measure;
 mod table;
 
+use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::hbm::HbmError;
-use nlmodes::study::{ComputedBranch, StudyError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::MethodKind;
 
@@ -37,14 +37,14 @@ pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> 
     for solver in solvers {
         let outcome = match branch(&file.scene, &model, solver) {
             Ok((computed, time)) => {
-                let violation = largest_violation(&computed).map_err(|error| refusal::of_study(file, &error))?;
+                let violation = largest_violation(&computed).map_err(|error| refusal::of_branch(file, &error))?;
                 let difference = reference.as_ref().map(|first| difference(&first.branch, &computed.branch));
                 let run = Run::new(&computed, time, violation, difference);
                 reference.get_or_insert(computed);
                 Ok(run)
             }
             Err(error) if concerns_the_solver(&error) => Err(chain(&error)),
-            Err(error) => return Err(refusal::of_study(file, &error)),
+            Err(error) => return Err(refusal::of_branch(file, &error)),
         };
         rows.push(Row { solver: solver.clone(), outcome });
     }
@@ -52,11 +52,11 @@ pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> 
 }
 
 /// Whether another solver may succeed where this error was met; all other errors are those of the scene.
-fn concerns_the_solver(error: &StudyError) -> bool {
+fn concerns_the_solver(error: &BranchError) -> bool {
     matches!(
         error,
-        StudyError::Contact(_)
-            | StudyError::Continuation(_)
-            | StudyError::Hbm(HbmError::Contact { .. } | HbmError::Compliance(_))
+        BranchError::Contact(_)
+            | BranchError::Continuation(_)
+            | BranchError::Hbm(HbmError::Contact { .. } | HbmError::Compliance(_))
     )
 }

@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
 use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::report::HtmlReport;
-use nlmodes::study::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 
+use crate::branches::{held_ends, stop_lines};
 use crate::settings::{Models, branch_settings, models_sharing, starts};
-use crate::study::{held_ends, stop_lines};
 use crate::{Failure, RunError, refusal};
 
 /// Most points: somebody waits for them.
@@ -47,7 +47,7 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
-    let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_study(file, &error))?;
+    let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
     if watch.has_ended() {
         return Err(RunError::Ended);
     }

@@ -5,7 +5,7 @@
 //!
 //! | item | what it does |
 //! | --- | --- |
-//! | [`run`](study::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
+//! | [`run`](branches::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
 //! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
@@ -56,6 +56,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod branches;
 pub mod certificate;
 mod character;
 mod claim;
@@ -79,15 +80,14 @@ pub mod redrawn;
 mod refusal;
 pub mod responses;
 mod settings;
-pub mod study;
 mod style;
 pub mod updating;
 pub mod verify;
 pub mod virtual_test;
 
+pub use branches::{check, run, run_sharing};
 pub use claim::Over;
 pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};
 pub use outcome::{PartOutcome, RunOutcome};
 pub use refusal::no_contact;
-pub use study::{check, run, run_sharing};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use nlmodes::branches::Watch;
 use nlmodes::modal::ModalPoint;
-use nlmodes::study::Watch;
 use nlmodes::virtual_test::TestLevel;
 use nlmodes_scene::scene::{Scene, TestScene, Updating};
 

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use nlmodes::branches::ComputedTree;
 use nlmodes::modal::Participation;
-use nlmodes::study::ComputedTree;
 use nlmodes_scene::scene::Scene;
 
 use crate::Failure;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-pub use crate::study::repeated::{Interrupted, Left};
+pub use crate::branches::repeated::{Interrupted, Left};
 
 use crate::chain;
 use crate::lcp;

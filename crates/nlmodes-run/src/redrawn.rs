@@ -10,7 +10,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use crate::files::{RUN, STEPS};
-use crate::{Event, Observer, Over, RunError, responses, study};
+use crate::{Event, Observer, Over, RunError, branches, responses};
 
 const SUMMARY: &str = "summary.json";
 /// Folders below a directory of results in which there may be steps: of methods, harmonics and branches.
@@ -92,7 +92,7 @@ pub fn redraw(results: &Path, into: &Path, width_mm: Option<f64>, titled: bool) 
     }
     copy_steps(results, into, DEPTH)?;
     let mut repeating = Repeating::default();
-    let done = study::run(files, Over::Resumed, &mut repeating);
+    let done = branches::run(files, Over::Resumed, &mut repeating);
     if repeating.is_new {
         return Err(RedrawError::NotEnded);
     }

@@ -2,74 +2,74 @@
 
 use std::error::Error;
 
+use nlmodes::branches::BranchError;
 use nlmodes::hbm::HbmError;
 use nlmodes::model::ModelError;
-use nlmodes::study::StudyError;
 use nlmodes::timestep::TimestepError;
 use nlmodes_scene::scene::{Direction, Scene, StructureKind};
 use nlmodes_scene::{SceneError, SceneFile};
 
 use crate::{RunError, chain};
 
-/// An error of the study, at the key of the scene that it is about.
-pub fn of_study(file: &SceneFile, error: &StudyError) -> RunError {
+/// An error of a branch, at the key of the scene that it is about.
+pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {
     let path = match error {
-        StudyError::Ended(_) => return RunError::Ended,
-        StudyError::Hbm(HbmError::NoMassBehindContacts { .. }) => {
+        BranchError::Ended(_) => return RunError::Ended,
+        BranchError::Hbm(HbmError::NoMassBehindContacts { .. }) => {
             let help = [
                 "more `structure.elements` leave nodes with mass beside the stops; `nlmodes-cli modes` shows what is left",
             ];
             return file.error_at("method.mass_redistribution", &chain(error), "", &help).into();
         }
-        StudyError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
+        BranchError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
             let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
             let label = format!("mode {mode} moves across the beam: expected \"transverse\"");
             let help =
                 "an axial stop is met by axial modes only: `nlmodes-cli modes` lists all, `method.mode` takes one";
             return file.error_at("contact.0.direction", &title, &label, &[help]).into();
         }
-        StudyError::Hbm(
+        BranchError::Hbm(
             HbmError::NoSuchMode { .. } | HbmError::NeverTouches { .. } | HbmError::RigidBodyMode { .. },
         ) => "method.mode",
-        StudyError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
+        BranchError::Hbm(HbmError::TouchesAtRest { contact, .. }) => {
             let key = format!("contact.{contact}.gap_m");
             return file
                 .error_at(&key, &chain(error), "here", &["a small positive gap starts at the first touch"])
                 .into();
         }
-        StudyError::Timestep(TimestepError::TooManyModes { most, .. }) => {
+        BranchError::Timestep(TimestepError::TooManyModes { most, .. }) => {
             let (key, help) =
                 ("method.held_modes", "the modes left out answer statically; or take fewer `structure.elements`");
             let label = format!("expected `held_modes` in this table: a whole number from 1 to {most}");
             return file.error_at(key, &chain(error), &label, &[help]).into();
         }
-        StudyError::StartOutsideWindow { .. } => {
+        BranchError::StartOutsideWindow { .. } => {
             let help =
                 "`nlmodes-cli modes` lists the linear frequencies; `continuation.start_frequency_hz` starts elsewhere";
             let label = "expected a window that holds the start";
             return file.error_at("continuation.frequency_hz", &chain(error), label, &[help]).into();
         }
-        StudyError::NotEven => "method.symmetry",
-        StudyError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
-        StudyError::Hbm(HbmError::Samples { .. }) => "method.samples",
-        StudyError::NoStartTouching { .. } => "contact.0.gap_m",
-        StudyError::NoStart { .. } => "continuation.start_frequency_hz",
-        StudyError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
-        StudyError::Contact(_) => "method.contact_solver",
-        StudyError::Hbm(HbmError::Model(ModelError::HeldRigidBody { .. })) => {
+        BranchError::NotEven => "method.symmetry",
+        BranchError::Hbm(HbmError::Harmonics { .. }) => "method.harmonics",
+        BranchError::Hbm(HbmError::Samples { .. }) => "method.samples",
+        BranchError::NoStartTouching { .. } => "contact.0.gap_m",
+        BranchError::NoStart { .. } => "continuation.start_frequency_hz",
+        BranchError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
+        BranchError::Contact(_) => "method.contact_solver",
+        BranchError::Hbm(HbmError::Model(ModelError::HeldRigidBody { .. })) => {
             let help = "supports, or springs in this direction (`[[structure.spring]]`), hold it; with `reduction.kind = \"open-modes\"` it may float";
             return file.error_at("structure", &chain(error), "", &[help]).into();
         }
-        StudyError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
+        BranchError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",
         _ => "method",
     };
     // Where Newton's method fails the scene is not to blame.
     let unlucky = matches!(
         error,
-        StudyError::NoStart { .. }
-            | StudyError::NoStartAtEnergy { .. }
-            | StudyError::NoStartTouching { .. }
-            | StudyError::Continuation(_)
+        BranchError::NoStart { .. }
+            | BranchError::NoStartAtEnergy { .. }
+            | BranchError::NoStartTouching { .. }
+            | BranchError::Continuation(_)
     );
     let said = file.error_at(path, &chain(error), "", &[]);
     if unlucky { RunError::Failed(said) } else { said.into() }

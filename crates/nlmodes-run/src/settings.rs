@@ -1,9 +1,9 @@
-//! From a checked scene to what the study takes.
+//! From a checked scene to what the computation of a branch takes.
 
-use nlmodes::model::{MasslessContactModel, StructuralModel};
-use nlmodes::study::{
+use nlmodes::branches::{
     Accuracy, BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule,
 };
+use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures, contact_model};
 use nlmodes_scene::scene::{

@@ -5,7 +5,7 @@ mod results;
 
 use std::f64::consts::TAU;
 
-use nlmodes::study::Watch;
+use nlmodes::branches::Watch;
 use nlmodes::timestep::{
     ContactDynamics, Floquet, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError, Verification,
 };

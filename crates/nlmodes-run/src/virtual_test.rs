@@ -11,12 +11,12 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use nlmodes::branches::Watch;
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::experiment::records::write_record;
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::ReportError;
 use nlmodes::rig::{RigError, VirtualTest};
-use nlmodes::study::Watch;
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::claim::Claim;

@@ -29,7 +29,7 @@ use parts::Fixed;
 use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure, RawStudy};
+use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure};
 use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure};
 
 /// What a scene computes with, as far as its other tables have to fit it.
@@ -55,7 +55,7 @@ pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnost
     let structure = structure.map(SceneStructure::Straight);
     let places = Places::along(raw.structure.as_ref(), mesh);
     let subject = Subject { places, contact_tables: tables.len() };
-    let scene = rest(&raw.study, (stem, base), structure, contacts, &subject, diagnostics)?;
+    let scene = rest(&raw.analysis, (stem, base), structure, contacts, &subject, diagnostics)?;
     plausible::warn(&scene, diagnostics);
     Some(scene)
 }
@@ -78,7 +78,7 @@ pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, diagnostics: 
     let contacts = contact::check(tables, &bodies, diagnostics);
     let structures = structures.into_iter().collect::<Option<Vec<Structure>>>().map(SceneStructure::Several);
     let subject = Subject { places: Places::Bodies(&bodies), contact_tables: tables.len() };
-    let scene = rest(&raw.study, (stem, base), structures, contacts, &subject, diagnostics)?;
+    let scene = rest(&raw.analysis, (stem, base), structures, contacts, &subject, diagnostics)?;
     for (i, structure) in scene.structure.bodies().iter().enumerate() {
         diagnostics.about_structure(Some(i));
         plausible::structure(structure, diagnostics);
@@ -92,7 +92,7 @@ pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, diagnostics: 
     let matrices = matrices::check(raw, base, diagnostics).map(SceneStructure::Matrices);
     let contact_tables = raw.contact.as_ref().map_or(0, Vec::len);
     let subject = Subject { places: Places::Nodes, contact_tables };
-    rest(&raw.study, (stem, base), matrices, Vec::new(), &subject, diagnostics)
+    rest(&raw.analysis, (stem, base), matrices, Vec::new(), &subject, diagnostics)
 }
 
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.
@@ -105,7 +105,7 @@ fn one_structure(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostic
 
 /// What all structures share.
 fn rest(
-    raw: &RawStudy,
+    raw: &RawAnalysis,
     (stem, base): (&str, &Path),
     mut structure: Option<SceneStructure>,
     mut contacts: Vec<Contact>,

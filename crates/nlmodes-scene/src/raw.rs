@@ -45,7 +45,7 @@ const MAX_BODIES: u32 = 1000;
 
 /// What scenes of all structures that are computed share.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-pub struct RawStudy {
+pub struct RawAnalysis {
     /// Title of tables and figures; default: the name of the file
     pub title: Option<String>,
     /// How the structure is reduced
@@ -83,7 +83,7 @@ pub struct RawScene {
     pub contact: Option<Vec<RawContact>>,
     /// Everything else
     #[serde(flatten)]
-    pub study: RawStudy,
+    pub analysis: RawAnalysis,
 }
 
 /// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them and one-sided stops.
@@ -97,7 +97,7 @@ pub struct RawBodiesScene {
     pub contact: Option<Vec<RawContact>>,
     /// Everything else
     #[serde(flatten)]
-    pub study: RawStudy,
+    pub analysis: RawAnalysis,
 }
 
 /// A stop on one side of a node.

@@ -7,11 +7,11 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::modal::{HarmonicBasis, HarmonicCoefficients, ModalPoint, Participation, TimeHistory};
 use nlmodes::model::{Conserve, Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
 use nlmodes::report::{Abscissa, BranchFigure, HistoryFigure};
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 use num_complex::Complex64;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

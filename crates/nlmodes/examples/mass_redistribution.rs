@@ -7,12 +7,12 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use nlmodes::branches::{BranchSettings, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::model::{
     Conserve, Drop, MassRedistribution, MasslessContactModel, Move, Side, StructuralModel, linear_modes,
 };
 use nlmodes::report::ConvergenceFigure;
-use nlmodes::study::{BranchSettings, compute_branch};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 

@@ -29,7 +29,7 @@
 //! ```
 //! use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 //! use nlmodes::model::{Drop, MasslessContactModel, Side};
-//! use nlmodes::study::{BranchSettings, compute_branch};
+//! use nlmodes::branches::{BranchSettings, compute_branch};
 //!
 //! let rod = Rod {
 //!     material: Material::new(210e9, 9000.0)?,
@@ -52,7 +52,7 @@
 //! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
-pub mod study;
+pub mod branches;
 pub mod updating;
 pub mod virtual_test;
 

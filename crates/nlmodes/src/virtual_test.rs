@@ -12,7 +12,7 @@ use nlmodes_rig::{
     VirtualTest,
 };
 
-use crate::study::{Doing, Ended, Watch};
+use crate::branches::{Doing, Ended, Watch};
 
 /// Channel of the excitation force in [`Bench::setup`].
 pub const FORCE: usize = 0;

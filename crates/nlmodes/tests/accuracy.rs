@@ -4,6 +4,10 @@ mod support;
 
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{
+    Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ResonanceRule, StabilityRule,
+    compute_branch, compute_tree,
+};
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
@@ -12,10 +16,6 @@ use nlmodes::hbm::{
 };
 use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{Drop, MasslessContactModel, Side};
-use nlmodes::study::{
-    Accuracy, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ResonanceRule, StabilityRule,
-    compute_branch, compute_tree,
-};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
 use support::{massless_beam, unit_rod};
 

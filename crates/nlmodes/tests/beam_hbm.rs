@@ -4,9 +4,9 @@ use nlmodes::modal::EndReason;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::model::{Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 
 const LENGTH: f64 = 0.629_755_20;
 const STIFFNESS: f64 = 2.3e6;
@@ -32,7 +32,7 @@ fn ms_hbm(stiffness: Option<f64>) -> MasslessContactModel {
     MasslessContactModel::new(&beam(181.36e9, stiffness), &Drop).unwrap()
 }
 
-fn study(model: MasslessContactModel, max_energy_ratio: f64) -> ComputedBranch {
+fn branch(model: MasslessContactModel, max_energy_ratio: f64) -> ComputedBranch {
     let settings = BranchSettings { max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
     let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{:?}", computed.branch.end);
@@ -60,7 +60,7 @@ fn harmonic_balance_of_the_beam_passes_through_frequencies_computed_elsewhere() 
     // Own computation in Python (Timoshenko elements integrated by Gauss, receptances of the full matrices, quadrature by Gauss between
     // the roots of the gap, Powell's method): grazing energy, and Hz over the energy ratio.
     for (ratio, expected) in [(1.5, 44.034_781_044_8), (3.0, 48.148_150_479_5), (6.0, 51.393_472_036_7)] {
-        let computed = study(hbm(), ratio);
+        let computed = branch(hbm(), ratio);
         assert_eq!(computed.branch.label, "HBM, 5 harmonics");
         assert!((computed.grazing.energy / 0.004_922_468_958_926_6 - 1.0).abs() < 1e-7);
         assert!((computed.grazing.omega / TAU - 40.10).abs() < 1e-6);
@@ -72,7 +72,8 @@ fn harmonic_balance_of_the_beam_passes_through_frequencies_computed_elsewhere() 
 
 #[test]
 fn mixed_shooting_is_stiffer_than_harmonic_balance_by_two_percent_and_its_force_peak_ten_times_higher() {
-    let (rigid, elastic, balance) = (study(ms_hbm(None), 6.5), study(ms_hbm(Some(STIFFNESS)), 6.5), study(hbm(), 6.5));
+    let (rigid, elastic, balance) =
+        (branch(ms_hbm(None), 6.5), branch(ms_hbm(Some(STIFFNESS)), 6.5), branch(hbm(), 6.5));
     for amplitude in [6e-4, 7e-4, 8e-4, 9e-4] {
         let [rigid, elastic, balance] = [&rigid, &elastic, &balance].map(|branch| hz_at(branch, amplitude));
         // Stiffer because the stop does not yield, and because the mode has less mass without its tip.
@@ -88,7 +89,7 @@ fn mixed_shooting_is_stiffer_than_harmonic_balance_by_two_percent_and_its_force_
 
 #[test]
 fn a_solution_between_two_points_has_the_amplitude_of_the_other_method() {
-    let computed = study(hbm(), 2.0);
+    let computed = branch(hbm(), 2.0);
     let points = &computed.branch.points;
     // Neither of the points themselves, nor their mean: somewhere between the sixth and the seventh.
     let amplitude = 0.3 * points[5].modal_amplitude + 0.7 * points[6].modal_amplitude;
@@ -97,7 +98,7 @@ fn a_solution_between_two_points_has_the_amplitude_of_the_other_method() {
     let range = points[5].omega.min(points[6].omega)..points[5].omega.max(points[6].omega);
     assert!(range.contains(&found.point.omega), "{}", found.point.omega / TAU);
     // It is on the branch: a branch that ends at its energy ends at its frequency and amplitude.
-    let other = study(hbm(), found.point.kinetic_energy / computed.grazing.energy);
+    let other = branch(hbm(), found.point.kinetic_energy / computed.grazing.energy);
     let last = other.branch.points.last().unwrap();
     assert!((found.point.omega / last.omega - 1.0).abs() < 1e-10);
     assert!((amplitude / last.modal_amplitude - 1.0).abs() < 1e-8);
@@ -111,10 +112,10 @@ fn a_solution_between_two_points_has_the_amplitude_of_the_other_method() {
 fn a_stiffer_spring_brings_harmonic_balance_toward_mixed_shooting_on_the_same_masses() {
     let tips = |k: f64| MasslessContactModel::with_spring_tips(&beam(181.36e9, Some(k)), Some(&Drop)).unwrap();
     // At 2.3e6 N/m the tip's own stiffness, some 1e10 N/m, hardly matters: truncating the node changes nothing.
-    let (node, tip) = (end_hz(&study(ms_hbm(Some(STIFFNESS)), 3.0)), end_hz(&study(tips(STIFFNESS), 3.0)));
+    let (node, tip) = (end_hz(&branch(ms_hbm(Some(STIFFNESS)), 3.0)), end_hz(&branch(tips(STIFFNESS), 3.0)));
     assert!((node / tip - 1.0).abs() < 1e-5, "{node} {tip}");
     // And MS-HBM runs into its own rigid stop like 1/k_c, once k_c is beyond what five harmonics see of the contact.
-    let rigid = end_hz(&study(ms_hbm(None), 3.0));
-    let off = [1e11, 1e12, 1e13].map(|k| (end_hz(&study(ms_hbm(Some(k)), 3.0)) - rigid).abs());
+    let rigid = end_hz(&branch(ms_hbm(None), 3.0));
+    let off = [1e11, 1e12, 1e13].map(|k| (end_hz(&branch(ms_hbm(Some(k)), 3.0)) - rigid).abs());
     assert!(off.windows(2).all(|pair| (8.0..12.0).contains(&(pair[0] / pair[1]))), "{off:?}");
 }

@@ -6,11 +6,11 @@ use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::model::linear_modes;
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 use support::{beam, massless_beam};
 
-fn study(harmonics: usize, max_energy_ratio: f64) -> ComputedBranch {
+fn branch(harmonics: usize, max_energy_ratio: f64) -> ComputedBranch {
     let settings = BranchSettings { harmonics, max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
     let computed = compute_branch(massless_beam(), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{:?}", computed.branch.end);
@@ -38,7 +38,7 @@ fn both_rows_of_table_1_lie_at_40_10_hz() {
 
 #[test]
 fn five_harmonics_lead_smoothly_from_grazing_to_six_times_its_energy() {
-    let computed = study(5, 6.0);
+    let computed = branch(5, 6.0);
     // Its corner is a regular one: all equations are small behind so stiff a contact node, which does not make directions free. (Curves around it
     // took 6700 evaluations.)
     assert!(computed.evaluations < 3000, "{}", computed.evaluations);
@@ -62,7 +62,7 @@ fn the_backbone_passes_through_frequencies_computed_elsewhere() {
     let elsewhere =
         [(1, 3.0, 49.473_500_209), (1, 6.0, 54.040_955_957), (5, 1.5, 44.241_216_140), (5, 3.0, 48.522_571_620)];
     for (harmonics, ratio, expected) in elsewhere {
-        let found = end_hz(&study(harmonics, ratio));
+        let found = end_hz(&branch(harmonics, ratio));
         // Both solve the same equations; the matrices differ by rounding, and 21 graded elements have a condition near 1e9.
         assert!((found - expected).abs() < 1e-6, "{harmonics} harmonics, {ratio}: {found} against {expected}");
     }
@@ -72,13 +72,13 @@ fn the_backbone_passes_through_frequencies_computed_elsewhere() {
 fn two_touches_close_together_are_not_missed() {
     // With six harmonics the tip touches twice in quick succession, and between two of the 64 samples of a period its gap rises,
     // falls and rises again. With sampled switching and 4096 samples the branch ends at 41.795528 Hz too.
-    let found = end_hz(&study(6, 6.0));
+    let found = end_hz(&branch(6, 6.0));
     assert!((found - 41.795_528).abs() < 1e-5, "{found}");
 }
 
 #[test]
 fn the_first_mode_takes_part_as_one_and_the_second_two_orders_below() {
-    let computed = study(5, 6.0);
+    let computed = branch(5, 6.0);
     let participation = computed.participation(2).unwrap();
     assert_eq!(participation.len(), computed.branch.points.len());
     assert_eq!(participation[0].harmonics, 1..=5);

@@ -7,14 +7,14 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use nlmodes::branches::{
+    BranchError, BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree,
+    ResonanceRule, Watch, compute_branch, compute_tree,
+};
 use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes::hbm::{Switching, Symmetry};
 use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{MasslessContactModel, Side};
-use nlmodes::study::{
-    BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree, ResonanceRule,
-    StudyError, Watch, compute_branch, compute_tree,
-};
 use support::massless_beam;
 
 fn rod() -> MasslessContactModel {
@@ -332,7 +332,7 @@ fn a_study_ends_at_the_next_evaluation_wherever_it_is() {
                     assert_eq!(computed.branch.end.reasons, [EndReason::Stopped], "{}", computed.branch.end.message);
                     assert!(seen > 0 && !computed.branch.points.is_empty());
                 }
-                Err(error) => assert!(matches!(error, StudyError::Ended(_)) && seen == 0, "{error}, {seen} points"),
+                Err(error) => assert!(matches!(error, BranchError::Ended(_)) && seen == 0, "{error}, {seen} points"),
             }
         }
     }

@@ -4,11 +4,11 @@ use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchError, BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::hbm::HbmError;
 use nlmodes::linalg::{Triplet, sparse_from_triplets};
 use nlmodes::model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::study::{BranchSettings, ComputedBranch, StudyError, compute_branch};
 
 /// Masses in a row, the first held by a wall.
 fn chain(masses: &[f64], springs: &[f64], contacts: Vec<Contact>) -> StructuralModel {
@@ -59,7 +59,7 @@ fn placed(stops: &[(f64, Side, f64)], length: f64, direction: Direction) -> Vec<
     stops.iter().map(|&(at, side, gap)| Stop::rigid(at * length, direction, side, gap)).collect()
 }
 
-fn try_follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> Result<ComputedBranch, StudyError> {
+fn try_follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> Result<ComputedBranch, BranchError> {
     let settings = BranchSettings { harmonics, max_energy_ratio: Some(ratio), ..BranchSettings::default() };
     compute_branch(model, &settings, |_| ControlFlow::Continue(()))
 }
@@ -213,7 +213,7 @@ fn harmonic_balance_says_when_a_contact_spring_drowns_the_structure() {
     };
     // Two springs of 2 in series: a static stiffness of 1.
     let error = try_follow(model(1e12), 3.0, 3).unwrap_err();
-    let StudyError::Hbm(HbmError::ContactTooStiff { contact: 0, ratio, .. }) = error else { panic!("{error}") };
+    let BranchError::Hbm(HbmError::ContactTooStiff { contact: 0, ratio, .. }) = error else { panic!("{error}") };
     assert!((ratio.log10() - 12.0).abs() < 0.01, "{ratio:e}");
     follow(model(1e7), 3.0, 3);
 }

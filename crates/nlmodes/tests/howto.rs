@@ -5,9 +5,9 @@ use std::path::Path;
 
 #[test]
 fn matrices_of_another_program() -> Result<(), Box<dyn Error>> {
+    use nlmodes::branches::{BranchSettings, compute_branch};
     use nlmodes::linalg::sparse_from_triplets;
     use nlmodes::model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-    use nlmodes::study::{BranchSettings, compute_branch};
 
     // (row, column, value), both triangles; here two masses on springs and the node at the stop, k in N/m and m in kg.
     let mut k = vec![(0, 0, 3e4), (0, 1, -2e4), (1, 0, -2e4), (1, 1, 4e4)];

@@ -5,10 +5,10 @@ mod support;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, compute_branch};
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::model::Side;
-use nlmodes::study::{BranchSettings, compute_branch};
 use support::unit_rod;
 
 const ELEMENTS: usize = 6000;

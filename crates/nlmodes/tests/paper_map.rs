@@ -40,7 +40,7 @@ fn existing() -> BTreeSet<String> {
         nlmodes::model::StructuralModel,
         nlmodes::rig::ModalStructure,
         nlmodes::rig::VirtualRig,
-        nlmodes::study::compute_branch,
+        nlmodes::branches::compute_branch,
         nlmodes::timestep::GlobalContactProblem,
         nlmodes::updating::update_parameters,
     ];

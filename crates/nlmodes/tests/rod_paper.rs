@@ -6,9 +6,9 @@ use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
 use nlmodes::fem::MassMatrix;
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
 
 const ELEMENTS: usize = 100;
 const GAP: f64 = support::ROD_GAP;
@@ -17,7 +17,7 @@ fn model_of(elements: usize) -> MasslessContactModel {
     support::rod(elements, MassMatrix::Consistent)
 }
 
-fn study(harmonics: usize, max_energy_ratio: Option<f64>, frequency_hz: Option<[f64; 2]>) -> ComputedBranch {
+fn branch(harmonics: usize, max_energy_ratio: Option<f64>, frequency_hz: Option<[f64; 2]>) -> ComputedBranch {
     let settings = BranchSettings { harmonics, max_energy_ratio, frequency_hz, ..BranchSettings::default() };
     let computed = compute_branch(model_of(ELEMENTS), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert!(computed.branch.end.complete, "{:?}", computed.branch.end);
@@ -66,7 +66,7 @@ fn the_closed_form_gives_the_frequencies_of_the_rod_with_a_massless_tip() {
 
 #[test]
 fn one_harmonic_leads_from_grazing_to_three_times_its_energy() {
-    let computed = study(1, Some(3.0), None);
+    let computed = branch(1, Some(3.0), None);
     let (f, energy) = grazing_of(1);
     assert!((hz(&computed, 0) / f - 1.0).abs() < 1e-11);
     assert!((computed.branch.points[0].kinetic_energy / energy - 1.0).abs() < 1e-9);
@@ -78,7 +78,7 @@ fn one_harmonic_leads_from_grazing_to_three_times_its_energy() {
 
 #[test]
 fn two_harmonics_reach_75_hz_at_fifteen_times_the_grazing_energy() {
-    let computed = study(2, Some(15.2), None);
+    let computed = branch(2, Some(15.2), None);
     let points = &computed.branch.points;
     let energy = grazing_of(1).1;
     assert!((points[last(&computed)].kinetic_energy / energy - 15.2).abs() < 1e-7);
@@ -91,7 +91,7 @@ fn two_harmonics_reach_75_hz_at_fifteen_times_the_grazing_energy() {
 fn two_harmonics_pass_through_energies_computed_elsewhere() {
     // Python, as above: energy over that at grazing, Hz.
     for (ratio, expected) in [(1.1, 61.663_291_193_764), (2.0, 66.556_745_713_823), (5.0, 71.653_020_720_739)] {
-        let computed = study(2, Some(ratio), None);
+        let computed = branch(2, Some(ratio), None);
         let found = hz(&computed, last(&computed));
         assert!((found - expected).abs() < 1e-8, "{ratio}: {found} Hz against {expected} Hz");
     }
@@ -99,7 +99,7 @@ fn two_harmonics_pass_through_energies_computed_elsewhere() {
 
 #[test]
 fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_other_side() {
-    let computed = study(3, Some(20.0), Some([50.0, 66.5]));
+    let computed = branch(3, Some(20.0), Some([50.0, 66.5]));
     let points = &computed.branch.points;
     let (first, second) = (grazing_of(1), grazing_of(2));
     let crossing: Vec<usize> = (0..points.len()).filter(|&i| points[i].has_event(Event::BranchPoint)).collect();
@@ -129,7 +129,7 @@ fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_
 #[test]
 fn a_branch_ends_on_the_energy_asked_for() {
     for ratio in [1.5, 8.0, 12.0] {
-        let computed = study(3, Some(ratio), None);
+        let computed = branch(3, Some(ratio), None);
         assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy]);
         let found = computed.branch.points[last(&computed)].kinetic_energy / computed.grazing.energy;
         assert!((found / ratio - 1.0).abs() < 1e-9, "{found} against {ratio}");
@@ -138,7 +138,7 @@ fn a_branch_ends_on_the_energy_asked_for() {
 
 #[test]
 fn a_fine_mesh_with_few_held_modes_gives_what_all_of_them_give() {
-    // Beyond 400 degrees of freedom the study computes only some of the held modes.
+    // Beyond 400 degrees of freedom only some held modes are computed.
     let settings = BranchSettings { harmonics: 2, max_energy_ratio: Some(3.0), ..BranchSettings::default() };
     let run = |held_modes| {
         let settings = BranchSettings { held_modes, ..settings.clone() };

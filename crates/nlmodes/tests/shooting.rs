@@ -5,12 +5,12 @@ mod support;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{
+    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch,
+};
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{EndReason, Event, ModalPoint, Stability};
 use nlmodes::model::{MasslessContactModel, Side};
-use nlmodes::study::{
-    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch,
-};
 use support::unit_rod as rod;
 
 fn tip() -> Stop {

@@ -5,6 +5,7 @@ mod support;
 use std::ops::ControlFlow;
 use std::thread;
 
+use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::contact::{LcpMatrix, LcpSolver, Series, SeriesSolution};
 use nlmodes::continuation::{Branch, BranchTree};
 use nlmodes::experiment::extraction::RecordExtraction;
@@ -15,7 +16,6 @@ use nlmodes::linalg::{SparseCholesky, SparseMatrix};
 use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes::rig::VirtualTest;
-use nlmodes::study::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::timestep::PeriodicMotion;
 
 fn crosses_threads<T: Send + Sync>() {}

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::experiment::phase_loop::{LoopSettings, Resonance};
 use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
@@ -10,7 +11,6 @@ use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes::rig::{Exciter, Hold, ModalReduction, RigError, Schedule, Session, Shaker, VirtualTest};
-use nlmodes::study::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::virtual_test::{self, Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use num_complex::Complex64;
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nlmodes::study::Watch;
+use nlmodes::branches::Watch;
 
 /// Whoever computes next ends who computes now.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! Complementarity at a few points, recomputed from the motions of the contacts.
 
+use nlmodes::branches::{ComputedBranch, Histories};
 use nlmodes::modal::TimeHistory;
-use nlmodes::study::{ComputedBranch, Histories};
 
 use super::{Check, Worst, listed};
 

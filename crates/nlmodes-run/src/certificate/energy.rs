@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::study::{ComputedBranch, StudyError};
+use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::timestep::{ContactDynamics, StateEnergy, TimestepError};
 use nlmodes_scene::scene::MethodKind;
 
@@ -37,7 +37,7 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
     let mut worst = Worst::default();
     for &k in points {
         let found = Point::of_branch(sources.scene, computed, k);
-        match found.and_then(|point| Ok::<f64, StudyError>(of_point(&point)?)) {
+        match found.and_then(|point| Ok::<f64, BranchError>(of_point(&point)?)) {
             Ok(found) => worst.take(k, found),
             Err(error) => return missing(format!("point {k}: {error}"), "`verify`"),
         }

@@ -1,7 +1,7 @@
 //! A few points against motions of the full structure: does it return, and how far is the exact motion of the same energy?
 
+use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::ModalPoint;
-use nlmodes::study::ComputedBranch;
 use nlmodes::timestep::TimestepError;
 
 use super::finer::{TOUCHING, UNTOUCHED, floors, relative, touches};

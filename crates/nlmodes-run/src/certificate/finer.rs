@@ -1,8 +1,8 @@
 //! A few points solved again with twice as many harmonics, and with twice as many held modes.
 
+use nlmodes::branches::{BranchError, ComputedBranch, Watch};
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
-use nlmodes::study::{ComputedBranch, StudyError, Watch};
 
 use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Place, Sources, Worst, listed, named};
 
@@ -116,7 +116,7 @@ fn again(
     computed: &ComputedBranch,
     points: &[usize],
     words: impl Fn(&str) -> String,
-    solve: impl Fn(usize) -> Result<Option<ModalPoint>, StudyError>,
+    solve: impl Fn(usize) -> Result<Option<ModalPoint>, BranchError>,
     (look, watch): (Looking<'_>, &Watch),
 ) -> Vec<Check> {
     let missing = |why: String, how| vec![Check::missing(name, None, Number::Frequency.limit(), why, how)];

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use nlmodes::study::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
+use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
 
 use super::*;
 use crate::settings::branch_settings;
@@ -154,7 +154,7 @@ fn too_few_held_modes_are_doubted_and_enough_are_not() {
 fn a_force_that_pulls_and_a_gap_that_is_negative_break_the_contact_law() {
     let computed = branch(&scene(3, 4, SI), BranchStart::Grazing);
     let last = computed.branch.points.len() - 1;
-    let motions = nlmodes::study::Histories::of(&computed).at(last, 256, "").unwrap();
+    let motions = nlmodes::branches::Histories::of(&computed).at(last, 256, "").unwrap();
     let strongest = computed.branch.points[last].peak_contact_force;
     assert!(contacts::violation(&computed, strongest, &motions) < 1e-9);
     let mut pulls = motions.clone();

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use nlmodes::branches::{BranchError, BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{BranchSettings, ComputedBranch, StudyError, compute_branch};
 
 use crate::settings::{branch_settings, starts};
 use nlmodes_scene::scene::Scene;
@@ -17,7 +17,7 @@ pub fn branch(
     scene: &Scene,
     model: &MasslessContactModel,
     solver: &str,
-) -> Result<(ComputedBranch, Duration), StudyError> {
+) -> Result<(ComputedBranch, Duration), BranchError> {
     let settings = BranchSettings { contact_solver: solver.to_owned(), ..branch_settings(scene) };
     let one_way = |start| {
         let settings = BranchSettings { start, ..settings.clone() };
@@ -34,7 +34,7 @@ pub fn branch(
 
 /// Largest `max(−g, −Aλ, |min(g, Aλ)|)` over the points of a branch and the instants of their periods, over the amplitude at
 /// grazing.
-pub fn largest_violation(computed: &ComputedBranch) -> Result<f64, StudyError> {
+pub fn largest_violation(computed: &ComputedBranch) -> Result<f64, BranchError> {
     let Some(last) = computed.unknowns.len().checked_sub(1) else { return Ok(0.0) };
     let (mut problem, mut width) = (computed.problem(last)?, computed.unknowns[last].len());
     computed.unknowns.iter().enumerate().try_fold(0.0_f64, |worst, (point, x)| {

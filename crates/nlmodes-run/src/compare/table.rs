@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Duration;
 
+use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::BranchEnd;
-use nlmodes::study::ComputedBranch;
 
 use super::difference::Difference;
 

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
+use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::response::{
     Appropriation, Cancel, CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
     ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
     force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
-use nlmodes::study::Watch;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 

@@ -1,9 +1,9 @@
 //! The first curve of a scene with responses, without files, as data of the page.
 
+use nlmodes::branches::Watch;
 use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::report::HtmlReport;
 use nlmodes::response::StepLog;
-use nlmodes::study::Watch;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::StabilityChoice;

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::modal::HarmonicCoefficients;
 use nlmodes::model::MasslessContactModel;
-use nlmodes::study::{ComputedBranch, StudyError};
 use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
@@ -96,11 +96,11 @@ impl Point {
     /// A point of a branch that is still in memory.
     ///
     /// # Errors
-    /// [`StudyError`] if an exact motion cannot be evaluated again.
+    /// [`BranchError`] if an exact motion cannot be evaluated again.
     ///
     /// # Panics
     /// If there is no such point.
-    pub fn of_branch(scene: &Scene, computed: &ComputedBranch, number: usize) -> Result<Self, StudyError> {
+    pub fn of_branch(scene: &Scene, computed: &ComputedBranch, number: usize) -> Result<Self, BranchError> {
         let point = &computed.branch.points[number];
         let exact = computed.exact()?;
         let start = exact.map(|mut problem| problem.first_displacement(&computed.unknowns[number])).transpose()?;

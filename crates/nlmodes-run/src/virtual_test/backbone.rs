@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes::branches::{BranchSettings, ResonanceRule, Watch, compute_branch};
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
-use nlmodes::study::{BranchSettings, ResonanceRule, Watch, compute_branch};
 
 use super::bench::Rig;
 use crate::Failure;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use nlmodes::branches::Watch;
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::{BranchEnd, HarmonicCoefficients, ModalBranch, ModalPoint};
 use nlmodes::model::{ContactLaw, Side};
@@ -10,7 +11,6 @@ use nlmodes::response::{
     phase_resonance,
 };
 use nlmodes::rig::RigError;
-use nlmodes::study::Watch;
 use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_scene::scene::{Backbone, BackboneMethod, TestScene};
 

@@ -1,7 +1,7 @@
 use nlmodes_fem::Mesh;
 
 use super::{Subject, shooting};
-use crate::raw::{DEFAULT_MAX_HARMONICS, RawMethod, RawStructure, RawStudy};
+use crate::raw::{DEFAULT_MAX_HARMONICS, RawAnalysis, RawMethod, RawStructure};
 use crate::scene::{
     Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
     Symmetry, free_dofs,
@@ -16,7 +16,7 @@ const FEWEST: usize = 2;
 
 pub fn check(
     method: &RawMethod,
-    scene: &RawStudy,
+    scene: &RawAnalysis,
     subject: &Subject<'_>,
     contacts: &[Contact],
     diagnostics: &mut Diagnostics<'_>,
@@ -104,7 +104,7 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
 }
 
 /// The accuracy, with what it cannot stand together with.
-fn accuracy(method: &RawMethod, scene: &RawStudy, diagnostics: &mut Diagnostics<'_>) -> Option<Accuracy> {
+fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Option<Accuracy> {
     let path = "method.max_harmonics";
     let Some(error) = method.accuracy else {
         if diagnostics.has(path) && !diagnostics.has("method.accuracy") {

@@ -1,12 +1,12 @@
 use super::response::Places;
-use crate::raw::{RawReduction, RawStudy};
+use crate::raw::{RawAnalysis, RawReduction};
 use crate::scene::{MethodKind, Reduction, ReductionKind};
 use crate::{Diagnostic, Diagnostics};
 
 /// How the structure is reduced; `None` is the paper's way with defaults.
 pub fn check(
     raw: Option<&RawReduction>,
-    scene: &RawStudy,
+    scene: &RawAnalysis,
     (default, places): (ReductionKind, &Places<'_>),
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Reduction> {

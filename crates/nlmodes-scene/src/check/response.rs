@@ -3,7 +3,7 @@
 mod loads;
 mod place;
 
-use crate::raw::{RawResponse, RawStudy};
+use crate::raw::{RawAnalysis, RawResponse};
 use crate::rule::number;
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
 use crate::{Diagnostic, Diagnostics};
@@ -21,7 +21,7 @@ pub struct Responses {
 
 /// The parts that are sound; those that are not are in the diagnostics.
 pub fn check(
-    raw: &RawStudy,
+    raw: &RawAnalysis,
     places: &Places<'_>,
     method: Option<&Method>,
     diagnostics: &mut Diagnostics<'_>,
@@ -54,7 +54,7 @@ pub fn check(
 }
 
 /// A motion of so many harmonics follows no force in a higher one; over several periods of the force its harmonics are as many times higher.
-fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, diagnostics: &mut Diagnostics<'_>) {
+fn harmonics_of_forces(raw: &RawAnalysis, responses: &[Response], method: &Method, diagnostics: &mut Diagnostics<'_>) {
     let forced = responses.iter().filter(|response| response.kind.is_forced());
     let Some(times) = forced.map(|response| response.subharmonic).max() else { return };
     for (i, force) in raw.force.iter().flatten().enumerate() {
@@ -78,7 +78,7 @@ fn harmonics_of_forces(raw: &RawStudy, responses: &[Response], method: &Method, 
 }
 
 /// Loads and damping of a scene that has no use for them.
-fn without_effect(raw: &RawStudy, diagnostics: &mut Diagnostics<'_>) {
+fn without_effect(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) {
     let keys = [
         ("damping", raw.damping.is_some()),
         ("force", raw.force.is_some()),
@@ -129,7 +129,7 @@ fn of_method(method: &Method, diagnostics: &mut Diagnostics<'_>) {
 fn response(
     i: usize,
     raw: &RawResponse,
-    scene: &RawStudy,
+    scene: &RawAnalysis,
     places: &Places<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Response> {
@@ -168,7 +168,7 @@ fn response(
 fn has_damping(
     i: usize,
     kind: ResponseKind,
-    scene: &RawStudy,
+    scene: &RawAnalysis,
     places: &Places<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> bool {
@@ -216,7 +216,13 @@ fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &
     true
 }
 
-fn has_load(i: usize, kind: ResponseKind, scene: &RawStudy, is_mode: bool, diagnostics: &mut Diagnostics<'_>) -> bool {
+fn has_load(
+    i: usize,
+    kind: ResponseKind,
+    scene: &RawAnalysis,
+    is_mode: bool,
+    diagnostics: &mut Diagnostics<'_>,
+) -> bool {
     let has_force = scene.force.as_ref().is_some_and(|f| !f.is_empty());
     let path = format!("response.{i}.kind");
     if kind == ResponseKind::Appropriation && !has_force {
@@ -260,7 +266,7 @@ fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &
 }
 
 /// The levels in the unit of the load.
-fn levels(i: usize, raw: &RawResponse, scene: &RawStudy, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<f64>> {
+fn levels(i: usize, raw: &RawResponse, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<f64>> {
     let path = |key: &str| format!("response.{i}.{key}");
     let base = scene.base_motion.as_ref();
     let given = [("levels_n", &raw.levels_n), ("levels_m_s2", &raw.levels_m_s2), ("levels_m", &raw.levels_m)];

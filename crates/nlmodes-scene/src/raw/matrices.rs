@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::RawStudy;
+use super::RawAnalysis;
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
@@ -15,7 +15,7 @@ pub struct RawMatrixScene {
     pub contact: Option<Vec<RawNodeContact>>,
     /// Everything else
     #[serde(flatten)]
-    pub study: RawStudy,
+    pub analysis: RawAnalysis,
 }
 
 /// The files of a structure.

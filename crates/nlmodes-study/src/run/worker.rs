@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use nlmodes::study::Watch;
+use nlmodes::branches::Watch;
 use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, chain, run_sharing};
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};

@@ -1,7 +1,7 @@
 //! Damping, forces, and a base that shakes.
 
 use super::place::{Places, WrittenPlace};
-use crate::raw::{RawDamping, RawDashpot, RawForce, RawOwnDamping, RawRayleigh, RawStudy};
+use crate::raw::{RawAnalysis, RawDamping, RawDashpot, RawForce, RawOwnDamping, RawRayleigh};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
 use crate::{Diagnostic, Diagnostics};
 
@@ -61,7 +61,7 @@ fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, diagnostics: &mut Di
     Some(Dashpot { place: places.place(&written, diagnostics)?, damping: raw.damping_n_s_m? })
 }
 
-pub fn forces(raw: &RawStudy, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Vec<Force> {
+pub fn forces(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Vec<Force> {
     let written = raw.force.as_deref().unwrap_or_default();
     written.iter().enumerate().filter_map(|(i, raw)| force(i, raw, places, diagnostics)).collect()
 }
@@ -82,7 +82,7 @@ fn force(i: usize, raw: &RawForce, places: &Places<'_>, diagnostics: &mut Diagno
     Some(Force { place: place?, amplitude, harmonic, phase_deg })
 }
 
-pub fn base_motion(raw: &RawStudy, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<BaseMotion> {
+pub fn base_motion(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
         let diagnostic = Diagnostic::error("the scene has forces and a base that shakes");

@@ -1,0 +1,313 @@
+//! The branches of a scene, of each of its methods and numbers of harmonics.
+
+mod figures;
+mod histories;
+mod motion;
+mod overlaid;
+mod page;
+pub mod repeated;
+mod several;
+mod sink;
+mod starts;
+mod stops;
+mod summary;
+
+use std::time::Instant;
+
+use nlmodes::branches::{
+    BranchError, BranchSettings, ComputedBranch, ComputedTree, check_branch, compute_tree_with_log,
+};
+use nlmodes::modal::{EndReason, Participation};
+use nlmodes::model::{MasslessContactModel, StructuralModel};
+use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_matlab};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::{OpenStructure, Structures};
+use nlmodes_scene::scene::Scene;
+use serde_json::Value;
+
+use crate::certificate::{Certificate, Sources};
+use crate::claim::{Claim, identity};
+use crate::journal::Journal;
+use crate::linear::{LinearFrequencies, frequencies};
+use crate::open_modes::OpenModes;
+use crate::outcome::{PartOutcome, RunOutcome};
+use crate::overlay;
+use crate::settings::{Models, branch_settings, models, models_sharing, starts};
+use crate::updating::updated;
+use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
+use figures::LINEAR_MODES;
+pub(crate) use figures::held_ends;
+use motion::Period;
+use overlaid::Overlaid;
+use sink::{Sink, branch_directory};
+pub(crate) use stops::lines as stop_lines;
+
+/// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the first one names.
+///
+/// Each point is in `branch.csv`, and the step to it in `steps.jsonl`, as soon as it is found. Nothing is written before the first one.
+/// Several methods or numbers of harmonics have a folder each, and common figures beside these.
+///
+/// # Errors
+/// [`RunError`] if there are no results; a branch that ended early is in the outcome.
+pub fn run(scenes: Vec<SceneFile>, over: Over, observer: &mut dyn Observer) -> Result<RunOutcome, RunError> {
+    run_sharing(scenes, over, observer, &Structures::default())
+}
+
+/// The same with structures from files that other runs have read and reduced, and that this one leaves to others.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_sharing(
+    scenes: Vec<SceneFile>,
+    over: Over,
+    observer: &mut dyn Observer,
+    structures: &Structures,
+) -> Result<RunOutcome, RunError> {
+    for file in &scenes {
+        if file.scene.n_contact_tables() == 0 {
+            return Err(no_contact(file).into());
+        }
+        links::refuse(&file.scene.output_directory)?;
+        overlay::laid_over(file, &file.scene.overlays)?;
+    }
+    let claim = claim(&scenes, over, observer)?;
+    let of = scenes.len();
+    let mut files = Vec::new();
+    for (number, file) in scenes.into_iter().enumerate() {
+        if file.scene.updating.is_some() {
+            observer.event(Event::Updating { number, of, scene: &file.scene });
+        }
+        let file = updated(file)?;
+        if let Some(updating) = &file.scene.updating {
+            observer.event(Event::Updated(updating));
+        }
+        files.push(file);
+    }
+    match several::parts(&files).as_slice() {
+        [only] => {
+            let part = one_branch(&only.file, &claim, observer, structures)?;
+            Ok(RunOutcome { parts: vec![part], compared: Vec::new(), failure: None, is_cut_off: false })
+        }
+        parts => several::run(&files, parts, &claim, observer, structures),
+    }
+}
+
+/// The output directory of scenes that differ in their method only.
+fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
+    let first = files.first().ok_or(RunError::NoScene)?;
+    let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
+    let scenes = Value::Array(files.iter().map(scene).collect());
+    Claim::new(&first.scene.output_directory, &first.document, scenes, over, observer)
+}
+
+/// One branch with all its files, and how it ended.
+fn one_branch(
+    file: &SceneFile,
+    claim: &Claim,
+    observer: &mut dyn Observer,
+    structures: &Structures,
+) -> Result<PartOutcome, RunError> {
+    let scene = &file.scene;
+    let directory = &scene.output_directory;
+    let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
+    let began = Instant::now();
+    let laid = overlay::laid_over(file, &file.scene.overlays)?;
+    let Models { model, massless, open } = models_sharing(file, structures)?;
+    observer.event(Event::Begun(scene));
+    let modes = mass::open_modes(file, &model, &massless)?;
+    if let Some(text) = mass::warning(scene, &modes) {
+        observer.event(Event::Warning(&text));
+    }
+    let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(failure, true))?;
+    if claim.resumes() && journal.known_steps() == 0 {
+        observer.event(Event::NothingToResume { directory });
+    }
+    let mut sink = Sink::new(directory, claim, journal.computing.clone(), observer);
+    let tree = compute(scene, massless.clone(), &mut journal, &mut sink);
+    sink.finish();
+    if let Some(failure) = sink.failure.take().or(journal.failure) {
+        return Err(unwritable(failure, !sink.is_empty()));
+    }
+    let tree = tree.map_err(|error| refusal::of_branch(file, &error))?;
+    let points_time = began.elapsed();
+    let thorough = observer.certifies() && !observer.is_cancelled();
+    let watch = observer.watch();
+    let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough, watch: &watch };
+    let mut look = |check, point, number| {
+        observer.event(Event::Looking { check, point, number });
+        !observer.is_cancelled()
+    };
+    let certificates: Vec<Certificate> =
+        tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
+    let certificate_time = began.elapsed().saturating_sub(points_time);
+    let laid = tree.branches.first().map(|first| Overlaid::new(&laid, first));
+    let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
+        Ok((linear, participation)) => {
+            let is_shown = scene.files.figures || scene.files.page;
+            let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
+            let found = period.as_ref().ok().and_then(Option::as_ref);
+            let about = About { linear: &linear, participation: &participation, period: found };
+            let written = match &laid {
+                Some(laid) => write(scene, &about, (&tree, &certificates, laid), began),
+                None => Ok(()),
+            };
+            let written = written.and(period.map(drop));
+            (written, linear, participation)
+        }
+        Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
+    };
+    let part = PartOutcome {
+        scene: scene.clone(),
+        is_complete: written.is_ok() && tree.branches.iter().all(|computed| computed.branch.end.complete),
+        tree,
+        linear,
+        participation,
+        certificates,
+        points_time,
+        certificate_time,
+        compared: laid.as_ref().map(Overlaid::lines).unwrap_or_default(),
+        wall_time: began.elapsed(),
+        failure: written.err(),
+    };
+    for point in missing_points(&part) {
+        let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
+        let text =
+            format!("output.histories asks for point {point}, which the branch of {n_points} points does not have");
+        observer.event(Event::Warning(&text));
+    }
+    observer.event(Event::Done(&part));
+    Ok(part)
+}
+
+/// Points with histories that were asked for and are not there.
+fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
+    let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
+    part.scene.files.histories.iter().copied().filter(move |point| *point >= n_points)
+}
+
+/// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if it is reduced by them.
+///
+/// # Errors
+/// [`RunError`] that says why it would not.
+pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+    if !file.scene.responses.is_empty() {
+        return crate::responses::check(file);
+    }
+    overlay::laid_over(file, &file.scene.overlays)?;
+    let Models { massless, open, .. } = models(file)?;
+    let list = &file.scene.method.harmonics_list;
+    // They differ in size only.
+    let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
+    let (start, _) = starts(file.scene.continuation.start);
+    let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
+    check_branch(&massless, &settings).map_err(|error| refusal::of_branch(file, &error))?;
+    Ok(open)
+}
+
+/// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,
+/// the way up.
+fn compute(
+    scene: &Scene,
+    model: MasslessContactModel,
+    journal: &mut Journal,
+    sink: &mut Sink,
+) -> Result<ComputedTree, BranchError> {
+    let (start, other) = starts(scene.continuation.start);
+    let settings = BranchSettings { start, watch: sink.observer.watch(), ..branch_settings(scene) };
+    let mut tree = compute_tree_with_log(model.clone(), &settings, journal, |progress| sink.take(progress))?;
+    let ended = sink.failure.is_some() || journal.failure.is_some() || sink.observer.is_cancelled();
+    let (Some(start), false) = (other, ended) else { return Ok(tree) };
+    let first = tree.branches.swap_remove(0);
+    sink.begin_again(first.branch.points.iter().skip(1).rev());
+    let settings = BranchSettings { start, ..settings };
+    let mut tree = match compute_tree_with_log(model, &settings, journal, |progress| sink.take(progress)) {
+        Err(BranchError::Ended(_)) => {
+            sink.begin_again(first.branch.points.iter());
+            tree.branches.push(one_way_only(first));
+            return Ok(tree);
+        }
+        tree => tree?,
+    };
+    let second = tree.branches.swap_remove(0);
+    tree.branches.push(second.preceded_by(first));
+    Ok(tree)
+}
+
+/// The way down of a branch that was asked to end before its way up began.
+fn one_way_only(mut first: ComputedBranch) -> ComputedBranch {
+    first.branch.end.message += "; the other way was not begun";
+    (first.branch.end.reasons, first.branch.end.complete) = (vec![EndReason::Stopped], false);
+    first
+}
+
+/// What several files show of the structure and of whole branches: computed once.
+fn whole(
+    scene: &Scene,
+    model: &StructuralModel,
+    massless: &MasslessContactModel,
+    open: &OpenModes,
+    tree: &ComputedTree,
+) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
+    let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.own.lowest(LINEAR_MODES));
+    let participation = tree.branches.iter().map(|computed| computed.participation_in(&lowest));
+    Ok((linear, participation.collect::<Result<_, _>>()?))
+}
+
+/// Writes all files that are made of whole branches.
+fn write(
+    scene: &Scene,
+    about: &About<'_>,
+    (tree, certificates, laid): (&ComputedTree, &[Certificate], &Overlaid),
+    began: Instant,
+) -> Result<(), Failure> {
+    let (directory, participation) = (&scene.output_directory, about.participation);
+    if let Some(period) = about.period {
+        period.write(scene)?;
+    }
+    for (number, computed) in tree.branches.iter().enumerate() {
+        let folder = branch_directory(directory, number);
+        write_contacts(folder.join("contacts.csv"), &computed.branch)?;
+        write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
+    }
+    starts::write(directory, &tree.branches)?;
+    summary::write(directory, scene, about.linear, (tree, certificates), began.elapsed())?;
+    figures::write_participations(directory, &tree.branches, participation)?;
+    let Some(first) = tree.branches.first() else { return Ok(()) };
+    write_motions(scene, first)?;
+    laid.write(directory, "overlay")?;
+    if !(scene.files.figures || scene.files.page) {
+        return Ok(());
+    }
+    let references = histories::own_references(first)?;
+    if scene.files.figures {
+        figures::write(directory, scene, &tree.branches, participation, (&references, laid))?;
+    }
+    if !scene.files.page {
+        return Ok(());
+    }
+    let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
+    let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
+    let certified: Vec<&Certificate> = certificates.iter().collect();
+    let methods = Overlaid::others(&[]);
+    let shown = page::Shown { references: &references, laid, methods: &methods, period: about.period };
+    page::write(directory, &[scene], about.linear, (&branches, &certified), &participation, &shown)
+}
+
+/// What is known about the branches beside their points.
+struct About<'a> {
+    linear: &'a LinearFrequencies,
+    participation: &'a [Vec<Participation>],
+    period: Option<&'a Period>,
+}
+
+/// Writes the motions of the contacts at some points, and the results for MATLAB.
+fn write_motions(scene: &Scene, first: &ComputedBranch) -> Result<(), Failure> {
+    let histories = histories::of_points(first, &scene.files)?;
+    if !histories.points.is_empty() {
+        write_histories(scene.output_directory.join("histories.npz"), &histories)?;
+    }
+    if scene.files.matlab {
+        write_matlab(scene.output_directory.join("results.mat"), &first.branch, &histories)?;
+    }
+    Ok(())
+}

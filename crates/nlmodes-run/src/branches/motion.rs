@@ -1,0 +1,206 @@
+//! The motion of a structure from files: `motion.pvd` for ParaView, and a wireframe for the page.
+
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use nlmodes::branches::{ComputedBranch, ComputedTree, figure_points};
+use nlmodes::modal::TimeHistory;
+use nlmodes::report::{ReportError, Wireframe};
+use nlmodes_io::{Component, FeModel, Mesh, PointField, Skin, Surface};
+use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::scene::Scene;
+
+use crate::Failure;
+
+/// Frames of a period.
+const FRAMES: usize = 24;
+/// Samples of a period of each contact, a multiple of the frames.
+const SAMPLES: usize = 10 * FRAMES;
+
+/// Angle (rad) by which a surface bends at edges that are drawn where not all can be.
+const SHARP: f64 = 0.5;
+/// Most edges and corners of a wireframe.
+const MOST: [usize; 2] = [6000, 2500];
+
+/// One period of the last point whose motion is shown, of a structure with a mesh.
+pub struct Period {
+    surface: Surface,
+    frames: Vec<Frame>,
+    duration: f64,
+    wireframe: Option<Wireframe>,
+}
+
+impl Period {
+    /// The period; none where no mesh is known.
+    ///
+    /// # Errors
+    /// [`Failure`] if a point cannot be evaluated again.
+    pub fn of(open: Option<&OpenStructure>, tree: &ComputedTree) -> Result<Option<Self>, Failure> {
+        let (Some(open), Some(computed)) = (open, tree.branches.first()) else { return Ok(None) };
+        let Some((model, contacts)) = &open.files else { return Ok(None) };
+        let (Some(mesh), Some(&point)) = (&model.mesh, figure_points(&computed.branch).last()) else { return Ok(None) };
+        let touching: Vec<usize> = contacts
+            .iter()
+            .flat_map(|c| std::iter::once(c.node).chain(c.against))
+            .filter_map(|n| mesh.index_of(n))
+            .collect();
+        let surface = Surface::new(mesh, &touching);
+        let motion = Motion::new(open, model, mesh, &surface, computed, point)?;
+        let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
+        let wireframe = wireframe(format!("Point {point}"), mesh, &surface, &frames, &motion.ends);
+        Ok(Some(Self { surface, frames, duration: motion.period, wireframe }))
+    }
+
+    /// Its edges as they move, unless they are too many for a page.
+    pub fn wireframe(&self) -> Option<&Wireframe> {
+        self.wireframe.as_ref()
+    }
+
+    /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
+    ///
+    /// Fields: displacement (m), contact force on the structure (N), gap (m, NaN where there is no contact).
+    ///
+    /// # Errors
+    /// [`Failure`] if a file cannot be written.
+    pub fn write(&self, scene: &Scene) -> Result<(), Failure> {
+        let frames = self.frames.iter().enumerate();
+        let shown = frames.map(|(k, frame)| (self.duration * k as f64 / FRAMES as f64, frame.fields()));
+        let directory = &scene.output_directory;
+        let failed = |source| ReportError::Io { path: directory.join("motion.pvd"), source };
+        Ok(self.surface.write(directory, "motion", shown).map_err(failed)?)
+    }
+}
+
+/// The edges of the surface, or those at which it bends, with the corners that they join.
+fn wireframe(
+    name: String,
+    mesh: &Mesh,
+    surface: &Surface,
+    frames: &[Frame],
+    ends: &[(usize, f64, usize)],
+) -> Option<Wireframe> {
+    let skin = Skin::of(mesh);
+    let all = skin.edges();
+    let edges = if all.len() > MOST[0] { skin.sharp_edges(mesh, SHARP) } else { all };
+    // Points of the surface that are joined, and those that touch something.
+    let row: HashMap<u32, usize> = surface.points().iter().enumerate().map(|(row, index)| (*index, row)).collect();
+    let mut touching: Vec<usize> = ends.iter().map(|(row, ..)| *row).collect();
+    touching.sort_unstable();
+    touching.dedup();
+    let mut rows: Vec<usize> = edges.iter().flatten().filter_map(|index| row.get(index).copied()).collect();
+    rows.extend(&touching);
+    rows.sort_unstable();
+    rows.dedup();
+    if edges.len() > MOST[0] || rows.len() > MOST[1] {
+        return None;
+    }
+    let corner = |row: usize| rows.binary_search(&row).ok();
+    let joined = |edge: &[u32; 2]| Some([corner(*row.get(&edge[0])?)?, corner(*row.get(&edge[1])?)?]);
+    let triple = |values: &[f64], row: usize| [values[3 * row], values[3 * row + 1], values[3 * row + 2]];
+    let forces =
+        |row: &usize| Some((corner(*row)?, frames.iter().map(|frame| triple(&frame.force, *row)).collect::<Vec<_>>()));
+    Some(Wireframe {
+        name,
+        places: rows.iter().map(|row| mesh.places[surface.points()[*row] as usize]).collect(),
+        edges: edges.iter().filter_map(joined).collect(),
+        displacements: frames
+            .iter()
+            .map(|frame| rows.iter().map(|row| triple(&frame.displacement, *row)).collect())
+            .collect(),
+        forces: touching.iter().filter_map(forces).collect(),
+    })
+}
+
+/// What makes the frames.
+struct Motion<'a> {
+    open: &'a OpenStructure,
+    computed: &'a ComputedBranch,
+    point: usize,
+    period: f64,
+    histories: Vec<TimeHistory>,
+    /// For each point of the surface, the row of each of its displacements among `rows`.
+    places: Vec<[Option<usize>; 3]>,
+    rows: nlmodes_reduction::ResponseRows,
+    /// The point of the surface, sign and contact of each end of a contact.
+    ends: Vec<(usize, f64, usize)>,
+}
+
+/// Values at the points of the surface at one phase.
+struct Frame {
+    displacement: Vec<f64>,
+    force: Vec<f64>,
+    gap: Vec<f64>,
+}
+
+impl Frame {
+    fn fields(&self) -> Vec<PointField<'_>> {
+        vec![
+            PointField { name: "displacement", components: 3, values: &self.displacement },
+            PointField { name: "contact_force", components: 3, values: &self.force },
+            PointField { name: "gap", components: 1, values: &self.gap },
+        ]
+    }
+}
+
+impl<'a> Motion<'a> {
+    fn new(
+        open: &'a OpenStructure,
+        model: &FeModel,
+        mesh: &Mesh,
+        surface: &Surface,
+        computed: &'a ComputedBranch,
+        point: usize,
+    ) -> Result<Self, Failure> {
+        let mut dofs = Vec::new();
+        let mut row = |node: u64, component| {
+            let dof = model.row_of(node, component)?;
+            dofs.push(dof);
+            Some(dofs.len() - 1)
+        };
+        let numbers: Vec<u64> = surface.points().iter().map(|index| mesh.numbers[*index as usize]).collect();
+        let places: Vec<[Option<usize>; 3]> =
+            numbers.iter().map(|node| [Component::X, Component::Y, Component::Z].map(|c| row(*node, c))).collect();
+        let at: HashMap<u64, usize> = numbers.iter().enumerate().map(|(place, node)| (*node, place)).collect();
+        let contacts = open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
+        let mut ends = Vec::new();
+        for (i, contact) in contacts.iter().enumerate() {
+            let both = std::iter::once((contact.node, -1.0)).chain(contact.against.map(|node| (node, 1.0)));
+            ends.extend(both.filter_map(|(node, sign)| Some((*at.get(&node)?, sign, i))));
+        }
+        let histories = (0..contacts.len()).map(|i| computed.time_history(point, i, SAMPLES, ""));
+        Ok(Self {
+            rows: open.modes.rows_of_dofs(&dofs)?,
+            period: TAU / computed.branch.points[point].omega,
+            histories: histories.collect::<Result<_, _>>()?,
+            open,
+            computed,
+            point,
+            places,
+            ends,
+        })
+    }
+
+    fn frame(&self, k: usize) -> Frame {
+        let tau = TAU * k as f64 / FRAMES as f64;
+        let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k * (SAMPLES / FRAMES)]).collect();
+        let coefficients = &self.computed.branch.points[self.point].coefficients;
+        let eta: Vec<f64> = (0..self.open.modes.n_modes())
+            .map(|r| {
+                let harmonics = coefficients.of(r).iter().enumerate();
+                harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
+            })
+            .collect();
+        let value = |row: &Option<usize>| row.map_or(0.0, |row| self.rows.value(row, &eta, &forces));
+        let displacement: Vec<f64> = self.places.iter().flat_map(|rows| rows.each_ref().map(value)).collect();
+        let (mut force, mut gap) = (vec![0.0; displacement.len()], vec![f64::NAN; self.places.len()]);
+        let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
+        for &(place, sign, i) in &self.ends {
+            let history = &self.histories[i];
+            (0..3).for_each(|axis| force[3 * place + axis] += sign * forces[i] * contacts[i].normal[axis]);
+            let (_, toward) = self.open.reduced.direction_of()[i];
+            let left = contacts[i].gap - toward * history.displacement[k * (SAMPLES / FRAMES)];
+            gap[place] = if gap[place].is_nan() { left } else { gap[place].min(left) };
+        }
+        Frame { displacement, force, gap }
+    }
+}

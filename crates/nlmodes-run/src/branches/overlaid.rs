@@ -1,0 +1,116 @@
+//! What is laid over a branch in its figures and on its page.
+
+use std::path::Path;
+
+use nlmodes::branches::ComputedBranch;
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::{DataTable, ReportError};
+
+use super::stops;
+use crate::overlay::{
+    Difference, Laid, StopChange, at_equal_frequency, changes, differences, lines, sentence,
+    sentence_at_equal_frequency, stops_table, table, write, write_stops,
+};
+
+/// Other results and their differences from the first branch.
+pub struct Overlaid {
+    compared: Vec<Compared>,
+    /// Name of the first branch, where there are others beside it.
+    first: String,
+    /// Names of its stops.
+    stops: Vec<String>,
+}
+
+/// One of them: at equal modal amplitude or energy, and at equal frequency.
+struct Compared {
+    laid: Laid,
+    at_size: Vec<Difference>,
+    at_frequency: Vec<Difference>,
+    changes: Vec<Vec<StopChange>>,
+}
+
+impl Compared {
+    fn new(laid: &Laid, first: &ModalBranch) -> Self {
+        let (at_size, at_frequency) = (differences(laid, first), at_equal_frequency(laid, first));
+        let changes = vec![changes(&at_size), changes(&at_frequency)];
+        Self { laid: laid.clone(), at_size, at_frequency, changes }
+    }
+}
+
+impl Overlaid {
+    /// Compares them with the first branch.
+    pub fn new(laid: &[Laid], first: &ComputedBranch) -> Self {
+        let compared = laid.iter().map(|laid| Compared::new(laid, &first.branch)).collect();
+        Self { compared, first: first.branch.label.clone(), stops: stops::names(first) }
+    }
+
+    /// The other branches of a run against its first one.
+    pub fn others(all: &[&ComputedBranch]) -> Self {
+        let Some((first, others)) = all.split_first() else {
+            return Self { compared: Vec::new(), first: String::new(), stops: Vec::new() };
+        };
+        let laid = |computed: &&ComputedBranch| Laid { branch: computed.branch.clone(), is_scattered: false };
+        Self::new(&others.iter().map(laid).collect::<Vec<_>>(), first)
+    }
+
+    /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid over.
+    ///
+    /// # Errors
+    /// [`ReportError::Io`].
+    pub fn write(&self, directory: &Path, name: &str) -> Result<(), ReportError> {
+        if self.compared.is_empty() {
+            return Ok(());
+        }
+        let all = self.compared.iter().map(|one| (&one.laid, one.at_size.as_slice()));
+        write(&directory.join(format!("{name}.csv")), all)?;
+        if self.compared.iter().all(|one| one.changes.iter().all(Vec::is_empty)) {
+            return Ok(());
+        }
+        let all = self
+            .compared
+            .iter()
+            .flat_map(|one| [&one.at_size, &one.at_frequency].map(|found| (&one.laid, found.as_slice())));
+        write_stops(&directory.join(format!("{name}_stops.csv")), all)
+    }
+
+    /// The branches that are laid over.
+    pub fn branches(&self) -> impl Iterator<Item = &ModalBranch> {
+        self.compared.iter().map(|one| &one.laid.branch)
+    }
+
+    /// Numbers of those without lines, where they stand behind `before` others.
+    pub fn scattered(&self, before: usize) -> Vec<usize> {
+        let all = self.compared.iter().enumerate();
+        all.filter(|(_, one)| one.laid.is_scattered).map(|(number, _)| before + number).collect()
+    }
+
+    /// Softer or stiffer, and what differs at equal frequency, in sentences.
+    pub fn sentences(&self) -> impl Iterator<Item = String> {
+        self.compared.iter().flat_map(|one| {
+            let at_frequency = sentence_at_equal_frequency(&one.laid, &one.at_frequency, &self.first);
+            let at_frequency = at_frequency.map(|text| match one.changes.iter().all(Vec::is_empty) {
+                true => text,
+                false => format!("{text}; stop by stop: table \"Impulse of each stop\""),
+            });
+            [sentence(&one.laid, &one.at_size, &self.first)].into_iter().chain(at_frequency)
+        })
+    }
+
+    /// The sentences, and a line for each stop below each.
+    pub fn lines(&self) -> Vec<String> {
+        let of = |one: &Compared| {
+            let sentence = sentence(&one.laid, &one.at_size, &self.first);
+            let stops = lines(&one.changes, &self.stops).into_iter().map(|line| format!("  {line}"));
+            [sentence].into_iter().chain(stops).collect::<Vec<_>>()
+        };
+        self.compared.iter().flat_map(of).collect()
+    }
+
+    /// The differences, those of each stop and those of points.
+    pub fn tables(&self) -> impl Iterator<Item = DataTable> {
+        self.compared.iter().flat_map(|one| {
+            let stops = stops_table(&one.laid, &one.changes, (&self.stops, &self.first));
+            [stops, table(&one.laid, &one.at_size)]
+        })
+    }
+}

@@ -1,0 +1,201 @@
+//! One branch for each of several methods or numbers of harmonics, and their common figures (Figs. 3 b, 8).
+
+use std::path::{Path, PathBuf};
+
+use nlmodes::branches::ComputedBranch;
+use nlmodes::modal::{ModalBranch, Participation};
+use nlmodes::report::{Abscissa, BranchFigure, write_summary};
+use serde::Serialize;
+
+use super::overlaid::Overlaid;
+use super::{figures, histories, one_branch, page};
+use crate::certificate::Certificate;
+use crate::claim::Claim;
+use crate::files::remove_figures;
+use crate::outcome::{PartOutcome, RunOutcome};
+use crate::style::style_of;
+use crate::{Event, Failure, Observer, RunError, overlay};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::assemble::Structures;
+use nlmodes_scene::scene::Scene;
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    program: &'static str,
+    version: &'static str,
+    /// A scene for each method.
+    scenes: Vec<&'a Scene>,
+    branches: Vec<Branch>,
+}
+
+#[derive(Serialize)]
+struct Branch {
+    method: &'static str,
+    harmonics: usize,
+    label: String,
+    directory: PathBuf,
+    points: usize,
+    reason: String,
+    message: String,
+    complete: bool,
+}
+
+/// One of several studies.
+pub struct Part {
+    pub file: SceneFile,
+    /// Its folder within the output directory; none where it is the only one.
+    pub folder: PathBuf,
+}
+
+/// A part for each method and each of its numbers of harmonics.
+pub fn parts(files: &[SceneFile]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let mut kinds: Vec<&str> = Vec::new();
+    for file in files {
+        let method = &file.scene.method;
+        let kind = method.kind.name();
+        let mut folder = PathBuf::new();
+        if files.len() > 1 {
+            kinds.push(kind);
+            let count = kinds.iter().filter(|k| **k == kind).count();
+            folder.push(if count > 1 { format!("{kind}_{count}") } else { kind.to_owned() });
+        }
+        for &harmonics in &method.harmonics_list {
+            let mut folder = folder.clone();
+            if method.harmonics_list.len() > 1 {
+                folder.push(format!("h{harmonics}"));
+            }
+            parts.push(Part { file: with_harmonics(file, harmonics, &folder), folder });
+        }
+    }
+    parts
+}
+
+/// Computes each part in its folder (`ms-hbm`, `hbm`, …; `h1`, `h3`, …), then the common figures and the summary.
+///
+/// # Errors
+/// [`RunError`], where one of them could not be computed at all.
+pub fn run(
+    files: &[SceneFile],
+    parts: &[Part],
+    claim: &Claim,
+    observer: &mut dyn Observer,
+    structures: &Structures,
+) -> Result<RunOutcome, RunError> {
+    let mut outcome = RunOutcome { parts: Vec::new(), compared: Vec::new(), failure: None, is_cut_off: false };
+    let mut rows = Vec::new();
+    for (number, part) in parts.iter().enumerate() {
+        if observer.is_cancelled() {
+            outcome.is_cut_off = true;
+            break;
+        }
+        observer.event(Event::Part { number, of: parts.len(), folder: &part.folder });
+        let done = one_branch(&part.file, claim, observer, structures);
+        if matches!(done, Err(RunError::Ended)) && !outcome.parts.is_empty() {
+            outcome.is_cut_off = true;
+            break;
+        }
+        let mut done = done?;
+        // The others are on disk; those that are compared stay in memory.
+        done.tree.branches.truncate(1);
+        done.participation.truncate(1);
+        done.certificates.truncate(1);
+        let Some(first) = done.tree.branches.first() else { continue };
+        rows.push(Branch::new(part, &first.branch));
+        outcome.parts.push(done);
+    }
+    if !outcome.parts.is_empty() {
+        match write(files, &outcome.parts, rows) {
+            Ok(compared) => outcome.compared = compared,
+            Err(failure) => outcome.failure = Some(failure),
+        }
+    }
+    Ok(outcome)
+}
+
+/// The scene with one of its numbers of harmonics, and a folder of its own.
+fn with_harmonics(file: &SceneFile, harmonics: usize, folder: &Path) -> SceneFile {
+    let mut own = file.clone();
+    own.scene.method.harmonics = harmonics;
+    own.scene.method.harmonics_list = vec![harmonics];
+    if folder != Path::new("") {
+        own.scene.output_directory.push(folder);
+    }
+    own
+}
+
+impl Branch {
+    fn new(part: &Part, branch: &ModalBranch) -> Self {
+        Self {
+            method: part.file.scene.method.kind.name(),
+            harmonics: part.file.scene.method.harmonics,
+            label: branch.label.clone(),
+            directory: part.folder.clone(),
+            points: branch.points.len(),
+            reason: branch.end.names(),
+            message: branch.end.message.clone(),
+            complete: branch.end.complete,
+        }
+    }
+}
+
+/// Writes the common files; the differences from the first part in lines.
+fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Result<Vec<String>, Failure> {
+    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
+    let (Some(file), Some(first), Some(own)) = (files.first(), parts.first(), branches.first()) else {
+        return Ok(Vec::new());
+    };
+    let scene = &file.scene;
+    let directory = &scene.output_directory;
+    remove_figures(directory);
+    let laid = Overlaid::new(&overlay::laid_over(file, &scene.overlays)?, own);
+    laid.write(directory, "overlay")?;
+    let methods = Overlaid::others(&branches);
+    methods.write(directory, "methods")?;
+    let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
+    let participation: Vec<&[Participation]> =
+        parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
+    if scene.files.figures || scene.files.page {
+        let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
+        write_figures(files, first, (&branches, &all, &certificates), &participation, (&laid, &methods))?;
+    }
+    let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
+    write_summary(directory.join("summary.json"), &summary)?;
+    Ok(methods.lines())
+}
+
+/// The common figures and the page, as far as they are asked for.
+fn write_figures(
+    files: &[SceneFile],
+    first: &PartOutcome,
+    (branches, all, certificates): (&[&ComputedBranch], &[&ModalBranch], &[&Certificate]),
+    participation: &[&[Participation]],
+    (laid, methods): (&Overlaid, &Overlaid),
+) -> Result<(), Failure> {
+    let Some(scene) = files.first().map(|file| &file.scene) else { return Ok(()) };
+    let directory = &scene.output_directory;
+    let references = histories::references(branches)?;
+    let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();
+    if scene.files.figures {
+        let style = style_of(&scene.files);
+        for (abscissa, name) in
+            [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
+        {
+            let mut figure =
+                BranchFigure::new(abscissa, &shown).title(&scene.title).scattered(&laid.scattered(all.len()));
+            for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
+                figure = figure.mark(0, reference.point, &reference.name);
+            }
+            figure.render()?.styled(&style).write(directory.join(name))?;
+        }
+        figures::participation(directory, scene, all, participation)?;
+        histories::write(directory, &references, &style)?;
+    }
+    if !scene.files.page {
+        return Ok(());
+    }
+    let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    let shown = page::Shown { references: &references, laid, methods, period: None };
+    page::write(directory, &scenes, &first.linear, (branches, certificates), participation, &shown)
+}

@@ -1,0 +1,45 @@
+//! Whole branches: from a model to modal points along each arm.
+
+mod accuracy;
+mod adaptive;
+mod beyond;
+mod branch;
+mod compute;
+mod equal;
+mod error;
+mod events;
+mod found;
+mod histories;
+mod homotopy;
+mod left;
+mod open_mode;
+mod participation;
+mod periodic;
+mod points;
+mod prepare;
+mod refined;
+mod refuse;
+mod resonances;
+mod settings;
+mod skip;
+mod stability;
+mod start;
+mod touching;
+mod trace;
+mod viewer;
+mod watch;
+
+pub use accuracy::{Accuracy, AccuracyReached};
+pub use beyond::BeyondAccuracy;
+pub use branch::{BranchOrigin, BranchProgress, ComputedBranch};
+pub use compute::{ComputedTree, compute_branch, compute_tree, compute_tree_with_log};
+pub use equal::PointBetween;
+pub use error::BranchError;
+pub use events::event_of;
+pub use histories::Histories;
+pub use left::LeftMode;
+pub use periodic::PeriodicError;
+pub use points::{figure_points, reference_points};
+pub use refuse::check_branch;
+pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};
+pub use watch::{Doing, Ended, Watch};

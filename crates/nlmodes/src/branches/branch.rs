@@ -1,0 +1,278 @@
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nlmodes_continuation::{ParametricSystem, StopReason};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
+use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
+use nlmodes_model::ContactCoordinates;
+use nlmodes_timestep::ModeShooting;
+
+use super::beyond::{BeyondAccuracy, beyond};
+use super::prepare::{exact, periodic, problem};
+use super::trace::Tracer;
+use super::{AccuracyReached, BranchError, BranchMethod, BranchSettings};
+
+/// A branch with what is needed to look closer at its points.
+#[derive(Debug)]
+pub struct ComputedBranch {
+    /// The points and why they end.
+    pub branch: ModalBranch,
+    /// The condensed structure.
+    pub structure: Arc<CondensedStructure>,
+    /// Where the nonlinear mode begins.
+    pub grazing: Grazing,
+    /// Where it leaves another branch of a [`super::ComputedTree`].
+    pub origin: Option<BranchOrigin>,
+    /// Scaled unknowns of each point.
+    pub unknowns: Vec<Vec<f64>>,
+    /// Largest unfolding parameter |δ| met; zero but for rounding, and `None` for motions that are even in time.
+    pub largest_unfolding: Option<f64>,
+    /// Evaluations of residual and Jacobian.
+    pub evaluations: usize,
+    /// Iterations of the contact solver along the branches of the computation, over all contact problems, in the unit of that solver.
+    pub contact_iterations: usize,
+    /// Steps that were tried and refused.
+    pub refused_steps: usize,
+    /// What became of the accuracy that was asked for, if one was.
+    pub accuracy: Option<AccuracyReached>,
+    pub(super) settings: BranchSettings,
+}
+
+/// A point of another branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct BranchOrigin {
+    /// Number of that branch.
+    pub branch: usize,
+    /// Index of its point.
+    pub point: usize,
+}
+
+/// What a computation tells while it goes on.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum BranchProgress<'a> {
+    /// A point was found.
+    Found {
+        /// Number of its branch; the first is 0.
+        branch: usize,
+        /// The point.
+        point: &'a ModalPoint,
+    },
+    /// The last points of a branch lie on a tongue that is skipped.
+    Withdrawn {
+        /// Number of the branch.
+        branch: usize,
+        /// Points that stay.
+        kept: usize,
+    },
+}
+
+impl ComputedBranch {
+    /// Motion and force of contact `contact` over one period of point `point`.
+    ///
+    /// # Errors
+    /// [`BranchError`] if the point cannot be evaluated again.
+    ///
+    /// # Panics
+    /// If there is no such point or contact.
+    pub fn time_history(
+        &self,
+        point: usize,
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, BranchError> {
+        let mut problem = periodic(&self.structure, &self.settings_at(point), &self.grazing)?;
+        Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
+    }
+
+    /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in reverse order,
+    /// the common one once.
+    pub fn preceded_by(mut self, other: ComputedBranch) -> Self {
+        let mut points: Vec<ModalPoint> = other.branch.points.into_iter().skip(1).rev().collect();
+        let mut unknowns: Vec<Vec<f64>> = other.unknowns.into_iter().skip(1).rev().collect();
+        points.append(&mut self.branch.points);
+        unknowns.append(&mut self.unknowns);
+        (self.branch.points, self.unknowns) = (points, unknowns);
+        let (first, last) = (other.branch.end, &self.branch.end);
+        self.branch.end = BranchEnd {
+            reasons: [first.reasons.as_slice(), &last.reasons].concat(),
+            message: format!("one way, {}; the other way, {}", first.message, last.message),
+            complete: first.complete && last.complete,
+        };
+        self.largest_unfolding = self.largest_unfolding.into_iter().chain(other.largest_unfolding).reduce(f64::max);
+        self.evaluations += other.evaluations;
+        self.contact_iterations += other.contact_iterations;
+        self.refused_steps += other.refused_steps;
+        if let (Some(own), Some(other)) = (&mut self.accuracy, other.accuracy) {
+            own.changes += other.changes;
+            own.largest_held_modes_estimate = own.largest_held_modes_estimate.max(other.largest_held_modes_estimate);
+        }
+        self.review_accuracy();
+        self
+    }
+
+    /// The stretches on which the accuracy that was asked for is not reached; none where none was asked for.
+    pub fn beyond_accuracy(&self) -> Vec<BeyondAccuracy> {
+        self.settings.accuracy.map_or_else(Vec::new, |wanted| beyond(&self.branch.points, wanted.error))
+    }
+
+    /// The tongues of internal resonances on the branch.
+    pub fn tongues(&self) -> Vec<Tongue> {
+        tongues(&self.branch.points)
+    }
+
+    /// The settings with the harmonics of a point, which an accuracy has chosen.
+    pub(super) fn settings_at(&self, point: usize) -> BranchSettings {
+        self.settings_of(self.branch.points[point].coefficients.n_harmonics())
+    }
+
+    /// The settings with so many harmonics, where an accuracy has chosen them.
+    pub(super) fn settings_of(&self, harmonics: usize) -> BranchSettings {
+        let mut settings = self.settings.clone();
+        if settings.accuracy.is_some() {
+            settings.harmonics = harmonics;
+        }
+        settings
+    }
+
+    /// Counts the points of the branch, and names it by their harmonics, where an accuracy was asked for.
+    pub(super) fn review_accuracy(&mut self) {
+        let (Some(reached), Some(wanted)) = (&mut self.accuracy, self.settings.accuracy) else { return };
+        let points = &self.branch.points;
+        let estimates = || points.iter().filter_map(|p| p.error_estimate);
+        reached.largest_estimate = estimates().fold(0.0, f64::max);
+        reached.points_beyond = estimates().filter(|e| *e > wanted.error).count();
+        let harmonics = || points.iter().map(|p| p.coefficients.n_harmonics());
+        reached.harmonics = [harmonics().min().unwrap_or(0), harmonics().max().unwrap_or(0)];
+        if self.origin.is_none() && self.settings.label.is_empty() {
+            let [few, most] = reached.harmonics;
+            let plain = plural(self.settings.harmonics);
+            let range = if few == most { plural(few) } else { format!("{few} to {most} harmonics") };
+            self.branch.label = self.branch.label.replacen(&plain, &range, 1);
+        }
+    }
+
+    /// The periodic problem in harmonics with those of a point, to evaluate it again.
+    ///
+    /// # Errors
+    /// [`BranchError::NotHarmonic`] for a branch by shooting; else as [`super::compute_branch`].
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, BranchError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance if self.is_in_open_modes()? => Err(BranchError::NotHarmonic),
+            BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
+            BranchMethod::Shooting => Err(BranchError::NotHarmonic),
+        }
+    }
+
+    /// Whether its unknowns are open modes.
+    fn is_in_open_modes(&self) -> Result<bool, BranchError> {
+        Ok(periodic(&self.structure, &self.settings, &self.grazing)?.is_modal())
+    }
+
+    /// Whether its motions are exact, by shooting.
+    pub fn is_exact(&self) -> bool {
+        self.settings.method == BranchMethod::Shooting
+    }
+
+    /// The exact problem, to evaluate points of a branch by shooting again; `None` for a branch in harmonics.
+    ///
+    /// # Errors
+    /// [`BranchError`], as [`super::compute_branch`].
+    pub fn exact(&self) -> Result<Option<ModeShooting>, BranchError> {
+        match self.settings.method {
+            BranchMethod::HarmonicBalance => Ok(None),
+            BranchMethod::Shooting => exact(self.structure.model(), &self.settings, &self.grazing).map(Some),
+        }
+    }
+
+    /// Points that are stable, unstable, and of unknown stability.
+    pub fn stability_counts(&self) -> [usize; 3] {
+        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.map(|s| s.stable) == wanted).count();
+        [count(Some(true)), count(Some(false)), count(None)]
+    }
+}
+
+/// The modal branch of these points.
+pub(super) fn modal_branch(tracer: &Tracer, label: String, points: Vec<ModalPoint>, end: BranchEnd) -> ModalBranch {
+    let model = tracer.structure.model();
+    let first = model.contacts()[0];
+    let recorded = tracer.structure.recorded_dofs().iter().map(|&dof| &model.dofs()[dof]);
+    let coordinates = recorded.map(|d| Coordinate { position: d.position, kind: d.kind.name().to_owned() });
+    ModalBranch {
+        label,
+        coordinates: coordinates.collect(),
+        contact_coordinate: tracer.structure.recorded_index(first.dof),
+        stop: Some(first.side.sign() * first.gap),
+        points,
+        end,
+    }
+}
+
+/// Name of a branch in legends; `modes` are those of its structure that move a contact.
+pub(super) fn label(settings: &BranchSettings, coordinates: ContactCoordinates, modes: usize) -> String {
+    if !settings.label.is_empty() {
+        return settings.label.clone();
+    }
+    if settings.method == BranchMethod::Shooting {
+        return format!("shooting, {modes} mode{}", if modes == 1 { "" } else { "s" });
+    }
+    let sampled = match settings.switching {
+        Switching::Exact => String::new(),
+        Switching::Sampled { samples } => format!(", {samples} samples"),
+    };
+    let method = match coordinates {
+        ContactCoordinates::Nodes => "MS-HBM",
+        ContactCoordinates::SpringTips => "HBM",
+    };
+    format!("{method}, {}{sampled}", plural(settings.harmonics))
+}
+
+/// `1 harmonic`, `2 harmonics`, …
+fn plural(harmonics: usize) -> String {
+    format!("{harmonics} harmonic{}", if harmonics == 1 { "" } else { "s" })
+}
+
+/// Why a branch of so many points ended, in words.
+pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) -> BranchEnd {
+    let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
+    let (start, settings) = (tracer.grazing, &tracer.settings);
+    let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
+    let (reason, message, complete) = match stop {
+        StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
+            (EndReason::MaxEnergy, format!("the energy reached {:.6} times that at {reference}", value.exp()), true)
+        }
+        StopReason::Bound { coordinate, value } if *coordinate == dim => {
+            (EndReason::MinEnergy, format!("the energy fell to {:.1e} of that at {reference}", value.exp()), true)
+        }
+        StopReason::Bound { coordinate, value } if *coordinate == frequency => {
+            (EndReason::FrequencyWindow, format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
+        }
+        StopReason::Bound { coordinate, value } => {
+            (EndReason::Bound, format!("unknown {coordinate} reached {value}"), true)
+        }
+        StopReason::Closed => (EndReason::Closed, "the branch came back to where it began".to_owned(), true),
+        StopReason::Joined => (
+            EndReason::Joined,
+            "it came to a branch point from which its way on had been followed already".to_owned(),
+            true,
+        ),
+        StopReason::Stopped if n_points < settings.max_points => {
+            (EndReason::Stopped, "it was asked to stop".to_owned(), false)
+        }
+        StopReason::Stopped | StopReason::MaxPoints => {
+            (EndReason::MaxPoints, format!("the limit of {} points was reached", settings.max_points), false)
+        }
+        StopReason::StepTooSmall { step, refusal } => (
+            EndReason::NoStep,
+            format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"),
+            false,
+        ),
+        _ => (EndReason::Unknown, format!("{stop:?}"), false),
+    };
+    BranchEnd::new(reason, message, complete)
+}

@@ -1,0 +1,221 @@
+//! The points of a branch as they are found.
+
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{Branch, BranchPoint};
+use nlmodes_hbm::TruncationError;
+use nlmodes_modal::{Event, ModalPoint};
+
+use super::Watch;
+use super::events::event_of;
+use super::left::Departure;
+use super::viewer::Viewer;
+
+/// What a run shows.
+pub(super) enum Shown<'p> {
+    /// A point that was found.
+    Point(&'p ModalPoint),
+    /// All but the first so many points of this run are found anew.
+    Withdrawn(usize),
+}
+
+/// The beginning of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum First {
+    /// Its first point has this event.
+    Named(Event),
+    /// Its first point is known already and is not found again.
+    Known,
+    /// Nothing happens there.
+    Plain,
+}
+
+/// The points of a branch as they are found.
+#[derive(Default)]
+pub(super) struct Found {
+    pub points: Vec<ModalPoint>,
+    /// Scaled unknowns of each.
+    pub unknowns: Vec<Vec<f64>>,
+    pub evaluations: usize,
+    pub refused_steps: usize,
+    /// Changes of the number of harmonics, and the largest error that the held modes left out cause, by estimate.
+    pub changes: usize,
+    pub largest_held_modes_error: f64,
+    /// Points kept when each point of the continuation had been seen.
+    seen: Vec<usize>,
+    start_event: Option<Event>,
+    /// Where the branch leaves its nonlinear mode.
+    departure: Departure,
+    /// The solution kept last, with its parameter.
+    last: Option<Vec<f64>>,
+    /// Where the run began, and whether that point is left out.
+    start: Option<Vec<f64>>,
+    start_is_known: bool,
+}
+
+impl Found {
+    pub(super) fn new(first: &First) -> Self {
+        let start_event = if let First::Named(event) = first { Some(*event) } else { None };
+        Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
+    }
+
+    /// The points that are kept of one of the continuation: none, itself, or before it the one at which the stability changes.
+    fn keep(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> &[ModalPoint] {
+        let before = self.points.len();
+        self.take(viewer, point);
+        self.seen.push(self.points.len());
+        &self.points[before..]
+    }
+
+    /// As [`Self::keep`], but nothing once the computation has ended: what is found then may lack what could not be looked for any more.
+    pub(super) fn keep_unless_ended(
+        &mut self,
+        watch: &Watch,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+    ) -> ControlFlow<(), &[ModalPoint]> {
+        if watch.has_ended() {
+            return ControlFlow::Break(());
+        }
+        let before = self.points.len();
+        self.keep(viewer, point);
+        if watch.has_ended() {
+            self.truncate(before);
+            self.seen.pop();
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(&self.points[before..])
+    }
+
+    fn take(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> Option<()> {
+        let is_first = self.start.is_none();
+        if is_first {
+            self.start = Some(point.x.clone());
+            if self.start_is_known {
+                return None;
+            }
+        } else if !point.events.is_empty() && self.is_start(point) {
+            // What the continuation meets at the start is the grazing itself.
+            return None;
+        }
+        let named = self.start_event.take_if(|_| is_first);
+        self.add(viewer, point, named.into_iter().collect(), None)
+    }
+
+    /// Adds a point with these events beside those of the continuation, and before it the one at which the stability changes.
+    fn add(
+        &mut self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        names: Vec<Event>,
+        error: Option<TruncationError>,
+    ) -> Option<()> {
+        let mut modal = viewer.see(&point.x, point.residual)?;
+        modal.events = names.into_iter().chain(point.events.iter().map(|e| event_of(*e))).collect();
+        modal.error_estimate = error.map(|e| e.frequency);
+        self.largest_held_modes_error = error.map_or(0.0, |e| e.held_modes).max(self.largest_held_modes_error);
+        if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
+            self.push(change, x);
+        }
+        if self.departure.is_seen(&modal) {
+            modal.events.push(Event::OtherMode);
+        }
+        viewer.accepted(&modal);
+        self.last = Some(point.z());
+        self.push(modal, point.x.clone());
+        Some(())
+    }
+
+    fn push(&mut self, modal: ModalPoint, x: Vec<f64>) {
+        self.points.push(modal);
+        self.unknowns.push(x);
+    }
+
+    /// The point between the last one and this at which the stability changes, if it does.
+    fn stability_change(
+        &self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        modal: &ModalPoint,
+    ) -> Option<(Vec<f64>, ModalPoint)> {
+        let (before, now) = (self.points.last()?.stability?.stable, modal.stability?.stable);
+        // A change of the number of harmonics is no way along which to look.
+        let from = self.last.as_ref().filter(|last| before != now && last.len() == point.x.len() + 1)?;
+        let (x, mut change) = viewer.change(from, &point.z(), now)?;
+        change.events.push(Event::StabilityChange);
+        Some((x, change))
+    }
+
+    /// A run begins, from a point that has not been seen.
+    pub(super) fn begin(&mut self) {
+        self.start = None;
+    }
+
+    /// Whether the first point of a run has not been left yet.
+    pub(super) fn is_at_start(&self) -> bool {
+        self.start.is_none()
+    }
+
+    /// A run leaves its first point.
+    pub(super) fn leave_start(&mut self, point: &BranchPoint) {
+        self.start = Some(point.x.clone());
+    }
+
+    /// Keeps a point with an estimate of its error and with these events.
+    pub(super) fn keep_named(
+        &mut self,
+        viewer: &mut Viewer,
+        point: &BranchPoint,
+        names: Vec<Event>,
+        error: Option<TruncationError>,
+    ) -> &[ModalPoint] {
+        let before = self.points.len();
+        if point.events.is_empty() || !self.is_start(point) {
+            self.add(viewer, point, names, error);
+        }
+        &self.points[before..]
+    }
+
+    /// Index of the point kept last when point `number` of the continuation had been seen.
+    pub fn index_of(&self, number: usize) -> usize {
+        self.seen.get(number).map_or(0, |n| n.saturating_sub(1))
+    }
+
+    pub(super) fn count(&mut self, branch: &Branch) {
+        self.evaluations += branch.evaluations;
+        self.refused_steps += branch.refused_steps;
+    }
+
+    fn is_start(&self, point: &BranchPoint) -> bool {
+        self.start.as_ref().is_some_and(|first| first.iter().zip(&point.x).all(|(a, b)| (a - b).abs() < 1e-6))
+    }
+
+    /// Keeps the first `count` points.
+    pub fn truncate(&mut self, count: usize) {
+        self.points.truncate(count);
+        self.unknowns.truncate(count);
+        self.last = None;
+    }
+
+    /// Takes all points but the first `count` away.
+    pub(super) fn split_off(&mut self, count: usize) -> Found {
+        let (points, unknowns) = (self.points.split_off(count), self.unknowns.split_off(count));
+        self.last = None;
+        Found { points, unknowns, ..Found::default() }
+    }
+
+    /// Takes the points of another run behind its own.
+    pub fn append(&mut self, mut other: Found) {
+        self.points.append(&mut other.points);
+        self.unknowns.append(&mut other.unknowns);
+        self.evaluations += other.evaluations;
+        self.refused_steps += other.refused_steps;
+        self.changes += other.changes;
+        self.largest_held_modes_error = self.largest_held_modes_error.max(other.largest_held_modes_error);
+    }
+
+    pub fn reverse(&mut self) {
+        self.points.reverse();
+        self.unknowns.reverse();
+    }
+}

@@ -1,0 +1,225 @@
+//! The periodic problem of a branch, in harmonics or exact.
+
+use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
+use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_timestep::{ModeShooting, TimestepError};
+use thiserror::Error;
+
+use super::open_mode::OpenMode;
+use super::{BranchSettings, Ended, Watch};
+
+/// Why a periodic problem cannot be evaluated.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PeriodicError {
+    /// In harmonics.
+    #[error(transparent)]
+    Harmonics(#[from] HbmError),
+    /// By exact integration.
+    #[error(transparent)]
+    Exact(#[from] TimestepError),
+    /// The computation was asked to end.
+    #[error(transparent)]
+    Ended(#[from] Ended),
+}
+
+/// Equations of periodic motions, as a system for continuation that is watched.
+pub(super) struct Periodic<'s> {
+    equations: Equations<'s>,
+    watch: Watch,
+}
+
+enum Equations<'s> {
+    Harmonics(Box<MixedShooting<'s>>),
+    Exact(Box<ModeShooting>),
+    Modal(Box<OpenMode>),
+}
+
+impl<'s> Periodic<'s> {
+    pub fn in_harmonics(problem: MixedShooting<'s>, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Harmonics(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    pub fn exact(problem: ModeShooting, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Exact(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    /// In the open modes of a structure, whatever the number of its contacts.
+    pub fn modal(problem: OpenMode, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Modal(Box::new(problem)), watch: settings.watch.clone() }
+    }
+
+    /// Whether the unknowns are open modes.
+    pub fn is_modal(&self) -> bool {
+        matches!(self.equations, Equations::Modal(_))
+    }
+
+    /// The exact problem, if it is one.
+    pub fn shooting(&mut self) -> Option<&mut ModeShooting> {
+        match &mut self.equations {
+            Equations::Harmonics(_) | Equations::Modal(_) => None,
+            Equations::Exact(problem) => Some(problem),
+        }
+    }
+
+    /// Unknowns at grazing and the direction of growing amplitude.
+    pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
+        match &self.equations {
+            Equations::Harmonics(problem) => {
+                let (series, dim) = (problem.series(), problem.dim());
+                (grazing.unknowns(series, dim), grazing.direction(series, dim))
+            }
+            Equations::Exact(problem) => problem.start(),
+            Equations::Modal(problem) => problem.start(),
+        }
+    }
+
+    /// The problem in harmonics, if it is one.
+    pub fn harmonics(&self) -> Option<&MixedShooting<'s>> {
+        match &self.equations {
+            Equations::Harmonics(problem) => Some(problem),
+            Equations::Exact(_) | Equations::Modal(_) => None,
+        }
+    }
+
+    /// Index of the frequency among the unknowns.
+    pub fn frequency_index(&self) -> usize {
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.frequency_index(),
+            Equations::Exact(problem) => problem.frequency_index(),
+            Equations::Modal(problem) => problem.frequency_index(),
+        }
+    }
+
+    /// Angular frequency of the unknowns `x`, rad/s.
+    pub fn omega(&self, x: &[f64]) -> f64 {
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.omega(x),
+            Equations::Exact(problem) => problem.omega(x),
+            Equations::Modal(problem) => problem.omega(x),
+        }
+    }
+
+    /// Iterations of the contact solver.
+    pub fn contact_iterations(&self) -> usize {
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.contact_iterations(),
+            Equations::Exact(_) => 0,
+            Equations::Modal(problem) => problem.system.contact_iterations(),
+        }
+    }
+
+    /// The point with the unknowns `x`; that of an exact motion may have more harmonics than were asked for.
+    pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.modal_point(x, residual)?,
+            Equations::Exact(problem) => problem.modal_point(x, residual)?,
+            Equations::Modal(problem) => problem.system.modal_point(x, &problem.contacts, residual)?,
+        })
+    }
+
+    /// Modal coordinates of the point with the unknowns `x`, whose motion is `motion`.
+    pub fn modal_coordinates(
+        &mut self,
+        x: &[f64],
+        motion: &HarmonicCoefficients,
+        onto: &Projection,
+    ) -> Result<HarmonicCoefficients, PeriodicError> {
+        if let Some(modal) = onto.of_motion(motion) {
+            return Ok(modal);
+        }
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
+            // Exact motions, and those in open modes, are those of all degrees of freedom.
+            Equations::Exact(_) | Equations::Modal(_) => HarmonicCoefficients::zeros(0, 0),
+        })
+    }
+
+    /// Motion and force of all contacts over a period, exact at the instants of contact.
+    pub fn time_histories(
+        &mut self,
+        x: &[f64],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.time_histories(x, samples, label)?,
+            Equations::Exact(problem) => problem.time_histories(x, samples, label)?,
+            Equations::Modal(problem) => problem.system.time_histories(x, &problem.contacts, samples, label)?,
+        })
+    }
+
+    /// Motion and force of a contact over a period.
+    pub fn time_history(
+        &mut self,
+        x: &[f64],
+        contact: usize,
+        samples: usize,
+        label: &str,
+    ) -> Result<TimeHistory, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
+            Equations::Exact(problem) => problem.time_history(x, contact, samples, label)?,
+            Equations::Modal(problem) => problem.system.time_history(x, &problem.contacts, contact, samples, label)?,
+        })
+    }
+}
+
+impl ParametricSystem for Periodic<'_> {
+    type Error = PeriodicError;
+
+    fn dim(&self) -> usize {
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.dim(),
+            Equations::Exact(problem) => problem.dim(),
+            Equations::Modal(problem) => problem.system.dim(),
+        }
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), PeriodicError> {
+        self.watch.evaluates()?;
+        match &mut self.equations {
+            Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
+            Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
+            Equations::Modal(problem) => Ok(problem.system.linearize(x, p, out)?),
+        }
+    }
+
+    fn scaling(&self) -> Option<Scaling> {
+        Some(Scaling::unit(self.dim()))
+    }
+
+    fn pattern(&self) -> u64 {
+        match &self.equations {
+            Equations::Harmonics(problem) => problem.pattern(),
+            Equations::Exact(problem) => problem.pattern(),
+            Equations::Modal(problem) => problem.system.pattern(),
+        }
+    }
+
+    fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.pattern_at(z),
+            Equations::Modal(problem) => problem.system.pattern_at(z),
+            Equations::Exact(_) => None,
+        }
+    }
+
+    fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.boundary(from, to),
+            Equations::Modal(problem) => problem.system.boundary(from, to),
+            // Halving finds its changes.
+            Equations::Exact(_) => None,
+        }
+    }
+
+    fn accepted(&mut self, x: &[f64], p: f64) {
+        match &mut self.equations {
+            Equations::Harmonics(problem) => problem.accepted(x, p),
+            Equations::Exact(problem) => problem.accepted(x, p),
+            Equations::Modal(problem) => problem.system.accepted(x, p),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! A branch that leaves out the tongues of internal resonances.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::StopReason;
+use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint};
+
+use super::branch::branch_end;
+use super::found::{First, Found, Shown};
+use super::start::{Seed, Target, heading, refined};
+use super::trace::Tracer;
+use super::{BranchError, BranchProgress, Doing};
+
+/// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less than half of that.
+const FOOT: f64 = 0.05;
+
+/// First relative distance in frequency behind the foot of a tongue at which the backbone is sought, and by what it grows.
+const BEYOND: (f64, f64) = (2e-4, 1.6);
+
+/// Relative difference in frequency and energy below which two feet are one.
+const SAME: f64 = 1e-6;
+
+/// Largest growth of that distance.
+const FURTHER: f64 = 2e-3;
+
+/// Largest such distance.
+const FURTHEST: f64 = 0.2;
+
+/// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the foot of the tongue, and on
+/// behind it.
+pub(super) fn follow(
+    tracer: &mut Tracer,
+    mut seed: Seed,
+    start_event: Event,
+    observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
+) -> Result<(Found, BranchEnd), BranchError> {
+    let upward = heading(tracer, &seed)?;
+    let mut all = Found::default();
+    let mut first = First::Named(start_event);
+    // Where the stretch since the last tongue begins.
+    let mut stretch = 0;
+    loop {
+        let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
+        let watch = tracer.settings.watch.clone();
+        let _ = watch.begins(Doing::Branch);
+        let before = all.points.len();
+        let traced = tracer.trace(&seed, None, first, |shown| {
+            let point = match shown {
+                Shown::Point(point) => point,
+                Shown::Withdrawn(kept) => {
+                    count = before + kept;
+                    return observe(BranchProgress::Withdrawn { branch: 0, kept: count });
+                }
+            };
+            resonance = point.resonance;
+            if resonance.is_some() {
+                return ControlFlow::Break(());
+            }
+            count += 1;
+            observe(BranchProgress::Found { branch: 0, point })?;
+            if count < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        let (segment, stop) = match traced {
+            Err(_) if watch.has_ended() && before > 0 => (Found::default(), StopReason::Stopped),
+            traced => traced?,
+        };
+        let Some(resonance) = resonance else {
+            all.append(segment);
+            let end = branch_end(&stop, tracer, all.points.len());
+            return Ok((all, end));
+        };
+        all.append(segment);
+        let on_tongue = all.points.len() - 1;
+        let Some(foot) = foot(&all.points[stretch..on_tongue], resonance, upward).map(|i| stretch + i) else {
+            // The one point that there is to show.
+            let _ = observe(BranchProgress::Found { branch: 0, point: &all.points[on_tongue] });
+            return Ok((all, lost(resonance, "it begins on the tongue")));
+        };
+        all.truncate(foot + 1);
+        mark(&mut all.points[foot], resonance, Event::TongueFoot);
+        let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: foot });
+        let marked = BranchProgress::Found { branch: 0, point: &all.points[foot] };
+        if withdrawn.is_break() || observe(marked).is_break() {
+            let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+            return Ok((all, end));
+        }
+        let near = all.points[foot].clone();
+        let behind = resume(tracer, &near, upward, resonance);
+        if watch.has_ended() {
+            let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+            return Ok((all, end));
+        }
+        match behind? {
+            Behind::Found { points, seed: next } => {
+                for point in &points.points {
+                    if observe(BranchProgress::Found { branch: 0, point }).is_break() {
+                        let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+                        return Ok((all, end));
+                    }
+                }
+                stretch = all.points.len();
+                all.append(*points);
+                seed = next;
+                first = First::Known;
+            }
+            Behind::Nothing(why) => return Ok((all, lost(resonance, &why))),
+            Behind::Window => return Ok((all, window(resonance))),
+        }
+    }
+}
+
+/// What was found behind a tongue.
+enum Behind {
+    /// The points from its foot on, and where the last one of them leads.
+    Found {
+        points: Box<Found>,
+        seed: Seed,
+    },
+    Nothing(String),
+    /// The frequency window ends before anything is found.
+    Window,
+}
+
+/// Seeks the backbone behind a tongue at growing distances, and goes from there back to the foot of the tongue.
+fn resume(
+    tracer: &mut Tracer,
+    near: &ModalPoint,
+    upward: bool,
+    resonance: InternalResonance,
+) -> Result<Behind, BranchError> {
+    let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
+    let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
+    let mut why = "the backbone was not found behind it".to_owned();
+    while distance < FURTHEST {
+        let hz = near.omega * (1.0 + sense * distance) / TAU;
+        distance = (distance * BEYOND.1).min(distance + FURTHER);
+        if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
+            return Ok(Behind::Window);
+        }
+        let target = Target::Frequency(hz);
+        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, target, upward, tracer.log) {
+            Ok(seed) => seed,
+            Err(error @ BranchError::NoStart { .. }) => {
+                why = error.to_string();
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        if seed.p > highest {
+            why = "behind it the energy exceeds the largest one".to_owned();
+            continue;
+        }
+        let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };
+        return Ok(Behind::Found { points: Box::new(points), seed });
+    }
+    Ok(Behind::Nothing(why))
+}
+
+/// The branch from the foot behind the tongue to `seed`; `None` if that lies on a tongue itself, or on the near side of this one.
+fn back_to_foot(
+    tracer: &mut Tracer,
+    seed: &Seed,
+    near: &ModalPoint,
+    upward: bool,
+    resonance: InternalResonance,
+) -> Result<Option<Found>, BranchError> {
+    let scaled = near.omega / tracer.grazing.omega;
+    let frequency = if upward { [scaled, f64::INFINITY] } else { [0.0, scaled] };
+    let back = Seed { direction: seed.direction.iter().map(|d| -d).collect(), ..seed.clone() };
+    let mut resonant = false;
+    let (mut found, _) = tracer.trace(&back, Some(frequency), First::Plain, |shown| {
+        let Shown::Point(point) = shown else { return ControlFlow::Continue(()) };
+        resonant = point.resonance.is_some();
+        let turned = point.has_event(Event::FrequencyFold);
+        if resonant || turned { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    if resonant {
+        found.truncate(found.points.len() - 1);
+    }
+    let Some(foot) = foot(&found.points, resonance, !upward) else { return Ok(None) };
+    let same = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
+    let last = &found.points[foot];
+    if same(last.omega, near.omega) && same(last.kinetic_energy, near.kinetic_energy) {
+        return Ok(None);
+    }
+    found.truncate(foot + 1);
+    mark(&mut found.points[foot], resonance, Event::Resumed);
+    found.reverse();
+    Ok(Some(found))
+}
+
+/// Index of the foot of a tongue at the end of these points: where the resonant harmonic begins to grow, and the frequency has
+/// not turned yet.
+fn foot(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
+    let share = |point: &ModalPoint| point.harmonic_share(resonance.harmonic);
+    let least = points.iter().map(share).fold(f64::INFINITY, f64::min);
+    let limit = FOOT.max(2.0 * least);
+    let last = points.iter().rposition(|point| share(point) <= limit)?;
+    let sense = if upward { 1.0 } else { -1.0 };
+    (0..=last).max_by(|&i, &j| (sense * points[i].omega).total_cmp(&(sense * points[j].omega)))
+}
+
+fn mark(point: &mut ModalPoint, resonance: InternalResonance, event: Event) {
+    point.events.push(event);
+    point.resonance = Some(resonance);
+}
+
+fn window(resonance: InternalResonance) -> BranchEnd {
+    let message = format!("the frequency window ends within the tongue {resonance}, which is skipped");
+    BranchEnd::new(EndReason::FrequencyWindow, message, true)
+}
+
+fn lost(resonance: InternalResonance, why: &str) -> BranchEnd {
+    let message = format!("the branch reached the foot of the tongue {resonance}, and {why}");
+    BranchEnd::new(EndReason::Tongue, message, false)
+}

@@ -1,0 +1,314 @@
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
+use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
+use nlmodes_modal::ModalPoint;
+
+use super::homotopy::{self, Effort};
+use super::periodic::Periodic;
+use super::prepare::{continuation, periodic, problem, within_window};
+use super::touching::beginning;
+use super::trace::Tracer;
+use super::{BranchError, BranchMethod, BranchSettings, BranchStart, Doing};
+
+/// Most points on the way to a start.
+const APPROACH: usize = 1000;
+
+/// Numbers of harmonics from which a refinement begins, in the order in which they are tried.
+pub(super) const FEW: [usize; 4] = [1, 2, 3, 5];
+
+/// Harmonics, at least, of a point from which an exact motion is sought.
+const BEFORE_SHOOTING: usize = 20;
+
+/// Points after which a branch has shown which way its frequency goes.
+const HEADING: usize = 8;
+
+/// Scaled unknowns, parameter and direction with which a branch begins.
+#[derive(Debug, Clone)]
+pub(super) struct Seed {
+    pub x: Vec<f64>,
+    pub p: f64,
+    pub direction: Vec<f64>,
+    /// Number of harmonics of `x`, or of the exact motion.
+    pub harmonics: usize,
+}
+
+/// Where frequency and parameter stand in `z = (x, p)`.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    frequency: usize,
+    dim: usize,
+}
+
+impl From<&MixedShooting<'_>> for Place {
+    fn from(problem: &MixedShooting<'_>) -> Self {
+        Self { frequency: problem.frequency_index(), dim: problem.dim() }
+    }
+}
+
+impl From<&Periodic<'_>> for Place {
+    fn from(problem: &Periodic<'_>) -> Self {
+        Self { frequency: problem.frequency_index(), dim: problem.dim() }
+    }
+}
+
+/// Where on the backbone a branch begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Target {
+    /// At a frequency, Hz.
+    Frequency(f64),
+    /// At an averaged kinetic energy over that at grazing.
+    Energy(f64),
+}
+
+impl Target {
+    /// The coordinate of `z = (x, p)` that it fixes, and its value.
+    fn coordinate(self, place: Place, start: &Grazing) -> (usize, f64) {
+        match self {
+            Self::Frequency(hz) => (place.frequency, hz * TAU / start.omega),
+            Self::Energy(ratio) => (place.dim, ratio.ln()),
+        }
+    }
+
+    fn sought(self) -> Doing {
+        match self {
+            Self::Frequency(hz) => Doing::BackboneAtFrequency(hz),
+            Self::Energy(ratio) => Doing::BackboneAtEnergy(ratio),
+        }
+    }
+
+    fn not_found(self, reason: String) -> BranchError {
+        match self {
+            Self::Frequency(hz) => BranchError::NoStart { hz, reason },
+            Self::Energy(ratio) => BranchError::NoStartAtEnergy { ratio, reason },
+        }
+    }
+
+    /// Where the search begins: the coordinate at grazing.
+    fn at_grazing(self) -> f64 {
+        match self {
+            Self::Frequency(_) => 1.0,
+            Self::Energy(_) => 0.0,
+        }
+    }
+}
+
+/// The beginning that the settings ask for.
+///
+/// A point elsewhere is sought along the branch itself, and where an internal resonance leads that away, with fewer harmonics.
+pub(super) fn seed(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    problem: &Periodic,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    let (target, upward) = match settings.start {
+        BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
+        BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
+        BranchStart::Grazing => {
+            settings.watch.begins(Doing::Start)?;
+            let seed = beginning(problem, settings, start, log)?;
+            if start.touches_at_rest() {
+                within_window(settings, problem.omega(&seed.x) / TAU)?;
+            }
+            return Ok(seed);
+        }
+    };
+    settings.watch.begins(target.sought())?;
+    let mut other = periodic(structure, settings, start)?;
+    match on_backbone(&mut other, settings, start, target, log) {
+        Ok((x, p)) => {
+            let direction = along(problem.into(), start, target, upward);
+            Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+        }
+        // With fewer harmonics the motions of the contacts would be the unknowns.
+        Err(error) if other.is_modal() => Err(error),
+        Err(_) => refined(structure, settings, start, target, upward, log),
+    }
+}
+
+/// A point found with few harmonics, whose backbone little interrupts, and then corrected with more and more, the frequency or the
+/// energy kept.
+pub(super) fn refined(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    target: Target,
+    upward: bool,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    settings.watch.begins(target.sought())?;
+    let mut failure = None;
+    let harmonic = BranchSettings {
+        method: BranchMethod::HarmonicBalance,
+        harmonics: match settings.method {
+            BranchMethod::HarmonicBalance => settings.harmonics,
+            BranchMethod::Shooting => settings.harmonics.max(BEFORE_SHOOTING),
+        },
+        ..settings.clone()
+    };
+    for first in FEW.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
+        let found = refined_from(structure, &harmonic, start, target, upward, first, log);
+        let found = found.and_then(|(seed, point)| match settings.method {
+            BranchMethod::HarmonicBalance => Ok(seed),
+            BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point, log),
+        });
+        match found {
+            Err(error @ (BranchError::NoStart { .. } | BranchError::NoStartAtEnergy { .. })) => {
+                failure.get_or_insert(error);
+            }
+            outcome => return outcome,
+        }
+    }
+    Err(failure.unwrap_or_else(|| target.not_found("no number of harmonics leads there".to_owned())))
+}
+
+/// The exact motion beside a point in harmonics, with the same frequency or energy.
+fn exact_seed(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    target: Target,
+    upward: bool,
+    point: &ModalPoint,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    let mut problem = super::prepare::exact(structure.model(), settings, start)?;
+    let (mut x, mut p) = problem.unknowns(&point.coefficients, point.omega)?;
+    let mut problem = Periodic::exact(problem, settings);
+    let (coordinate, value) = target.coordinate((&problem).into(), start);
+    // What the reduction changes of the grazing changes what the target is.
+    match target {
+        Target::Frequency(_) => x[coordinate] = value,
+        Target::Energy(_) => p = value,
+    }
+    let guess: Vec<f64> = x.into_iter().chain([p]).collect();
+    let direction = along((&problem).into(), start, target, true);
+    let (x, p) = one_point(settings, start, &mut problem, &guess, &direction, log)
+        .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, Effort::FULL, log))
+        .ok_or_else(|| {
+            target.not_found("Newton's method does not lead from harmonics to an exact motion".to_owned())
+        })?;
+    let direction = along((&problem).into(), start, target, upward);
+    Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+}
+
+fn refined_from(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    target: Target,
+    upward: bool,
+    first: usize,
+    log: &mut dyn RunLog,
+) -> Result<(Seed, ModalPoint), BranchError> {
+    let coarse = BranchSettings { harmonics: first, ..settings.clone() };
+    let coarse_problem = problem(structure, &coarse, start)?;
+    let mut series = coarse_problem.series();
+    let (mut x, mut p) =
+        on_backbone(&mut Periodic::in_harmonics(coarse_problem, &coarse), &coarse, start, target, log)?;
+    for harmonics in ladder(first, settings.harmonics) {
+        let step = BranchSettings { harmonics, ..settings.clone() };
+        let problem = self::problem(structure, &step, start)?;
+        let finer = problem.series();
+        let guess = problem.resized(&x, series);
+        let direction = along((&problem).into(), start, target, true);
+        let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
+        let (coordinate, _) = target.coordinate((&problem).into(), start);
+        let mut problem = Periodic::in_harmonics(problem, &step);
+        let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
+            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, Effort::FULL, log))
+            .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
+        series = finer;
+        (x, p) = corrected;
+    }
+    let mut problem = self::problem(structure, settings, start)?;
+    let point = problem.modal_point(&x, 0.0)?;
+    let direction = along((&problem).into(), start, target, upward);
+    Ok((Seed { x, p, direction, harmonics: settings.harmonics }, point))
+}
+
+/// The point at the target to which the branch leads from grazing.
+fn on_backbone(
+    problem: &mut Periodic,
+    settings: &BranchSettings,
+    start: &Grazing,
+    target: Target,
+    log: &mut dyn RunLog,
+) -> Result<(Vec<f64>, f64), BranchError> {
+    let place = Place::from(&*problem);
+    let (coordinate, value) = target.coordinate(place, start);
+    let mut method = continuation(settings, start, place.frequency, place.dim);
+    method.bounds.truncate(1); // the energy
+    let (min, max) = if value > target.at_grazing() { (f64::NEG_INFINITY, value) } else { (value, f64::INFINITY) };
+    match target {
+        Target::Frequency(_) => method.bounds.push(Bound { coordinate, min: min.max(0.5), max: max.min(2.0) }),
+        Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
+    }
+    method.max_points = APPROACH;
+    let Seed { x, direction, .. } = beginning(problem, settings, start, log)?;
+    let Branch { mut points, stop, .. } =
+        method.run_with_log(problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
+    match (stop, points.pop()) {
+        (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
+            Ok((last.x, last.p))
+        }
+        (_, last) => {
+            let (omega, p) = last.map_or((start.omega, 0.0), |point| (problem.omega(&point.x), point.p));
+            let [from, to] = [start.omega / TAU, omega / TAU];
+            let reason = format!("the branch leads from {from:.4} to {to:.4} Hz and {:.4} grazing energies", p.exp());
+            Err(target.not_found(reason))
+        }
+    }
+}
+
+/// Whether the backbone from `seed` leads to higher frequencies: as asked for, else as with one harmonic.
+pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, BranchError> {
+    if let BranchStart::Frequency { upward, .. } = tracer.settings.start {
+        return Ok(upward);
+    }
+    let coarse = BranchSettings { harmonics: 1, start: BranchStart::Grazing, ..tracer.settings.clone() };
+    let coarse = BranchSettings { method: BranchMethod::HarmonicBalance, ..coarse };
+    let mut problem = periodic(tracer.structure, &coarse, tracer.grazing)?;
+    let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
+    method.max_points = HEADING;
+    let log = &mut *tracer.log;
+    let Seed { x, direction, .. } = beginning(&problem, &coarse, tracer.grazing, log)?;
+    let branch = method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
+    let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
+    let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
+    Ok(rises == towards_more_energy)
+}
+
+/// Numbers of harmonics on the way from `first` to `last`.
+pub(super) fn ladder(first: usize, last: usize) -> Vec<usize> {
+    let steps = std::iter::successors(Some(first), |h| Some(h + h.div_ceil(2))).skip(1);
+    steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
+}
+
+/// Unit vector along the coordinate that the target fixes.
+fn along(place: Place, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
+    let mut direction = vec![0.0; place.dim + 1];
+    direction[target.coordinate(place, start).0] = if upward { 1.0 } else { -1.0 };
+    direction
+}
+
+/// Corrects a guess across `direction`.
+pub(super) fn one_point(
+    settings: &BranchSettings,
+    start: &Grazing,
+    problem: &mut Periodic,
+    z: &[f64],
+    direction: &[f64],
+    log: &mut dyn RunLog,
+) -> Option<(Vec<f64>, f64)> {
+    let mut method = continuation(settings, start, problem.frequency_index(), problem.dim());
+    method.max_points = 1;
+    // Where branches end does not concern a single point.
+    method.bounds.clear();
+    let (p, x) = z.split_last()?;
+    let branch = method.run_with_log(problem, x, *p, direction, log, |_| ControlFlow::Continue(())).ok()?;
+    branch.points.into_iter().next().map(|point| (point.x, point.p))
+}

@@ -1,0 +1,133 @@
+//! The beginning of a branch, also where contacts touch at rest.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason};
+use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
+
+use super::homotopy::{self, Effort};
+use super::periodic::Periodic;
+use super::prepare::problem;
+use super::start::{FEW, Seed, ladder, one_point};
+use super::watch::Watched;
+use super::{BranchError, BranchSettings, Doing};
+
+/// Most points on the way from contacts that stand back to contacts that touch.
+const MOST: usize = 1000;
+
+/// The linear mode that just touches; where contacts touch at rest, the motion before them at the energy of the start.
+pub(super) fn beginning(
+    problem: &Periodic,
+    settings: &BranchSettings,
+    start: &Grazing,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    match problem.harmonics() {
+        Some(harmonic) if start.touches_at_rest() => {
+            let harmonics = harmonic.series().n_harmonics;
+            before_touching_contacts(
+                harmonic.structure(),
+                &BranchSettings { harmonics, ..settings.clone() },
+                start,
+                log,
+            )
+        }
+        _ => {
+            let (x, direction) = problem.start(start);
+            Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
+        }
+    }
+}
+
+/// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with more and more.
+fn before_touching_contacts(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    settings.watch.begins(Doing::Touching)?;
+    let mut failure = None;
+    for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
+        match refined_from(structure, settings, start, first, log) {
+            Err(BranchError::NoStartTouching { reason }) => failure = failure.or(Some(reason)),
+            outcome => return outcome,
+        }
+    }
+    Err(BranchError::NoStartTouching { reason: failure.unwrap_or_default() })
+}
+
+fn refined_from(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    first: usize,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    let (mut x, mut series) = close(structure, &BranchSettings { harmonics: first, ..settings.clone() }, start, log)?;
+    for harmonics in ladder(first, settings.harmonics) {
+        let finer = BranchSettings { harmonics, ..settings.clone() };
+        let problem = problem(structure, &finer, start)?;
+        let (next, dim) = (problem.series(), problem.dim());
+        let guess: Vec<f64> = problem.resized(&x, series).into_iter().chain([0.0]).collect();
+        let mut problem = Periodic::in_harmonics(problem, &finer);
+        let mut energy = vec![0.0; dim + 1];
+        energy[dim] = 1.0;
+        let corrected = one_point(&finer, start, &mut problem, &guess, &energy, log)
+            .or_else(|| homotopy::solve(&mut problem, &guess, dim, &finer.step, Effort::FULL, log));
+        let Some((found, _)) = corrected else {
+            return Err(BranchError::NoStartTouching {
+                reason: format!("Newton's method fails with {harmonics} harmonics"),
+            });
+        };
+        (x, series) = (found, next);
+    }
+    let direction = growing(&x, series, start);
+    Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
+}
+
+/// The motion to which that before contacts that stand back leads as they are closed.
+fn close(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    log: &mut dyn RunLog,
+) -> Result<(Vec<f64>, RealSeries), BranchError> {
+    let mut problem = problem(structure, settings, start)?;
+    let (series, dim, frequency) = (problem.series(), problem.dim(), problem.frequency_index());
+    let bounds = vec![Bound { coordinate: dim, min: 0.0, max: 1.5 }];
+    let method = Continuation { step: settings.step.clone(), bounds, max_points: MOST, ..Continuation::default() };
+    let mut direction = vec![0.0; dim + 1];
+    direction[dim] = -1.0;
+    let mut closing = problem.shrinking_gaps(&start.opening);
+    let mut closing = Watched { system: &mut closing, watch: &settings.watch };
+    let x = start.unknowns(series, dim);
+    let branch = method
+        .run_with_log(&mut closing, &x, 1.0, &direction, log, |_| ControlFlow::Continue(()))
+        .map_err(|error| BranchError::NoStartTouching { reason: error.to_string() })?;
+    match (branch.stop, branch.points.into_iter().next_back()) {
+        (StopReason::Bound { value: 0.0, .. }, Some(last)) => Ok((last.x, series)),
+        (stop, last) => {
+            let (share, omega) = last.map_or((1.0, 1.0), |q| (q.p * q.p, q.x[frequency]));
+            let hz = omega * start.omega / TAU;
+            let reason =
+                format!("with gaps made smaller, the way ends at {share:.3} of the first, at {hz:.4} Hz ({stop:?})");
+            Err(BranchError::NoStartTouching { reason })
+        }
+    }
+}
+
+/// Direction of growing energy where motions can be multiplied: the distance from rest grows like the root of the energy.
+fn growing(x: &[f64], series: RealSeries, start: &Grazing) -> Vec<f64> {
+    let (width, length) = (series.width(), start.scales().length);
+    let mut direction = vec![0.0; x.len() + 1];
+    for (d, mean) in start.mean.iter().enumerate() {
+        for m in 0..width {
+            let rest = if m == 0 { mean / length } else { 0.0 };
+            direction[d * width + m] = 0.5 * (x[d * width + m] - rest);
+        }
+    }
+    direction[x.len()] = 1.0;
+    direction
+}
