@@ -292,4 +292,24 @@ mod tests {
             assert!(all > 60 && f64::from(known) > 0.75 * f64::from(all), "{symmetry:?}: {known} of {all}");
         }
     }
+
+    /// Two sets in turn: any of three intervals could be the one that is there in addition.
+    #[test]
+    fn of_intervals_in_turn_the_one_in_addition_leaves_the_others_where_they_are() {
+        let in_turn = |ends: &[f64]| -> Vec<PatternInterval> {
+            let from = std::iter::once(0.0).chain(ends.iter().copied());
+            from.zip(ends).enumerate().map(|(k, (from, to))| PatternInterval { from, to: *to, set: k % 2 }).collect()
+        };
+        for (number, added) in [[0.3, 0.31], [1.5, 1.51], [4.0, 4.02]].into_iter().enumerate() {
+            // The instants have moved a little.
+            let mut many = vec![1.003, 1.996, TAU];
+            many.extend(added);
+            many.sort_by(f64::total_cmp);
+            assert_eq!(one_more(&in_turn(&[1.0, 2.0, TAU]), &in_turn(&many)), Some(number + 1));
+        }
+        assert_eq!(one_more(&in_turn(&[TAU]), &in_turn(&[3.0, 3.1, TAU])), Some(1));
+        let mut other = in_turn(&[3.0, 3.1, TAU]);
+        other[2].set = 5;
+        assert_eq!(one_more(&in_turn(&[TAU]), &other), None);
+    }
 }

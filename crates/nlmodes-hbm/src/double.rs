@@ -160,6 +160,21 @@ mod tests {
         assert!((Double::TAU - Double::of(std::f64::consts::TAU)).value() > 2e-16);
     }
 
+    /// A sum of two numbers is rounded to the nearest one: beside a power of two they lie twice as close on one side.
+    #[test]
+    fn the_value_of_an_exact_sum_is_the_rounded_sum() {
+        for k in 40..=60 {
+            for a in [1.0, -2.0, 3.0, 1024.0, 0.1] {
+                for b in [1.0, 1.5, -1.0, -1.75].map(|b| b * 2.0_f64.powi(-k)) {
+                    let sum = Double::sum(a, b);
+                    assert_eq!(sum.value(), a + b, "{a} {b:e}");
+                    let rest = sum - Double::of(a);
+                    assert_eq!(rest.value(), b, "{a} {b:e}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_turn_in_parts_comes_back_to_one() {
         // Thirteen turns of 2π/13, of which only the rounding of the angle is left: e^{i·13 δ} with δ known exactly.

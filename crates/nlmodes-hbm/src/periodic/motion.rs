@@ -277,3 +277,26 @@ fn largest(z: &[Complex64]) -> f64 {
     };
     (0..count).map(top).fold(f64::NEG_INFINITY, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `Σ a_n cos n(τ − τ₀)` with positive a_n has its maximum at τ₀; samples alone would be off by 3e-4 of the amplitude and more.
+    #[test]
+    fn the_largest_value_of_a_series_is_found_between_its_samples() {
+        for amplitudes in [vec![1.0], vec![1.0, 0.3], vec![0.2, 0.0, 0.7, 0.1]] {
+            for mean in [0.0, 5.0, -5.0, 1e-3] {
+                for k in 0..50 {
+                    let instant = 0.0137 + 0.127 * f64::from(k);
+                    let turned = |(n, a): (usize, &f64)| a * Complex64::cis(-(n as f64 + 1.0) * instant);
+                    let z: Vec<Complex64> =
+                        std::iter::once(mean.into()).chain(amplitudes.iter().enumerate().map(turned)).collect();
+                    let expected = mean + amplitudes.iter().sum::<f64>();
+                    let found = largest(&z);
+                    assert!((found - expected).abs() < 1e-6, "{amplitudes:?} {mean} {instant}: {found} of {expected}");
+                }
+            }
+        }
+    }
+}
