@@ -269,6 +269,20 @@ mod tests {
         assert_eq!(star(&many).partner(&center), Some(expected - 1));
     }
 
+    /// Of unit vectors the products may be rounded beyond one.
+    #[test]
+    fn a_branch_goes_straight_on_whatever_the_rounding_of_its_directions() {
+        let mut rounded_up = 0;
+        for angle in 0..3600 {
+            let angle = 0.1 * f64::from(angle) + 0.0123;
+            let [back, aside] = [at(&[angle])[0].clone(), at(&[angle + 100.0])[0].clone()];
+            let (ahead, other) = (back.iter().map(|v| -v).collect(), aside.iter().map(|v| -v).collect());
+            rounded_up += usize::from(dot(&back, &back) > 1.0);
+            assert_eq!(best_partner(&[back, aside, ahead, other]), Some(2), "{angle}");
+        }
+        assert!(rounded_up > 10, "{rounded_up}");
+    }
+
     #[test]
     fn sums_and_differences_of_unit_vectors_are_unit_vectors_across_each_other() {
         let found = mixed(&[vec![1.0, 0.0, 0.0], vec![0.0, 0.0, 1.0], vec![0.0, 1.0, 0.0]]);

@@ -116,3 +116,24 @@ fn straight_on(arms: Arms, center: &[f64], tangent: &[f64]) -> Option<Choice> {
     let own = (0..arms.onward.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
     Some(arms.choice(center, own))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arms_are_looked_for_at_a_tenth_each_down_to_ten_times_the_shortest_step() {
+        for (min, arm, expected) in [
+            (1e-6, 1e-3, vec![1e-3, 1e-4, 1e-5]),
+            (1e-7, 1e-3, vec![1e-3, 1e-4, 1e-5, 1e-6]),
+            (1e-6, 5e-4, vec![5e-4, 5e-5]),
+            (1e-6, 1e-5, vec![1e-5]),
+            // No closer than ten of the shortest steps.
+            (1e-3, 1e-3, vec![1e-2]),
+        ] {
+            let found: Vec<f64> = radii(&StepSettings { min, arm, ..StepSettings::default() }).collect();
+            assert_eq!(found.len(), expected.len(), "{min} {arm}: {found:?}");
+            assert!(found.iter().zip(&expected).all(|(f, e)| (f / e - 1.0).abs() < 1e-12), "{found:?}");
+        }
+    }
+}

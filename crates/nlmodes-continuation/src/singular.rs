@@ -171,3 +171,60 @@ fn unit(vector: impl Iterator<Item = f64>) -> Vec<f64> {
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     vector.iter().map(|v| v / length).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DenseSolver, SparseSolver};
+
+    /// The reflection of a unit vector across a plane, drawn by lot.
+    fn reflected(number: usize, mut v: Vec<f64>) -> Vec<f64> {
+        let normal = unit((0..v.len()).map(|i| (1.1 + 0.7 * number as f64 + 2.3 * i as f64).sin()));
+        let along = 2.0 * dot(&normal, &v);
+        v.iter_mut().zip(normal).for_each(|(v, n)| *v -= along * n);
+        v
+    }
+
+    /// The vector number k of an orthonormal basis.
+    fn basis(k: usize, n: usize, number: usize) -> Vec<f64> {
+        let axis = (0..n).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
+        reflected(number + 1, reflected(number, axis))
+    }
+
+    /// `J = Σ_k σ_k u_k v_kᵀ` of two unrelated bases.
+    #[test]
+    fn what_is_nearly_free_is_known_of_dense_and_of_sparse_matrices() {
+        let n = 12;
+        for (free, small) in [(1, vec![0.02]), (1, vec![1e-6]), (2, vec![1e-7, 1e-5]), (3, vec![1e-6, 2e-5, 1e-4])] {
+            let more = (small.len()..n).map(|k| 0.3 + 0.2 * k as f64);
+            let values: Vec<f64> = small.iter().copied().chain(more).collect();
+            let (u, v) = (|k| basis(k, n, 0), |k| basis(k, n + 1, 5));
+            let mut dense = Linearization::new(n);
+            let mut sparse = Linearization::sparse(n);
+            for (i, j) in (0..n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+                let entry = (0..n).map(|k| values[k] * u(k)[i] * v(k)[j]).sum();
+                dense.jacobian[(i, j)] = entry;
+                sparse.entries.push((i, j, entry));
+            }
+            let found = [
+                SingularDirections::of(&dense, &DenseSolver::default()).unwrap(),
+                SingularDirections::of(&sparse, &SparseSolver::default()).unwrap(),
+            ];
+            // The squares of singular values are rounded by 1e-16 of the largest one, which is an estimate where the matrix is sparse.
+            for (found, rounding, estimate) in [(&found[0], 2e-7, 1e-10), (&found[1], 1e-9, 0.05)] {
+                assert!((found.value - values[0]).abs() < rounding, "{small:?}: {:e}", found.value);
+                let ratio = values[0] / values[n - 1];
+                let off = (found.ratio - ratio).abs();
+                assert!(off < rounding + estimate * ratio, "{small:?}: {:e} of {ratio:e}", found.ratio);
+                // What is nearly free is not told apart from the tangent by squares.
+                let free_too = if estimate < 1e-3 { free } else { 0 };
+                let within: f64 = (0..free_too).chain([n]).map(|k| dot(&found.tangent, &v(k)).powi(2)).sum();
+                assert!((within - 1.0).abs() < 1e-12, "{small:?}: {within}");
+                assert_eq!(found.left.len(), free, "{small:?}");
+                for (k, left) in found.left.iter().enumerate() {
+                    assert!((dot(left, &u(k)).abs() - 1.0).abs() < 1e-6, "{small:?}: {k}");
+                }
+            }
+        }
+    }
+}

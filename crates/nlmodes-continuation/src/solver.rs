@@ -134,3 +134,60 @@ impl LinearSolver for SparseSolver {
         Box::new(self.clone())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the first row.
+    fn determinant(a: &[Vec<f64>]) -> f64 {
+        let Some((first, rest)) = a.split_first() else { return 1.0 };
+        let minor = |k: usize| rest.iter().map(|row| [&row[..k], &row[k + 1..]].concat()).collect::<Vec<_>>();
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        first.iter().enumerate().map(|(k, v)| sign(k) * v * determinant(&minor(k))).sum()
+    }
+
+    /// Matrices with nothing symmetric about them, some of whose entries are zero.
+    #[test]
+    fn dense_and_sparse_solvers_solve_with_the_matrix_and_its_transpose() {
+        let n = 4;
+        let mut senses = Vec::new();
+        for number in 0..8 {
+            let entry = |i: usize, j: usize| {
+                let v =
+                    (1.3 * (number + 1) as f64 + 2.7 * i as f64 + 0.9 * (j * j) as f64 + 1.7 * (i * j) as f64).sin();
+                if (i + 2 * j + number).is_multiple_of(4) { 0.0 } else { v }
+            };
+            let b: Vec<Vec<f64>> = (0..=n).map(|i| (0..=n).map(|j| entry(i, j)).collect()).collect();
+            let mut dense = Linearization::new(n);
+            let mut sparse = Linearization::sparse(n);
+            for (i, j) in (0..n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+                dense.jacobian[(i, j)] = b[i][j];
+                if b[i][j] != 0.0 {
+                    // Values at one place are added.
+                    sparse.entries.extend([(i, j, 0.75 * b[i][j]), (i, j, 0.25 * b[i][j])]);
+                }
+            }
+            let solvers: [(&Linearization, Box<dyn LinearSolver>); 2] =
+                [(&dense, Box::<DenseSolver>::default()), (&sparse, Box::<SparseSolver>::default())];
+            for (at, mut solver) in solvers {
+                solver.factor(at, &b[n]).unwrap();
+                let v: Vec<f64> = (0..=n).map(|i| 1.0 - 0.4 * (i * i) as f64).collect();
+                let (mut x, mut y) = (v.clone(), v.clone());
+                solver.solve_in_place(&mut x);
+                solver.cloned().solve_transposed_in_place(&mut y);
+                let determinant = determinant(&b);
+                let bound = 1e-13 / determinant.abs().min(1.0);
+                assert!(bound < 1e-10, "{number}: {determinant}");
+                for i in 0..=n {
+                    let (row, column): (f64, f64) =
+                        (0..=n).fold((0.0, 0.0), |(row, column), j| (row + b[i][j] * x[j], column + b[j][i] * y[j]));
+                    assert!((row - v[i]).abs() < bound && (column - v[i]).abs() < bound, "{number}: {row} {column}");
+                }
+                assert_eq!(solver.determinant_sign(), determinant.signum(), "{number}");
+                senses.push(determinant.signum());
+            }
+        }
+        assert!(senses.contains(&1.0) && senses.contains(&-1.0));
+    }
+}

@@ -1,6 +1,9 @@
 //! What was seen is told, also where it cannot be located, and no bound is passed.
 
-use nlmodes_continuation::{Bound, Continuation, EventKind, StopReason};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+
+use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem, StopReason};
 
 use crate::samples::{events, piecewise, smooth, trace, window};
 
@@ -86,4 +89,68 @@ fn changes_of_the_piece_form_a_chain_however_many_a_step_passes() {
         }
     }
     assert_eq!(piece, branch.points.last().unwrap().pattern);
+}
+
+/// `x = −(y − y₀)²` and `p = −y²`: the watched x turns at y₀, the parameter at zero.
+struct TwoTurns {
+    y0: f64,
+}
+
+impl ParametricSystem for TwoTurns {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn linearize(&mut self, z: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        let [x, y] = [z[0], z[1]];
+        out.residual.copy_from_slice(&[x + (y - self.y0).powi(2), p + y * y]);
+        for (i, row) in [[1.0, 2.0 * (y - self.y0), 0.0], [0.0, 2.0 * y, 1.0]].iter().enumerate() {
+            (0..3).for_each(|j| out.jacobian[(i, j)] = row[j]);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn what_turns_at_one_place_is_told_at_one_point_and_what_does_not_at_its_own() {
+    let settings = Continuation { watched: vec![0], ..window(1, -1.0, 1.0) };
+    let both = [EventKind::UnknownFold { index: 0 }, EventKind::ParameterFold];
+    for start in 0..20 {
+        for y0 in [0.0, 1e-3, -0.02] {
+            let y = -0.71 - 0.0123 * f64::from(start);
+            let (x, p) = (-(y - y0) * (y - y0), -y * y);
+            let run = settings.run(&mut TwoTurns { y0 }, &[x, y], p, &[0.0, 1.0, 0.0], |_| ControlFlow::Continue(()));
+            let branch = run.unwrap();
+            let turns = events(&branch, |e| both.contains(e));
+            assert_eq!(turns.len(), if y0 == 0.0 { 1 } else { 2 }, "{y0} from {y}");
+            for (event, at) in both.iter().zip([y0, 0.0]) {
+                let own: Vec<f64> = turns.iter().filter(|q| q.events.contains(event)).map(|q| q.x[1]).collect();
+                assert!(own.len() == 1 && (own[0] - at).abs() < 1e-7, "{event:?} from {y}: {own:?}");
+            }
+        }
+    }
+}
+
+/// Where the pieces change all derivatives are small, and so they are around.
+#[test]
+fn derivatives_that_are_small_all_around_a_change_of_pieces_start_no_search_for_arms() {
+    let follow = |least: f64, x: f64| {
+        let line = |x: f64, p: f64| {
+            let (off, factor) = (p - 0.5 * x, least * least + x * x);
+            [off * factor, 2.0 * x * off - 0.5 * factor, factor]
+        };
+        trace(&window(0, -1.0, 1.0), piecewise(line, |x, _| u64::from(x >= 0.0)), [x, 0.5 * x], [1.0, 0.5])
+    };
+    for start in 0..20 {
+        let x = -0.5 - 0.0123 * f64::from(start);
+        let plain = follow(1.0, x).evaluations;
+        for least in [1e-4, 1e-3, 1e-2] {
+            let branch = follow(least, x);
+            assert!(branch.crossings.is_empty());
+            let found = branch.evaluations;
+            assert!(found < 2 * plain, "{least} from {x}: {found} evaluations, {plain} with larger derivatives");
+        }
+    }
 }

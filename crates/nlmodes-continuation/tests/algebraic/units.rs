@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{
-    Bound, Branch, Continuation, EventKind, Linearization, ParametricSystem, Scaling, StopReason,
+    Bound, Branch, Continuation, ContinuationError, EventKind, Linearization, ParametricSystem, Scaling, StopReason,
 };
 
 use crate::samples::{events, smooth, trace, window};
@@ -266,4 +266,88 @@ fn sizes_that_are_given_are_used_and_wrong_ones_refused() {
     assert!(run(system(vec![1.0], vec![1.0])).is_err());
     assert!(run(system(vec![1.0, 0.0], vec![1.0])).is_err());
     assert!(run(system(vec![1.0, 1.0], vec![f64::NAN])).is_err());
+}
+
+/// Sizes of unknown, parameter and equation at a start whose direction is that of the parameter, but where the second is given.
+fn sizes(settings: &Continuation, f: impl Fn(f64, f64) -> [f64; 3], start: [f64; 2], along: [f64; 2]) -> [f64; 3] {
+    let settings = Continuation { max_points: 1, ..settings.clone() };
+    let Scaling { unknowns, equations } = trace(&settings, smooth(f), start, along).scales;
+    [unknowns[0], unknowns[1], equations[0]]
+}
+
+#[test]
+fn what_is_zero_at_the_start_has_the_size_by_which_it_moves() {
+    let free = Continuation::default();
+    let two = |k: i32| 2.0_f64.powi(k);
+    // x = slope (p − p₀), whose equation has the larger of the size of x and the slope times that of p as its largest derivative.
+    for (slope, x, p, expected) in [
+        (two(-20), 0.0, two(10), [two(-10), two(10)]),
+        (-two(20), 0.0, two(10), [two(30), two(10)]),
+        (two(30), two(12), 0.0, [two(12), two(-18)]),
+        (two(-30), -two(-12), 0.0, [two(-12), two(18)]),
+        (two(-12), 0.0, 0.0, [two(-12), 1.0]),
+        (-two(12), 0.0, 0.0, [1.0, two(-12)]),
+        // Both are given: nothing is asked of the tangent.
+        (two(30), two(12), two(-9), [two(12), two(-9)]),
+        // Numbers near one are left as they are.
+        (0.25, 0.0, 16.0, [1.0, 1.0]),
+        (64.0, 0.0, 1.0, [64.0, 1.0]),
+        // What moves by less than 1e-10 may as well be rounding.
+        (two(-50), 0.0, two(10), [1.0, two(10)]),
+        (two(50), two(10), 0.0, [two(10), 1.0]),
+        (two(-50), 0.0, 0.0, [1.0, 1.0]),
+    ] {
+        let line = move |at: f64, q: f64| [at - x - slope * (q - p), 1.0, -slope];
+        let row = f64::max(expected[0], slope.abs() * expected[1]);
+        assert_eq!(sizes(&free, line, [x, p], [0.0, 1.0]), [expected[0], expected[1], row / 4.0], "{slope:e} {x} {p}");
+    }
+    // A parameter that is bounded is no larger than its bounds.
+    let line = |x: f64, p: f64| [x - two(12) - two(-30) * p, 1.0, -two(-30)];
+    assert_eq!(sizes(&window(1, -two(6), two(8)), line, [two(12), 0.0], [0.0, 1.0]), [two(12), two(8), two(10)]);
+}
+
+#[test]
+fn what_is_zero_at_the_start_has_the_size_one_where_the_tangent_does_not_tell_it() {
+    let free = Continuation::default();
+    let r = 4096.0;
+    // At (r, 0) x does not move with p, at (0, r) p not with x.
+    let circle = move |x: f64, p: f64| [x * x + p * p - r * r, 2.0 * x, 2.0 * p];
+    assert_eq!(sizes(&free, circle, [r, 0.0], [0.0, 1.0]), [r, 1.0, 0.5 * r * r]);
+    assert_eq!(sizes(&free, circle, [0.0, r], [1.0, 0.0]), [1.0, r, 0.5 * r * r]);
+    // A fold at the origin, and a line along which the unknown rests.
+    assert_eq!(sizes(&free, |x, p| [p - x * x, -2.0 * x, 1.0], [0.0, 0.0], [1.0, 0.0]), [1.0, 1.0, 0.25]);
+    assert_eq!(
+        sizes(&free, |x, p| [x * (1.0 + p * p), 1.0 + p * p, 2.0 * x * p], [0.0, 0.0], [0.0, 1.0]),
+        [1.0, 1.0, 0.25]
+    );
+}
+
+#[test]
+fn a_curve_that_starts_where_one_of_both_is_zero_is_followed_alike_in_any_units() {
+    // x = x₀ + s + s³ with s = p − p₀, on to s = 2.
+    for [x0, p0] in [[0.0, 1.0], [1.0, 0.0]] {
+        let cubic = move |x: f64, p: f64| {
+            let s = p - p0;
+            [x - x0 - s - s * s * s, 1.0, -1.0 - 3.0 * s * s]
+        };
+        let follow = |units| in_units(&window(1, -1.0, p0 + 2.0), cubic, units, [x0, p0], [1.0, 1.0]);
+        let expected = follow([1.0; 3]);
+        for [x, p, residual] in [[1e8, 1.0, 1e3], [1e-8, 1e3, 1.0], [1.0, 1e-7, 1e9]] {
+            let branch = follow([x, p, residual]);
+            let case = format!("from {x0} {p0} in {x} {p} {residual}");
+            assert_eq!(branch.stop, StopReason::Bound { coordinate: 1, value: (p0 + 2.0) * p }, "{case}");
+            assert!((branch.points.last().unwrap().x[0] / x - x0 - 10.0).abs() < 1e-9, "{case}");
+            let (found, at_most) = (branch.evaluations, expected.evaluations + expected.evaluations / 4);
+            assert!(found <= at_most, "{case}: {found} evaluations, {} in units of one", expected.evaluations);
+        }
+    }
+}
+
+#[test]
+fn a_start_at_which_no_derivative_is_known_is_refused_as_a_start() {
+    for f in [|x: f64, p: f64| [x * x - p * p, 2.0 * x, -2.0 * p], |_, _| [1.0, 0.0, 0.0]] {
+        let found =
+            Continuation::default().run(&mut smooth(f), &[0.0], 0.0, &[1.0, 1.0], |_| ControlFlow::Continue(()));
+        assert!(matches!(found, Err(ContinuationError::Start(_))), "{found:?}");
+    }
 }
