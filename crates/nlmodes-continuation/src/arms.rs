@@ -278,9 +278,52 @@ mod tests {
             let [back, aside] = [at(&[angle])[0].clone(), at(&[angle + 100.0])[0].clone()];
             let (ahead, other) = (back.iter().map(|v| -v).collect(), aside.iter().map(|v| -v).collect());
             rounded_up += usize::from(dot(&back, &back) > 1.0);
-            assert_eq!(best_partner(&[back, aside, ahead, other]), Some(2), "{angle}");
+            let crossing = [back.clone(), aside, ahead, other];
+            assert_eq!(best_partner(&crossing), Some(2), "{angle}");
+            // Two curves that touch, and two of whose arms have the same direction.
+            let [back, _, ahead, _] = crossing;
+            let touching = [back.clone(), back, ahead.clone(), ahead];
+            assert_ne!(best_partner(&touching), Some(1), "{angle}");
         }
         assert!(rounded_up > 10, "{rounded_up}");
+    }
+
+    /// `x² = p²`.
+    struct Cross;
+
+    impl ParametricSystem for Cross {
+        type Error = std::convert::Infallible;
+
+        fn dim(&self) -> usize {
+            1
+        }
+
+        fn linearize(&mut self, x: &[f64], p: f64, out: &mut crate::Linearization) -> Result<(), Self::Error> {
+            out.residual[0] = x[0] * x[0] - p * p;
+            (out.jacobian[(0, 0)], out.jacobian[(0, 1)]) = (2.0 * x[0], -2.0 * p);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn an_arm_has_the_number_in_which_it_was_found_whenever_it_is_found_again() {
+        let (center, radius, tolerance) = ([0.0; 2], 1e-3, 1e-11);
+        let toward = |degrees: f64| along(&center, radius, &at(&[degrees])[0]);
+        let surface = Surface::Sphere { center: center.to_vec(), radius };
+        let mut own = Corrector::new(1, tolerance, ITERATIONS);
+        let back = own.correct(&mut Cross, &toward(225.0), &surface).unwrap();
+        let rounding = own.rounding.clone();
+        let sphere =
+            Sphere { center: &center, radius, tolerance, resolution: own.resolution, rounding: &rounding, nesting: 0 };
+        let mut search = Search { system: &mut Cross, own, surface, sphere, arms: vec![back], spent: 0, unsearched: 0 };
+        for (degrees, number) in [(46.0, 1), (44.0, 1), (222.0, 0), (-44.0, 2), (137.0, 3), (45.0, 1), (-46.0, 2)] {
+            assert_eq!(search.take(&toward(degrees)), Some(number), "{degrees}°");
+        }
+        let wanted = at(&[225.0, 45.0, -45.0, 135.0]);
+        assert_eq!(search.arms.len(), wanted.len());
+        for (arm, wanted) in search.arms.iter().zip(&wanted) {
+            assert!(distance(&outward(&center, &arm.z), wanted) < 1e-6, "{:?}", arm.z);
+        }
     }
 
     #[test]
