@@ -52,6 +52,17 @@ impl ContactOperator {
         history
     }
 
+    /// Motion and force of each contact at `samples` equidistant instants and the end of the period.
+    pub(crate) fn equidistant_histories(
+        &self,
+        contacts: &[DofContact],
+        omega: f64,
+        samples: usize,
+        label: &str,
+    ) -> Vec<TimeHistory> {
+        (0..contacts.len()).map(|contact| self.time_history(contacts, contact, omega, samples, label)).collect()
+    }
+
     /// Motion and force of all contacts, exact at the instants of contact.
     pub(crate) fn time_histories(
         &self,
@@ -148,6 +159,20 @@ impl MixedShooting<'_> {
         self.solve_contact(x)?;
         let contacts = self.structure().model().contacts();
         Ok(self.sweep.time_history(contacts, contact, self.omega(x), samples, label))
+    }
+
+    /// The same of each contact.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn equidistant_histories(
+        &mut self,
+        x: &[f64],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, HbmError> {
+        self.solve_contact(x)?;
+        Ok(self.sweep.equidistant_histories(self.structure().model().contacts(), self.omega(x), samples, label))
     }
 
     /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of contact: where any

@@ -163,6 +163,11 @@ impl ModeShooting {
         })
     }
 
+    /// How many contacts the structure has.
+    pub fn n_contacts(&self) -> usize {
+        self.structure.full().contacts().len()
+    }
+
     /// Motion and force of contact `contact` over one period of the motion with the unknowns `x`, at `samples` equidistant instants
     /// and the end of the period.
     ///

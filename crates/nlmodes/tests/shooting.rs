@@ -96,10 +96,11 @@ fn histories_of_all_contacts_are_those_of_each_and_exact_where_they_close() {
         let last = computed.branch.points.len() - 1;
         let all = Histories::of(&computed).at(last, 800, "all").unwrap();
         assert_eq!((all.len(), all[0].time.len()), (2, 801));
+        let each = Histories::of(&computed).equidistant(last, 64, "one").unwrap();
         for (contact, history) in all.iter().enumerate() {
             assert!(history.force.iter().copied().fold(0.0, f64::max) > 0.0);
             let single = computed.time_history(last, contact, 64, "one").unwrap();
-            assert_eq!(single.instants, history.instants);
+            assert_eq!((&single.instants, &each[contact]), (&history.instants, &single));
             let (period, size) = (single.time[64], history.stop.abs());
             for (time, displacement) in single.time.iter().zip(&single.displacement) {
                 let at = history.time.partition_point(|t| t < time).min(800);

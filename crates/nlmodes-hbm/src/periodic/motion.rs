@@ -221,6 +221,21 @@ impl PeriodicSystem {
         Ok(self.operator.time_history(contacts, contact, at.omega, samples, label))
     }
 
+    /// The same of each contact.
+    ///
+    /// # Errors
+    /// As [`time_histories`](Self::time_histories).
+    pub fn equidistant_histories(
+        &mut self,
+        x: &[f64],
+        contacts: &[DofContact],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, HbmError> {
+        let at = self.solve(x, 0.0)?;
+        Ok(self.operator.equidistant_histories(contacts, at.omega, samples, label))
+    }
+
     /// Iterations of the contact solver so far.
     pub fn contact_iterations(&self) -> usize {
         self.operator.iterations()

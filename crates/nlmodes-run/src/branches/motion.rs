@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use nlmodes::branches::{ComputedBranch, ComputedTree, figure_points};
+use nlmodes::branches::{ComputedBranch, ComputedTree, Histories, figure_points};
 use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, PointField, Skin, Surface};
@@ -14,8 +14,6 @@ use crate::Failure;
 
 /// Frames of a period.
 const FRAMES: usize = 24;
-/// Samples of a period of each contact, a multiple of the frames.
-const SAMPLES: usize = 10 * FRAMES;
 
 /// Angle (rad) by which a surface bends at edges that are drawn where not all can be.
 const SHARP: f64 = 0.5;
@@ -167,11 +165,10 @@ impl<'a> Motion<'a> {
             let both = std::iter::once((contact.node, -1.0)).chain(contact.against.map(|node| (node, 1.0)));
             ends.extend(both.filter_map(|(node, sign)| Some((*at.get(&node)?, sign, i))));
         }
-        let histories = (0..contacts.len()).map(|i| computed.time_history(point, i, SAMPLES, ""));
         Ok(Self {
             rows: open.modes.rows_of_dofs(&dofs)?,
             period: TAU / computed.branch.points[point].omega,
-            histories: histories.collect::<Result<_, _>>()?,
+            histories: Histories::of(computed).equidistant(point, FRAMES, "")?,
             open,
             computed,
             point,
@@ -182,7 +179,7 @@ impl<'a> Motion<'a> {
 
     fn frame(&self, k: usize) -> Frame {
         let tau = TAU * k as f64 / FRAMES as f64;
-        let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k * (SAMPLES / FRAMES)]).collect();
+        let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k]).collect();
         let coefficients = &self.computed.branch.points[self.point].coefficients;
         let eta: Vec<f64> = (0..self.open.modes.n_modes())
             .map(|r| {
@@ -198,7 +195,7 @@ impl<'a> Motion<'a> {
             let history = &self.histories[i];
             (0..3).for_each(|axis| force[3 * place + axis] += sign * forces[i] * contacts[i].normal[axis]);
             let (_, toward) = self.open.reduced.direction_of()[i];
-            let left = contacts[i].gap - toward * history.displacement[k * (SAMPLES / FRAMES)];
+            let left = contacts[i].gap - toward * history.displacement[k];
             gap[place] = if gap[place].is_nan() { left } else { gap[place].min(left) };
         }
         Frame { displacement, force, gap }

@@ -33,7 +33,20 @@ impl<'b> Histories<'b> {
         Ok(self.problem(harmonics)?.time_histories(&branch.unknowns[point], samples, label)?)
     }
 
-    /// The same of a solution between the points.
+    /// Motion and force of each contact over one period of point `point`, at `samples` equidistant instants and the end of the period.
+    ///
+    /// # Errors
+    /// [`BranchError`] if the point cannot be evaluated again.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn equidistant(&mut self, point: usize, samples: usize, label: &str) -> Result<Vec<TimeHistory>, BranchError> {
+        let branch = self.branch;
+        let harmonics = branch.branch.points[point].coefficients.n_harmonics();
+        Ok(self.problem(harmonics)?.equidistant_histories(&branch.unknowns[point], samples, label)?)
+    }
+
+    /// The motion of [`at`](Self::at), of a solution between the points.
     ///
     /// # Errors
     /// [`BranchError`] if it cannot be evaluated again.

@@ -150,6 +150,23 @@ impl<'s> Periodic<'s> {
         })
     }
 
+    /// Motion and force of each contact over a period, at equidistant instants.
+    pub fn equidistant_histories(
+        &mut self,
+        x: &[f64],
+        samples: usize,
+        label: &str,
+    ) -> Result<Vec<TimeHistory>, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => problem.equidistant_histories(x, samples, label)?,
+            Equations::Exact(problem) => {
+                let each = 0..problem.n_contacts();
+                each.map(|i| problem.time_history(x, i, samples, label)).collect::<Result<_, _>>()?
+            }
+            Equations::Modal(problem) => problem.system.equidistant_histories(x, &problem.contacts, samples, label)?,
+        })
+    }
+
     /// Motion and force of a contact over a period.
     pub fn time_history(
         &mut self,
