@@ -62,6 +62,20 @@ fn left_out(count: usize, what: &str) -> String {
     }
 }
 
+/// Softer or stiffer, by the least and the largest difference of frequencies, %; what agrees is neither.
+fn word([least, most]: [f64; 2]) -> &'static str {
+    let (soft, stiff) = (least <= -AGREES, most >= AGREES);
+    if least > 0.0 || (stiff && !soft) {
+        "stiffer than"
+    } else if most < 0.0 || (soft && !stiff) {
+        "softer than"
+    } else if stiff {
+        "softer here and stiffer there than"
+    } else {
+        "in agreement with"
+    }
+}
+
 /// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points at whose amplitude both have one motion.
 pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
     let name = &laid.branch.label;
@@ -74,16 +88,11 @@ pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
     else {
         return format!("{name}: nothing to compare with {own}{others}");
     };
-    let word = match range {
-        [_, least, _] if least > 0.0 => "stiffer than",
-        [_, _, most] if most < 0.0 => "softer than",
-        [_, least, most] if least.abs().max(most.abs()) < AGREES => "in agreement with",
-        _ => "softer here and stiffer there than",
-    };
     let ([mean, least, most], n) = (range.map(signed), clear.len());
     let points = if n == 1 { "1 point".to_owned() } else { format!("{n} points") };
     format!(
-        "{name}: {word} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
+        "{name}: {} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
+        word([range[1], range[2]]),
         of_forces(&clear)
     )
 }
@@ -148,6 +157,16 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_nowhere_stiffer_is_softer_even_if_it_agrees_somewhere() {
+        assert_eq!(word([-19.4, 0.0]), "softer than");
+        assert_eq!(word([-0.7, 0.05]), "softer than");
+        assert_eq!(word([0.0, 3.0]), "stiffer than");
+        assert_eq!([word([0.01, 0.02]), word([-0.02, -0.01])], ["stiffer than", "softer than"]);
+        assert_eq!(word([-0.02, 0.01]), "in agreement with");
+        assert_eq!(word([-0.2, 0.3]), "softer here and stiffer there than");
+    }
 
     #[test]
     fn differences_are_said_to_three_digits() {

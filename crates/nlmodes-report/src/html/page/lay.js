@@ -84,7 +84,8 @@ function difference(laid, own) {
   if (!found.length && others) return `${laid.label}: nothing to compare with ${own.label}${left}.`;
   if (!found.length) return `${laid.label}: no point within the ${what} of ${own.label}.`;
   const [least, most] = [Math.min(...found), Math.max(...found)], mean = found.reduce((sum, value) => sum + value, 0) / found.length;
-  const word = least > 0 ? "stiffer than" : most < 0 ? "softer than" : Math.max(-least, most) < 0.1 ? "in agreement with" : "softer here and stiffer there than";
+  const soft = least <= -0.1, stiff = most >= 0.1;
+  const word = least > 0 || (stiff && !soft) ? "stiffer than" : most < 0 || (soft && !stiff) ? "softer than" : stiff ? "softer here and stiffer there than" : "in agreement with";
   const percent = value => (value > 0 ? "+" : "") + significant(value, 3) + " %";
   return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${percent(mean)} on average `
     + `(${percent(least)} to ${percent(most)}, ${found.length} points)${left}.`;
