@@ -269,6 +269,38 @@ fn a_level_that_does_not_settle_is_said_and_written() -> Outcome {
 }
 
 #[test]
+fn the_forces_of_several_controlled_harmonics_are_in_a_table() -> Outcome {
+    let out = tempfile::tempdir()?;
+    let kept = "virtual_test.records.levels=[1]";
+    let with = |harmonics: usize| format!("virtual_test.loop.controlled_harmonics={harmonics}");
+    let run = |harmonics: usize| {
+        call(&["run", "--force"], &scene(), out.path(), &[SHORT[0], SHORT[1], kept, &with(harmonics)])
+    };
+    let (status, said) = run(3)?;
+    assert_eq!(status, 0, "{said}");
+    let (points, forces) = (rows(out.path(), "modal_points.csv")?, rows(out.path(), "appropriation.csv")?);
+    assert_eq!(forces.len(), 3 * points.len());
+    for (k, row) in forces.iter().enumerate() {
+        assert_eq!(
+            (row["point"].as_str(), row["harmonic"].as_str()),
+            ((k / 3 + 1).to_string().as_str(), (k % 3 + 1).to_string().as_str())
+        );
+        let phase: f64 = row["phase_deg"].parse()?;
+        // The fundamental is a quarter of a period ahead of the displacement; noise of the loop at an instant.
+        assert!(k % 3 > 0 || (phase - 90.0).abs() < 0.5, "{phase}");
+    }
+    // At a level with contact the third harmonic is a force to speak of.
+    let of = |k: usize| -> Result<f64, Box<dyn Error>> { Ok(forces[k]["force_n"].parse()?) };
+    let last = forces.len() - 3;
+    assert!(of(last + 2)? > 5e-3 * of(last)?, "{} {}", of(last + 2)?, of(last)?);
+    assert_eq!(run(1)?.0, 0);
+    assert!(!out.path().join("appropriation.csv").exists());
+    let (status, said) = run(9)?;
+    assert!(status == 2 && said.contains("controlled_harmonics") && said.contains("from 1 to 8"), "{said}");
+    Ok(())
+}
+
+#[test]
 fn the_same_seed_gives_the_same_table_and_another_one_another() -> Outcome {
     let table = |seed: &str| -> Result<Vec<u8>, Box<dyn Error>> {
         let out = tempfile::tempdir()?;

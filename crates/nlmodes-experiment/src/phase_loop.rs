@@ -53,6 +53,7 @@
 //! mean squares algorithm of B. Widrow et al., *Adaptive noise cancelling*, Proceedings of the IEEE 63 (1975) 1692-1716.
 
 mod adaptive;
+mod appropriation;
 mod demodulation;
 mod detector;
 mod error;
@@ -64,6 +65,7 @@ mod quantity;
 mod settings;
 mod state;
 
+pub use appropriation::{AppropriationSettings, AppropriationState, ForceAppropriation};
 pub use detector::{MAX_HARMONICS, PhaseDetector};
 pub use error::PhaseLoopError;
 pub use gains::{Gains, Resonance};

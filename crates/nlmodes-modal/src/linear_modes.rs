@@ -119,8 +119,12 @@ impl LinearModes {
     /// If `motion` has another number of entries than there are coordinates.
     pub fn project(&self, motion: &[Complex64]) -> Vec<Complex64> {
         assert_eq!(motion.len(), self.n_coordinates());
-        let row = |k: usize| motion.iter().enumerate().map(move |(d, q)| q * self.inverse[(k, d)]);
-        (0..self.n_modes()).map(|k| row(k).sum()).collect()
+        (0..self.n_modes()).map(|k| self.coordinate(k, motion)).collect()
+    }
+
+    /// Modal coordinate `k` of one motion.
+    fn coordinate(&self, k: usize, motion: &[Complex64]) -> Complex64 {
+        motion.iter().enumerate().map(|(d, q)| q * self.inverse[(k, d)]).sum()
     }
 
     /// Motion `Φ η` of modal coordinates at the coordinates.
@@ -152,6 +156,15 @@ impl LinearModes {
     /// As [`Self::project`].
     pub fn mass_norm_squared(&self, motion: &[Complex64]) -> f64 {
         self.project(motion).iter().map(Complex64::norm_sqr).sum()
+    }
+
+    /// `qᴴ C q = Σ_k 2 ζ_k ω_k |η_k|²` of one motion with the damping of these modes, kg·m²/s. Allocates nothing.
+    ///
+    /// # Panics
+    /// If `motion` has fewer entries than there are coordinates.
+    pub fn damping_form(&self, motion: &[Complex64]) -> f64 {
+        let of = |k: usize| 2.0 * self.damping_ratios[k] * self.omegas[k] * self.coordinate(k, motion).norm_sqr();
+        (0..self.n_modes()).map(of).sum()
     }
 }
 
@@ -190,6 +203,15 @@ mod tests {
         assert!((modes.mass_norm_squared(&q) - direct).abs() < 1e-13 * direct);
         let back = modes.expand(&modes.project(&q));
         assert!(back.iter().zip(q).all(|(a, b)| (a - b).norm() < 1e-14));
+    }
+
+    #[test]
+    fn damping_takes_what_each_mode_loses() {
+        // Two modes of a coordinate each: 2 ζ ω of each, times the square of its coordinate.
+        let modes =
+            LinearModes::new(&[0.0, 1.0], &[10.0, 30.0], &[0.01, 0.002], &[vec![0.5, 0.0], vec![0.0, 2.0]]).unwrap();
+        let form = modes.damping_form(&[Complex64::new(0.0, 1.0), Complex64::new(3.0, 4.0)]);
+        assert!((form - (0.2 * 4.0 + 0.12 * 6.25)).abs() < 1e-14, "{form}");
     }
 
     #[test]

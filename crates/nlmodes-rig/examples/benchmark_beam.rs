@@ -52,6 +52,7 @@ fn main() -> Result<(), RigError> {
             cut_off: value("cut", 0.1) * resonance.omega,
             ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL)
         },
+        harmonics: None,
         schedule: if has("up") { Schedule::new(levels) } else { Schedule::up_and_down(levels) },
         force: beam::FORCE,
         response: beam::DRIVE_DISPLACEMENT,

@@ -74,7 +74,7 @@ impl Driven {
         let mut response = Complex64::default();
         for k in 0..SAMPLES {
             let phase = TAU * k as f64 / SAMPLES as f64;
-            self.rig.advance(&Drive { amplitude: [self.force; 2], phase, omega: self.omega })?;
+            self.rig.advance(&Drive::sine([self.force; 2], phase, self.omega))?;
             let after = TAU * (k + 1) as f64 / SAMPLES as f64;
             response += self.rig.exact(beam::DRIVE_DISPLACEMENT)? * Complex64::cis(-after) * (2.0 / SAMPLES as f64);
         }

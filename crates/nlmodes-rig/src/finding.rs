@@ -24,6 +24,18 @@ pub enum Finding {
         /// Root mean square difference from the mean period, relative.
         spread: f64,
     },
+    /// A controlled harmonic of the force is not what it should be.
+    HarmonicNotReached {
+        /// The harmonic.
+        harmonic: usize,
+        /// Distance from the wanted amplitude over the amplitude of the fundamental.
+        error: f64,
+    },
+    /// A controlled harmonic would have to be larger than permitted: the drive point hardly moves in it.
+    HarmonicLimit {
+        /// The harmonic.
+        harmonic: usize,
+    },
     /// The loop wants a frequency outside of its range.
     FrequencyLimit {
         /// Where it stands, rad/s.
@@ -39,6 +51,8 @@ impl Finding {
             Self::FrequencyDrift { .. } => "frequency-drift",
             Self::AmplitudeDrift { .. } => "amplitude-drift",
             Self::Aperiodic { .. } => "aperiodic",
+            Self::HarmonicNotReached { .. } => "harmonic-not-reached",
+            Self::HarmonicLimit { .. } => "harmonic-limit",
             Self::FrequencyLimit { .. } => "frequency-limit",
         }
     }
@@ -51,6 +65,15 @@ impl fmt::Display for Finding {
             Self::FrequencyDrift { rate } => write!(f, "the frequency drifts by {:.1e} of itself a second", rate),
             Self::AmplitudeDrift { rate } => write!(f, "the amplitude drifts by {:.1e} of itself a second", rate),
             Self::Aperiodic { spread } => write!(f, "aperiodic: periods differ by {:.2} %", 100.0 * spread),
+            Self::HarmonicNotReached { harmonic, error } => {
+                write!(f, "harmonic {harmonic} of the force is off by {:.2} % of the fundamental", 100.0 * error)
+            }
+            Self::HarmonicLimit { harmonic } => {
+                write!(
+                    f,
+                    "harmonic {harmonic} of the force would have to be larger than the fundamental: the drive point hardly moves in it"
+                )
+            }
             Self::FrequencyLimit { omega } => {
                 write!(f, "the loop stands at the end of its range, {:.3} Hz", omega / std::f64::consts::TAU)
             }

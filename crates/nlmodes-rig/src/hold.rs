@@ -1,3 +1,5 @@
+use nlmodes_experiment::phase_loop::AppropriationState;
+
 use crate::error::positive;
 use crate::{Finding, RigError};
 
@@ -18,12 +20,14 @@ pub struct Hold {
     pub amplitude_drift: f64,
     /// Largest relative difference between a period and the mean one.
     pub spread: f64,
+    /// Largest deviation of a controlled harmonic of the force, over the fundamental.
+    pub harmonics: f64,
     /// Longest time, s. After it the level is recorded as it is, with what is wrong among its findings.
     pub longest: f64,
 }
 
 impl Default for Hold {
-    /// Six windows of 20 periods, 0.02 degrees, 3e-6/s, 3e-4/s, 1 %, and at most 40 s.
+    /// Six windows of 20 periods, 0.02 degrees, 3e-6/s, 3e-4/s, 1 %, 0.1 % for controlled harmonics, and at most 40 s.
     fn default() -> Self {
         Self {
             periods: 20,
@@ -32,6 +36,7 @@ impl Default for Hold {
             frequency_drift: 3e-6,
             amplitude_drift: 3e-4,
             spread: 0.01,
+            harmonics: 1e-3,
             longest: 40.0,
         }
     }
@@ -73,6 +78,7 @@ impl Hold {
         positive("tolerance of the frequency drift (1/s)", self.frequency_drift)?;
         positive("tolerance of the amplitude drift (1/s)", self.amplitude_drift)?;
         positive("tolerance of the periodicity", self.spread)?;
+        positive("tolerance of controlled harmonics", self.harmonics)?;
         positive("longest hold (s)", self.longest).map(drop)
     }
 
@@ -97,6 +103,20 @@ impl Hold {
 }
 
 impl Hold {
+    /// What is wrong with the controlled harmonics, each as its mean distance from what is wanted over the fundamental.
+    pub(crate) fn judge_harmonics(&self, off: &[f64], control: &AppropriationState) -> Vec<Finding> {
+        let one = |(index, &error): (usize, &f64)| {
+            let harmonic = index + 1;
+            if control.is_limited(harmonic) {
+                return Some(Finding::HarmonicLimit { harmonic });
+            }
+            // Written so that a value that is not a number is a finding.
+            let within = error <= self.harmonics;
+            (!within).then_some(Finding::HarmonicNotReached { harmonic, error })
+        };
+        off.iter().enumerate().skip(1).filter_map(one).collect()
+    }
+
     /// Findings of a record that follows a hold. One window alone is noisier than their mean: three times the lag tolerance.
     pub(crate) fn judge_record(&self, record: &SteadyState, target: f64) -> Vec<Finding> {
         let (error, spread) = (record.lag - target, record.spread);

@@ -46,7 +46,7 @@
 //!     seed: 1,
 //! };
 //! let settings = LoopSettings::new(Resonance { omega, damping_ratio: 0.01 }, omega - 2.0, rig.interval);
-//! let test = VirtualTest { rig, settings, force: 0, response: 1, schedule: Schedule::new(vec![0.5]) };
+//! let test = VirtualTest { rig, settings, force: 0, response: 1, harmonics: None, schedule: Schedule::new(vec![0.5]) };
 //! let levels = test.run(|_| {})?;
 //! assert!(levels[0].findings.is_empty());
 //! assert!((levels[0].steady.omega / omega - 1.0).abs() < 1e-6);
@@ -63,6 +63,7 @@ mod error;
 mod exciter;
 mod finding;
 mod functional;
+mod harmonics;
 mod hold;
 mod matrix;
 mod period;
@@ -80,6 +81,7 @@ pub use drive::Drive;
 pub use error::RigError;
 pub use exciter::{Exciter, Shaker};
 pub use finding::Finding;
+pub use harmonics::ControlledHarmonics;
 pub use hold::{Hold, Settling, SteadyState};
 pub use nlmodes_model::{ContactLaw, Side};
 pub use reduction::ModalReduction;

@@ -1,12 +1,15 @@
 use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use nlmodes_experiment::phase_loop::{LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
+use nlmodes_experiment::phase_loop::{AppropriationState, LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
 use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
+use num_complex::Complex64;
 
 use crate::error::{finite, not_negative, positive};
+use crate::harmonics::{ControlledHarmonics, HarmonicControl};
 use crate::hold::Settling;
 use crate::period::{Period, PeriodAnalyzer};
 use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState, VirtualRig};
@@ -25,6 +28,9 @@ pub struct Session {
     force: usize,
     response: usize,
     amplitude: f64,
+    harmonics: Option<HarmonicControl>,
+    /// What was read in this interval, channel by channel.
+    readings: Vec<Option<f64>>,
     asked: Asked,
 }
 
@@ -65,7 +71,9 @@ impl Session {
         let pll = PhaseLockedLoop::new(settings)?;
         check_channels(&rig, &pll, force, response)?;
         let state = pll.start();
-        Ok(Self { rig, pll, state, force, response, amplitude: 0.0, asked: Asked::default() })
+        let readings = vec![None; rig.setup().sensors.len()];
+        let asked = Asked::default();
+        Ok(Self { rig, pll, state, force, response, amplitude: 0.0, harmonics: None, readings, asked })
     }
 
     /// Asks `who` from time to time whether the motion goes on; where it is to break off, whatever was begun ends with
@@ -110,6 +118,48 @@ impl Session {
         Ok(())
     }
 
+    /// Gives the higher harmonics of the force to a controller, from here on: measures how the force answers to the drive in each of them, with a tone of a
+    /// tenth of the present level, and lets them come up. To be called at a level that is not zero, best below contact.
+    ///
+    /// # Errors
+    /// [`RigError::Loop`] for what the controller has against its settings, or a force that does not answer; [`RigError::NoChannel`] and
+    /// [`RigError::ResponseQuantity`] for channels that are no motions; [`RigError::DriveTooFast`]; those of [`Session::ramp`].
+    pub fn control_harmonics(&mut self, wanted: &ControlledHarmonics) -> Result<(), RigError> {
+        let tone = HarmonicControl::TONE * positive("level", self.amplitude.abs())?;
+        let tones = [0.0, tone].map(|tone| (1..=wanted.harmonics).map(move |n| if n > 1 { tone } else { 0.0 }.into()));
+        let mut answers = Vec::with_capacity(2);
+        for tones in tones {
+            let tones: Vec<Complex64> = tones.collect();
+            let mut control = HarmonicControl::new(&self.rig, self.pll.settings(), wanted, None)?;
+            control.state = control.state.held_at(&tones);
+            let wait = control.wait();
+            self.harmonics = Some(control);
+            self.run(wait)?;
+            answers.push(self.harmonics.as_ref().map_or_else(Vec::new, |control| control.state.force().to_vec()));
+        }
+        let transfer: Vec<Complex64> =
+            answers[0].iter().zip(&answers[1]).skip(1).map(|(a, b)| (b - a) / tone).collect();
+        let control = HarmonicControl::new(&self.rig, self.pll.settings(), wanted, Some(&transfer))?;
+        let wait = control.wait();
+        self.harmonics = Some(control);
+        self.run(wait)
+    }
+
+    /// The controlled harmonics of the force, where there are any beyond the first.
+    pub fn harmonics(&self) -> Option<&AppropriationState> {
+        self.harmonics.as_ref().map(|control| &control.state)
+    }
+
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, ahead of the cosine in which the fundamental of the response's displacement
+    /// moves; empty where none but the first is controlled.
+    pub fn force_harmonics(&self) -> Vec<Complex64> {
+        let [_, response] = self.state.fundamentals();
+        let ahead = FRAC_PI_2 * f64::from(self.pll.settings().quantity.derivatives());
+        let angle = response.arg() - ahead;
+        let turned = |(index, force): (usize, &Complex64)| force * Complex64::cis(-((index + 1) as f64) * angle);
+        self.harmonics().map_or_else(Vec::new, |control| control.force().iter().enumerate().map(turned).collect())
+    }
+
     /// Changes the amplitude of the drive linearly to `amplitude` in `duration` seconds, under control.
     ///
     /// # Errors
@@ -143,6 +193,7 @@ impl Session {
         loop {
             let before = self.rig.time();
             windows.push_back(self.window(hold.periods)?);
+            let off = self.harmonics.as_mut().map(HarmonicControl::take_off);
             if windows.len() > hold.windows {
                 windows.pop_front();
             }
@@ -152,6 +203,9 @@ impl Session {
                 continue;
             }
             let mut findings = hold.judge(last, self.pll.target_lag(), now - before);
+            if let (Some(off), Some(control)) = (off, self.harmonics()) {
+                findings.extend(hold.judge_harmonics(&off, control));
+            }
             if self.state.is_at_limit() {
                 findings.push(Finding::FrequencyLimit { omega: self.state.omega() });
             }
@@ -240,17 +294,24 @@ impl Session {
         see: impl FnOnce(&mut dyn FnMut(usize) -> Result<f64, RigError>, &LoopState) -> Result<(), RigError>,
     ) -> Result<(), RigError> {
         self.asked.goes_on()?;
-        let (force, response) = (self.rig.read(self.force)?, self.rig.read(self.response)?);
-        let (rig, of_force, of_response) = (&mut self.rig, self.force, self.response);
-        let mut readings = |channel: usize| match channel {
-            channel if channel == of_force => Ok(force),
-            channel if channel == of_response => Ok(response),
-            channel => rig.read(channel),
+        self.readings.fill(None);
+        let (rig, readings) = (&mut self.rig, &mut self.readings);
+        let mut read = |channel: usize| match readings.get(channel) {
+            Some(&Some(value)) => Ok(value),
+            _ => {
+                let value = rig.read(channel)?;
+                readings[channel] = Some(value);
+                Ok(value)
+            }
         };
-        see(&mut readings, &self.state)?;
-        let phase = self.state.drive_phase();
+        let (force, response) = (read(self.force)?, read(self.response)?);
+        let mut drive = Drive::sine([self.amplitude, amplitude], self.state.drive_phase(), self.state.omega());
+        if let Some(control) = &mut self.harmonics {
+            control.step(&mut drive, force, &mut read)?;
+        }
+        see(&mut read, &self.state)?;
         self.state = self.pll.step(&self.state, force, response);
-        let drive = Drive { amplitude: [self.amplitude, amplitude], phase, omega: self.state.omega() };
+        drive.omega = self.state.omega();
         self.amplitude = amplitude;
         self.rig.advance(&drive)
     }

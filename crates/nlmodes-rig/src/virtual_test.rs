@@ -3,10 +3,13 @@ use std::ops::ControlFlow;
 use nlmodes_experiment::phase_loop::LoopSettings;
 use nlmodes_experiment::records::Record;
 
+use num_complex::Complex64;
+
 use crate::error::not_negative;
+use crate::harmonics::HarmonicControl;
 use crate::hold::Settling;
 use crate::session::Session;
-use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState};
+use crate::{ControlledHarmonics, Drive, Finding, Hold, RigError, RigSetup, SteadyState};
 
 /// Levels of a test and how they are gone through.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +50,9 @@ pub struct LevelOutcome {
     pub settling: Settling,
     /// Means over the record.
     pub steady: SteadyState,
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 … at its end, N, ahead of the cosine in which the fundamental of the drive point's
+    /// displacement moves; none where only the fundamental is controlled.
+    pub force_harmonics: Vec<Complex64>,
     /// What is not as it should be: after the hold, or within the record. Empty for a good level.
     pub findings: Vec<Finding>,
     /// Time of the first sample since the test began, s.
@@ -66,6 +72,9 @@ pub struct VirtualTest {
     pub force: usize,
     /// Channel of the response, for the loop.
     pub response: usize,
+    /// Harmonics of the force that are controlled beyond the first; without them the loop turns the fundamental alone, and the others are what the exciter
+    /// makes of them.
+    pub harmonics: Option<ControlledHarmonics>,
     /// The levels.
     pub schedule: Schedule,
 }
@@ -87,7 +96,11 @@ impl VirtualTest {
         for duration in [self.schedule.ramp, self.schedule.record] {
             not_negative("duration (s)", duration)?;
         }
-        let first = Drive { omega: self.settings.start, ..Drive::OFF };
+        let mut first = Drive { omega: self.settings.start, ..Drive::OFF };
+        if let Some(wanted) = &self.harmonics {
+            HarmonicControl::new(session.rig(), session.control().settings(), wanted, None)?;
+            first.amplitudes[0][wanted.harmonics - 1] = Complex64::ONE;
+        }
         first.polynomial(0.0, 1.0 / session.rig().substeps() as f64, self.rig.interval)?;
         Ok(session)
     }
@@ -122,6 +135,9 @@ impl VirtualTest {
             if index == 0 {
                 session.run(self.schedule.start)?;
                 session.hold_frequency(false);
+                if let Some(wanted) = &self.harmonics {
+                    session.control_harmonics(wanted)?;
+                }
             }
             let settling = session.settle(&self.schedule.hold)?;
             let start = session.rig().time();
@@ -130,7 +146,8 @@ impl VirtualTest {
             let in_record = self.schedule.hold.judge_record(&steady, session.control().target_lag());
             let mut findings = settling.findings.clone();
             findings.extend(in_record.into_iter().filter(|f| settling.findings.iter().all(|g| g.name() != f.name())));
-            let outcome = LevelOutcome { level, settling, steady, findings, start, record };
+            let force_harmonics = session.force_harmonics();
+            let outcome = LevelOutcome { level, settling, steady, force_harmonics, findings, start, record };
             let told = observe(&outcome);
             outcomes.push(outcome);
             if told.is_break() {

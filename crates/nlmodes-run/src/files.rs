@@ -32,9 +32,9 @@ pub const HISTORIES: usize = 20;
 /// Removes what a run writes at its end, which would not belong to the points of another one.
 pub fn remove_ends(directory: &Path) {
     remove_figures(directory);
-    let ends = ["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS];
+    let ends =
+        ["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS, crate::forces::FILE];
     remove_all(directory, &ends);
-    remove_all(directory, &["appropriation.csv"]);
 }
 
 /// Removes the figures and the page of an earlier run.

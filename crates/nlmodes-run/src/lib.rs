@@ -64,6 +64,7 @@ pub mod compare;
 mod error;
 pub mod explore;
 mod files;
+mod forces;
 mod journal;
 pub mod lcp;
 pub mod linear;

@@ -103,6 +103,7 @@ fn prepared(file: &SceneFile<TestScene>) -> Result<(Rig, VirtualTest), RunError>
         settings: rig.control.clone(),
         force: FORCE,
         response: DRIVE_DISPLACEMENT,
+        harmonics: rig.controlled_harmonics(scene.control.controlled_harmonics),
         schedule: scene.schedule.clone(),
     };
     refused::short_record(file, &rig)?;

@@ -8,8 +8,8 @@ use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_rig::{
-    DrivePoint, Exciter, LevelOutcome, ModalReduction, ModalStructure, Motion, Place, RigError, RigSetup, Sensor, Stop,
-    VirtualTest,
+    ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, ModalReduction, ModalStructure, Motion, Place, RigError,
+    RigSetup, Sensor, Stop, VirtualTest,
 };
 
 use crate::branches::{Doing, Ended, Watch};
@@ -18,6 +18,8 @@ use crate::branches::{Doing, Ended, Watch};
 pub const FORCE: usize = 0;
 /// Channel of the drive point's displacement.
 pub const DRIVE_DISPLACEMENT: usize = 1;
+/// First channel of the accelerometers.
+const ACCELEROMETERS: usize = 3;
 
 /// A point of a structure: a displacement as a weighted sum of its degrees of freedom, as of
 /// [`Beam::deflection_at`](nlmodes_fem::Beam::deflection_at).
@@ -130,6 +132,16 @@ impl Bench {
         let shape = |point: &&BenchPoint| reduction.shape(&point.weights).into_iter().take(places.len()).collect();
         let shapes: Vec<Vec<f64>> = points.iter().map(shape).collect();
         LinearModes::new(&positions, &self.omega, &self.damping_ratios, &shapes)
+    }
+
+    /// Harmonics of the force up to this one under control, by the motion at drive point, accelerometers and stop and these modes there, as of
+    /// [`linear_modes`](Self::linear_modes).
+    pub fn controlled_harmonics(&self, harmonics: usize, modes: LinearModes) -> ControlledHarmonics {
+        let last = ACCELEROMETERS + self.accelerometers.len();
+        let channels = std::iter::once(DRIVE_DISPLACEMENT).chain(ACCELEROMETERS..last);
+        // Behind the accelerometers stands the displacement at the stop.
+        let channels = channels.chain(self.stop.is_some().then_some(last)).collect();
+        ControlledHarmonics { harmonics, modes, channels, drive: 0 }
     }
 
     /// The undamped modes and the stop as a model whose nonlinear mode can be computed: modal coordinates with unit mass, and the massless

@@ -139,6 +139,7 @@ fn levels_before_one_that_fails_are_kept() {
         settings: loop_settings(),
         force: FORCE,
         response: DRIVE_DISPLACEMENT,
+        harmonics: None,
         schedule: Schedule { hold, record: 0.2, ..Schedule::new(vec![1.0, f64::NAN, 2.0]) },
     };
     let run = virtual_test::run(&test, &ExtractionSettings::default(), |_| {});
@@ -160,6 +161,7 @@ fn a_bench_is_tested_and_its_levels_are_extracted() {
         settings: loop_settings(),
         force: FORCE,
         response: DRIVE_DISPLACEMENT,
+        harmonics: None,
         schedule: Schedule::new(vec![0.75, 2.0]),
     };
     let virtual_test::TestRun { levels, failure } = virtual_test::run(&test, &settings, |_| {});

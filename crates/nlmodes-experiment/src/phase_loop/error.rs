@@ -48,6 +48,30 @@ pub enum PhaseLoopError {
         /// Most.
         most: usize,
     },
+    /// There is nothing to control in so many harmonics, or no room.
+    #[error("{harmonics} controlled harmonics: 2 to {most}, the first being that of the loop")]
+    ControlledHarmonics {
+        /// Wanted.
+        harmonics: usize,
+        /// Most.
+        most: usize,
+    },
+    /// Not one sensor for each coordinate of the linear modes, or none at the drive point.
+    #[error("{sensors} motion sensors, of which number {drive} at the drive point, for modes at {expected} places")]
+    Sensors {
+        /// Sensors.
+        sensors: usize,
+        /// Coordinates of the modes.
+        expected: usize,
+        /// Which one is said to be at the drive point, from zero.
+        drive: usize,
+    },
+    /// The force does not answer to the drive.
+    #[error("harmonic {harmonic} of the force does not answer to the drive")]
+    NoTransfer {
+        /// The harmonic.
+        harmonic: usize,
+    },
     /// The highest harmonic of the detector is not sampled.
     #[error(
         "harmonic {harmonic} of {omega} rad/s is above half the sampling frequency: the step must be below {limit} s"

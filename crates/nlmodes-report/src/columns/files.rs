@@ -20,7 +20,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "appropriation.csv",
-        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a row a point, drive point and harmonic",
+        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a row a point, drive point and harmonic; of a test with several controlled harmonics the measured ones, a row a level and harmonic",
         columns: &[&APPROPRIATION_COLUMNS],
     },
     FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[&CONTACT_COLUMNS] },

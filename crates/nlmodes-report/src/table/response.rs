@@ -43,10 +43,14 @@ pub const RESPONSE_COLUMNS: [Column; 17] = [
 
 /// Columns of `appropriation.csv`.
 pub const APPROPRIATION_COLUMNS: [Column; 6] = [
-    Column::new("point", "", "number of the point, that of `branch.csv`"),
-    Column::new("frequency_hz", "Hz", "frequency of the mode"),
+    Column::new("point", "", "number of the point, that of `branch.csv`; of a test that of the level, from 1"),
+    Column::new("frequency_hz", "Hz", "frequency of the mode, or of the level"),
     Column::new("drive", "", "number of the drive point, from 0 in the order of the forces"),
     Column::new("harmonic", "", "harmonic of the force, from 1"),
     Column::new("force_n", "N", "its amplitude"),
-    Column::new("phase_deg", "°", "its phase, ahead of the cosine in which the mode moves"),
+    Column::new(
+        "phase_deg",
+        "°",
+        "its phase, ahead of the cosine in which the mode moves; of a test, the fundamental of the displacement of the drive point",
+    ),
 ];

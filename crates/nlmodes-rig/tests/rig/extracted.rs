@@ -27,6 +27,7 @@ fn outcomes() -> (VirtualTest, Vec<LevelOutcome>) {
         settings: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
         force: beam::FORCE,
         response: beam::DRIVE_DISPLACEMENT,
+        harmonics: None,
         schedule: Schedule::new(vec![0.75, 2.0]),
     };
     let outcomes = test.run(|_| {}).unwrap();

@@ -80,7 +80,7 @@ proptest! {
     fn no_setup_panics_or_hangs(setup in setup(), level in number(0.0, 100.0), omega in number(10.0, 1e3)) {
         let Ok(mut rig) = VirtualRig::new(setup.clone()) else { return Ok(()) };
         for k in 0..60 {
-            let drive = Drive { amplitude: [level; 2], phase: omega * setup.interval * f64::from(k), omega };
+            let drive = Drive::sine([level; 2], omega * setup.interval * f64::from(k), omega);
             if rig.advance(&drive).is_err() {
                 return Ok(());
             }

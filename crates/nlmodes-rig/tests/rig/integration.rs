@@ -136,7 +136,7 @@ fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
     let ω = TAU * 41.0;
     let channels = setup.sensors.clone();
     let mut rig = VirtualRig::new(setup.clone()).unwrap();
-    let drive = |k: usize| Drive { amplitude: [0.4; 2], phase: ω * 5e-5 * k as f64, omega: ω };
+    let drive = |k: usize| Drive::sine([0.4; 2], ω * 5e-5 * k as f64, ω);
     let steps = 60_000;
     (0..steps).for_each(|k| rig.advance(&drive(k)).unwrap());
     for (index, sensor) in channels.iter().enumerate() {
@@ -178,8 +178,7 @@ fn a_shaker_on_a_blocked_structure_has_its_closed_form() {
     };
     let mut rig = VirtualRig::new(setup).unwrap();
     let ω = TAU * 300.0;
-    (0..20_000)
-        .for_each(|k| rig.advance(&Drive { amplitude: [2.0; 2], phase: ω * 5e-5 * f64::from(k), omega: ω }).unwrap());
+    (0..20_000).for_each(|k| rig.advance(&Drive::sine([2.0; 2], ω * 5e-5 * f64::from(k), ω)).unwrap());
     let s = num_complex::Complex64::new(0.0, ω);
     let stinger = shaker.stinger_stiffness + s * shaker.stinger_damping;
     let coil = shaker.resistance + s * shaker.inductance;
@@ -335,6 +334,6 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(refused(&|s| s.structure.omega[0] = 1e200), RigError::NotFinite { .. }));
     let mut rig = VirtualRig::new(setup).unwrap();
     assert!(matches!(rig.read(9), Err(RigError::NoChannel { channel: 9, channels: 4 })));
-    let fast = Drive { amplitude: [1.0; 2], phase: 0.0, omega: 2e4 };
+    let fast = Drive::sine([1.0; 2], 0.0, 2e4);
     assert!(matches!(rig.advance(&fast), Err(RigError::DriveTooFast { .. })));
 }

@@ -98,6 +98,7 @@ fn the_shaker_goes_up_the_backbone_at_ninety_degrees() {
         settings: settings(),
         force: FORCE,
         response: DRIVE_DISPLACEMENT,
+        harmonics: None,
         schedule: Schedule::new(vec![0.25, 0.75, 1.2, 2.0, 3.0]),
     };
     let outcomes = test.run(|_| {}).unwrap();

@@ -22,6 +22,7 @@ fn hasty(seed: u64) -> VirtualTest {
         settings: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
         force: beam::FORCE,
         response: beam::DRIVE_DISPLACEMENT,
+        harmonics: None,
         schedule: Schedule {
             start: 0.2,
             ramp: 0.1,

@@ -6,9 +6,7 @@ use std::path::Path;
 
 use nlmodes::hbm::ContactMotion;
 use nlmodes::modal::ModalBranch;
-use nlmodes::report::{
-    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, RESPONSE_COLUMNS, ReportError, write_contacts, write_file, write_harmonics,
-};
+use nlmodes::report::{BRANCH_COLUMNS, RESPONSE_COLUMNS, ReportError, write_contacts, write_file, write_harmonics};
 use nlmodes::response::{Appropriation, ResponseModel, ResponsePoint};
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
@@ -16,6 +14,7 @@ use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
+use crate::forces::{self, Forces};
 
 /// Writes `branch.csv` of the curves that are there.
 pub fn write_points(
@@ -161,33 +160,21 @@ fn expected(
 
 /// Writes `appropriation.csv`, the forces of each drive point in each harmonic, where they were computed.
 pub fn write_forces(directory: &Path, curves: &[ComputedResponse]) -> Result<(), Failure> {
-    if curves.iter().all(|computed| computed.appropriations.is_empty()) {
-        return Ok(());
-    }
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(APPROPRIATION_COLUMNS.map(|column| column.name))?;
+    let mut rows = Vec::new();
     let mut first = 0;
     for computed in curves {
         for (i, (found, point)) in computed.appropriations.iter().zip(computed.points()).enumerate() {
-            for (drive, force) in found.forces.iter().enumerate() {
-                for (n, f) in force.iter().enumerate().skip(1) {
-                    let numbers = [point.omega / TAU, f.norm(), f.arg().to_degrees()].map(|v| format!("{v:?}"));
-                    let [hertz, size, phase] = numbers;
-                    table.write_record([
-                        (first + i).to_string(),
-                        hertz,
-                        drive.to_string(),
-                        n.to_string(),
-                        size,
-                        phase,
-                    ])?;
-                }
-            }
+            let of = |(drive, force): (usize, &'_ Vec<_>)| Forces {
+                point: first + i,
+                omega: point.omega,
+                drive,
+                amplitudes: force.iter().skip(1).copied().collect(),
+            };
+            rows.extend(found.forces.iter().enumerate().map(of));
         }
         first += computed.points().len();
     }
-    let bytes = table.into_inner().map_err(|error| error.into_error())?;
-    Ok(write_file(directory.join("appropriation.csv"), &bytes)?)
+    forces::write(directory, &rows)
 }
 
 /// Writes `contacts.csv` and `harmonics.npz` of all points, in the order of `branch.csv`.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes::experiment::phase_loop::{LoopSettings, Order, PhaseDetector, Resonance};
 use nlmodes::modal::LinearModes;
 use nlmodes::model::{ContactLaw, Side, StructuralModel};
-use nlmodes::rig::ModalReduction;
+use nlmodes::rig::{ControlledHarmonics, ModalReduction};
 use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
 
 use crate::Failure;
@@ -88,6 +88,13 @@ impl Rig {
         let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;
         let control = control(scene, &bench);
         Ok(Self { bench, reduction, of_elements, modes, control })
+    }
+}
+
+impl Rig {
+    /// The harmonics of the force up to this one, with the sensors and modes that the extraction has; none beyond the first.
+    pub fn controlled_harmonics(&self, harmonics: usize) -> Option<ControlledHarmonics> {
+        (harmonics > 1).then(|| self.bench.controlled_harmonics(harmonics, self.modes.clone()))
     }
 }
 

@@ -13,6 +13,7 @@ use serde_json::json;
 use super::bench::Rig;
 use super::summary;
 use crate::Failure;
+use crate::forces::{self, Forces};
 use crate::overlay::Laid;
 use crate::records::against::Against;
 use crate::records::table::Table;
@@ -33,8 +34,9 @@ fn backbone_file(method: BackboneMethod) -> &'static str {
     }
 }
 
-/// Removes the records of an earlier test, which this one may not write again.
+/// Removes the records of an earlier test and its forces, which this one may not write again.
 pub fn prepare(directory: &Path) {
+    drop(fs::remove_file(directory.join(forces::FILE)));
     remove_records(&directory.join(RECORDS));
 }
 
@@ -69,6 +71,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let told: Vec<_> = levels.iter().map(summary::level).collect();
+    forces::write(directory, &levels.iter().enumerate().filter_map(controlled).collect::<Vec<_>>())?;
     let outcomes: Vec<Outcome> = levels.iter().map(outcome).collect();
     for (method, branch) in backbones {
         write_branch(directory.join(backbone_file(*method)), branch)?;
@@ -89,6 +92,13 @@ pub fn write(
     let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
     let lines: Vec<String> = lines.into_iter().chain(against.sentences()).collect();
     page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against.tables()), &drawn, wrong)
+}
+
+/// The force of a level in the harmonics that were controlled, if there were several.
+fn controlled((index, level): (usize, &TestLevel)) -> Option<Forces> {
+    let (outcome, amplitudes) = (&level.outcome, level.outcome.force_harmonics.clone());
+    let forces = Forces { point: index + 1, omega: outcome.steady.omega, drive: 0, amplitudes };
+    (!forces.amplitudes.is_empty()).then_some(forces)
 }
 
 /// The table of the levels.

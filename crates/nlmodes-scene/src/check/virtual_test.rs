@@ -317,5 +317,6 @@ fn control(raw: Option<&RawLoop>) -> TestLoop {
         cut_off_hz: raw.and_then(|raw| raw.cut_off_hz),
         start_hz: raw.and_then(|raw| raw.start_frequency_hz),
         lag_deg: raw.and_then(|raw| raw.lag_deg).unwrap_or(LAG_DEG),
+        controlled_harmonics: raw.and_then(|raw| raw.controlled_harmonics).unwrap_or(1) as usize,
     }
 }

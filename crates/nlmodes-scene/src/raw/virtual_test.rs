@@ -7,6 +7,8 @@ use crate::raw::method::MAX_HARMONICS;
 use crate::raw::{RawDirectory, RawExtraction, RawOverlay, RawStructure};
 use crate::scene::{BackboneMethod, ExciterKind, LevelOrder, LoopDetector, RecordFormat, Side};
 
+/// Most harmonics of the force that a loop follows.
+const MAX_CONTROLLED: u32 = nlmodes::experiment::phase_loop::MAX_HARMONICS as u32;
 /// Most modes, sensors or levels.
 const MAX_LIST: u32 = 1000;
 
@@ -160,6 +162,10 @@ pub struct RawLoop {
     /// Lag of the displacement behind the force
     #[schemars(range(min = 1.0, max = 179.0), extend("unit" = "degrees", "default" = 90.0))]
     pub lag_deg: Option<f64>,
+    /// Harmonics of the force under control: 1 is the fundamental alone, others are brought to the force that appropriation wants, from the motion at all
+    /// sensors and the damping ratios
+    #[schemars(range(min = 1, max = MAX_CONTROLLED), extend("default" = 1))]
+    pub controlled_harmonics: Option<u32>,
 }
 
 /// Levels of the drive, and how they are held.

@@ -83,6 +83,8 @@ pub struct TestLoop {
     pub start_hz: Option<f64>,
     /// Lag of the displacement behind the force, degrees.
     pub lag_deg: f64,
+    /// Harmonics of the force under control, 1 to this one.
+    pub controlled_harmonics: usize,
 }
 
 /// Records that are kept as files.

@@ -1,0 +1,104 @@
+use nlmodes_experiment::phase_loop::{
+    AppropriationSettings, AppropriationState, ForceAppropriation, LoopSettings, ResponseQuantity,
+};
+use nlmodes_experiment::records::Quantity;
+use nlmodes_modal::LinearModes;
+use num_complex::Complex64;
+
+use crate::{Drive, RigError, VirtualRig};
+
+/// Which harmonics of the force are controlled beyond the first, and what for.
+///
+/// The law is that of [`ForceAppropriation`]: each gets the power that the damping of the linear modes takes out of the motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlledHarmonics {
+    /// The highest, from 2 on.
+    pub harmonics: usize,
+    /// Linear modes at motion sensors, with damping ratios.
+    pub modes: LinearModes,
+    /// Channels of these sensors, one a coordinate of the modes.
+    pub channels: Vec<usize>,
+    /// Which of these coordinates is the drive point.
+    pub drive: usize,
+}
+
+/// The controller of a session, with what it remembers.
+#[derive(Debug, Clone)]
+pub(crate) struct HarmonicControl {
+    control: ForceAppropriation,
+    pub(crate) state: AppropriationState,
+    channels: Vec<usize>,
+    motions: Vec<f64>,
+    /// Sum of what was missing to the wanted harmonics, and its samples.
+    missing: Vec<Complex64>,
+    samples: usize,
+}
+
+impl HarmonicControl {
+    /// Amplitude of the tones with which the answer of the force is measured, as a share of the level.
+    pub(crate) const TONE: f64 = 0.1;
+    /// Time constants of the detector after which it counts as at rest.
+    const WAIT: f64 = 20.0;
+
+    /// A controller with this answer of the force to the drive, or with one that stands for it until it is measured.
+    pub(crate) fn new(
+        rig: &VirtualRig,
+        pll: &LoopSettings,
+        wanted: &ControlledHarmonics,
+        transfer: Option<&[Complex64]>,
+    ) -> Result<Self, RigError> {
+        let quantities = wanted.channels.iter().map(|&channel| quantity(rig, channel)).collect::<Result<_, _>>()?;
+        let (modes, interval) = (wanted.modes.clone(), rig.setup().interval);
+        let settings =
+            AppropriationSettings::new(wanted.harmonics, modes, quantities, wanted.drive, interval, pll.cut_off);
+        let unknown = vec![Complex64::ONE; wanted.harmonics.saturating_sub(1)];
+        let control = ForceAppropriation::new(settings, transfer.unwrap_or(&unknown))?;
+        let (state, motions) = (control.start(), vec![0.0; wanted.channels.len()]);
+        let missing = vec![Complex64::ZERO; wanted.harmonics];
+        Ok(Self { control, state, channels: wanted.channels.clone(), motions, missing, samples: 0 })
+    }
+
+    /// Time after which the detectors have come up, s.
+    pub(crate) fn wait(&self) -> f64 {
+        Self::WAIT / self.control.settings().cut_off
+    }
+
+    /// Takes this interval's samples and puts its harmonics into the drive.
+    pub(crate) fn step(
+        &mut self,
+        drive: &mut Drive,
+        force: f64,
+        read: &mut dyn FnMut(usize) -> Result<f64, RigError>,
+    ) -> Result<(), RigError> {
+        for (motion, &channel) in self.motions.iter_mut().zip(&self.channels) {
+            *motion = read(channel)?;
+        }
+        let put = |into: &mut [Complex64], state: &AppropriationState| {
+            into.iter_mut().zip(state.drive()).skip(1).for_each(|(mine, u)| *mine = *u);
+        };
+        put(&mut drive.amplitudes[0], &self.state);
+        self.control.step(&mut self.state, drive.phase, drive.omega, force, &self.motions);
+        put(&mut drive.amplitudes[1], &self.state);
+        let off = self.state.wanted().iter().zip(self.state.force()).map(|(wanted, force)| wanted - force);
+        self.missing.iter_mut().zip(off).for_each(|(sum, off)| *sum += off);
+        self.samples += 1;
+        Ok(())
+    }
+
+    /// Mean distance of each harmonic from what is wanted over the fundamental, since this was last asked for.
+    pub(crate) fn take_off(&mut self) -> Vec<f64> {
+        let size = self.state.force()[0].norm() * std::mem::take(&mut self.samples) as f64;
+        self.missing.iter_mut().map(|sum| std::mem::take(sum).norm() / size).collect()
+    }
+}
+
+/// What the sensor at this channel measures, if it is a motion.
+fn quantity(rig: &VirtualRig, channel: usize) -> Result<ResponseQuantity, RigError> {
+    let found = rig.channel(channel)?;
+    match found.quantity {
+        Quantity::Displacement => Ok(ResponseQuantity::Displacement),
+        Quantity::Velocity => Ok(ResponseQuantity::Velocity),
+        Quantity::Acceleration => Ok(ResponseQuantity::Acceleration),
+        other => Err(RigError::ResponseQuantity { sensor: found.name, expected: "a motion", found: other.si_unit() }),
+    }
+}
