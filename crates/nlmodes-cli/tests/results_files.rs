@@ -115,7 +115,7 @@ fn stops_have_a_row_each_that_agrees_with_the_branch_and_with_their_histories() 
     let (head, rows) = table(&out.join("contacts.csv"))?;
     assert_eq!(
         head.join(","),
-        "point,contact,contact_fraction,peak_force_n,mean_force_n,impulse_ns,touches,approach_velocity_m_s"
+        "point,contact,contact_fraction,peak_force_n,mean_force_n,impulse_ns,touches,approach_velocity_m_s,frequency_hz"
     );
     let (_, branch) = table(&out.join("branch.csv"))?;
     assert_eq!(rows.len(), 3 * branch.len());
@@ -129,7 +129,9 @@ fn stops_have_a_row_each_that_agrees_with_the_branch_and_with_their_histories() 
         assert_eq!(number(&point[9])?, of(3)?.into_iter().fold(0.0, f64::max));
         assert_eq!(number(&point[8])?, of(6)?.iter().sum::<f64>());
         assert_eq!(number(&point[18])?, of(5)?.iter().sum::<f64>());
-        let period = 1.0 / number(&point[1])?;
+        let frequency = number(&point[1])?;
+        assert!(of(8)?.iter().all(|hertz| *hertz == frequency));
+        let period = 1.0 / frequency;
         for (mean, impulse) in of(4)?.into_iter().zip(of(5)?) {
             assert!((mean * period - impulse).abs() <= 1e-12 * impulse);
         }

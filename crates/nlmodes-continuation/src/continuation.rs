@@ -138,12 +138,13 @@ impl Continuation {
         let given = system.scaling();
         let of_parameter = self.bounds.iter().filter(|bound| bound.coordinate == x.len());
         let most = of_parameter.map(|bound| bound.min.abs().max(bound.max.abs())).fold(f64::INFINITY, f64::min);
-        let scales = given
-            .clone()
-            .unwrap_or_else(|| Scaling::found(corrector.linearization(), system.solver(), (x, p), direction, most));
+        let (scales, goes_far) = given.map_or_else(
+            || Scaling::found(corrector.linearization(), system.solver(), (x, p), direction, most),
+            |given| (given, false),
+        );
         check_scales(&scales, x.len())?;
         let scales = scales.rounded();
-        let settings = self.in_scales(&scales, given.is_some());
+        let settings = self.in_scales(&scales, goes_far);
         let mut direction = direction.to_vec();
         scales.to_scaled(&mut z);
         scales.to_scaled(&mut direction);
@@ -155,15 +156,14 @@ impl Continuation {
         Ok(Start { settings, system, correction, corrector })
     }
 
-    /// These settings for unknowns that are shares of their sizes.
-    fn in_scales(&self, scales: &Scaling, given: bool) -> Self {
+    /// These settings for unknowns that are shares of their sizes; a branch that may go far beyond these does so by steps that grow.
+    fn in_scales(&self, scales: &Scaling, goes_far: bool) -> Self {
         let mut settings = self.clone();
         for bound in &mut settings.bounds {
             let size = scales.unknowns[bound.coordinate];
             (bound.min, bound.max) = (bound.min / size, bound.max / size);
         }
-        if !given && scales.unknowns.iter().any(|size| *size != 1.0) {
-            // A starting point may be small beside the points that follow.
+        if goes_far {
             settings.step.far = settings.step.far.min(FAR);
         }
         settings

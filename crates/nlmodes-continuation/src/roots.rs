@@ -70,4 +70,16 @@ mod tests {
         check(|x| if x < 0.7 { 1.0 } else { -1.0 }, 0.0, 2.0, 0.7, 50);
         check(|x| (x - 0.3).abs().sqrt() * (x - 0.3).signum(), 0.0, 2.0, 0.3, 60);
     }
+
+    /// The secant of a straight line hits its zero, here without rounding. That of the function with a bend, from (0, −1) to (2, 1), hits the bend.
+    #[test]
+    fn a_zero_that_is_hit_ends_the_search_and_another_value_does_not() {
+        check(|x| x - 0.5, 0.0, 2.0, 0.5, 1);
+        check(|x| 0.25 * x + 0.25, -2.0, 2.0, -1.0, 1);
+        for bend in [0.125_f64, -0.125, 0.5] {
+            let f = |x: f64| if x < 1.0 { (1.0 + bend) * x - 1.0 } else { bend + (1.0 - bend) * (x - 1.0) };
+            let root = if bend > 0.0 { 1.0 / (1.0 + bend) } else { 1.0 - bend / (1.0 - bend) };
+            check(f, 0.0, 2.0, root, 60);
+        }
+    }
 }

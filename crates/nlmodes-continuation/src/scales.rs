@@ -33,7 +33,8 @@ impl Scaling {
         Self { unknowns: vec![1.0; n + 1], equations: vec![1.0; n] }
     }
 
-    /// From the starting point, and the Jacobian and the direction there.
+    /// From the starting point, and the Jacobian and the direction there; and whether the points that follow may be large beside these sizes, as they
+    /// may wherever numbers are not near one, or zero without a tangent that tells what they are near to.
     ///
     /// All unknowns have one size, that of the largest. What is zero has the size by which it moves while the other one moves by its own, if
     /// the tangent tells that, else one; sizes near one are one. An equation has a size a little below that of its
@@ -45,13 +46,14 @@ impl Scaling {
         (x, p): (&[f64], f64),
         direction: &[f64],
         most: f64,
-    ) -> Self {
+    ) -> (Self, bool) {
         let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let (x_size, p_size) = (largest(x), p.abs());
         let ratio = tangent(at, solver, direction)
             .map(|t| largest(&t[..x.len()]) / t[x.len()].abs())
             .filter(|ratio| ratio.is_finite() && *ratio > 0.0);
         let credible = |size: f64| if size > LEAST { size } else { 1.0 };
+        let is_told = x_size > 0.0 || p_size > 0.0 || ratio.is_some_and(|ratio| ratio.min(1.0 / ratio) > LEAST);
         let (x_size, p_size) = match (x_size > 0.0, p_size > 0.0, ratio) {
             (true, true, _) => (x_size, p_size),
             (false, true, Some(ratio)) => (credible(ratio * p_size), p_size),
@@ -70,7 +72,8 @@ impl Scaling {
             if size > 0.0 && size.is_finite() { (size / LARGEST).log2().floor().exp2() } else { 1.0 }
         };
         let equations = rows.into_iter().map(of_row).collect();
-        Self { unknowns, equations }
+        let goes_far = !is_told || unknowns.iter().any(|size| *size != 1.0);
+        (Self { unknowns, equations }, goes_far)
     }
 
     /// The nearest powers of two.

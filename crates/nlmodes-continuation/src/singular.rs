@@ -227,4 +227,24 @@ mod tests {
             }
         }
     }
+
+    /// Weighted differences around a ring and an unknown that stands nowhere: `Σ r_i / a_i = 0` of the rows, weights that are powers of two, so that
+    /// elimination ends with a pivot of zero.
+    #[test]
+    fn what_is_free_of_a_sparse_matrix_that_cannot_be_factored_is_known_too() {
+        let n = 12;
+        let weight = |i: usize| [1.0, 2.0, 0.5, 4.0, 1.0, 0.25, 2.0][i % 7];
+        let mut ring = Linearization::sparse(n);
+        for i in 0..n {
+            ring.entries.extend([(i, i, weight(i)), (i, (i + 1) % n, -weight(i))]);
+        }
+        let found = SingularDirections::of(&ring, &SparseSolver::default()).unwrap();
+        assert!(found.value < 1e-12, "{:e}", found.value);
+        assert!(found.ratio < 1e-12, "{:e}", found.ratio);
+        assert_eq!(found.left.len(), 1);
+        let left = unit((0..n).map(|i| 1.0 / weight(i)));
+        assert!((dot(&found.left[0], &left).abs() - 1.0).abs() < 1e-12, "{:?}", found.left[0]);
+        // On the ring all move alike.
+        assert!(found.tangent[..n].iter().all(|t| (t - found.tangent[0]).abs() < 1e-12), "{:?}", found.tangent);
+    }
 }

@@ -19,7 +19,7 @@ pub struct StepSettings {
     /// Longest step. Default 0.1.
     pub max: f64,
     /// Largest unknown, over its size, beyond which the longest step grows in proportion to it; four at most where sizes other than one are
-    /// found. Default infinite: the longest step is the same everywhere.
+    /// found, or where all is zero at the start and nothing tells a size. Default infinite: the longest step is the same everywhere.
     pub far: f64,
     /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
     pub max_turn: f64,

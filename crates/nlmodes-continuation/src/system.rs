@@ -88,6 +88,10 @@ pub trait ParametricSystem {
 
     /// What is large for each unknown and each equation. Where this is not given, all unknowns have one size, found from the starting
     /// point, and each equation that of its largest derivative there; unknowns of different kinds need sizes of their own.
+    ///
+    /// A start at which all unknowns and the parameter are zero tells at most how these compare, not how large they are: the larger of the two sizes
+    /// is one there, and both are where one moves by less than 1e-10 of the other. Tolerances are shares of that, and so are steps, at first or, where the
+    /// two compare, all along: where thousands or millionths are moved, sizes should be given.
     fn scaling(&self) -> Option<Scaling> {
         None
     }

@@ -3,7 +3,9 @@
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem, Scaling, StopReason};
+use nlmodes_continuation::{
+    Bound, Continuation, EventKind, Linearization, ParametricSystem, Scaling, StepSettings, StopReason,
+};
 
 use crate::samples::events;
 
@@ -60,6 +62,40 @@ fn a_curve_that_rounding_blurs_by_more_than_newtons_method_settles_to_is_followe
         assert!((q.x[1] - q.p.cos()).abs() < 2.0 * NOISE / SIGMA, "{:e} at {}", q.x[1] - q.p.cos(), q.p);
     }
     assert!(branch.points.len() < 400, "{} points", branch.points.len());
+}
+
+/// The same up to `p = 1`, beyond which there is no solution.
+struct Ending;
+
+impl ParametricSystem for Ending {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        NearlyFree.linearize(x, p, out)?;
+        if p > 1.0 {
+            out.residual[0] = 1.0;
+        }
+        Ok(())
+    }
+}
+
+/// Points of it are known to about `noise/σ`, 10⁻⁷: steps of that length would lead anywhere, whatever shortest one is permitted.
+#[test]
+fn a_branch_that_ends_is_not_looked_for_by_steps_shorter_than_rounding_blurs_it() {
+    for min in [1e-6, 1e-8] {
+        let step = StepSettings { min, ..StepSettings::default() };
+        let settings = Continuation { step, max_points: 2000, ..Continuation::default() };
+        let branch =
+            settings.run(&mut Ending, &[0.0, 1.0], 0.0, &[1.0, 0.0, 1.0], |_| ControlFlow::Continue(())).unwrap();
+        let StopReason::StepTooSmall { step, .. } = branch.stop else { panic!("{:?}", branch.stop) };
+        assert!(step > 10.0 * NOISE / SIGMA && step < 1e-3, "{step:e}");
+        let last = branch.points.last().unwrap();
+        assert!(last.p <= 1.0 && last.p > 1.0 - 3.0 * step, "{:e} before the end", 1.0 - last.p);
+    }
 }
 
 /// `x − √(p² + δ²) = 0`, `σ (y − cos p) = 0` in units of unknowns, parameter and equations: the second equation is small beside its unit, and rounded as

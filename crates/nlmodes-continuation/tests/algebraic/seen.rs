@@ -154,3 +154,20 @@ fn derivatives_that_are_small_all_around_a_change_of_pieces_start_no_search_for_
         }
     }
 }
+
+/// Of a curve that does not notice that its pieces change: no more is asked than where.
+#[test]
+fn a_change_of_pieces_on_a_smooth_curve_starts_no_search_for_arms() {
+    let curve = |x: f64, p: f64| [p - 0.5 * x - 0.1 * x * x, -0.5 - 0.2 * x, 1.0];
+    let settings = window(0, -1.0, 1.0);
+    for start in 0..20 {
+        let x = -0.5 - 0.0123 * f64::from(start);
+        let (from, along) = ([x, 0.5 * x + 0.1 * x * x], [1.0, 0.5]);
+        let plain = trace(&settings, smooth(curve), from, along);
+        let branch = trace(&settings, piecewise(curve, |x, _| u64::from(x >= 0.0)), from, along);
+        assert_eq!(events(&branch, |e| *e == EventKind::PatternChange { from: 0, to: 1 }).len(), 1);
+        // A step of 0.1 is halved thirty times until it is as short as the place is known.
+        let (found, at_most) = (branch.evaluations, plain.evaluations + 100);
+        assert!(found <= at_most, "from {x}: {found} evaluations, {} without pieces", plain.evaluations);
+    }
+}

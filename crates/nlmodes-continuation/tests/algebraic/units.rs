@@ -268,6 +268,44 @@ fn sizes_that_are_given_are_used_and_wrong_ones_refused() {
     assert!(run(system(vec![1.0, 1.0], vec![f64::NAN])).is_err());
 }
 
+/// Keeps the points that it is told.
+struct Told(InUnits<Curve>, Vec<[f64; 2]>);
+
+impl ParametricSystem for Told {
+    type Error = Infallible;
+
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Infallible> {
+        self.0.linearize(x, p, out)
+    }
+
+    fn accepted(&mut self, x: &[f64], p: f64) {
+        self.1.push([x[0], p]);
+    }
+}
+
+#[test]
+fn a_system_is_told_the_points_from_which_the_branch_goes_on_in_its_own_units() {
+    for [x, p, residual] in [[1.0; 3], [4096.0, 1.0 / 64.0, 1024.0], [3e-5, 7e4, 0.1]] {
+        let inner = smooth(circle as fn(f64, f64) -> [f64; 3]);
+        let mut system = Told(InUnits { inner, x, p, residual }, Vec::new());
+        let along = [-0.6 * x, 0.8 * p];
+        let settings = Continuation::default();
+        let branch = settings.run(&mut system, &[0.8 * x], 0.6 * p, &along, |_| ControlFlow::Continue(())).unwrap();
+        assert!(system.1.len() > 50, "{} points", system.1.len());
+        for told in &system.1 {
+            let off = (told[0] / x).hypot(told[1] / p) - 1.0;
+            assert!(off.abs() < 1e-10, "{told:?} lies {off:e} off the circle");
+        }
+        // All of the branch but its two folds.
+        let plain = branch.points.iter().filter(|q| q.events.is_empty()).map(|q| [q.x[0], q.p]);
+        assert_eq!(system.1, plain.collect::<Vec<_>>(), "{x} {p} {residual}");
+    }
+}
+
 /// Sizes of unknown, parameter and equation at a start whose direction is that of the parameter, but where the second is given.
 fn sizes(settings: &Continuation, f: impl Fn(f64, f64) -> [f64; 3], start: [f64; 2], along: [f64; 2]) -> [f64; 3] {
     let settings = Continuation { max_points: 1, ..settings.clone() };
@@ -340,6 +378,65 @@ fn a_curve_that_starts_where_one_of_both_is_zero_is_followed_alike_in_any_units(
             let (found, at_most) = (branch.evaluations, expected.evaluations + expected.evaluations / 4);
             assert!(found <= at_most, "{case}: {found} evaluations, {} in units of one", expected.evaluations);
         }
+    }
+}
+
+/// `x = p + p³` from (0, 0) on to p = 2, where x = 10.
+fn cubic_through_zero(x: f64, p: f64) -> [f64; 3] {
+    [x - p - p * p * p, 1.0, -1.0 - 3.0 * p * p]
+}
+
+#[test]
+fn a_curve_that_starts_where_all_is_zero_is_followed_to_its_bound_in_units_of_which_nothing_tells() {
+    for units in [[1e-8, 1e3, 1.0], [1e-3, 1e9, 1e6], [1e3, 1e-8, 1e9]] {
+        let settings = window(0, -1.0, 10.0);
+        let branch = in_units(&settings, cubic_through_zero, units, [0.0, 0.0], [1.0, 1.0]);
+        let [x, p, _] = units;
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 0, value: 10.0 * x }, "{units:?}");
+        assert!(branch.points.len() < 1000, "{units:?}: {} points", branch.points.len());
+        for q in &branch.points {
+            // Beside one unknowns and parameter are known to the tolerance, not beside themselves.
+            let known = 1e-11 * (1.0 / x + (1.0 + 3.0 * (q.p / p).powi(2)) / p) + 1e-9;
+            let off = q.x[0] / x - q.p / p - (q.p / p).powi(3);
+            assert!(off.abs() < known, "{units:?}: {off:e} at {:e}", q.p);
+        }
+    }
+}
+
+/// `x (p/p_c − 1 − x²) = 0` without load: the unknown rests until the critical load, of which nothing tells.
+#[test]
+fn a_column_that_rests_without_load_is_followed_through_a_critical_load_of_thousands() {
+    for critical in [1.0, 1e3] {
+        let column = move |x: f64, p: f64| {
+            let q = p / critical;
+            [x * (q - 1.0 - x * x), q - 1.0 - 3.0 * x * x, x / critical]
+        };
+        let settings = window(1, -critical, 1.5 * critical);
+        let branch = trace(&settings, smooth(column), [0.0, 0.0], [0.0, 1.0]);
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 1, value: 1.5 * critical }, "{critical}");
+        let crossings = events(&branch, |e| *e == EventKind::BranchPoint);
+        assert_eq!(crossings.len(), 1, "{critical}");
+        assert!((crossings[0].p / critical - 1.0).abs() < 1e-6, "{critical}: {}", crossings[0].p);
+        assert!(branch.points.len() < 1000, "{critical}: {} points", branch.points.len());
+    }
+}
+
+#[test]
+fn a_curve_that_starts_where_all_is_zero_is_the_same_in_any_units_where_these_are_given() {
+    let expected = in_units(&window(0, -1.0, 10.0), cubic_through_zero, [1.0; 3], [0.0, 0.0], [1.0, 1.0]);
+    for [x, p, residual] in [[1e-8, 1e3, 1.0], [1e6, 1e6, 1.0], [1e-6, 1e-6, 1e3]] {
+        let inner = smooth(cubic_through_zero as fn(f64, f64) -> [f64; 3]);
+        let sizes = Scaling { unknowns: vec![x, p], equations: vec![residual] };
+        let system = Sized(InUnits { inner, x, p, residual }, sizes);
+        let branch = trace(&window(0, -x, 10.0 * x), system, [0.0, 0.0], [x, p]);
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 0, value: 10.0 * x }, "{x} {p}");
+        for q in &branch.points {
+            let off = q.x[0] / x - q.p / p - (q.p / p).powi(3);
+            assert!(off.abs() < 1e-10, "{x} {p}: {off:e} at {:e}", q.p);
+        }
+        // The steps of given sizes do not grow.
+        let (found, at_most) = (branch.evaluations, 2 * expected.evaluations);
+        assert!(found <= at_most, "{x} {p}: {found} evaluations, {} in units of one", expected.evaluations);
     }
 }
 

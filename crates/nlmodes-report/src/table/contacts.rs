@@ -1,3 +1,4 @@
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use crate::ReportError;
@@ -6,7 +7,7 @@ use crate::output::replace_file;
 use nlmodes_modal::{ContactPeriod, ModalBranch};
 
 /// Columns of `contacts.csv`, in their order.
-pub const CONTACT_COLUMNS: [Column; 8] = [
+pub const CONTACT_COLUMNS: [Column; 9] = [
     Column::new("point", "", "number of the point, that of `branch.csv`"),
     Column::new("contact", "", "number of the stop, from 0 in the order of the scene"),
     Column::new("contact_fraction", "", "share of the period in which the contact is closed, 0 to 1"),
@@ -23,6 +24,11 @@ pub const CONTACT_COLUMNS: [Column; 8] = [
         "m/s",
         "largest speed at which the gap closes as it is touched; 0 without a touch",
     ),
+    Column::new(
+        "frequency_hz",
+        "Hz",
+        "frequency of the motion, that of `branch.csv`; of one with twice the period of its load half of it",
+    ),
 ];
 
 /// Writes what each contact does at each point as CSV: a header with the columns of `columns::FILES` and a row a point and contact.
@@ -37,14 +43,14 @@ pub fn write_contacts(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<()
         table.write_record(CONTACT_COLUMNS.map(|column| column.name))?;
         for (index, point) in branch.points.iter().enumerate() {
             for (number, contact) in point.contacts.iter().enumerate() {
-                table.write_record(row(index, number, contact))?;
+                table.write_record(row(index, number, contact, point.omega / TAU))?;
             }
         }
         table.flush()
     })
 }
 
-fn row(point: usize, number: usize, contact: &ContactPeriod) -> [String; CONTACT_COLUMNS.len()] {
+fn row(point: usize, number: usize, contact: &ContactPeriod, frequency: f64) -> [String; CONTACT_COLUMNS.len()] {
     let text = |value: f64| format!("{value:?}");
     [
         point.to_string(),
@@ -55,5 +61,6 @@ fn row(point: usize, number: usize, contact: &ContactPeriod) -> [String; CONTACT
         text(contact.impulse),
         contact.touches.to_string(),
         text(contact.approach_velocity),
+        text(frequency),
     ]
 }
