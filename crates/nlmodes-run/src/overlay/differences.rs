@@ -339,10 +339,7 @@ mod tests {
             }
         }
         let said = sentence(&other, &differences(&other, &own.branch), &own.branch.label);
-        assert!(
-            said.contains("impulse a period by +100 % (+100 to +100 %, 2 points that touch a stop in both)"),
-            "{said}"
-        );
+        assert!(said.contains("impulse a period by +100 % at 2 points, those that touch a stop in both; "), "{said}");
         assert!(said.contains("largest force by +100 %") && said.contains("5 points)"), "{said}");
     }
 
@@ -356,7 +353,7 @@ mod tests {
         let found = differences(&other, &own.branch);
         assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 2, 2, 1, 2, 2, 1]);
         let said = sentence(&other, &found, &own.branch.label);
-        assert!(said.contains("4 points)") && said.contains("4 points are left out"), "{said}");
+        assert!(said.contains("at 4 points, too few for a mean; ") && said.contains("4 points are left out"), "{said}");
         // Points of a test are told apart by their frequency.
         other.is_scattered = true;
         assert!(differences(&other, &own.branch).iter().all(|d| d.motions == 1));

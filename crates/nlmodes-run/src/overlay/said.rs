@@ -9,6 +9,8 @@ use super::{Difference, Equal, Laid};
 const SHOWN: usize = 20;
 /// Largest difference in per cent, of either sign, that is called agreement.
 const AGREES: f64 = 0.1;
+/// Points of which a mean is formed.
+const FEW: usize = 5;
 /// Differences in per cent that are none.
 const NOTHING: f64 = 1e-5;
 
@@ -17,6 +19,25 @@ pub(super) fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 
     let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
     let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     (!all.is_empty()).then(|| ([all.iter().sum::<f64>() / all.len() as f64, least, most], all.len()))
+}
+
+/// Differences in words: their mean and range, or the range alone where there are too few points for a mean.
+pub(super) fn by([mean, least, most]: [f64; 3], points: usize) -> String {
+    let [mean, least, most] = [mean, least, most].map(signed);
+    match points {
+        1 => format!("by {mean} % at 1 point"),
+        n if n < FEW && least == most => format!("by {mean} % at {n} points"),
+        n if n < FEW => format!("by {least} to {most} % at {n} points, too few for a mean"),
+        n => format!("by {mean} % on average ({least} to {most} %, {n} points)"),
+    }
+}
+
+/// What to do where no motion of one can be told to belong to one of the other.
+pub(super) fn nothing_to_compare(apart: usize) -> &'static str {
+    if apart == 0 {
+        return "nothing to compare";
+    }
+    "nothing to compare, since one of the two runs through tongues there; `continuation.internal_resonance = \"skip\"` leaves these out"
 }
 
 /// In per cent; no number where there is nothing to divide by.
@@ -39,9 +60,8 @@ fn of_forces(found: &[&Difference]) -> String {
         let pairs = || found.iter().map(|difference| of(difference));
         let least = ROUNDING * pairs().map(|(value, own)| value.max(own)).filter(|x| x.is_finite()).fold(0.0, f64::max);
         percent(pairs().filter(|(value, own)| value.min(*own) > least)).map_or_else(String::new, |(range, n)| {
-            let [mean, least, most] = range.map(signed);
-            let of = if n == found.len() { String::new() } else { format!(", {n} points that touch a stop in both") };
-            format!("; {name} by {mean} % ({least} to {most} %{of}){note}")
+            let of = if n == found.len() { "" } else { ", those that touch a stop in both" };
+            format!("; {name} {}{of}{note}", by(range, n))
         })
     };
     let note = ", which of short blows need not converge with harmonics";
@@ -86,13 +106,13 @@ pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
     let others = left_out(found.len() - clear.len(), what);
     let Some((range, _)) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency)))
     else {
-        return format!("{name}: nothing to compare with {own}{others}");
+        let apart = found.len() - clear.len();
+        return format!("{name} and {own}: {}{others}", nothing_to_compare(apart));
     };
-    let ([mean, least, most], n) = (range.map(signed), clear.len());
-    let points = if n == 1 { "1 point".to_owned() } else { format!("{n} points") };
     format!(
-        "{name}: {} {own}; its frequency at equal {what} differs by {mean} % on average ({least} to {most} %, {points}){}{others}",
+        "{name}: {} {own}; its frequency at equal {what} differs {}{}{others}",
         word([range[1], range[2]]),
+        by(range, clear.len()),
         of_forces(&clear)
     )
 }
@@ -166,6 +186,16 @@ mod tests {
         assert_eq!([word([0.01, 0.02]), word([-0.02, -0.01])], ["stiffer than", "softer than"]);
         assert_eq!(word([-0.02, 0.01]), "in agreement with");
         assert_eq!(word([-0.2, 0.3]), "softer here and stiffer there than");
+    }
+
+    #[test]
+    fn few_points_have_no_mean_and_tongues_are_named_where_nothing_is_compared() {
+        assert_eq!(by([1.0, 1.0, 1.0], 1), "by +1.00 % at 1 point");
+        assert_eq!(by([1.0, 1.0, 1.0], 3), "by +1.00 % at 3 points");
+        assert_eq!(by([1.0, -2.0, 3.5], 4), "by −2.00 to +3.50 % at 4 points, too few for a mean");
+        assert_eq!(by([1.0, -2.0, 3.5], 5), "by +1.00 % on average (−2.00 to +3.50 %, 5 points)");
+        assert_eq!(nothing_to_compare(0), "nothing to compare");
+        assert!(nothing_to_compare(3).contains("tongues") && nothing_to_compare(3).contains("\"skip\""));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use nlmodes::report::DataTable;
 
-use super::said::{percent, relative, signed};
+use super::said::{by, nothing_to_compare, percent, relative, signed};
 use super::{Difference, Equal, Laid};
 
 /// Impulses below this share of the largest one of their stop do not count: per cent of next to nothing say nothing.
@@ -73,11 +73,10 @@ impl StopChange {
     fn sentence(&self) -> String {
         let (name, left_out) = (self.equal.name(), self.left_out());
         let others = if left_out.is_empty() { left_out } else { format!("; left out: {left_out}") };
-        let Some([mean, least, most]) = self.percent.map(|range| range.map(signed)) else {
-            return format!("at equal {name} nothing to compare{others}");
-        };
-        let points = if self.points == 1 { "1 point".to_owned() } else { format!("{} points", self.points) };
-        format!("at equal {name} by {mean} % on average ({least} to {most} %, {points}){others}")
+        match self.percent {
+            Some(range) => format!("at equal {name} {}{others}", by(range, self.points)),
+            None => format!("at equal {name} {}{others}", nothing_to_compare(self.apart)),
+        }
     }
 }
 
@@ -166,13 +165,13 @@ mod tests {
             let said = lines(&[all], &["stop 0 at 1 m".to_owned(), "stop 1 at 2 m".to_owned()]);
             assert_eq!(
                 said[0],
-                "impulse of stop 0 at 1 m: at equal frequency by +15.0 % on average (+10.0 to +20.0 %, 2 points); \
+                "impulse of stop 0 at 1 m: at equal frequency by +10.0 to +20.0 % at 2 points, too few for a mean; \
                  left out: 1 where there are several motions of that frequency"
             );
             // A stop that nobody touches says so.
             let silent = changes(&found(&[&[pair(0.0, 0.0)], &[pair(0.0, 0.0)]]));
             assert_eq!(lines(&[silent], &["stop 0".to_owned()]), ["impulse of stop 0: not touched"]);
-            assert!(said[1].contains(" %, 1 point)") && said[1].contains("1 where it is touched in one"));
+            assert!(said[1].contains(" % at 1 point; left out: ") && said[1].contains("1 where it is touched in one"));
         }
     }
 }
