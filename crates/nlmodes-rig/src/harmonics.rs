@@ -1,5 +1,8 @@
+use std::f64::consts::PI;
+
 use nlmodes_experiment::phase_loop::{
-    AppropriationSettings, AppropriationState, ForceAppropriation, LoopSettings, ResponseQuantity,
+    AppropriationSettings, AppropriationState, ForceAppropriation, LoopSettings, MAX_HARMONICS, PhaseLoopError,
+    ResponseQuantity,
 };
 use nlmodes_experiment::records::Quantity;
 use nlmodes_modal::LinearModes;
@@ -49,6 +52,12 @@ impl HarmonicControl {
     ) -> Result<Self, RigError> {
         let quantities = wanted.channels.iter().map(|&channel| quantity(rig, channel)).collect::<Result<_, _>>()?;
         let (modes, interval) = (wanted.modes.clone(), rig.setup().interval);
+        let (harmonic, omega) = (MAX_HARMONICS, pll.range[1]);
+        let limit = PI / (harmonic as f64 * omega);
+        if interval >= limit {
+            // Harmonics that are not sampled would be taken for lower ones.
+            return Err(PhaseLoopError::AboveNyquist { harmonic, omega, limit }.into());
+        }
         let settings =
             AppropriationSettings::new(wanted.harmonics, modes, quantities, wanted.drive, interval, pll.cut_off);
         let unknown = vec![Complex64::ONE; wanted.harmonics.saturating_sub(1)];

@@ -289,6 +289,13 @@ fn what_cannot_be_controlled_is_refused_before_the_test() {
     assert!(matches!(with(&|wanted| wanted.drive = 5), RigError::Loop(PhaseLoopError::Sensors { .. })));
     assert!(matches!(with(&|wanted| wanted.channels[1] = CHANNELS[0]), RigError::ResponseQuantity { .. }));
     assert!(matches!(with(&|wanted| wanted.channels[1] = 60), RigError::NoChannel { .. }));
+    // Five harmonics of twice the frequency are sampled at 1 kHz, as the loop alone needs, eight are not.
+    let mut slow = good.clone();
+    (slow.rig.interval, slow.settings.step, slow.settings.cut_off) = (1e-3, 1e-3, 10.0);
+    let refused = slow.check();
+    assert!(matches!(refused, Err(RigError::Loop(PhaseLoopError::AboveNyquist { harmonic: 8, .. }))), "{refused:?}");
+    slow.harmonics = None;
+    slow.check().unwrap();
     // Nothing answers before there is a level.
     let mut session = Session::new(LARGE.setup(Exciter::IdealForce), settings(), CHANNELS[0], CHANNELS[1]).unwrap();
     assert!(matches!(session.control_harmonics(&LARGE.wanted(3)), Err(RigError::NotPositive { what: "level", .. })));
