@@ -1,19 +1,12 @@
 //! `nlmodes-cli explore`: a scene on a page with sliders, its branch computed anew while one drags.
 
-mod answer;
-mod computing;
-mod save;
-mod server;
-mod sliders;
-
 use std::path::PathBuf;
 
 use clap::Args;
-use nlmodes_scene::memory;
+use nlmodes_explore::{ExploreError, Page};
 
 use crate::Status;
-use crate::terminal::{print, wants_colours};
-use answer::Explorer;
+use crate::terminal::{print, refuse};
 
 /// What `explore` takes.
 #[derive(Debug, Args)]
@@ -31,39 +24,20 @@ pub struct Arguments {
 
 /// Serves the page until Ctrl-C.
 pub fn run(arguments: &Arguments) -> Status {
-    let text = match std::fs::read_to_string(&arguments.path) {
-        Ok(text) => text,
+    let page = match Page::open(&arguments.path, arguments.overrides.clone(), arguments.port) {
+        Ok(page) => page,
+        Err(ExploreError::Scene(refused)) => return refuse(&refused),
         Err(error) => {
-            say!("error: cannot read {}: {error}", arguments.path.display());
-            return Status::Wrong;
+            say!("error: {error}");
+            return if matches!(error, ExploreError::Server(_)) { Status::EndedEarly } else { Status::Wrong };
         }
     };
-    let name = arguments.path.display().to_string();
-    let mut files = match nlmodes_scene::parse_each_method(&name, &text, &arguments.overrides) {
-        Ok(files) => files,
-        Err(refused) => {
-            say!("{}", refused.text(wants_colours()));
-            return Status::Wrong;
-        }
-    };
-    if let Err(said) = memory::admit(&mut files, None) {
-        say!("{}", said.text(wants_colours()));
-        return Status::Wrong;
+    let said = print(&format!(
+        "{}\n\nOpen it in a browser on this machine; nobody without this address gets an answer. Ctrl-C ends.",
+        page.address()
+    ));
+    if said == Status::Done {
+        page.serve();
     }
-    let Some(first) = files.into_iter().next() else { return Status::Wrong };
-    let served = server::bind(arguments.port).and_then(|server| {
-        let explorer = Explorer::new(&arguments.path, text, arguments.overrides.clone(), &first, server.port())?;
-        let said = print(&format!(
-            "{}\n\nOpen it in a browser on this machine; nobody without this address gets an answer. Ctrl-C ends.",
-            explorer.address()
-        ));
-        if said == Status::Done {
-            server.serve(explorer);
-        }
-        Ok(said)
-    });
-    served.unwrap_or_else(|error| {
-        say!("error: {error}");
-        Status::EndedEarly
-    })
+    said
 }

@@ -10,9 +10,9 @@ use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
 use serde_json::{Value, json};
 
-use super::computing::Computing;
-use super::save;
-use super::sliders::{Slider, sliders};
+use crate::computing::Computing;
+use crate::save;
+use crate::sliders::{Slider, sliders};
 
 /// Bytes of the token.
 const TOKEN: usize = 16;
@@ -70,7 +70,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// Of the scene `file` with this text, on this port.
+    /// Of the scene with this text, the first method of which is `file`, on this port.
     ///
     /// # Errors
     /// If the system gives no random number.

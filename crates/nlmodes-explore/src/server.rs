@@ -7,7 +7,7 @@ use std::thread;
 
 use tiny_http::{Header, Method, Request, Response, Server};
 
-use super::answer::{Answer, Asked, Explorer};
+use crate::answer::{Answer, Asked, Explorer};
 
 /// Longest body that is read: values of sliders.
 const LONGEST: u64 = 64 * 1024;
@@ -18,26 +18,33 @@ pub struct Loopback {
     port: u16,
 }
 
-/// Listens on a port of this machine; 0 is one that is free.
-pub fn bind(port: u16) -> io::Result<Loopback> {
-    let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(io::Error::other)?;
-    let address = server.server_addr().to_ip().ok_or_else(|| io::Error::other("the server has no address"))?;
-    Ok(Loopback { server, port: address.port() })
-}
-
 impl Loopback {
+    /// Listens on a port of this machine; 0 is one that is free.
+    ///
+    /// # Errors
+    /// If there is no such port.
+    pub fn bind(port: u16) -> io::Result<Self> {
+        let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(io::Error::other)?;
+        let address = server.server_addr().to_ip().ok_or_else(|| io::Error::other("the server has no address"))?;
+        Ok(Self { server, port: address.port() })
+    }
+
     /// The port on which it listens.
     pub fn port(&self) -> u16 {
         self.port
     }
 
-    /// Answers until the program ends.
-    pub fn serve(&self, explorer: Explorer) {
-        let explorer = Arc::new(explorer);
+    /// Answers until [`Loopback::end`].
+    pub fn serve(&self, explorer: &Arc<Explorer>) {
         for request in self.server.incoming_requests() {
-            let explorer = Arc::clone(&explorer);
+            let explorer = Arc::clone(explorer);
             thread::spawn(move || answer(&explorer, request));
         }
+    }
+
+    /// Ends it.
+    pub fn end(&self) {
+        self.server.unblock();
     }
 }
 
