@@ -76,7 +76,7 @@ fn scene(bytes: &[u8]) {
     let argument = text.lines().next_back().unwrap_or_default().to_owned();
     for arguments in [&[][..], &[argument]] {
         match config::parse_each_method("scene.toml", &text, arguments) {
-            Ok(files) => drop(config::warnings_text(&files, false)),
+            Ok(files) => drop(config::AnyScene::Structure(files).warnings_text(false)),
             Err(refused) => shown(&refused),
         }
     }

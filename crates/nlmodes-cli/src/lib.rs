@@ -12,7 +12,6 @@ macro_rules! say {
 }
 
 mod arguments;
-mod check;
 pub mod command;
 mod compare;
 mod explore;
@@ -25,6 +24,7 @@ mod new;
 mod observer;
 mod options;
 mod progress;
+mod run;
 mod status;
 mod study;
 mod terminal;

@@ -4,15 +4,14 @@ mod collect;
 mod run;
 mod serve;
 mod slurm;
-mod status;
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use nlmodes_study::Study;
+use nlmodes_study::{Settings, Study, StudyError};
 
 use crate::Status;
-use crate::terminal::wants_colours;
+use crate::terminal::{print, refuse, wants_colours};
 
 /// What is done with a study.
 #[derive(Debug, Subcommand)]
@@ -78,10 +77,7 @@ impl Place {
                 }
                 then(&file.scene)
             }
-            Err(refused) => {
-                say!("{}", refused.text(wants_colours()));
-                Status::Wrong
-            }
+            Err(refused) => refuse(&refused),
         }
     }
 }
@@ -90,10 +86,29 @@ impl Place {
 pub fn run(command: &Command) -> Status {
     match command {
         Command::Run(arguments) => run::run(arguments),
-        Command::Status(place) => place.with(status::run),
+        Command::Status(place) => place.with(status),
         Command::Collect(arguments) => collect::run(arguments),
         Command::Slurm(arguments) => slurm::write(arguments),
         Command::Serve(arguments) => serve::serve(arguments),
+    }
+}
+
+/// Says how many cases are in which state. Exit status 1 where some are missing.
+fn status(study: &Study) -> Status {
+    let counts = nlmodes_study::status(study, Settings::default().jobs());
+    let printed = print(&format!("{}\n{counts}", study.title));
+    if counts.missing > 0 { Status::EndedEarly } else { printed }
+}
+
+/// Why a study does not go on.
+fn refused(error: &StudyError) -> Status {
+    say!("error: {}", nlmodes_run::chain(error));
+    match error {
+        StudyError::NoCase { .. } => Status::Wrong,
+        _ => {
+            say!("what was computed until then stays; the same call goes on from there");
+            Status::EndedEarly
+        }
     }
 }
 

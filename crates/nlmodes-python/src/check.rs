@@ -1,40 +1,27 @@
 //! `nlmodes.check`, `nlmodes.linear_frequencies`, `nlmodes.schema`: what can be said before anything is computed.
 
-use nlmodes_run::{RunError, chain, no_contact};
+use nlmodes_run::{RunError, chain};
 use nlmodes_scene::assemble::structural_model;
-use nlmodes_scene::{AnyScene, SceneFile};
+use nlmodes_scene::AnyScene;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors;
+use crate::looking::{Looking, Onlooker};
 use crate::scene::{Source, warnings};
 
 /// Whether a run would begin; what looks wrong.
 #[pyfunction]
 pub fn check(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult<Vec<String>> {
     let scene = source.scene(py, &overrides, None)?;
-    let mut warned = warnings(&scene);
+    let mut onlooker = Onlooker { looking: Looking::new(None), warnings: warnings(&scene) };
     let checked = errors::computed(py, || match &scene {
-        AnyScene::Structure(files) => files.iter().map(check_structure).collect::<Result<Vec<_>, RunError>>(),
-        AnyScene::Records(file) => nlmodes_run::records::files_are_there(file).map(|()| Vec::new()),
-        AnyScene::Test(file) => nlmodes_run::virtual_test::check(file).map(|()| Vec::new()),
+        AnyScene::Structure(files) => files.iter().try_for_each(|file| nlmodes_run::check(file, &mut onlooker).map(drop)),
+        AnyScene::Records(file) => nlmodes_run::check_records(file).map(drop),
+        AnyScene::Test(file) => nlmodes_run::check_test(file).map(drop),
     })?;
-    for text in checked.map_err(|error| errors::of_run(py, &error))?.into_iter().flatten() {
-        if !warned.contains(&text) {
-            warned.push(text);
-        }
-    }
-    Ok(warned)
-}
-
-fn check_structure(file: &SceneFile) -> Result<Option<String>, RunError> {
-    if file.scene.n_contact_tables() == 0 {
-        return Err(no_contact(file).into());
-    }
-    let file = nlmodes_run::updating::updated(file.clone())?;
-    let warning = nlmodes_run::mass::warning_of(&file)?;
-    nlmodes_run::check(&file)?;
-    Ok(warning)
+    checked.map_err(|error| errors::of_run(py, &error))?;
+    Ok(onlooker.warnings)
 }
 
 /// The lowest linear frequencies of the structure of a scene, Hz.

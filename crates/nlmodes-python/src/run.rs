@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nlmodes::branches::ComputedBranch;
 use nlmodes_run::{Over, RunError, RunOutcome, chain};
-use nlmodes_scene::{AnyScene, SceneFile};
+use nlmodes_scene::AnyScene;
 use numpy::IntoPyArray;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -63,10 +63,11 @@ pub fn run(
         other => return Err(PyValueError::new_err(format!("over is \"{other}\"; same, resume or force was expected"))),
     };
     let mut scene = source.scene(py, &overrides, memory_limit)?;
-    if let Some(out) = out.or(scratch.filter(|_| !names_directory(&scene))) {
-        direct(&mut scene, &out);
+    let names_directory = scene.document().is_some_and(|document| document.place("output.directory").is_some());
+    if let Some(out) = out.or(scratch.filter(|_| !names_directory)) {
+        scene.set_output_directory(&out);
     }
-    let directory = directory(&scene);
+    let directory = scene.output_directory().map_or_else(PathBuf::new, Path::to_path_buf);
     let mut onlooker = Onlooker { looking: Looking::new(progress), warnings: warnings(&scene) };
     let done = errors::computed(py, || compute(scene, over, &mut onlooker))?;
     // A signal of the last milliseconds is not lost either.
@@ -89,7 +90,7 @@ pub fn run(
 fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done, RunError> {
     match scene {
         AnyScene::Structure(files) if files.iter().any(|file| !file.scene.responses.is_empty()) => {
-            let [file] = files.as_slice() else { return Err(one_method(&files)) };
+            let file = nlmodes_run::responses::one_method(&files)?;
             let outcome = nlmodes_run::responses::run(file, over, onlooker)?;
             let mut wrong: Vec<String> = outcome.failure.iter().map(|failure| chain(failure.as_ref())).collect();
             if outcome.not_begun > 0 {
@@ -115,39 +116,6 @@ fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done,
             let outcome = nlmodes_run::virtual_test::run(&file, over, onlooker)?;
             Ok(Done { kind: "virtual-test", wrong: outcome.wrong, run: None })
         }
-    }
-}
-
-/// Responses are computed with one method.
-fn one_method(files: &[SceneFile]) -> RunError {
-    let title = "responses are computed with one method";
-    files
-        .first()
-        .map_or(RunError::NoScene, |file| file.error_at("method", title, "expected one table [method]", &[]).into())
-}
-
-fn direct(scene: &mut AnyScene, out: &Path) {
-    match scene {
-        AnyScene::Structure(files) => files.iter_mut().for_each(|file| file.scene.output_directory = out.into()),
-        AnyScene::Records(file) => file.scene.output_directory = out.into(),
-        AnyScene::Test(file) => file.scene.output_directory = out.into(),
-    }
-}
-
-fn names_directory(scene: &AnyScene) -> bool {
-    let document = match scene {
-        AnyScene::Structure(files) => files.first().map(|file| &file.document),
-        AnyScene::Records(file) => Some(&file.document),
-        AnyScene::Test(file) => Some(&file.document),
-    };
-    document.is_some_and(|document| document.place("output.directory").is_some())
-}
-
-fn directory(scene: &AnyScene) -> PathBuf {
-    match scene {
-        AnyScene::Structure(files) => files.first().map_or_else(PathBuf::new, |f| f.scene.output_directory.clone()),
-        AnyScene::Records(file) => file.scene.output_directory.clone(),
-        AnyScene::Test(file) => file.scene.output_directory.clone(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nlmodes_scene::{AnyScene, SceneError, load_any, memory, parse_any};
+use nlmodes_scene::{AnyScene, Diagnostic, SceneError, load_any, memory, parse_any};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
@@ -38,11 +38,7 @@ impl Source {
         let limit = limit.map(str::parse).transpose().map_err(wrong)?;
         let read = errors::computed(py, || self.read(overrides))?;
         let mut scene = read.map_err(|refused| errors::refused(py, &refused))?;
-        let admitted = match &mut scene {
-            AnyScene::Structure(files) => memory::admit(files, limit),
-            AnyScene::Records(file) => memory::admit_records(file, limit),
-            AnyScene::Test(file) => memory::admit_test(file, limit),
-        };
+        let admitted = memory::admit_any(&mut scene, limit);
         admitted.map_err(|error| errors::of_run(py, &error.into()))?;
         Ok(scene)
     }
@@ -50,18 +46,7 @@ impl Source {
 
 /// What looks wrong with a scene, but does not stand in the way; each thing once, without its place.
 pub fn warnings(scene: &AnyScene) -> Vec<String> {
-    let all = match scene {
-        AnyScene::Structure(files) => files.iter().flat_map(|file| file.warning_sentences()).collect(),
-        AnyScene::Records(file) => file.warning_sentences(),
-        AnyScene::Test(file) => file.warning_sentences(),
-    };
-    let mut each: Vec<String> = Vec::new();
-    all.into_iter().for_each(|text| {
-        if !each.contains(&text) {
-            each.push(text);
-        }
-    });
-    each
+    scene.warnings().iter().map(Diagnostic::sentence).collect()
 }
 
 /// A dictionary as the text of a scene.

@@ -189,7 +189,7 @@ fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+pub(crate) fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
     if !file.scene.responses.is_empty() {
         return crate::responses::check(file);
     }

@@ -6,6 +6,7 @@
 //! | item | what it does |
 //! | --- | --- |
 //! | [`run`](branches::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
+//! | [`check`], [`check_records`], [`check_test`] | whether it would begin, and what it would compute |
 //! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
@@ -59,6 +60,7 @@
 pub mod branches;
 pub mod certificate;
 mod character;
+mod check;
 mod claim;
 pub mod compare;
 mod error;
@@ -86,7 +88,8 @@ pub mod updating;
 pub mod verify;
 pub mod virtual_test;
 
-pub use branches::{check, run, run_sharing};
+pub use branches::{run, run_sharing};
+pub use check::{check, check_records, check_test};
 pub use claim::Over;
 pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};

@@ -63,6 +63,21 @@ impl ResponsesOutcome {
     }
 }
 
+/// The scene whose responses are computed: they are with one method.
+///
+/// # Errors
+/// [`RunError`] at the second method.
+pub fn one_method(files: &[SceneFile]) -> Result<&SceneFile, RunError> {
+    match files {
+        [] => Err(RunError::NoScene),
+        [file] => Ok(file),
+        [_, second, ..] => {
+            let title = "responses are computed with one method";
+            Err(second.error_at("method", title, "expected one table [method]", &[]).into())
+        }
+    }
+}
+
 /// Computes the responses of a scene and writes its tables, figures and page.
 ///
 /// Each step is in `steps.jsonl` as soon as it is taken, and a run that goes on repeats those that are there. `branch.csv` is written anew after

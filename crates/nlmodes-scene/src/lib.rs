@@ -9,13 +9,14 @@
 //!
 //! | item | what it is |
 //! | --- | --- |
-//! | [`parse_each_method`], [`load_each_method`] | text or file → the checked scene of a structure, one for each method |
-//! | [`load_any`], [`load_to_run`], [`parse_any`] | the same for a file or text of any kind: [`AnyScene`] |
+//! | [`parse_each_method`], [`load_structure`] | text or file → the checked scene of a structure, one for each method |
+//! | [`load_any`], [`load_to_run`], [`load_records`], [`parse_any`] | the same for a file or text of any or another kind: [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
 //! | [`Diagnostic`], [`Diagnostics`], [`SceneError`] | what is wrong and where it stands: one thing, as they are found, all that refuses a scene |
 //! | [`load_other`], [`parse_other`] | files of other kinds than scenes, with messages as good |
 //! | [`whole_schema`] | every key with its unit, limits and default |
 //! | [`assemble`] | scene → structural model |
+//! | [`outline`] | what a scene would compute, in rows |
 //! | [`memory`] | what a scene needs, before anything is computed |
 //!
 //! # Example
@@ -62,6 +63,7 @@ pub mod memory;
 mod methods;
 mod nearest;
 mod other;
+pub mod outline;
 mod planned;
 mod raw;
 mod read;
@@ -84,12 +86,11 @@ pub use file::FileError;
 pub use nearest::nearest;
 pub use other::{load_other, parse_other};
 pub use read::{
-    load_any, load_each_method, load_records, load_to_run, parse, parse_any, parse_each_method, parse_records,
-    parse_test,
+    load_any, load_records, load_structure, load_to_run, parse, parse_any, parse_each_method, parse_records, parse_test,
 };
 pub use rule::number;
 pub use scene::{RecordScene, Scene, TestScene};
 pub use scene_error::SceneError;
-pub use scene_file::{AnyScene, SceneFile, warnings_text};
+pub use scene_file::{AnyScene, SceneFile};
 pub use schema::{schema, whole_schema};
 pub use sources::{Source, Sources};

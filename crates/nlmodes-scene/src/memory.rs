@@ -7,7 +7,7 @@ use nlmodes::hbm::MAX_RECORDED;
 use nlmodes_io::FeFiles;
 
 use crate::scene::{RecordScene, Scene, SceneStructure, Switching, Symmetry, TestScene};
-use crate::{SceneError, SceneFile};
+use crate::{AnyScene, SceneError, SceneFile};
 
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 const UNITS: [(&str, f64); 7] =
@@ -198,6 +198,18 @@ pub fn estimate(file: &SceneFile) -> f64 {
     needs.fixed() + needs.point * file.scene.continuation.max_points.min(USUAL_POINTS) as f64
 }
 
+/// Refuses a scene that does not fit, with what is to be said; of the branches of a structure the number of points is lowered to what fits.
+///
+/// # Errors
+/// The message at its place in the scene.
+pub fn admit_any(scene: &mut AnyScene, limit: Option<Limit>) -> Result<(), SceneError> {
+    match scene {
+        AnyScene::Structure(files) => admit(files, limit),
+        AnyScene::Records(file) => admit_records(file, limit),
+        AnyScene::Test(file) => admit_test(file, limit),
+    }
+}
+
 /// Refuses scenes that do not fit, with what is to be said, and lowers the number of points to what fits.
 ///
 /// # Errors
@@ -251,7 +263,7 @@ fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneE
 ///
 /// # Errors
 /// The message at its place in the scene.
-pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), SceneError> {
+fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), SceneError> {
     let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
     let samples = scene.schedule.record * scene.sample_rate;
     let channels = scene.accelerometers.len() as f64 + 7.0;
@@ -269,7 +281,7 @@ pub fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(
 ///
 /// # Errors
 /// The message at its place in the scene.
-pub fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<(), SceneError> {
+fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<(), SceneError> {
     let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
     let bytes = |name: &String| fs::metadata(scene.base.join(name)).map_or(0.0, |data| data.len() as f64);
     // Two bytes of a sound file become a number of eight; text and its numbers are there at the same time.

@@ -17,9 +17,9 @@ use crate::{
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong with any of them, each mistake once.
-pub fn load_each_method(path: &Path, overrides: &[String]) -> Result<Vec<SceneFile>, SceneError> {
+pub fn load_structure(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneError> {
     let (name, text) = content(path)?;
-    parse_each_method(&name, &text, overrides)
+    parse_each_method(&name, &text, overrides).map(AnyScene::Structure)
 }
 
 /// Reads and checks the text of a scene, with each of its methods; `name` as for [`parse`].
@@ -34,9 +34,9 @@ pub fn parse_each_method(name: &str, text: &str, overrides: &[String]) -> Result
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong.
-pub fn load_records(path: &Path, overrides: &[String]) -> Result<SceneFile<RecordScene>, SceneError> {
+pub fn load_records(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneError> {
     let (name, text) = content(path)?;
-    parse_records(&name, &text, overrides)
+    parse_records(&name, &text, overrides).map(|file| AnyScene::Records(Box::new(file)))
 }
 
 /// Reads and checks a scene file of any kind.

@@ -1,5 +1,7 @@
 //! A scene with the texts that it was read from.
 
+use std::path::Path;
+
 use crate::{Diagnostic, Document, RecordScene, Scene, SceneError, TestScene, diagnostic};
 
 /// A scene with the texts it was read from, so that what turns out to be wrong later is shown at its place too.
@@ -42,12 +44,6 @@ impl<S> SceneFile<S> {
     }
 }
 
-/// The warnings of all scenes of one file as text, each once; empty if there are none.
-pub fn warnings_text(files: &[SceneFile], colours: bool) -> String {
-    let all = files.iter().flat_map(|file| file.warnings.iter().cloned()).collect();
-    files.first().map_or_else(String::new, |file| file.document.render(&diagnostic::each_once(all), colours))
-}
-
 /// All scenes of a file with several methods, or what is wrong with any of them.
 pub(crate) fn or_all(read: Vec<Result<SceneFile, SceneError>>) -> Result<Vec<SceneFile>, SceneError> {
     if read.iter().all(Result::is_ok) {
@@ -81,4 +77,47 @@ pub enum AnyScene {
     Records(Box<SceneFile<RecordScene>>),
     /// A test on a virtual rig.
     Test(Box<SceneFile<TestScene>>),
+}
+
+impl AnyScene {
+    /// Where its keys stand.
+    pub fn document(&self) -> Option<&Document> {
+        match self {
+            Self::Structure(files) => files.first().map(|file| &file.document),
+            Self::Records(file) => Some(&file.document),
+            Self::Test(file) => Some(&file.document),
+        }
+    }
+
+    /// Where its results go.
+    pub fn output_directory(&self) -> Option<&Path> {
+        match self {
+            Self::Structure(files) => files.first().map(|file| file.scene.output_directory.as_path()),
+            Self::Records(file) => Some(&file.scene.output_directory),
+            Self::Test(file) => Some(&file.scene.output_directory),
+        }
+    }
+
+    /// Lets its results go elsewhere.
+    pub fn set_output_directory(&mut self, directory: &Path) {
+        match self {
+            Self::Structure(files) => files.iter_mut().for_each(|file| file.scene.output_directory = directory.into()),
+            Self::Records(file) => file.scene.output_directory = directory.into(),
+            Self::Test(file) => file.scene.output_directory = directory.into(),
+        }
+    }
+
+    /// What looks wrong, but does not stand in the way: each thing once.
+    pub fn warnings(&self) -> Vec<Diagnostic> {
+        diagnostic::each_once(match self {
+            Self::Structure(files) => files.iter().flat_map(|file| file.warnings.iter().cloned()).collect(),
+            Self::Records(file) => file.warnings.clone(),
+            Self::Test(file) => file.warnings.clone(),
+        })
+    }
+
+    /// The warnings as text; empty if there are none.
+    pub fn warnings_text(&self, colours: bool) -> String {
+        self.document().map_or_else(String::new, |document| document.render(&self.warnings(), colours))
+    }
 }

@@ -15,6 +15,7 @@
 //! | [`run`](run::run()), [`Settings`], [`Shard`] | computes what is not there yet, one branch a thread |
 //! | [`Collected`] | the [`Table`] of what there is, its [`Statistics`], its page |
 //! | [`Evaluator`] | single cases for an optimiser or sampler |
+//! | [`serve`] | the same line by line of JSON, for a program in another language |
 //! | [`slurm`] | a study as an array job |
 //! | [`status`] | how many cases are in which state |
 //! | [`StudyError`] | why a study does not go on |
@@ -80,11 +81,13 @@ mod page;
 mod raw;
 mod read;
 pub mod run;
+mod serve;
 pub mod slurm;
 mod statistics;
 mod store;
 mod study;
 mod table;
+mod told;
 mod write;
 
 pub use collect::{Band, Collected, Counts, Drawn, State, status};
@@ -95,6 +98,7 @@ pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
 pub use read::StudyFile;
 pub use run::{Progress, RunOutcome, Settings, Shard, StudyObserver, run};
+pub use serve::serve;
 pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };

@@ -1,19 +1,28 @@
 //! A study as an array job: each task is a shard of many cases.
 
+use std::fmt;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Duration;
+
+use nlmodes_run::Silent;
 
 use nlmodes_scene::memory;
 
 use crate::case::{cases, resolve};
 use crate::design::Points;
+use crate::error::StudyError;
+use crate::run::{Settings, Shard, run};
 use crate::store::Store;
 use crate::study::Study;
+use crate::told::duration;
 
 /// How much longer than the mean of what is there the cases of a shard may take.
 const SPARE_TIME: f64 = 2.0;
 /// Shortest time that is asked for, s.
 const SHORTEST: f64 = 600.0;
+/// Cases that are computed to know how long one takes.
+pub const TRIED: usize = 2;
 /// Most times of cases that are looked at.
 const MOST_LOOKED_AT: usize = 1000;
 
@@ -66,6 +75,25 @@ pub fn needs(study: &Study, shards: usize, jobs: usize) -> Needs {
     let first = resolve(study, &Points::new(study).get(0)).ok();
     let of_case = first.and_then(|parts| parts.iter().map(|part| memory::estimate(&part.file)).reduce(f64::max));
     Needs { time, memory: jobs as f64 * of_case.unwrap_or(0.0), missing }
+}
+
+/// Computes [`TRIED`] of the cases that are missing, spread over the study, so that [`needs`] knows how long one takes.
+///
+/// # Errors
+/// [`StudyError`] if they cannot be written, or no case is a scene.
+pub fn try_some(study: &Study, missing: usize) -> Result<(), StudyError> {
+    let of = (missing / TRIED).max(1);
+    let shard = Shard::new(of / 2, of).unwrap_or_default();
+    let settings = Settings { jobs: NonZeroUsize::new(1), shard, ..Settings::default() };
+    run(study, &settings, &mut Silent).map(drop)
+}
+
+/// What the job asks for, in words.
+impl fmt::Display for ArrayJob {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (time, memory) = (duration(self.time), megabytes(self.memory));
+        write!(f, "{} tasks of {} cores, {time} and {memory} MiB each", self.shards, self.jobs)
+    }
 }
 
 impl ArrayJob {

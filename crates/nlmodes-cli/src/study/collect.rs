@@ -1,10 +1,9 @@
 //! `nlmodes-cli study collect`.
 
 use clap::Args;
-use nlmodes_scene::number;
-use nlmodes_study::{Collected, Settings, Statistics, Study};
+use nlmodes_study::{Collected, Settings, Study};
 
-use super::{Place, run::refused, shown, status};
+use super::{Place, refused, shown};
 use crate::Status;
 use crate::terminal::print;
 
@@ -34,8 +33,8 @@ pub fn write(study: &Study, threads: usize, quiet: bool) -> Status {
         say!("warning: {} of {} cases are missing, {} are damaged", counts.missing, counts.cases, counts.damaged);
     }
     if !quiet {
-        let mut text = status::text(&counts);
-        collected.statistics.iter().for_each(|statistics| text += &format!("\n\n{}", told(statistics)));
+        let mut text = counts.to_string();
+        collected.statistics.iter().for_each(|statistics| text += &format!("\n\n{statistics}"));
         let place = |name| shown(&study.directory, name);
         text += &format!("\n\nTable in {} and study.parquet, page in {}", place("study.csv"), place("report.html"));
         if print(&text) != Status::Done {
@@ -43,36 +42,4 @@ pub fn write(study: &Study, threads: usize, quiet: bool) -> Status {
         }
     }
     if counts.missing + counts.damaged > 0 { Status::EndedEarly } else { Status::Done }
-}
-
-/// Spread and sensitivity of a quantity.
-fn told(statistics: &Statistics) -> String {
-    let name = &statistics.quantity;
-    let Some(spread) = &statistics.spread else { return format!("{name}: no case has it") };
-    let mut text = format!(
-        "{name}: mean {} ± {:.1e}, standard deviation {:.3e}, {} to {}",
-        number(spread.mean),
-        spread.mean_error,
-        spread.std,
-        number(spread.min),
-        number(spread.max)
-    );
-    let quantiles = spread.quantiles.iter().map(|[share, value]| format!("{} %: {}", 100.0 * share, number(*value)));
-    text += &format!("\n  quantiles {}", quantiles.collect::<Vec<_>>().join(", "));
-    for found in &statistics.rank_correlations {
-        let [low, high] = found.measure.interval;
-        text +=
-            &format!("\n  rank correlation with {}: {:.3} ({low:.3} to {high:.3})", found.variable, found.measure.rho);
-    }
-    for found in &statistics.sobol_indices {
-        let index = found.measure;
-        text += &format!(
-            "\n  Sobol' index of {}: {:.4} ± {:.4} by itself, {:.4} ± {:.4} in total",
-            found.variable, index.first, index.first_error, index.total, index.total_error
-        );
-    }
-    if statistics.without > 0 {
-        text += &format!("\n  {} cases do not have it", statistics.without);
-    }
-    text
 }

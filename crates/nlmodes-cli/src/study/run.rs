@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use nlmodes_scene::memory;
-use nlmodes_study::{Progress, RunOutcome, Settings, Shard, Study, StudyError, StudyObserver};
+use nlmodes_study::{Progress, RunOutcome, Settings, Shard, Study, StudyObserver};
 
-use super::{Place, collect};
+use super::{Place, collect, refused};
 use crate::terminal::print;
 use crate::{Status, interrupt};
 
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Status {
 
 fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &RunOutcome) -> Status {
     if !arguments.quiet {
-        say!("{}", sentence(outcome));
+        say!("{outcome}");
     }
     let status = if outcome.is_done() { Status::Done } else { Status::EndedEarly };
     if outcome.is_cut_off {
@@ -91,33 +91,6 @@ fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &Run
         Status::Done => status,
         early => early,
     }
-}
-
-/// Why a study does not go on.
-pub fn refused(error: &StudyError) -> Status {
-    say!("error: {}", nlmodes_run::chain(error));
-    match error {
-        StudyError::NoCase { .. } => Status::Wrong,
-        _ => {
-            say!("what was computed until then stays; the same call goes on from there");
-            Status::EndedEarly
-        }
-    }
-}
-
-fn sentence(outcome: &RunOutcome) -> String {
-    let RunOutcome { cases, computed, there, failed, incomplete, refused, repeated, .. } = outcome;
-    let seconds = outcome.wall_time.as_secs_f64();
-    let mut parts = vec![format!("{computed} of {cases} cases computed in {seconds:.1} s")];
-    let further = [
-        (*there, "were there"),
-        (*incomplete, "ended early"),
-        (*failed, "failed"),
-        (*refused, "are no sound scenes"),
-        (*repeated, "have the scene of another one"),
-    ];
-    parts.extend(further.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
-    parts.join(", ")
 }
 
 /// A line that moves on a terminal, plain lines elsewhere.
@@ -149,35 +122,14 @@ impl StudyObserver for Watch {
         if let Some(bar) = &self.bar {
             bar.set_length(progress.cases as u64);
             bar.set_position((progress.there + progress.computed) as u64);
-            bar.set_message(line(progress));
+            bar.set_message(progress.to_string());
         } else if self.plain && self.last.is_none_or(|last| last.elapsed() >= PLAIN_INTERVAL) {
             self.last = Some(Instant::now());
-            say!("{}", line(progress));
+            say!("{progress}");
         }
     }
 
     fn is_cancelled(&self) -> bool {
         interrupt::requested()
-    }
-}
-
-fn line(progress: &Progress) -> String {
-    let mut text = format!("{} of {} cases", progress.there + progress.computed, progress.cases);
-    if progress.failed > 0 {
-        text += &format!(", {} failed", progress.failed);
-    }
-    if let (Some(rate), Some(rest)) = (progress.rate(), progress.rest()) {
-        text += &format!(", {rate:.1} a second, {} left", duration(rest));
-    }
-    text
-}
-
-/// A time for people.
-pub fn duration(time: Duration) -> String {
-    let seconds = time.as_secs();
-    match seconds {
-        0..120 => format!("{seconds} s"),
-        120..7200 => format!("{} min", seconds / 60),
-        _ => format!("{:.1} h", seconds as f64 / 3600.0),
     }
 }

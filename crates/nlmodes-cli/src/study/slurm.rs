@@ -5,17 +5,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use nlmodes_run::Silent;
-use nlmodes_study::slurm::{ArrayJob, job_name, needs};
-use nlmodes_study::{Settings, Shard, Study, run};
+use nlmodes_study::slurm::{ArrayJob, TRIED, job_name, needs, try_some};
 
-use super::Place;
-use super::run::{duration, refused};
+use super::{Place, refused};
 use crate::Status;
 use crate::terminal::print;
-
-/// Cases that are computed to know how long one takes.
-const TRIED: usize = 2;
 
 /// What stands on the command line.
 #[derive(Debug, Args)]
@@ -43,7 +37,7 @@ pub fn write(arguments: &Arguments) -> Status {
         let mut found = needs(study, shards, jobs);
         if found.time.is_none() && found.missing > 0 {
             say!("{TRIED} cases are computed to know how long one takes");
-            if let Err(error) = tried(study, found.missing) {
+            if let Err(error) = try_some(study, found.missing) {
                 return refused(&error);
             }
             found = needs(study, shards, jobs);
@@ -65,18 +59,7 @@ pub fn write(arguments: &Arguments) -> Status {
             say!("error: {}: {error}", path.display());
             return Status::Wrong;
         }
-        let (path, time) = (path.display(), duration(job.time));
-        print(&format!(
-            "{} cases to compute in {shards} tasks of {jobs} cores, {time} and {:.0} MiB each\nScript in {path}: sbatch {path}",
-            found.missing,
-            (job.memory / 1048576.0).max(256.0)
-        ))
+        let path = path.display();
+        print(&format!("{} cases to compute in {job}\nScript in {path}: sbatch {path}", found.missing))
     })
-}
-
-/// Computes some cases, spread over the study.
-fn tried(study: &Study, missing: usize) -> Result<(), nlmodes_study::StudyError> {
-    let of = (missing / TRIED).max(1);
-    let shard = format!("{}/{of}", of / 2).parse::<Shard>().unwrap_or_default();
-    run(study, &Settings { jobs: NonZeroUsize::new(1), shard, ..Settings::default() }, &mut Silent).map(drop)
 }

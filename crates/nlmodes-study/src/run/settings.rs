@@ -49,6 +49,11 @@ impl Default for Shard {
 }
 
 impl Shard {
+    /// That of a number below how many there are; nothing where it is not.
+    pub fn new(number: usize, of: usize) -> Option<Self> {
+        (number < of).then_some(Self { number, of })
+    }
+
     /// Whether the case belongs to it.
     pub fn has(self, case: usize) -> bool {
         case % self.of == self.number
@@ -68,7 +73,7 @@ impl FromStr for Shard {
         let (number, of) = text.split_once('/').ok_or_else(wrong)?;
         let number = number.trim().parse().map_err(|_| wrong())?;
         let of = of.trim().parse().map_err(|_| wrong())?;
-        if number < of { Ok(Self { number, of }) } else { Err(wrong()) }
+        Self::new(number, of).ok_or_else(wrong)
     }
 }
 

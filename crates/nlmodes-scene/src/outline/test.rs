@@ -1,12 +1,12 @@
-//! What `check` says about a virtual test.
+//! What a virtual test would test.
 
+use super::{Row, law, list, row};
+use crate::number;
+use crate::scene::{TestScene, TestStop};
 use nlmodes::rig::Exciter;
-use nlmodes_scene::number;
-use nlmodes_scene::scene::{TestScene, TestStop};
 
-/// What would be tested.
-pub fn summary(scene: &TestScene) -> String {
-    let row = |name: &str, text: String| format!("  {name:<12}{text}");
+/// Structure, rig, levels and what is kept.
+pub fn rows(scene: &TestScene) -> Vec<Row> {
     let modes = match scene.given_frequencies() {
         Some(frequencies) => {
             format!("{}; {} Hz imposed on the structure's shapes", scene.damping_ratios.len(), list(frequencies))
@@ -36,9 +36,7 @@ pub fn summary(scene: &TestScene) -> String {
         },
     );
     let schedule = &scene.schedule;
-    [
-        scene.title.clone(),
-        String::new(),
+    vec![
         row(
             "structure",
             format!(
@@ -61,10 +59,7 @@ pub fn summary(scene: &TestScene) -> String {
         row("backbone", backbone),
         row("records", records),
         row("results", scene.output_directory.display().to_string()),
-        String::new(),
-        "The scene is sound; nothing was computed.".into(),
     ]
-    .join("\n")
 }
 
 fn exciter(scene: &TestScene) -> &'static str {
@@ -75,10 +70,6 @@ fn exciter(scene: &TestScene) -> &'static str {
 }
 
 fn stop(stop: &TestStop) -> String {
-    let law = stop.stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)));
+    let law = law(stop.stiffness);
     format!("{} m, on the {} side, gap {} m, {law}", number(stop.position), stop.side.name(), number(stop.gap))
-}
-
-fn list(values: &[f64]) -> String {
-    values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
 }

@@ -1,11 +1,12 @@
-//! What `check` says about a scene of records.
+//! What would be extracted from records.
 
-use nlmodes_scene::{RecordScene, number};
+use super::{Row, row};
+use crate::number;
+use crate::scene::RecordScene;
 
-/// What would be extracted.
-pub fn summary(scene: &RecordScene) -> String {
+/// Records, channels, modes and what is extracted.
+pub fn rows(scene: &RecordScene) -> Vec<Row> {
     let settings = &scene.settings;
-    let row = |name: &str, text: String| format!("  {name:<12}{text}");
     let channels: Vec<&str> = scene.recording.channels.iter().map(|channel| channel.name.as_str()).collect();
     let without = match scene.structure {
         Some(_) => "of the structure, at the sensors",
@@ -25,9 +26,7 @@ pub fn summary(scene: &RecordScene) -> String {
         || "none: no restitution and no contact stiffness".into(),
         |stop| format!("{} m, gap {} m", number(stop.position), number(stop.gap)),
     );
-    [
-        scene.title.clone(),
-        String::new(),
+    vec![
         row("records", scene.files.join(", ")),
         row("sampling", rate),
         row("channels", channels.join(", ")),
@@ -35,8 +34,5 @@ pub fn summary(scene: &RecordScene) -> String {
         row("harmonics", harmonics),
         row("stop", stop),
         row("results", scene.output_directory.display().to_string()),
-        String::new(),
-        "The scene is sound and its files are there; nothing was read or computed.".into(),
     ]
-    .join("\n")
 }

@@ -1,18 +1,19 @@
 //! What a scene with responses would compute.
 
-use nlmodes_scene::number;
-use nlmodes_scene::scene::{BaseDirection, Damping, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
+use super::{Row, list, row};
+use crate::number;
+use crate::scene::{BaseDirection, Damping, Dashpot, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
 
-/// Names and texts of the lines about damping, loads and responses; none for a scene without responses.
-pub fn lines(scene: &Scene) -> Vec<(String, String)> {
+/// Rows about damping, loads and responses; none for a scene without responses.
+pub fn rows(scene: &Scene) -> Vec<Row> {
     if scene.responses.is_empty() {
         return Vec::new();
     }
-    let mut lines: Vec<(String, String)> = Vec::new();
+    let mut rows = Vec::new();
     let several = scene.structure.bodies().len() > 1;
-    lines.extend(scene.damping.as_ref().map(|found| ("damping".to_owned(), damping(found, several))));
+    rows.extend(scene.damping.as_ref().map(|found| row("damping", damping(found, several))));
     for (i, structure) in scene.structure.bodies().iter().enumerate() {
-        lines.extend(structure.damping.as_ref().map(|own| (format!("damping {}", i + 1), of_modes(own))));
+        rows.extend(structure.damping.as_ref().map(|own| row(format!("damping {}", i + 1), of_modes(own))));
     }
     for (i, force) in scene.forces.iter().enumerate() {
         let mut text = format!("{}, {} N", place(&force.place, several), number(force.amplitude));
@@ -22,7 +23,7 @@ pub fn lines(scene: &Scene) -> Vec<(String, String)> {
         if force.phase_deg != 0.0 {
             text += &format!(", {}° ahead", number(force.phase_deg));
         }
-        lines.push((format!("force {i}"), text));
+        rows.push(row(format!("force {i}"), text));
     }
     if let Some(base) = scene.base_motion {
         let stop = if base.stop == StopOfBase::Moves { "the stops move with it" } else { "the stops stand fixed" };
@@ -30,7 +31,7 @@ pub fn lines(scene: &Scene) -> Vec<(String, String)> {
             BaseDirection::Along(direction) => format!("in {} direction", direction.name()),
             BaseDirection::Vector([x, y, z]) => format!("along [{}, {}, {}]", number(x), number(y), number(z)),
         };
-        lines.push(("base".to_owned(), format!("shakes {direction}; {stop}")));
+        rows.push(row("base", format!("shakes {direction}; {stop}")));
     }
     let unit = match scene.base_motion {
         Some(base) if base.is_acceleration => "m/s²",
@@ -38,13 +39,9 @@ pub fn lines(scene: &Scene) -> Vec<(String, String)> {
         None => "N",
     };
     for (i, found) in scene.responses.iter().enumerate() {
-        lines.push((format!("response {i}"), response(found, unit)));
+        rows.push(row(format!("response {i}"), response(found, unit)));
     }
-    lines
-}
-
-fn list(values: &[f64]) -> String {
-    values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
+    rows
 }
 
 fn of_modes(damping: &ModeDamping) -> String {
@@ -58,7 +55,7 @@ fn of_modes(damping: &ModeDamping) -> String {
 }
 
 fn damping(damping: &Damping, several: bool) -> String {
-    let one = |dashpot: &nlmodes_scene::scene::Dashpot| {
+    let one = |dashpot: &Dashpot| {
         format!("; dashpot of {} N s/m at {}", number(dashpot.damping), place(&dashpot.place, several))
     };
     of_modes(&damping.modes) + &damping.dashpots.iter().map(one).collect::<String>()

@@ -1,57 +1,44 @@
-//! `nlmodes-cli check`: what would be computed, in a few lines.
+//! What the scene of a structure would compute.
 
-mod matrices;
-pub mod records;
-mod responses;
-pub mod test;
-
-use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::number;
-use nlmodes_scene::scene::{
+use super::{Row, law, list, matrices, responses, row};
+use crate::assemble::OpenStructure;
+use crate::number;
+use crate::scene::{
     AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment, Start,
     Structure, Updating,
 };
 
-/// What the scene would compute.
-///
-/// `warned` says that something stands above it which is to be read first.
-pub fn summary(scene: &Scene, open: Option<&OpenStructure>, warned: bool) -> String {
-    let mut lines = vec![scene.title.clone(), String::new()];
+/// Structure, stops, method, branch or responses.
+pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
+    let mut rows = Vec::new();
     let bodies = scene.structure.bodies();
     for (i, body) in bodies.iter().enumerate() {
         let name =
             if scene.structure.straight().is_some() { "structure".to_owned() } else { format!("structure {}", i + 1) };
-        lines.extend(straight(&name, body));
+        rows.extend(straight(&name, body));
     }
-    lines.extend(matrices::rows(scene, open));
+    rows.extend(matrices::rows(scene, open));
     for (i, contact) in scene.contacts.iter().enumerate() {
-        lines.push(row(&format!("contact {i}"), &stop(contact, bodies.len() > 1)));
+        rows.push(row(format!("contact {i}"), stop(contact, bodies.len() > 1)));
     }
-    lines.extend(scene.updating.as_ref().map(|updating| row("updating", &fitted(updating))));
-    lines.extend(open.map(|open| matrices::reduction(scene, open)));
-    lines.push(row("method", &method(scene)));
+    rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
+    rows.extend(open.map(|open| matrices::reduction(scene, open)));
+    rows.push(row("method", method(scene)));
     if scene.responses.is_empty() {
-        lines.push(row("branch", &branch(&scene.continuation, scene.method.mode)));
+        rows.push(row("branch", branch(&scene.continuation, scene.method.mode)));
     }
-    lines.extend(responses::lines(scene).iter().map(|(name, text)| row(name, text)));
-    lines.push(row("results", &scene.output_directory.display().to_string()));
-    lines.push(String::new());
-    let verdict = if warned { "can be computed, but see the warning" } else { "is sound" };
-    lines.push(format!("The scene {verdict}; nothing was computed."));
-    lines.join("\n")
+    rows.extend(responses::rows(scene));
+    rows.push(row("results", scene.output_directory.display().to_string()));
+    rows
 }
 
-fn straight(name: &str, of: &Structure) -> Vec<String> {
-    let mut lines = vec![row(name, &structure(of))];
-    lines.extend(of.segments.iter().map(|segment| row("segment", &self::segment(segment))));
-    lines.extend(of.modes.as_ref().map(|modes| row("modes", &imposed(modes))));
-    lines.push(row("supports", &format!("start {}, end {}", of.start.name(), of.end.name())));
-    lines.push(row("mesh", &mesh(of)));
-    lines
-}
-
-fn row(name: &str, text: &str) -> String {
-    format!("  {name:<12}{text}")
+fn straight(name: &str, of: &Structure) -> Vec<Row> {
+    let mut rows = vec![row(name, structure(of))];
+    rows.extend(of.segments.iter().map(|segment| row("segment", self::segment(segment))));
+    rows.extend(of.modes.as_ref().map(|modes| row("modes", imposed(modes))));
+    rows.push(row("supports", format!("start {}, end {}", of.start.name(), of.end.name())));
+    rows.push(row("mesh", mesh(of)));
+    rows
 }
 
 fn structure(structure: &Structure) -> String {
@@ -90,7 +77,6 @@ fn added(mass: f64) -> String {
 }
 
 fn imposed(modes: &ImposedModes) -> String {
-    let list = |values: &[f64]| values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ");
     let damping = modes.damping_ratios.as_deref().map_or_else(String::new, |ratios| {
         format!("; damping ratios {}, which only a virtual test uses", list(ratios))
     });
@@ -118,7 +104,7 @@ fn mesh(structure: &Structure) -> String {
 }
 
 fn stop(contact: &Contact, several: bool) -> String {
-    let law = contact.stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)));
+    let law = law(contact.stiffness);
     if let Some(other) = contact.against {
         return format!(
             "structure {} at {} m before structure {} at {} m, {}, on the {} side, gap {} m, {law}",

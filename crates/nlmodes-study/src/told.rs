@@ -1,0 +1,89 @@
+//! What is said about studies, in words.
+
+use std::fmt::{Display, Formatter, Result};
+use std::time::Duration;
+
+use nlmodes_scene::number;
+
+use crate::collect::Counts;
+use crate::run::{Progress, RunOutcome};
+use crate::statistics::Statistics;
+
+/// A line for each state.
+impl Display for Counts {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let further = [("ended early", self.incomplete), ("failed", self.failed), ("damaged", self.damaged)];
+        let mut rows = vec![("cases", self.cases), ("complete", self.complete)];
+        rows.extend(further.into_iter().filter(|(_, n)| *n > 0));
+        rows.iter().try_for_each(|(name, n)| writeln!(f, "  {name:<12}{n:>10}"))?;
+        write!(f, "  {:<12}{:>10}", "missing", self.missing)
+    }
+}
+
+/// Spread and sensitivity of the quantity, a line each.
+impl Display for Statistics {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let name = &self.quantity;
+        let Some(spread) = &self.spread else { return write!(f, "{name}: no case has it") };
+        let [mean, min, max] = [spread.mean, spread.min, spread.max].map(number);
+        let (error, std) = (spread.mean_error, spread.std);
+        write!(f, "{name}: mean {mean} ± {error:.1e}, standard deviation {std:.3e}, {min} to {max}")?;
+        let quantiles = spread.quantiles.iter();
+        let quantiles = quantiles.map(|[share, value]| format!("{} %: {}", 100.0 * share, number(*value)));
+        write!(f, "\n  quantiles {}", quantiles.collect::<Vec<_>>().join(", "))?;
+        for found in &self.rank_correlations {
+            let ([low, high], rho) = (found.measure.interval, found.measure.rho);
+            write!(f, "\n  rank correlation with {}: {rho:.3} ({low:.3} to {high:.3})", found.variable)?;
+        }
+        for found in &self.sobol_indices {
+            let index = found.measure;
+            let itself = format!("{:.4} ± {:.4} by itself", index.first, index.first_error);
+            let total = format!("{:.4} ± {:.4} in total", index.total, index.total_error);
+            write!(f, "\n  Sobol' index of {}: {itself}, {total}", found.variable)?;
+        }
+        match self.without {
+            0 => Ok(()),
+            without => write!(f, "\n  {without} cases do not have it"),
+        }
+    }
+}
+
+/// What was computed, and what became of it, in a line.
+impl Display for RunOutcome {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let seconds = self.wall_time.as_secs_f64();
+        write!(f, "{} of {} cases computed in {seconds:.1} s", self.computed, self.cases)?;
+        let further = [
+            (self.there, "were there"),
+            (self.incomplete, "ended early"),
+            (self.failed, "failed"),
+            (self.refused, "are no sound scenes"),
+            (self.repeated, "have the scene of another one"),
+        ];
+        further.iter().filter(|(n, _)| *n > 0).try_for_each(|(n, what)| write!(f, ", {n} {what}"))
+    }
+}
+
+/// How far it is, how fast it goes and when it will be done, in a line.
+impl Display for Progress {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "{} of {} cases", self.there + self.computed, self.cases)?;
+        if self.failed > 0 {
+            write!(f, ", {} failed", self.failed)?;
+        }
+        match (self.rate(), self.rest()) {
+            (Some(rate), Some(rest)) => write!(f, ", {rate:.1} a second, {} left", duration(rest)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A time for people.
+pub fn duration(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        0..120 => format!("{seconds} s"),
+        120..7200 => format!("{} min", seconds / 60),
+        _ => format!("{:.1} h", seconds as f64 / 3600.0),
+    }
+}
