@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
-use nlmodes_run::updating::updated;
+use nlmodes_run::updating::{in_words, updated};
 use nlmodes_run::{RunError, no_contact};
 use nlmodes_scene::outline::Outline;
 use nlmodes_scene::{self as scenes, AnyScene, SceneError, SceneFile, memory, nearest};
@@ -119,7 +119,7 @@ fn with_parameters(file: SceneFile, then: impl FnOnce(&SceneFile) -> Status) -> 
         Ok(file) => file,
         Err(error) => return refuse_run(&error),
     };
-    let said = file.scene.updating.as_ref().and_then(modes::updated);
+    let said = file.scene.updating.as_ref().and_then(in_words);
     match said.map_or(Status::Done, |text| print(&format!("{text}\n"))) {
         Status::Done => then(&file),
         status => status,

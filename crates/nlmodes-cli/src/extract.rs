@@ -1,11 +1,8 @@
 //! `nlmodes-cli experiment extract`: measured records into modal points.
 
-use std::f64::consts::TAU;
-
-use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes_run::chain;
-use nlmodes_run::records::{Outcome, extract};
-use nlmodes_scene::{RecordScene, SceneFile, number};
+use nlmodes_run::records::{extract, in_words};
+use nlmodes_scene::{RecordScene, SceneFile};
 
 use crate::Status;
 use crate::observer::TerminalObserver;
@@ -24,62 +21,10 @@ pub fn run(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
         }
     }
     if !options.quiet {
-        let found = outcomes.iter().filter_map(|outcome: &Outcome| Some(described(outcome.result.as_ref().ok()?)));
+        let found = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).map(in_words);
         let mut lines: Vec<String> = found.collect();
         lines.push(format!("Results in {}", file.scene.output_directory.display()));
         print(&lines.join("\n"));
     }
     if outcomes.iter().all(|outcome| outcome.result.is_ok()) { Status::Done } else { Status::EndedEarly }
-}
-
-/// A record in a few lines.
-fn described(found: &RecordExtraction) -> String {
-    let mut lines = vec![format!("{}: {} periods", found.record, found.periods)];
-    let mut row = |name: &str, text: String| lines.push(format!("  {name:<20}{text}"));
-    row("frequency", with_error(found.omega.times(1.0 / TAU), "Hz"));
-    if let Some(modal) = &found.modal {
-        row("modal amplitude", with_error(modal.amplitude, "m √kg"));
-        if let Some(damping) = modal.damping {
-            row("damping", with_error(damping, ""));
-        }
-    }
-    if let Some(excitation) = &found.excitation {
-        row("lag", with_error(excitation.lag.times(1f64.to_degrees()), "°"));
-        let harmonics = excitation.power.harmonics;
-        row("mode indicator", format!("{} from {harmonics} harmonics", with_error(excitation.pbmif, "")));
-    }
-    if let Some(stiffness) = found.contact.as_ref().and_then(|contact| contact.stiffness) {
-        let measured = Measured { value: stiffness.stiffness, uncertainty: stiffness.stiffness_error };
-        row("contact stiffness", with_error(measured, "N/m"));
-    }
-    if let Some(restitution) = found.contact.as_ref().and_then(|contact| contact.restitution.as_ref()) {
-        let s = restitution.statistics();
-        let text = format!(
-            "{:.3}, spread {:.3}, at {} m/s ({} impacts)",
-            s.mean,
-            s.std,
-            significant(s.approach, 3),
-            s.n_impacts
-        );
-        row("restitution", text);
-    }
-    lines.extend(found.findings.iter().map(|finding| format!("  finding {}: {finding}", finding.name())));
-    lines.join("\n")
-}
-
-/// The figure to the second digit of its error.
-fn with_error(measured: Measured, unit: &str) -> String {
-    let Measured { value, uncertainty } = measured;
-    let digits = if uncertainty > 0.0 && uncertainty.is_finite() && value != 0.0 {
-        ((value.abs().log10().floor() - uncertainty.log10().floor()) as i32 + 2).clamp(2, 12)
-    } else {
-        6
-    };
-    let text = format!("{} ± {} {unit}", significant(value, digits as usize), significant(uncertainty, 2));
-    text.trim_end().to_owned()
-}
-
-fn significant(x: f64, digits: usize) -> String {
-    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
-    number(rounded)
 }

@@ -1,15 +1,12 @@
 //! `nlmodes-cli lcp`: contact problems of one's own, `0 ≤ A λ + b ⊥ λ ≥ 0`, from a NumPy archive.
 
-mod summary;
-
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use nlmodes::contact::{LcpError, LcpSolver, SOLVER_NAMES, Series, SeriesSolution, Start, solver_by_name};
+use nlmodes::contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes_run::chain;
-use nlmodes_run::lcp::{Problem, ProblemError, check_place, read, write};
+use nlmodes_run::lcp::{self, ProblemError, check_place, read, write};
 
 use crate::Status;
 use crate::terminal::print;
@@ -40,34 +37,25 @@ pub fn run(arguments: &Arguments) -> Status {
 }
 
 fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
+    let (problem, out) = (read(&arguments.problem)?, arguments.out.as_deref());
     let solver = solver_by_name(&arguments.contact_solver)?;
-    let problem = read(&arguments.problem)?;
-    if let Some(path) = &arguments.out {
+    if let Some(path) = out {
         check_place(path, &arguments.problem)?;
     }
-    let mut solution = SeriesSolution::default();
-    let began = Instant::now();
-    let outcome = solve_series(&problem, solver.as_ref(), &mut solution);
-    let time = began.elapsed();
-    let (solved, failure) = match outcome {
-        Ok(()) => (problem.n_samples(), None),
-        Err(LcpError::Sample { sample, source }) => (sample, Some((sample, *source))),
-        Err(error) => return Err(error.into()),
-    };
-    if let Some(path) = arguments.out.as_ref().filter(|_| solved > 0) {
-        write(path, &solution, solved, problem.matrix.n_contacts())?;
+    let solved = lcp::solve(&problem, solver.as_ref())?;
+    if let Some(path) = out.filter(|_| solved.samples > 0) {
+        write(path, &solved.solution, solved.samples, problem.matrix.n_contacts())?;
     }
-    let Some((sample, reason)) = failure else {
-        return Ok(print(&summary::text(solver.name(), &problem, &solution, time)));
-    };
-    say!("error: sample {sample} has no solution: {reason}");
-    if let LcpError::Infeasible { ray } = &reason {
-        say!("{}", summary::of_proof(ray));
-    }
-    say!("{}", summary::of_what_was_kept(solved, arguments.out.as_deref()));
+    let Some(failure) = solved.failure_text() else { return Ok(print(&solved.text(&problem))) };
+    say!("error: {failure}\n{}", kept(solved.samples, out));
     Ok(Status::EndedEarly)
 }
 
-fn solve_series(problem: &Problem, solver: &dyn LcpSolver, solution: &mut SeriesSolution) -> Result<(), LcpError> {
-    Series::new(&problem.matrix, solver)?.solve(&problem.b, Start::PreviousSample, solution)
+/// What became of the samples before the one that failed.
+fn kept(solved: usize, out: Option<&Path>) -> String {
+    match (solved, out) {
+        (1.., Some(path)) => format!("The {solved} sample(s) before it are in {}", path.display()),
+        (1.., None) => format!("The {solved} sample(s) before it have one; --out writes it"),
+        _ => "Nothing was written".to_owned(),
+    }
 }

@@ -1,25 +1,22 @@
 //! What a run tells, on the terminal.
 
 use std::collections::HashSet;
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use nlmodes::virtual_test::TestLevel;
 use nlmodes_run::linear::modal_model;
-use nlmodes_run::{Event, Observer, chain};
-use nlmodes_scene::number;
-use nlmodes_scene::scene::TestScene;
+use nlmodes_run::virtual_test::in_words;
+use nlmodes_run::{Event, Observer, updating};
 
 use crate::options::RunOptions;
-use crate::progress::Progress;
+use crate::progress::Shown;
 use crate::terminal::print;
 use crate::{Status, interrupt, modes, told};
 
 /// Says what a run tells, as far as the user wants to hear it, and asks it to end at Ctrl-C.
 pub struct TerminalObserver {
     options: RunOptions,
-    progress: Option<Progress>,
+    progress: Option<Shown>,
     /// Several parts of a scene have much to warn of in common.
     warned: HashSet<String>,
     /// Whether something could not be told on standard output, or ended early.
@@ -60,8 +57,8 @@ impl Observer for TerminalObserver {
             ),
             Event::Replaces { directory, certificates, drawn } => replaces(directory, certificates, drawn),
             Event::Updating { number, of, scene } if !quiet => self.note(modes::say_method(scene, number, of)),
-            Event::Updated(updating) if !quiet => {
-                if let Some(text) = modes::updated(updating) {
+            Event::Updated(done) if !quiet => {
+                if let Some(text) = updating::in_words(done) {
                     self.print(&format!("{text}\n"));
                 }
             }
@@ -73,7 +70,7 @@ impl Observer for TerminalObserver {
                 if let Some(text) = scene.structure.straight().and_then(modal_model).filter(|_| !quiet) {
                     _ = print(&text);
                 }
-                self.progress = Some(Progress::new(self.options, scene));
+                self.progress = Some(Shown::new(self.options, scene));
             }
             Event::Warning(text) if self.warned.insert(text.to_owned()) => say!("warning: {text}\n"),
             Event::NothingToResume { directory } if !quiet => {
@@ -84,14 +81,14 @@ impl Observer for TerminalObserver {
                 self.note(told::part(part, quiet));
                 self.compared(&part.compared);
                 if self.options.certify && !quiet {
-                    self.print(told::certificates(part).trim_end());
+                    self.print(part.certificates_text().trim_end());
                 }
             }
             Event::TestBeginsAnew if !quiet => {
                 say!("a virtual test begins anew: each level goes on from the motion at the end of the one before");
             }
             Event::Rig(text) if !quiet => say!("{text}"),
-            Event::Level { scene, number, level } if !quiet => say!("{}", of_level(scene, number, level)),
+            Event::Level { scene, number, level } if !quiet => say!("{}", in_words(scene, number, level)),
             Event::Point { branch, point, is_new } => {
                 interrupt::something_found();
                 self.progress.iter_mut().for_each(|progress| progress.point(branch, point, is_new));
@@ -112,7 +109,7 @@ impl Observer for TerminalObserver {
             Event::Looking { check, point, number } => {
                 self.progress.iter().for_each(|progress| progress.looking(check, point, number));
             }
-            Event::Computed => self.progress.iter().for_each(Progress::finish),
+            Event::Computed => self.progress.iter().for_each(Shown::finish),
             _ => {}
         }
     }
@@ -150,29 +147,4 @@ fn replaces(directory: &Path, certificates: usize, drawn: usize) {
             "warning: {place}: {drawn} figures as PDF or PNG will be removed, for the new results may differ; `nlmodes-cli figures` makes them again"
         );
     }
-}
-
-/// What is said about a level as soon as it is recorded.
-fn of_level(scene: &TestScene, count: usize, level: &TestLevel) -> String {
-    let (outcome, steady) = (&level.outcome, &level.outcome.steady);
-    let mut text = format!(
-        "level {count} of {}: {} {}, {:.4} Hz, lag {:.3}°, held for {:.1} s",
-        scene.schedule.levels.len(),
-        number(outcome.level),
-        scene.exciter.unit(),
-        steady.omega / TAU,
-        steady.lag.to_degrees(),
-        outcome.settling.duration
-    );
-    match &level.extraction {
-        Ok(found) => {
-            if let Some(modal) = &found.modal {
-                text += &format!(", amplitude {:.4e} m√kg", modal.amplitude.value);
-                text += &modal.damping.map_or_else(String::new, |damping| format!(", damping {:.3e}", damping.value));
-            }
-            text += &found.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>();
-        }
-        Err(error) => text += &format!("\n  no modal point: {}", chain(error)),
-    }
-    text + &outcome.findings.iter().map(|finding| format!("\n  {finding}")).collect::<String>()
 }

@@ -10,7 +10,7 @@ use nlmodes_scene::{AnyScene, SceneFile};
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse_run};
-use crate::{Status, interrupt, told};
+use crate::{Status, interrupt};
 
 /// Computes what the scene describes.
 pub fn run(scene: AnyScene, options: RunOptions) -> Status {
@@ -55,7 +55,7 @@ fn responses(file: &SceneFile, options: RunOptions) -> Status {
     }
     written(&file.scene.output_directory, options);
     if options.certify && !options.quiet {
-        print(told::certificate("", &outcome.certificate).trim_end());
+        print(outcome.certificate.text("").trim_end());
     }
     if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
 }

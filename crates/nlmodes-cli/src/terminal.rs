@@ -18,11 +18,15 @@ pub fn print(text: &str) -> Status {
     }
 }
 
-/// Whether standard error is a terminal that wants colours: `NO_COLOR` is unset or empty, and `TERM` is not `dumb`.
+/// Whether standard error is a terminal on which a line can move: `TERM` is not `dumb`.
+pub fn moves() -> bool {
+    let dumb = std::env::var_os("TERM").is_some_and(|name| name == "dumb");
+    io::stderr().is_terminal() && !dumb
+}
+
+/// Whether it wants colours too: `NO_COLOR` is unset or empty.
 pub fn wants_colours() -> bool {
-    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
-    io::stderr().is_terminal() && !set("NO_COLOR") && !dumb
+    moves() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 /// Says what stands in the way of a sound scene.

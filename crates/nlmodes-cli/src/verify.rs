@@ -1,7 +1,5 @@
 //! `nlmodes-cli verify`: one period of the full, unfiltered structure from a computed point.
 
-mod text;
-
 use std::path::PathBuf;
 
 use clap::Args;
@@ -30,7 +28,7 @@ pub fn run(arguments: &Arguments) -> Status {
         Err(error) => return refuse(arguments, &error, Status::Wrong),
     };
     match verify(&point) {
-        Ok(found) => print(text::of(&point, &found).trim_end()),
+        Ok(found) => print(found.text(&point).trim_end()),
         Err(error @ TimestepError::TooLarge { .. }) => refuse(arguments, &error.into(), Status::Wrong),
         Err(error) => refuse(arguments, &error.into(), Status::EndedEarly),
     }

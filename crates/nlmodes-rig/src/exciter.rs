@@ -60,6 +60,14 @@ impl Default for Shaker {
 }
 
 impl Exciter {
+    /// Its name, for people.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::IdealForce => "ideal force",
+            Self::Shaker(_) => "shaker",
+        }
+    }
+
     /// Unit of the drive.
     pub fn unit(&self) -> &'static str {
         match self {

@@ -42,6 +42,17 @@ pub struct Certificate {
     pub numbers: Vec<NumberUse>,
 }
 
+impl Certificate {
+    /// What it says, with the name of what it speaks of behind its first word: a sentence, and why each number is to be used or not.
+    pub fn text(&self, name: &str) -> String {
+        let number = |number: &NumberUse| {
+            let (what, usable) = (number.number.name(), number.usable.name());
+            format!("  {what}: {usable}: {}\n", number.words)
+        };
+        format!("Certificate{name}: {}\n", self.verdict) + &self.numbers.iter().map(number).collect::<String>()
+    }
+}
+
 /// How a check came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -3,6 +3,7 @@
 mod difference;
 mod measure;
 mod table;
+mod text;
 
 use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::hbm::HbmError;
@@ -15,6 +16,7 @@ pub use difference::Difference;
 use difference::difference;
 use measure::{branch, largest_violation};
 pub use table::{Row, Run, write};
+pub use text::text;
 
 /// Computes the branch with each solver; the first branch is the reference of the others.
 ///

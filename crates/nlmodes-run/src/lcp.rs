@@ -4,8 +4,11 @@ mod archive;
 mod error;
 mod problem;
 mod solution;
+mod solve;
+mod text;
 
 pub(crate) use archive::Archive;
 pub use error::ProblemError;
 pub use problem::{Problem, read};
 pub use solution::{check_place, write};
+pub use solve::{Solved, solve};

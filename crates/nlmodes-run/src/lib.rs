@@ -19,7 +19,7 @@
 //! | [`redrawn::redraw`] | the figures of results in another width |
 //! | [`explore::picture`] | the first branch of a scene as data, without files |
 //! | [`lcp`] | contact problems of one's own, in NumPy archives |
-//! | [`Observer`], [`Event`] | progress, and cancellation |
+//! | [`Observer`], [`Event`], [`Progress`] | what happens, and cancellation; how far a branch is |
 //! | [`RunError`] | why there are no results, and whether the scene or the call is to blame |
 //!
 //! # Example
@@ -76,6 +76,7 @@ mod observer;
 pub mod open_modes;
 mod outcome;
 pub mod overlay;
+mod progress;
 #[doc(hidden)]
 pub mod readers;
 pub mod records;
@@ -93,5 +94,6 @@ pub use check::{check, check_records, check_test};
 pub use claim::Over;
 pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};
-pub use outcome::{PartOutcome, RunOutcome};
+pub use outcome::{Ending, PartOutcome, RunOutcome};
+pub use progress::{Looking, Progress};
 pub use refusal::no_contact;

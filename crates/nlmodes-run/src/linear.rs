@@ -1,5 +1,7 @@
 //! The linear modes of a scene, with and without the mass redistribution.
 
+mod table;
+
 use std::f64::consts::TAU;
 
 use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};

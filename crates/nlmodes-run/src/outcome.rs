@@ -1,5 +1,7 @@
 //! What came out of a run.
 
+mod ending;
+
 use std::time::Duration;
 
 use nlmodes::branches::ComputedTree;
@@ -9,6 +11,7 @@ use nlmodes_scene::scene::Scene;
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::linear::LinearFrequencies;
+pub use ending::Ending;
 
 /// What came out of one method with one number of harmonics.
 #[derive(Debug)]
@@ -35,6 +38,25 @@ pub struct PartOutcome {
     pub failure: Option<Failure>,
     /// Whether all branches ended where they were meant to, and all files are there.
     pub is_complete: bool,
+}
+
+impl PartOutcome {
+    /// How its branches ended, in words.
+    pub fn endings(&self) -> Vec<Ending> {
+        let several = self.tree.branches.len() > 1;
+        let name = |number: usize| if several { format!("branch {number}: ") } else { String::new() };
+        let branches = self.tree.branches.iter().enumerate();
+        branches.map(|(number, computed)| Ending::new(computed, &name(number), self.points_time)).collect()
+    }
+
+    /// What the certificates say: a sentence a branch, and why each number is to be used or not.
+    pub fn certificates_text(&self) -> String {
+        let several = self.certificates.len() > 1;
+        let name = |number: usize| if several { format!(" of branch {number}") } else { String::new() };
+        let certificates = self.certificates.iter().enumerate();
+        let text: String = certificates.map(|(number, certificate)| certificate.text(&name(number))).collect();
+        text + &format!("  looked at in {:.1} s\n", self.certificate_time.as_secs_f64())
+    }
 }
 
 /// What came out of a scene.

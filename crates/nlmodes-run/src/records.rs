@@ -6,6 +6,7 @@ mod modes;
 pub(crate) mod page;
 pub(crate) mod summary;
 pub(crate) mod table;
+mod words;
 
 use nlmodes::experiment::extraction::{ExtractionError, RecordExtraction, extract as extract_record};
 use nlmodes::experiment::records::{Record, RecordError, RecordTable, Recording};
@@ -17,6 +18,7 @@ use crate::overlay::{self, Laid};
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
 use against::Against;
 use table::Table;
+pub use words::in_words;
 
 /// A record, and what came of it.
 #[derive(Debug)]

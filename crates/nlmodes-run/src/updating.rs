@@ -92,3 +92,15 @@ fn with(scene: &Scene, updating: &Updating, values: &[f64]) -> Scene {
     }
     scene
 }
+
+/// What was done, in a line for each parameter and each frequency; nothing where nothing was done yet.
+pub fn in_words(updating: &Updating) -> Option<String> {
+    let done = updating.done.as_ref()?;
+    let parameters = updating.parameters.iter().zip(done.from.iter().zip(&done.to));
+    let parameters = parameters.map(|(p, (from, to))| format!("updated {}: {from:.6e} became {to:.6e}", p.name()));
+    let frequencies = updating.modes.iter().zip(&updating.frequencies_hz).zip(done.from_hz.iter().zip(&done.to_hz));
+    let frequencies = frequencies.map(|((mode, given), (from, to))| {
+        format!("  mode {mode}: {from:.6} Hz became {to:.6} Hz, given {given} Hz ({:+.1e})", to / given - 1.0)
+    });
+    Some(parameters.chain(frequencies).collect::<Vec<_>>().join("\n"))
+}

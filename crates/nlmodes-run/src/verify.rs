@@ -2,6 +2,7 @@
 
 mod error;
 mod results;
+mod text;
 
 use std::f64::consts::TAU;
 

@@ -6,6 +6,7 @@ mod damped;
 mod refused;
 mod results;
 mod summary;
+mod words;
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -26,6 +27,7 @@ use crate::{Event, Observer, Over, RunError, chain, links, refusal};
 use bench::Rig;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::{BackboneMethod, KeptRecords, TestScene};
+pub use words::in_words;
 
 /// What a virtual test came to.
 #[derive(Debug)]

@@ -1,16 +1,16 @@
 //! `nlmodes-cli study run`.
 
-use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use nlmodes_scene::memory;
 use nlmodes_study::{Progress, RunOutcome, Settings, Shard, Study, StudyObserver};
 
 use super::{Place, collect, refused};
-use crate::terminal::print;
+use crate::progress::bar;
+use crate::terminal::{moves, print};
 use crate::{Status, interrupt};
 
 /// Time between two plain lines.
@@ -102,14 +102,8 @@ struct Watch {
 
 impl Watch {
     fn new(quiet: bool) -> Self {
-        let dumb = std::env::var_os("TERM").is_some_and(|name| name == "dumb");
-        let terminal = std::io::stderr().is_terminal() && !dumb;
-        let bar = (!quiet && terminal).then(|| {
-            let style = ProgressStyle::with_template("[{bar:20}] {msg}");
-            let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-            ProgressBar::new(1).with_style(style.progress_chars("=> "))
-        });
-        Self { bar, plain: !quiet && !terminal, last: None }
+        let terminal = moves();
+        Self { bar: (!quiet && terminal).then(|| bar("[{bar:20}] {msg}", 1)), plain: !quiet && !terminal, last: None }
     }
 
     fn finish(&self) {

@@ -4,20 +4,12 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use nlmodes::modal::ModalBranch;
-use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::{Value, json};
 
 use super::bench::Rig;
 use crate::records::against::Against;
 use nlmodes_scene::scene::TestScene;
-
-fn exciter(scene: &TestScene) -> &'static str {
-    match scene.exciter {
-        Exciter::Shaker(_) => "shaker",
-        Exciter::IdealForce => "ideal force",
-    }
-}
 
 /// What the model is, in a line: nobody should take it for the finite-element structure.
 pub fn model(scene: &TestScene, rig: &Rig) -> String {
@@ -92,7 +84,7 @@ pub fn json(
             "stop_shape": bench.stop.as_ref().map(|stop| rig.reduction.shape(&stop.at.weights)),
             "at_the_sensors": rig.modes.n_modes(),
         },
-        "exciter": exciter(scene),
+        "exciter": scene.exciter.name(),
         "drive_unit": scene.exciter.unit(),
         "drive_m": scene.drive,
         "stop": scene.stop,

@@ -3,7 +3,6 @@
 use super::{Row, law, list, row};
 use crate::number;
 use crate::scene::{TestScene, TestStop};
-use nlmodes::rig::Exciter;
 
 /// Structure, rig, levels and what is kept.
 pub fn rows(scene: &TestScene) -> Vec<Row> {
@@ -48,7 +47,7 @@ pub fn rows(scene: &TestScene) -> Vec<Row> {
         ),
         row("modes", modes),
         row("damping", list(&scene.damping_ratios)),
-        row("drive", format!("{} at {} m; {sensors}", exciter(scene), number(scene.drive))),
+        row("drive", format!("{} at {} m; {sensors}", scene.exciter.name(), number(scene.drive))),
         row("stop", scene.stop.as_ref().map_or_else(|| "none: a linear structure".into(), stop)),
         row("sampling", format!("{} Hz, seed {}", number(scene.sample_rate), scene.seed)),
         row("levels", format!("{} {}", list(&schedule.levels), scene.exciter.unit())),
@@ -60,13 +59,6 @@ pub fn rows(scene: &TestScene) -> Vec<Row> {
         row("records", records),
         row("results", scene.output_directory.display().to_string()),
     ]
-}
-
-fn exciter(scene: &TestScene) -> &'static str {
-    match scene.exciter {
-        Exciter::Shaker(_) => "shaker",
-        Exciter::IdealForce => "ideal force",
-    }
 }
 
 fn stop(stop: &TestStop) -> String {

@@ -1,0 +1,39 @@
+//! Linear frequencies as a table.
+
+use nlmodes_scene::scene::Scene;
+
+use super::{LinearFrequencies, modal_model};
+
+impl LinearFrequencies {
+    /// The frequencies as a table, below the title of the scene and what its structure is.
+    pub fn table(&self, scene: &Scene) -> String {
+        let rule = scene.method.mass_redistribution.name();
+        let redistributed = format!("contact mass: {rule}");
+        let columns = [
+            Some(("contact mass kept", &self.mass_kept)),
+            self.mass_redistributed.as_ref().map(|f| (redistributed.as_str(), f)),
+            self.contacts_held.as_ref().map(|f| ("contacts held", f)),
+            self.of_the_elements.as_ref().map(|f| ("of the elements", f)),
+        ];
+        let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
+        let modal =
+            scene.structure.straight().and_then(modal_model).map_or_else(String::new, |text| format!("\n{text}"));
+        let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);
+        columns.iter().for_each(|(name, _)| text += &format!("{name:>22}"));
+        text += if self.characters.is_empty() { "\n" } else { "  what it is\n" };
+        for k in 0..columns.iter().map(|(_, f)| f.len()).max().unwrap_or(0) {
+            text += &format!("  {:>4}", k + 1);
+            for (name, frequencies) in &columns {
+                // In the row of the same mode, whatever the order of its frequency.
+                let same =
+                    if *name == redistributed { self.redistributed_as.get(k).copied().flatten() } else { Some(k) };
+                let frequency = same.and_then(|k| frequencies.get(k));
+                text += &frequency.map_or_else(|| format!("{:>22}", "-"), |f| format!("{f:>22.8}"));
+            }
+            let character = self.characters.get(k).filter(|words| !words.is_empty());
+            text += &character.map_or_else(String::new, |words| format!("  {words}"));
+            text += "\n";
+        }
+        text
+    }
+}

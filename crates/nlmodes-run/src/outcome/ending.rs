@@ -1,0 +1,91 @@
+//! How branches ended, in words.
+
+use std::f64::consts::TAU;
+use std::time::Duration;
+
+use nlmodes::branches::ComputedBranch;
+use nlmodes::modal::{EndReason, Event};
+
+/// How a branch ended, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ending {
+    /// Its points, their time, where and why it ended, and what to do where it did not end as it was meant to.
+    pub line: String,
+    /// Whether it ended where it was meant to.
+    pub is_complete: bool,
+    /// Where the accuracy was not reached, though the points are there and each has its estimate; empty where it was, or none was asked for.
+    pub beyond_accuracy: Vec<String>,
+}
+
+impl Ending {
+    /// `name` stands before the sentences, as `branch 1: `.
+    pub(super) fn new(computed: &ComputedBranch, name: &str, time: Duration) -> Self {
+        let (points, end) = (&computed.branch.points, &computed.branch.end);
+        let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
+        let (seconds, advice) = (time.as_secs_f64(), advice(computed).unwrap_or_default());
+        Self {
+            line: format!("{name}{} points in {seconds:.2} s; ended{at}: {}{advice}", points.len(), end.message),
+            is_complete: end.complete,
+            beyond_accuracy: beyond_accuracy(computed, name),
+        }
+    }
+}
+
+/// What to do where a branch did not end where it was meant to.
+fn advice(computed: &ComputedBranch) -> Option<String> {
+    let end = &computed.branch.end;
+    let wandered = wandered(computed).unwrap_or_default();
+    if end.has(EndReason::MaxPoints) {
+        return Some(format!("; with a higher continuation.max_points, --resume goes on{wandered}"));
+    }
+    if !wandered.is_empty() {
+        return Some(wandered);
+    }
+    if computed.left_mode().is_some() || computed.branch.points.iter().any(|p| p.has_event(Event::Resumed)) {
+        return None;
+    }
+    let resonance = computed.branch.points.last()?.resonance.as_ref()?;
+    Some(format!(", on the tongue {resonance} (continuation.internal_resonance = \"skip\" leaves it out)"))
+}
+
+/// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.
+const FOLDS: usize = 6;
+
+/// What an exact branch met that has every internal resonance of its modes.
+fn wandered(computed: &ComputedBranch) -> Option<String> {
+    let points = &computed.branch.points;
+    let folds = points.iter().filter(|p| p.has_event(Event::Fold) || p.has_event(Event::FrequencyFold)).count();
+    let modes = computed.structure.modes().len();
+    (computed.is_exact() && folds >= FOLDS).then(|| {
+        format!(
+            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer)"
+        )
+    })
+}
+
+/// Most stretches that are named.
+const NAMED: usize = 4;
+
+fn beyond_accuracy(computed: &ComputedBranch, name: &str) -> Vec<String> {
+    let Some(reached) = computed.accuracy.filter(|reached| reached.points_beyond > 0) else { return Vec::new() };
+    let (beyond, all, [_, most]) = (reached.points_beyond, computed.branch.points.len(), reached.harmonics);
+    let mut lines = vec![format!(
+        "{name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
+        reached.largest_estimate
+    )];
+    let stretches = computed.beyond_accuracy();
+    lines.extend(stretches.iter().take(NAMED).map(|stretch| {
+        let ([from, to], [first, last]) = (stretch.frequency.map(|omega| omega / TAU), stretch.points);
+        let place = if first == last {
+            format!("at {from:.6} Hz (point {first})")
+        } else {
+            format!("between {from:.6} and {to:.6} Hz (points {first} to {last})")
+        };
+        format!("  not reached {place}: estimate up to {:.1e}", stretch.largest_estimate)
+    }));
+    if stretches.len() > NAMED {
+        let more = stretches.len() - NAMED;
+        lines.push(format!("  and on {more} more stretches (accuracy.not_reached in summary.json)"));
+    }
+    lines
+}
