@@ -1,0 +1,86 @@
+//! What is said of structures from files, and what is there for other programs.
+
+use std::fs;
+
+use tempfile::tempdir;
+
+use super::{Outcome, along_x, branch, call, configs, rod, run, shaken, text, wall};
+
+#[test]
+fn mass_beside_supports_that_the_files_hold_already_is_missed_aloud() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = rod(12);
+    let more = format!("{}{}", wall(1e-4), shaken("direction = [1.0, 0.0, 0.0]\n", "moves"));
+    branch(&folder, (&k, &m), &along_x(1, 12), &more)?;
+    let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("again"));
+    let output = call(&["run", &scene.to_string_lossy(), "--out", &out.to_string_lossy()])?;
+    assert!(text(&output.stderr).contains("between supported nodes and their neighbours"), "{}", text(&output.stderr));
+    fs::write(&scene, fs::read_to_string(&scene)?.replace("direction = [1.0, 0.0, 0.0]\nstop", "stop"))?;
+    let output = call(&["check", &scene.to_string_lossy()])?;
+    assert!(text(&output.stderr).contains("`base_motion.direction` must be a vector"), "{}", text(&output.stderr));
+    Ok(())
+}
+
+#[test]
+fn check_says_what_the_files_hold_and_modes_are_those_of_calculix() -> Outcome {
+    for (name, says) in [
+        ("bracket", "1221 degrees of freedom of 407 nodes"),
+        ("plate", "1200 degrees of freedom of 400 nodes"),
+        ("cantilevers", "node 5 before node 109, normal [0, 0, 1], gap 0.0002 m, rigid"),
+    ] {
+        let scene = configs(&format!("structures/{name}.toml")).to_string_lossy().into_owned();
+        let checked = call(&["check", &scene])?;
+        assert_eq!((checked.status.code(), text(&checked.stderr).as_str()), (Some(0), ""), "{name}");
+        assert!(text(&checked.stdout).contains(says), "{}", text(&checked.stdout));
+        let modes = text(&call(&["modes", &scene])?.stdout);
+        let found: Vec<f64> =
+            modes.lines().skip(4).filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect();
+        let expected = fs::read_to_string(configs(&format!("structures/{name}.hz")))?;
+        for (found, expected) in found.iter().zip(expected.lines()) {
+            let expected: f64 = expected.parse()?;
+            assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} {expected}"); // seven digits
+        }
+        assert!(found.len() >= 8, "{modes}");
+    }
+    Ok(())
+}
+
+#[test]
+fn the_plate_runs_and_its_motion_is_there_for_paraview() -> Outcome {
+    let folder = tempdir()?;
+    let points = run(&configs("structures/plate.toml"), folder.path(), &["continuation.max_energy_ratio=1.5"])?;
+    assert!((points[0][0] / 273.5353 - 1.0).abs() < 1e-6 && points.last().is_some_and(|last| last[0] > 274.0));
+    let collection = fs::read_to_string(folder.path().join("motion.pvd"))?;
+    assert_eq!(collection.matches("<DataSet").count(), 24);
+    let frame = fs::read_to_string(folder.path().join("motion_000.vtu"))?;
+    assert!(["displacement", "contact_force", "gap"].iter().all(|name| frame.contains(&format!("Name=\"{name}\""))));
+    Ok(())
+}
+
+#[test]
+fn what_does_not_fit_is_refused_with_its_reason() -> Outcome {
+    let scene = configs("structures/bracket.toml").to_string_lossy().into_owned();
+    for (value, says) in [
+        ("structure.units=\"mm-t\"", "there are no units `mm-t`"),
+        ("structure.mass=\"bracket.dof\"", "expected a file of a matrix"),
+        ("structure.dofs=\"brackt.dof\"", "cannot be read"),
+        ("structure.fixed=[\"TOP\"]", "there is no node set `TOP`; expected one of"),
+        ("structure.length_m=1.0", "unknown key `structure.length_m`"),
+        ("contact.0.nodes=\"FOOT\"", "none of them with a row in the matrices"),
+        ("contact.0.nodes=[999999]", "the place of node 999999 is not known"),
+        ("contact.0.gap_m=1e-3", "`gap_m` says the gap already"),
+        ("contact.0.normal=[0,0,0]", "the normal has no direction"),
+        ("contact.0.normal=\"surfce\"", "3 numbers in square brackets, or \"surface\""),
+        ("contact.0.gapp=1e-3", "unknown key `contact.0.gapp`"),
+        ("contact.0.against=\"PAD\"", "there is no wall between two bodies"),
+    ] {
+        for command in ["check", "run"] {
+            let output = call(&[command, &scene, "--set", value])?;
+            let errors = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{value}: {errors}");
+            let is_placed = errors.contains("bracket.toml") || errors.contains("command line:1");
+            assert!(errors.contains(says) && is_placed, "{value}: {errors}");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! Binary files.
+
+use std::fs;
+
+use super::cut;
+use crate::agreement::{fixture, read};
+use crate::sample::{N, stiffness};
+
+#[test]
+fn archives_and_matlab() {
+    let cases = [
+        ("skew.npz", None, "entry (2, 5) is"),
+        ("half.npz", None, "expected a symmetric matrix, both triangles stored"),
+        ("complex.npz", None, "`data`: found numbers of type '<c16'; expected real numbers"),
+        ("wide.npz", None, "`shape`: found [24, 20]; expected as many rows as columns"),
+        ("dia.npz", None, "`format`: found `dia`; expected csc, csr or coo"),
+        ("twice.npz", None, "number of rows: found 2, expected 24"),
+        ("nan.npz", None, "entry 3 of `data`: the value `NaN` is not a finite number"),
+        ("outside.npz", None, "entry 4 of `indices`: found 24; expected a row from 0 to 23"),
+        ("skew.mat", Some("K"), "entry (2, 5) is"),
+        ("skew.mat", Some("C"), "`C`: found complex numbers; expected real numbers"),
+        ("skew.mat", Some("X"), "there is no matrix `X`; expected one of `K`, `C`"),
+        (
+            "skew.mat",
+            None,
+            "found several matrices: `K`, `C`; expected the name of one behind the file's, as in `skew.mat#K`",
+        ),
+        ("wide.mat", None, "`K`: columns of a symmetric matrix: found 20, expected 24"),
+        ("skew73.mat", Some("K"), "entry (2, 5) is"),
+        ("skew73.mat", Some("X"), "there is no matrix `X`; expected one of `K`"),
+        ("hdf5.mat", None, "found several matrices: `K`, `M`"),
+    ];
+    for (file, name, says) in cases {
+        let message = read(&fixture(file), name, Some(N)).unwrap_err().to_string();
+        assert!(
+            message.contains(file)
+                && message.contains(says)
+                && message.contains("expected") | message.contains("found"),
+            "{message}"
+        );
+    }
+    let twice = read(&fixture("twice.npz"), None, None).unwrap_err().to_string();
+    assert!(twice.contains("entry (1, 1) is there a second time"), "{twice}");
+}
+
+#[test]
+fn binary_files_that_are_cut_or_changed_anywhere_are_refused_or_read_right() {
+    let directory = tempfile::tempdir().unwrap();
+    let good = stiffness();
+    for (file, name) in [
+        ("K_csc.npz", None),
+        ("K_csr.npz", None),
+        ("packed.mat", Some("K")),
+        ("plain.mat", Some("K")),
+        ("hdf5.mat", Some("K")),
+    ] {
+        let bytes = fs::read(fixture(file)).unwrap();
+        let path = directory.path().join(file);
+        for k in 0..10 {
+            fs::write(&path, &bytes[..bytes.len() * k / 10]).unwrap();
+            let message = read(&path, name, Some(N));
+            let cut_behind =
+                file.ends_with(".mat") && message.as_ref().is_ok_and(|m| m.lower.entries().eq(good.iter().copied()));
+            assert!(message.is_err() || cut_behind, "{file} cut to {k} tenths");
+        }
+        for k in 0..200 {
+            let mut changed = bytes.clone();
+            changed[(k * 7919) % bytes.len()] ^= 0x41;
+            fs::write(&path, &changed).unwrap();
+            // Whatever comes out: no panic, and no entry that is not finite.
+            if let Ok(matrix) = read(&path, name, Some(N)) {
+                assert!(matrix.lower.entries().all(|e| e.2.is_finite() && e.0 < N && e.1 <= e.0));
+            }
+        }
+    }
+}
