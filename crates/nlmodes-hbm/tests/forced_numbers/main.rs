@@ -7,12 +7,12 @@ mod support;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nlmodes_continuation::{Bound, Branch, Continuation};
+use nlmodes_continuation::{Bound, Branch, Continuation, ParametricSystem};
 use nlmodes_hbm::{
     Coordinates, Load, ModalDamping, ModalStructure, PeriodicMotion, PeriodicSystem, PhaseLag, Scales, Symmetry,
     modal_grazing,
 };
-use nlmodes_model::{Contact, Side};
+use nlmodes_model::Side;
 use num_complex::Complex64;
 use support::modal::{Open, newton, settings, solver};
 use support::{bisect, on_springs, rod};
