@@ -14,7 +14,7 @@ use nlmodes::hbm::{
 };
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MasslessContactModel;
-use nlmodes::timestep::{ContactDynamics, ReducedStructure, Shooting, ShootingScales};
+use nlmodes::timestep::{ContactDynamics, GalerkinReduction, Shooting, ShootingScales};
 use nlmodes_benchmarks::{Failure, beam, rod};
 
 /// Harmonics of the solution from which the exact motion is sought.
@@ -38,7 +38,7 @@ fn main() -> Result<(), Failure> {
         // The whole beam has too many tongues for an exact motion to be near. With few modes and what they leave over of the
         // static shape it is a structure of its own, the same for both methods.
         for modes in [3, 5, 6, 8] {
-            let reduced = ReducedStructure::new(beam()?, modes)?;
+            let reduced = GalerkinReduction::new(beam()?, modes)?;
             let name = format!("beam, {} modes", reduced.n_kept_modes());
             for ratio in [1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0] {
                 rows_of_own(&name, reduced.model(), ratio, &[5, 8, 12, 20, 30, 40])?;

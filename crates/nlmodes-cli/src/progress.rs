@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use nlmodes::branches::Watch;
 use nlmodes::modal::ModalPoint;
-use nlmodes_run::{Looking, Progress};
+use nlmodes_run::{CheckProgress, Progress};
 
 use nlmodes_scene::scene::Scene;
 
@@ -32,7 +32,7 @@ pub struct Shown {
     /// When something was said last, by points or between them.
     last: Arc<Mutex<Instant>>,
     /// What is looked at behind the last point.
-    looking: Arc<Mutex<Option<Looking>>>,
+    looking: Arc<Mutex<Option<CheckProgress>>>,
 }
 
 impl Shown {
@@ -113,7 +113,7 @@ impl Shown {
     /// A check of the certificate looks at a point, its number among so many; said from time to time.
     pub fn looking(&self, check: &'static str, point: usize, number: [usize; 2]) {
         let mut looking = held(&self.looking);
-        let now = Looking::new(check, point, number, looking.as_ref());
+        let now = CheckProgress::new(check, point, number, looking.as_ref());
         if (self.plain || self.bar.is_some()) && is_due(&self.last, PLAIN_INTERVAL) {
             say!("{}", now.line(self.progress.began().elapsed().as_secs_f64()));
         }

@@ -6,7 +6,7 @@ pub(crate) mod closed_form;
 pub(crate) mod lemke;
 pub(crate) mod polish;
 pub(crate) mod proximal;
-pub(crate) mod session;
+pub(crate) mod workspace;
 
 use crate::{ActiveSet, Clarabel, ClosedForm, LcpError, LcpMatrix, Lemke, Proximal};
 

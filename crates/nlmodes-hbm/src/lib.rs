@@ -101,7 +101,7 @@ pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
     ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
     Functional, Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint,
-    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseAnchor, PhaseLag, Refined, ResponseRow, Source,
+    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
     modal_grazing,
 };
 pub use projection::Projection;

@@ -23,7 +23,7 @@ mod system;
 
 pub use analyses::Coordinates;
 pub use closing_conditions::{ClosingConditions, Column, OperatingPoint, Source};
-pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseAnchor, PhaseLag};
+pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::{Floquet, Instability};

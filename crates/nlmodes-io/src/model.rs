@@ -27,9 +27,9 @@ pub struct FeModel {
     /// Places in m, elements and node sets, where a mesh is there.
     pub mesh: Option<Mesh>,
     /// Degrees of freedom that the files or `fixed` hold, which have no row.
-    pub held: Vec<DofLabel>,
+    pub fixed: Vec<DofLabel>,
     /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m². What the files hold has none.
-    pub held_mass: Vec<(usize, DofLabel, f64)>,
+    pub fixed_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
 }
@@ -110,7 +110,7 @@ impl FeModel {
     pub fn inertia_along(&self, direction: [f64; 3]) -> Vec<f64> {
         let mut inertia = vec![0.0; self.n_dofs()];
         self.mass.multiply(&self.rigid_displacement(direction), &mut inertia);
-        for (row, held, mass) in &self.held_mass {
+        for (row, held, mass) in &self.fixed_mass {
             inertia[*row] += held.component.translation().map_or(0.0, |axis| direction[axis] * mass);
         }
         inertia

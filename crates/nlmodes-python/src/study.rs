@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use nlmodes_scene::SceneError;
 use nlmodes_scene::memory::Limit;
-use nlmodes_study::{Collected, Counts, Evaluator, Progress, Settings, Shard, StudyError, StudyFile, StudyObserver};
+use nlmodes_study::{Collected, Counts, Evaluator, StudyProgress, Settings, Shard, StudyError, StudyFile, StudyObserver};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -185,7 +185,7 @@ impl Study {
 struct Onlooker(Arc<Looking>);
 
 impl StudyObserver for Onlooker {
-    fn progress(&mut self, progress: &Progress) {
+    fn progress(&mut self, progress: &StudyProgress) {
         let mut text = Vec::new();
         text.extend(progress.rate().map(|rate| format!("{rate:.3} a second")));
         text.extend((progress.failed > 0).then(|| format!("{} failed", progress.failed)));

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 
 use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
-use nlmodes_rig::{Drive, Exciter, Motion, Place, RigSetup, Sensor, Session, VirtualRig};
+use nlmodes_rig::{Drive, Exciter, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, VirtualRig};
 use num_complex::Complex64;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -50,7 +50,7 @@ fn setup() -> RigSetup {
     let mut setup = beam::setup(Exciter::IdealForce);
     for k in 0..MODES {
         let shape = (0..MODES).map(|j| f64::from(u8::from(j == k))).collect();
-        let place = Place::Point { motion: Motion::Velocity, position: 0.0, shape };
+        let place = SensorPlace::Point { motion: MotionQuantity::Velocity, position: 0.0, shape };
         setup.sensors.push(Sensor::new(format!("modal_velocity_{k}"), place, 0.0));
     }
     setup

@@ -16,7 +16,7 @@
 //!
 //! | symbol | meaning | unit | item |
 //! | --- | --- | --- | --- |
-//! | `ω_k`, `ζ_k` | eigenfrequencies, damping ratios | rad/s, – | [`ModalStructure`] |
+//! | `ω_k`, `ζ_k` | eigenfrequencies, damping ratios | rad/s, – | [`LinearStructure`] |
 //! | `φ_ex,k`, `φ_s,k` | mass-normalised shapes at drive point and stop | 1/√kg | [`DrivePoint`], [`Stop`] |
 //! | `g_0`, `λ`, `A` | gap, contact force, flexibility | m, N, m/N | [`Stop`] |
 //! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
@@ -28,18 +28,18 @@
 //!
 //! ```
 //! use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-//! use nlmodes_rig::{DrivePoint, Exciter, ModalStructure, Motion, Place, RigSetup, Schedule, Sensor, VirtualTest};
+//! use nlmodes_rig::{DrivePoint, Exciter, LinearStructure, MotionQuantity, SensorPlace, RigSetup, Schedule, Sensor, VirtualTest};
 //!
 //! // One mode at 40 Hz with 1 % damping, an ideal force, and a loop that starts 0.3 Hz too low.
 //! let omega = 2.0 * std::f64::consts::PI * 40.0;
 //! let rig = RigSetup {
-//!     structure: ModalStructure { omega: vec![omega], damping_ratios: vec![0.01] },
+//!     structure: LinearStructure { omega: vec![omega], damping_ratios: vec![0.01] },
 //!     drive_point: DrivePoint { position: 0.1, shape: vec![1.0], residual: 0.0 },
 //!     exciter: Exciter::IdealForce,
 //!     stop: None,
 //!     sensors: vec![
-//!         Sensor::new("force", Place::Excitation, 0.0),
-//!         Sensor::new("response", Place::DrivePoint(Motion::Displacement), 1e-9),
+//!         Sensor::new("force", SensorPlace::Excitation, 0.0),
+//!         Sensor::new("response", SensorPlace::DrivePoint(MotionQuantity::Displacement), 1e-9),
 //!     ],
 //!     interval: 1.0 / 20_000.0,
 //!     substeps: None,
@@ -86,8 +86,8 @@ pub use hold::{Hold, Settling, SteadyState};
 pub use nlmodes_model::{ContactLaw, Side};
 pub use reduction::ModalReduction;
 pub use rig::{RigSetup, VirtualRig};
-pub use sensor::{Motion, Place, Sensor};
+pub use sensor::{MotionQuantity, Sensor, SensorPlace};
 pub use session::{DRIVE_PHASE, Session};
 pub use stop::Stop;
-pub use structure::{DrivePoint, ModalStructure};
+pub use structure::{DrivePoint, LinearStructure};
 pub use virtual_test::{LevelOutcome, Schedule, VirtualTest};

@@ -8,13 +8,13 @@ use crate::functional::Functional;
 use crate::propagator::Propagator;
 use crate::state_space::StateSpace;
 use crate::structure::check_shape;
-use crate::{Drive, DrivePoint, Exciter, ModalStructure, Motion, Place, RigError, Sensor, Stop};
+use crate::{Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigError, Sensor, SensorPlace, Stop};
 
 /// What a rig consists of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigSetup {
     /// The structure without its stop.
-    pub structure: ModalStructure,
+    pub structure: LinearStructure,
     /// Where the exciter pushes.
     pub drive_point: DrivePoint,
     /// Shaker or ideal force.
@@ -172,9 +172,9 @@ impl VirtualRig {
         let missing = RigError::NoChannel { channel, channels: self.channels.len() };
         let sensor = self.setup.sensors.get(channel).ok_or(missing)?;
         let position = match &sensor.place {
-            Place::Excitation | Place::DrivePoint(_) => Some(self.setup.drive_point.position),
-            Place::Stop | Place::StopPoint(_) => self.setup.stop.as_ref().map(|stop| stop.position),
-            Place::Point { position, .. } => Some(*position),
+            SensorPlace::Excitation | SensorPlace::DrivePoint(_) => Some(self.setup.drive_point.position),
+            SensorPlace::Stop | SensorPlace::StopPoint(_) => self.setup.stop.as_ref().map(|stop| stop.position),
+            SensorPlace::Point { position, .. } => Some(*position),
         };
         Ok(records::Channel::new(sensor.name.clone(), sensor.place.quantity(), sensor.place.role(), position))
     }
@@ -191,7 +191,7 @@ fn check(setup: &RigSetup) -> Result<(), RigError> {
     }
     for sensor in &setup.sensors {
         not_negative("standard deviation of the noise", sensor.noise)?;
-        if let Place::Point { shape, position, .. } = &sensor.place {
+        if let SensorPlace::Point { shape, position, .. } = &sensor.place {
             check_shape(&format!("shape at sensor `{}`", sensor.name), shape, modes)?;
             finite("position of a sensor (m)", *position)?;
         }
@@ -214,27 +214,27 @@ fn channels(setup: &RigSetup, space: &StateSpace) -> Result<Vec<Channel>, RigErr
 /// What a sensor reads with the stop open or closed.
 fn output(setup: &RigSetup, space: &StateSpace, sensor: &Sensor, closed: bool) -> Result<Functional, RigError> {
     let stop = || setup.stop.as_ref().ok_or_else(|| RigError::NoStop { sensor: sensor.name.clone() });
-    let differentiate = |displacement: Functional, motion: Motion| {
+    let differentiate = |displacement: Functional, motion: MotionQuantity| {
         let system = &space.systems[usize::from(closed)];
         let orders = match motion {
-            Motion::Displacement => 0,
-            Motion::Velocity => 1,
-            Motion::Acceleration => 2,
+            MotionQuantity::Displacement => 0,
+            MotionQuantity::Velocity => 1,
+            MotionQuantity::Acceleration => 2,
         };
         (0..orders).fold(displacement, |output, _| output.derivative(&system.a, &system.c, &space.b))
     };
     Ok(match &sensor.place {
-        Place::Excitation => space.excitation_force(),
-        Place::Stop => {
+        SensorPlace::Excitation => space.excitation_force(),
+        SensorPlace::Stop => {
             stop()?;
             space.contact_force(closed)
         }
-        Place::Point { motion, shape, .. } => differentiate(space.modal_displacement(shape), *motion),
-        Place::DrivePoint(motion) => {
+        SensorPlace::Point { motion, shape, .. } => differentiate(space.modal_displacement(shape), *motion),
+        SensorPlace::DrivePoint(motion) => {
             let modal = space.modal_displacement(&setup.drive_point.shape);
             differentiate(modal.plus(setup.drive_point.residual, &space.excitation_force()), *motion)
         }
-        Place::StopPoint(motion) => {
+        SensorPlace::StopPoint(motion) => {
             let stop = stop()?;
             let yielding = -stop.side.sign() * stop.residual;
             let modal = space.modal_displacement(&stop.shape);

@@ -2,7 +2,7 @@ use nlmodes_experiment::records::{Quantity, Role};
 
 /// What a motion sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Motion {
+pub enum MotionQuantity {
     /// m.
     Displacement,
     /// m/s.
@@ -11,7 +11,7 @@ pub enum Motion {
     Acceleration,
 }
 
-impl Motion {
+impl MotionQuantity {
     /// The same as a quantity of a record.
     pub fn quantity(self) -> Quantity {
         match self {
@@ -24,19 +24,19 @@ impl Motion {
 
 /// What a sensor is attached to.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Place {
+pub enum SensorPlace {
     /// The force between exciter and structure.
     Excitation,
     /// The motion of the drive point.
-    DrivePoint(Motion),
+    DrivePoint(MotionQuantity),
     /// The motion of the point of the structure that meets the stop.
-    StopPoint(Motion),
+    StopPoint(MotionQuantity),
     /// The contact force on the stop.
     Stop,
     /// The motion of another point.
     Point {
         /// What is measured.
-        motion: Motion,
+        motion: MotionQuantity,
         /// Position along the structure, m.
         position: f64,
         /// Mode shapes there, 1/√kg.
@@ -44,7 +44,7 @@ pub enum Place {
     },
 }
 
-impl Place {
+impl SensorPlace {
     /// Quantity of the channel.
     pub fn quantity(&self) -> Quantity {
         match self {
@@ -70,14 +70,14 @@ pub struct Sensor {
     /// Name of the channel.
     pub name: String,
     /// Where and what.
-    pub place: Place,
+    pub place: SensorPlace,
     /// Standard deviation of white Gaussian noise, in the unit of the channel.
     pub noise: f64,
 }
 
 impl Sensor {
     /// A sensor with white Gaussian noise of this standard deviation.
-    pub fn new(name: impl Into<String>, place: Place, noise: f64) -> Self {
+    pub fn new(name: impl Into<String>, place: SensorPlace, noise: f64) -> Self {
         Self { name: name.into(), place, noise }
     }
 }

@@ -1,6 +1,6 @@
 use crate::functional::Functional;
 use crate::matrix::Matrix;
-use crate::{DrivePoint, Exciter, ModalStructure, Shaker, Stop};
+use crate::{DrivePoint, Exciter, LinearStructure, Shaker, Stop};
 
 /// `ẋ = A x + c + b u` with the stop open or closed.
 ///
@@ -28,7 +28,7 @@ pub(crate) struct StateSpace {
 }
 
 impl StateSpace {
-    pub(crate) fn new(structure: &ModalStructure, at: &DrivePoint, exciter: Exciter, stop: Option<&Stop>) -> Self {
+    pub(crate) fn new(structure: &LinearStructure, at: &DrivePoint, exciter: Exciter, stop: Option<&Stop>) -> Self {
         let modes = structure.modes();
         let n = 2 * modes + if matches!(exciter, Exciter::Shaker(_)) { 3 } else { 0 };
         let scale = rate(structure, at, exciter, stop);
@@ -76,7 +76,7 @@ impl StateSpace {
     }
 
     /// Structure alone.
-    fn free(&self, structure: &ModalStructure) -> Matrix {
+    fn free(&self, structure: &LinearStructure) -> Matrix {
         let mut a = Matrix::zeros(self.size());
         for (k, (ω, ζ)) in structure.omega.iter().zip(&structure.damping_ratios).enumerate() {
             a.add(k, self.modes + k, self.scale);
@@ -174,7 +174,7 @@ fn stinger(shaker: &Shaker, at: &DrivePoint) -> f64 {
 }
 
 /// Square root of a bound of the eigenvalues of the closed stiffness in coordinates of unit mass, rad/s.
-fn rate(structure: &ModalStructure, at: &DrivePoint, exciter: Exciter, stop: Option<&Stop>) -> f64 {
+fn rate(structure: &LinearStructure, at: &DrivePoint, exciter: Exciter, stop: Option<&Stop>) -> f64 {
     let mut stiffness: Vec<f64> = structure.omega.iter().map(|ω| ω * ω).collect();
     let mut spring = |k: f64, shape: &[f64], other: f64| {
         let sum = shape.iter().map(|φ| φ.abs()).sum::<f64>() + other;

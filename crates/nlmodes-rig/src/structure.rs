@@ -7,14 +7,14 @@ use crate::error::{finite, not_negative, positive};
 /// q̈_k + 2 ζ_k ω_k q̇_k + ω_k² q_k = Σ_j φ_jk f_j
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct ModalStructure {
+pub struct LinearStructure {
     /// Angular eigenfrequencies `ω_k` with all stops open, rad/s.
     pub omega: Vec<f64>,
     /// Damping ratios `ζ_k`.
     pub damping_ratios: Vec<f64>,
 }
 
-impl ModalStructure {
+impl LinearStructure {
     /// Number of modes.
     pub fn modes(&self) -> usize {
         self.omega.len()

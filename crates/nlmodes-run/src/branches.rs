@@ -29,7 +29,7 @@ use crate::certificate::{Certificate, Sources};
 use crate::claim::{Claim, identity};
 use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
-use crate::open_modes::OpenModes;
+use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay;
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
@@ -245,7 +245,7 @@ fn whole(
     scene: &Scene,
     model: &StructuralModel,
     massless: &MasslessContactModel,
-    open: &OpenModes,
+    open: &OpenLinearModes,
     tree: &ComputedTree,
 ) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
     let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.own.lowest(LINEAR_MODES));

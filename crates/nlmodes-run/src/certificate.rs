@@ -56,7 +56,7 @@ impl Certificate {
 /// How a check came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
+pub enum CheckOutcome {
     /// Within its limit.
     Good,
     /// Beyond it.
@@ -74,7 +74,7 @@ pub struct Check {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<Number>,
     /// How it came out.
-    pub outcome: Outcome,
+    pub outcome: CheckOutcome,
     /// The largest change that was found, relative; none where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
@@ -110,7 +110,7 @@ impl Check {
         limit: f64,
         words: impl Into<String>,
     ) -> Self {
-        let outcome = if value <= limit { Outcome::Good } else { Outcome::Doubtful };
+        let outcome = if value <= limit { CheckOutcome::Good } else { CheckOutcome::Doubtful };
         let value = value.is_finite().then_some(value);
         Self { outcome, value, how: None, ..Self::missing(name, number, limit, words, "") }
     }
@@ -136,7 +136,7 @@ impl Check {
     /// Doubtful, since from these points no motion was found to compare with.
     fn without(mut self, lost: &[Place]) -> Self {
         if !lost.is_empty() {
-            self.outcome = Outcome::Doubtful;
+            self.outcome = CheckOutcome::Doubtful;
             self.lost = lost.to_vec();
             let points = || lost.iter().map(|place| place.point);
             self.looked.extend(points());
@@ -157,7 +157,7 @@ impl Check {
         Self {
             name,
             number,
-            outcome: Outcome::NotLookedAt,
+            outcome: CheckOutcome::NotLookedAt,
             value: None,
             point: None,
             place: None,
@@ -261,8 +261,8 @@ pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
 
 /// What all checks come to.
 fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
-    let looked = checks.iter().filter(|check| check.outcome != Outcome::NotLookedAt).count();
-    let doubtful = checks.iter().filter(|check| check.outcome == Outcome::Doubtful).count();
+    let looked = checks.iter().filter(|check| check.outcome != CheckOutcome::NotLookedAt).count();
+    let doubtful = checks.iter().filter(|check| check.outcome == CheckOutcome::Doubtful).count();
     let mut text = format!("{looked} of {} checks made, {doubtful} of them doubtful", checks.len());
     for (wanted, said) in [(Use::No, "do not use"), (Use::NotShown, "nothing speaks for"), (Use::Yes, "to be used")] {
         let names = names(numbers, wanted);

@@ -95,5 +95,5 @@ pub use claim::Over;
 pub use error::{Failure, RunError, chain};
 pub use observer::{Event, Observer, Silent};
 pub use outcome::{Ending, PartOutcome, RunOutcome};
-pub use progress::{Looking, Progress};
+pub use progress::{CheckProgress, Progress};
 pub use refusal::no_contact;

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::character::{characters, same_modes};
 use crate::mass;
-use crate::open_modes::{LISTED, OpenModes};
+use crate::open_modes::{LISTED, OpenLinearModes};
 use nlmodes_scene::assemble::{StructureError, contact_model, element_model, redistribution};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
@@ -52,7 +52,7 @@ pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<Line
         });
     }
     let massless = contact_model(scene, model)?;
-    let open = OpenModes::new(scene, model, &massless)?;
+    let open = OpenLinearModes::new(scene, model, &massless)?;
     frequencies(scene, model, &massless, &open)
 }
 
@@ -64,7 +64,7 @@ pub fn frequencies(
     scene: &Scene,
     model: &StructuralModel,
     massless: &MasslessContactModel,
-    open: &OpenModes,
+    open: &OpenLinearModes,
 ) -> Result<LinearFrequencies, StructureError> {
     let mass_kept = hertz(&open.kept.omega);
     let mut characters = characters(model, &open.kept);

@@ -6,7 +6,7 @@ use nlmodes::model::{MassShift, MasslessContactModel, StructuralModel};
 use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
 use nlmodes_scene::{SceneFile, number};
 
-use crate::open_modes::OpenModes;
+use crate::open_modes::OpenLinearModes;
 use crate::settings::{Models, models};
 use crate::{RunError, refusal};
 
@@ -15,7 +15,7 @@ pub const NOTABLE: f64 = 0.005;
 
 /// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
 /// the frequency is one that was measured: imposed on the mode, or met by parameters.
-pub fn warning(scene: &Scene, open: &OpenModes) -> Option<String> {
+pub fn warning(scene: &Scene, open: &OpenLinearModes) -> Option<String> {
     shift(scene, open).and_then(|shift| warning_about(scene, &shift))
 }
 
@@ -25,7 +25,7 @@ pub(crate) fn warning_about(scene: &Scene, shift: &MassShift) -> Option<String> 
 }
 
 /// What taking the mass away from the contacts does to the mode that is computed; `None` where nothing is taken, or the frequency is one that was measured.
-pub(crate) fn shift(scene: &Scene, open: &OpenModes) -> Option<MassShift> {
+pub(crate) fn shift(scene: &Scene, open: &OpenLinearModes) -> Option<MassShift> {
     let is_imposed = scene.structure.straight().is_some_and(|structure| structure.modes.is_some());
     if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {
         return None;
@@ -58,8 +58,8 @@ pub fn open_modes(
     file: &SceneFile,
     model: &StructuralModel,
     massless: &MasslessContactModel,
-) -> Result<OpenModes, RunError> {
-    OpenModes::new(&file.scene, model, massless)
+) -> Result<OpenLinearModes, RunError> {
+    OpenLinearModes::new(&file.scene, model, massless)
         .map_err(|error| refusal::at(file, "method.mass_redistribution", &error))
 }
 

@@ -8,14 +8,14 @@ pub(crate) const LISTED: usize = 10;
 
 /// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
 #[derive(Debug, Clone)]
-pub struct OpenModes {
+pub struct OpenLinearModes {
     /// The modes with the mass of the contacts.
     pub kept: LinearModes,
     /// The modes of the model that the method works on.
     pub own: LinearModes,
 }
 
-impl OpenModes {
+impl OpenLinearModes {
     /// Of the structure of a scene, and of the model of it that the method works on.
     ///
     /// # Errors

@@ -80,7 +80,7 @@ impl Progress {
 
 /// A check of the certificate at one of its points.
 #[derive(Debug, Clone)]
-pub struct Looking {
+pub struct CheckProgress {
     check: &'static str,
     point: usize,
     /// Of so many, from 1.
@@ -90,7 +90,7 @@ pub struct Looking {
     began: Instant,
 }
 
-impl Looking {
+impl CheckProgress {
     /// The check looks at a point, its number among so many; `before` is what was looked at before that.
     pub fn new(check: &'static str, point: usize, [number, of]: [usize; 2], before: Option<&Self>) -> Self {
         let began = before.filter(|known| known.check == check).map_or_else(Instant::now, |known| known.began);
@@ -167,7 +167,7 @@ mod tests {
     fn a_check_says_how_long_it_may_take_by_the_points_before() {
         let line = |number, seconds, time| {
             let began = Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
-            Looking { check: "harmonics", point: 7, number, of: 5, began }.line(time)
+            CheckProgress { check: "harmonics", point: 7, number, of: 5, began }.line(time)
         };
         assert_eq!(line(1, 3, 9.0), "certificate: harmonics, point 7 (1 of 5), 9 s");
         // Two points took 10 s, three are left.

@@ -22,7 +22,7 @@ pub use words::in_words;
 
 /// A record, and what came of it.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct RecordOutcome {
     /// Name of its file, or of its level.
     pub record: String,
     /// Level of the drive, where it is known.
@@ -33,7 +33,7 @@ pub struct Outcome {
     pub result: Result<RecordExtraction, ExtractionError>,
 }
 
-impl Outcome {
+impl RecordOutcome {
     /// Names of all findings, each once, separated by spaces.
     pub fn finding_names(&self) -> String {
         let extracted = self.result.as_ref().map_or_else(ExtractionError::names, RecordExtraction::finding_names);
@@ -55,20 +55,20 @@ pub fn extract(
     file: &SceneFile<RecordScene>,
     over: Over,
     observer: &mut dyn Observer,
-) -> Result<Vec<Outcome>, RunError> {
+) -> Result<Vec<RecordOutcome>, RunError> {
     // Before anything else: earlier results say nothing about files that are not there.
     files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
     let laid = overlay::laid_over(file, &file.scene.overlays)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
-    let extracted = |(name, record): (String, Record)| Outcome {
+    let extracted = |(name, record): (String, Record)| RecordOutcome {
         record: name,
         level: None,
         findings: Vec::new(),
         result: extract_record(&record, &scene.settings),
     };
-    let outcomes: Vec<Outcome> = read(file)?.into_iter().map(extracted).collect();
+    let outcomes: Vec<RecordOutcome> = read(file)?.into_iter().map(extracted).collect();
     claim.take_at_once()?;
     write(&scene, &outcomes, &laid).map_err(RunError::Files)?;
     Ok(outcomes)
@@ -81,7 +81,7 @@ pub fn extract(
 pub fn extract_tables(
     file: &SceneFile<RecordScene>,
     tables: Vec<(String, RecordTable)>,
-) -> Result<Vec<Outcome>, RunError> {
+) -> Result<Vec<RecordOutcome>, RunError> {
     let scene = with_modes(file)?;
     let recording = &scene.recording;
     let extracted = |(name, table): (String, RecordTable)| {
@@ -90,7 +90,7 @@ pub fn extract_tables(
             file.error_at("recording", &title, "", help(&error))
         })?;
         let result = extract_record(&record, &scene.settings);
-        Ok(Outcome { record: name, level: None, findings: Vec::new(), result })
+        Ok(RecordOutcome { record: name, level: None, findings: Vec::new(), result })
     };
     tables.into_iter().map(extracted).collect()
 }
@@ -99,7 +99,7 @@ pub fn extract_tables(
 ///
 /// # Errors
 /// None but those of a writer to memory.
-pub fn table_of(outcomes: &[Outcome], modes: usize) -> Result<Vec<u8>, Failure> {
+pub fn table_of(outcomes: &[RecordOutcome], modes: usize) -> Result<Vec<u8>, Failure> {
     let mut table = Table::new(modes, None)?;
     outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
     table.into_bytes()
@@ -171,7 +171,7 @@ fn help(error: &RecordError) -> &'static [&'static str] {
     }
 }
 
-fn write(scene: &RecordScene, outcomes: &[Outcome], laid: &[Laid]) -> Result<(), Failure> {
+fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
     let mut table = Table::new(modes, None)?;

@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use nlmodes_run::records::Outcome;
+use nlmodes_run::records::RecordOutcome;
 use nlmodes_run::virtual_test::TestOutcome;
 use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, Silent};
 use nlmodes_scene::{AnyScene, SceneError, SceneFile, parse_each_method};
@@ -31,7 +31,7 @@ fn send<T: Send>() {}
 #[test]
 fn scenes_outcomes_and_errors_go_to_other_threads() {
     send::<(SceneFile, AnyScene, SceneError)>();
-    send::<(RunOutcome, RunError, TestOutcome, Outcome)>();
+    send::<(RunOutcome, RunError, TestOutcome, RecordOutcome)>();
 }
 
 /// Ends a run behind so many points.

@@ -54,7 +54,7 @@ impl<'a> Diagnostics<'a> {
     }
 
     /// Where the key of the path stands.
-    pub fn place(&self, path: &str) -> Option<&'a crate::Place> {
+    pub fn place(&self, path: &str) -> Option<&'a crate::KeyPlace> {
         self.document.place(&self.in_file(path))
     }
 

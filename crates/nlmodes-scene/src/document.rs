@@ -17,12 +17,12 @@ const MAX_SYNTAX_ERRORS: usize = 3;
 #[derive(Debug, Clone)]
 pub struct Document {
     sources: Sources,
-    places: BTreeMap<String, Place>,
+    places: BTreeMap<String, KeyPlace>,
 }
 
 /// Where a key and its value stand, on the common axis of the [`Sources`].
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct KeyPlace {
     /// The key, or what stands for it.
     pub key: Range<usize>,
     /// The value; of a table, its heading.
@@ -68,7 +68,7 @@ impl Document {
     }
 
     /// Where the key of the path stands, as `contact.0.gap_m`.
-    pub fn place(&self, path: &str) -> Option<&Place> {
+    pub fn place(&self, path: &str) -> Option<&KeyPlace> {
         self.places.get(path)
     }
 
@@ -80,7 +80,7 @@ impl Document {
     /// The path of the key that a diagnostic is about, as `contact.0.gap_m`: the innermost one around its place.
     pub fn key_of(&self, diagnostic: &Diagnostic) -> Option<&str> {
         let at = diagnostic.place.as_ref()?.range.start;
-        let around = |(path, place): (&'_ String, &'_ Place)| {
+        let around = |(path, place): (&'_ String, &'_ KeyPlace)| {
             let length =
                 [&place.key, &place.value].into_iter().filter(|range| range.contains(&at)).map(|r| r.len()).min();
             length.map(|length| (length, std::cmp::Reverse(path.len())))
@@ -117,13 +117,13 @@ impl Document {
     }
 }
 
-fn index(table: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String, Place>) {
+fn index(table: &DeTable<'_>, prefix: &str, places: &mut BTreeMap<String, KeyPlace>) {
     for (key, value) in table {
         index_value(key.span(), value, format!("{prefix}{}", key.get_ref()), places);
     }
 }
 
-fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, places: &mut BTreeMap<String, Place>) {
+fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, places: &mut BTreeMap<String, KeyPlace>) {
     match value.get_ref() {
         DeValue::Table(table) => index(table, &format!("{path}."), places),
         DeValue::Array(items) => {
@@ -133,7 +133,7 @@ fn index_value(key: Range<usize>, value: &Spanned<DeValue<'_>>, path: String, pl
         }
         _ => {}
     }
-    places.insert(path, Place { key, value: value.span() });
+    places.insert(path, KeyPlace { key, value: value.span() });
 }
 
 /// The first syntax errors, at most one a line.

@@ -81,7 +81,7 @@ mod units;
 
 pub use diagnostic::{Diagnostic, Mark, Severity};
 pub use diagnostics::Diagnostics;
-pub use document::{Document, Place};
+pub use document::{Document, KeyPlace};
 pub use file::FileError;
 pub use nearest::nearest;
 pub use other::{load_other, parse_other};

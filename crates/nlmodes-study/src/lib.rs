@@ -97,11 +97,11 @@ pub use distribution::Distribution;
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
 pub use read::StudyFile;
-pub use run::{Progress, RunOutcome, Settings, Shard, StudyObserver, run};
+pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
 pub use serve::serve;
 pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
-pub use store::{Record, Status, Store};
+pub use store::{CaseRecord, Status, Store};
 pub use study::{Design, DesignKind, Keep, Place, Quantity, Study, Values, Variable};
 pub use table::{Cells, Column, Table};

@@ -18,7 +18,7 @@ use crate::design::Points;
 use crate::error::StudyError;
 use crate::store::{Status, Store};
 use crate::study::Study;
-pub use outcome::{Progress, RunOutcome, StudyObserver};
+pub use outcome::{StudyObserver, StudyOutcome, StudyProgress};
 pub use settings::{Settings, Shard};
 pub(crate) use worker::{Done, Worker};
 
@@ -32,13 +32,13 @@ const LOOK: Duration = Duration::from_millis(50);
 ///
 /// # Errors
 /// [`StudyError`], where no case can be computed, or the disk takes no more.
-pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<RunOutcome, StudyError> {
+pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<StudyOutcome, StudyError> {
     let all = cases(study, settings.jobs());
     if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| all.iter().all(|case| case.id.is_err())) {
         return Err(StudyError::NoCase { cases: all.len(), reason: reason.to_string() });
     }
     let store = Store::new(&study.directory);
-    let mut outcome = RunOutcome::new(&all, settings.shard);
+    let mut outcome = StudyOutcome::new(&all, settings.shard);
     let waiting = waiting(&all, &store, settings, &mut outcome)?;
     let points = Points::new(study);
     let shared = Shared {
@@ -127,7 +127,7 @@ fn waiting<'a>(
     all: &'a [Case],
     store: &Store,
     settings: &Settings,
-    outcome: &mut RunOutcome,
+    outcome: &mut StudyOutcome,
 ) -> Result<Vec<&'a Case>, StudyError> {
     let mut known = BTreeSet::new();
     let mut waiting = Vec::new();

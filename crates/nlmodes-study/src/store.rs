@@ -39,7 +39,7 @@ impl Status {
 
 /// What `case.json` holds: the last file of a case to be written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct CaseRecord {
     /// Version of the program.
     pub version: String,
     /// How it ended.
@@ -89,7 +89,7 @@ impl Store {
     }
 
     /// How a case ended; nothing if it did not yet, or its record is damaged.
-    pub fn record(&self, id: &str) -> Option<Record> {
+    pub fn record(&self, id: &str) -> Option<CaseRecord> {
         serde_json::from_slice(&fs::read(self.case(id).join(RECORD)).ok()?).ok()
     }
 
@@ -114,7 +114,7 @@ impl Store {
     ///
     /// # Errors
     /// [`StudyError::Io`] if it cannot be written.
-    pub fn finish(&self, id: &str, record: &Record, claim: Claim) -> Result<(), StudyError> {
+    pub fn finish(&self, id: &str, record: &CaseRecord, claim: Claim) -> Result<(), StudyError> {
         let path = self.case(id).join(RECORD);
         let text = serde_json::to_vec(record).unwrap_or_default();
         replace(&path, &text).map_err(StudyError::io(&path))?;
@@ -169,7 +169,7 @@ mod tests {
         let claim = store.claim("a").unwrap().unwrap();
         assert!(store.claim("a").unwrap().is_none() && store.claim("b").unwrap().is_some());
         assert_eq!(store.record("a"), None);
-        let record = Record {
+        let record = CaseRecord {
             version: "1".into(),
             status: Status::Complete,
             reason: "it closed".into(),

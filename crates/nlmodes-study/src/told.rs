@@ -6,7 +6,7 @@ use std::time::Duration;
 use nlmodes_scene::number;
 
 use crate::collect::Counts;
-use crate::run::{Progress, RunOutcome};
+use crate::run::{StudyOutcome, StudyProgress};
 use crate::statistics::Statistics;
 
 /// A line for each state.
@@ -49,7 +49,7 @@ impl Display for Statistics {
 }
 
 /// What was computed, and what became of it, in a line.
-impl Display for RunOutcome {
+impl Display for StudyOutcome {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let seconds = self.wall_time.as_secs_f64();
         write!(f, "{} of {} cases computed in {seconds:.1} s", self.computed, self.cases)?;
@@ -65,7 +65,7 @@ impl Display for RunOutcome {
 }
 
 /// How far it is, how fast it goes and when it will be done, in a line.
-impl Display for Progress {
+impl Display for StudyProgress {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "{} of {} cases", self.there + self.computed, self.cases)?;
         if self.failed > 0 {

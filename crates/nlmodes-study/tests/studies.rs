@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use nlmodes_run::Silent;
-use nlmodes_study::{Cells, Collected, Progress, Settings, State, Study, StudyError, StudyObserver, run, status};
+use nlmodes_study::{Cells, Collected, Settings, State, Study, StudyError, StudyObserver, StudyProgress, run, status};
 
 const ROD: &str = r#"
 [structure]
@@ -67,7 +67,7 @@ fn csv(study: &Study) -> Vec<u8> {
 struct Ending(usize, usize);
 
 impl StudyObserver for Ending {
-    fn progress(&mut self, progress: &Progress) {
+    fn progress(&mut self, progress: &StudyProgress) {
         self.1 = progress.computed;
     }
 
@@ -233,5 +233,5 @@ fn a_study_of_no_sound_case_says_so() {
 #[test]
 fn studies_and_outcomes_go_to_other_threads() {
     fn send<T: Send>() {}
-    send::<(Study, Settings, Collected, StudyError, nlmodes_study::RunOutcome)>();
+    send::<(Study, Settings, Collected, StudyError, nlmodes_study::StudyOutcome)>();
 }

@@ -13,7 +13,7 @@
 //! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
-//! | `B`, `y` | basis of a reduction to held modes with static correction, and its coordinates | 1/√kg, m·√kg | [`ReducedStructure`] |
+//! | `B`, `y` | basis of a reduction to held modes with static correction, and its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
 //! | `x` | damped structure under a load, and its exact motion over one period of the load or several | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
@@ -74,7 +74,7 @@ pub use forced::{ForcedMotion, ForcedStructure};
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
-pub use reduction::ReducedStructure;
+pub use reduction::GalerkinReduction;
 pub use shooting::{PeriodicMotion, Shooting, ShootingScales};
 pub use state_energy::StateEnergy;
 pub use trajectory::{ClosedInterval, ModalState, Snapshot, Trajectory};

@@ -4,7 +4,7 @@ use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use crate::phase::dot;
 use crate::verification::{n_intervals, share};
 use crate::{
-    Floquet, GrazingState, ModalState, PeriodicMotion, ReducedStructure, Shooting, ShootingScales, TimestepError,
+    Floquet, GalerkinReduction, GrazingState, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError,
 };
 
 /// Most held modes with which a branch is followed by shooting: a point costs their number to the third power.
@@ -13,11 +13,11 @@ pub const MAX_SHOOTING_MODES: usize = 200;
 /// Harmonics up to which the energy of a motion is told apart, whatever number is kept of its coefficients.
 const MOST_HARMONICS: usize = 64;
 
-/// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a [`ReducedStructure`], begun at
+/// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a [`GalerkinReduction`], begun at
 /// grazing. A system for continuation.
 #[derive(Debug)]
 pub struct ModeShooting {
-    structure: ReducedStructure,
+    structure: GalerkinReduction,
     shooting: Shooting,
     start: GrazingState,
     harmonics: usize,
@@ -29,7 +29,7 @@ impl ModeShooting {
     ///
     /// # Errors
     /// [`TimestepError::TooManyModes`]; what [`ContactDynamics::grazing`](crate::ContactDynamics::grazing) reports.
-    pub fn new(structure: ReducedStructure, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
+    pub fn new(structure: GalerkinReduction, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
         if structure.n_kept_modes() > MAX_SHOOTING_MODES {
             let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most });
@@ -41,7 +41,7 @@ impl ModeShooting {
     }
 
     /// The structure.
-    pub fn structure(&self) -> &ReducedStructure {
+    pub fn structure(&self) -> &GalerkinReduction {
         &self.structure
     }
 

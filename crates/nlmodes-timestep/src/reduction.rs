@@ -22,7 +22,7 @@ const NOTHING: f64 = 1e-13;
 /// stay massless: this is a structure with massless contacts itself. Where all modes are kept it is the full structure. Modes that
 /// leave the contacts at rest (the axial family of a beam under a transverse stop) stay at rest and are left out.
 #[derive(Debug, Clone)]
-pub struct ReducedStructure {
+pub struct GalerkinReduction {
     full: MasslessContactModel,
     model: MasslessContactModel,
     /// `B`, n_L × m; `None` where all modes are kept: nothing was reduced.
@@ -31,7 +31,7 @@ pub struct ReducedStructure {
     available: usize,
 }
 
-impl ReducedStructure {
+impl GalerkinReduction {
     /// Keeps the lowest `count` held modes, of these the ones that move a contact, and the static correction.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes_model::Side;
 use nlmodes_timestep::{
-    ContactDynamics, GlobalContactProblem, ReducedStructure, Shooting, ShootingScales, TimestepError, Verification,
+    ContactDynamics, GalerkinReduction, GlobalContactProblem, Shooting, ShootingScales, TimestepError, Verification,
 };
 use support::{ClosedForm, OMEGA_CONTACT, OMEGA_FREE, massless, rod_with, settle, unit_rod};
 
@@ -128,7 +128,7 @@ fn a_reduced_structure_counts_its_modes() {
         let model = massless(&rod_with(12, stops));
         let massive = model.linear_dofs().len();
         for count in [2, 4] {
-            let reduced = ReducedStructure::new(model.clone(), count).unwrap();
+            let reduced = GalerkinReduction::new(model.clone(), count).unwrap();
             assert_eq!((reduced.n_held_modes(), reduced.n_kept_modes()), (count, count));
             assert_eq!(reduced.n_modes(), count + contacts, "with a static shape a contact");
             // What the reduced structure tells of a static shape is that of the full one.
@@ -141,7 +141,7 @@ fn a_reduced_structure_counts_its_modes() {
                 }
             }
         }
-        let whole = ReducedStructure::new(model, 100).unwrap();
+        let whole = GalerkinReduction::new(model, 100).unwrap();
         assert_eq!((whole.n_held_modes(), whole.n_kept_modes(), whole.n_modes()), (massive, massive, massive));
     }
 }

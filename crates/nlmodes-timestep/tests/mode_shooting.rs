@@ -10,7 +10,7 @@ use nlmodes_fem::{Direction, Stop};
 use nlmodes_linalg::{SparseCholesky, bilinear};
 use nlmodes_modal::{HarmonicBasis, HarmonicCoefficients};
 use nlmodes_model::{MasslessContactModel, Side, StructuralModel};
-use nlmodes_timestep::{ContactDynamics, ModalState, ModeShooting, ReducedStructure, TimestepError};
+use nlmodes_timestep::{ContactDynamics, GalerkinReduction, ModalState, ModeShooting, TimestepError};
 use num_complex::Complex64;
 use support::{beam, massless, rod_with, unit_rod};
 
@@ -30,7 +30,7 @@ fn transverse(elements: usize) -> MasslessContactModel {
 
 /// The nonlinear mode, and the unknowns of a motion of `ratio` times the energy at grazing.
 fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting, Vec<f64>, f64) {
-    let reduced = ReducedStructure::new(model, modes).unwrap();
+    let reduced = GalerkinReduction::new(model, modes).unwrap();
     let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
     let (x, direction) = shooting.start();
     let bounds = vec![Bound { coordinate: shooting.dim(), min: -1.0, max: ratio.ln() }];
@@ -44,7 +44,7 @@ fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting,
 #[test]
 fn the_jacobian_is_the_derivative_of_the_residual() {
     for (model, modes) in [(massless(&two_stops()), 6), (massless(&two_stops()), 3), (transverse(4), 12)] {
-        let reduced = ReducedStructure::new(model, modes).unwrap();
+        let reduced = GalerkinReduction::new(model, modes).unwrap();
         let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
         // No solution: the linear mode beyond its grazing, with some of all others.
         let (start, p) = (shooting.start().0, 0.6);
@@ -75,7 +75,7 @@ fn the_jacobian_is_the_derivative_of_the_residual() {
 #[test]
 fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out() {
     let full = transverse(4);
-    let reduced = ReducedStructure::new(full.clone(), usize::MAX).unwrap();
+    let reduced = GalerkinReduction::new(full.clone(), usize::MAX).unwrap();
     // Four axial degrees of freedom of the beam, and the mass of the tip's deflection, are gone.
     assert_eq!((full.linear_dofs().len(), reduced.n_modes()), (11, 7));
     let (mut all, mut few) = (ContactDynamics::new(full.clone()).unwrap(), reduced.dynamics().unwrap());
@@ -104,7 +104,7 @@ fn what_is_left_out_answers_statically() {
     let full = massless(&two_stops());
     let stiffness = SparseCholesky::factor(full.stiffness(), "the rod").unwrap();
     for modes in 1..4 {
-        let reduced = ReducedStructure::new(full.clone(), modes).unwrap();
+        let reduced = GalerkinReduction::new(full.clone(), modes).unwrap();
         // A static shape for each contact, unless the four held modes are exhausted.
         assert_eq!((reduced.n_kept_modes(), reduced.n_modes()), (modes, (modes + 2).min(4)));
         let small = SparseCholesky::factor(reduced.model().stiffness(), "the reduced rod").unwrap();
@@ -206,7 +206,7 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
 #[test]
 fn unknowns_of_a_given_motion_are_its_beginning_and_its_energy() {
     let model = massless(&two_stops());
-    let reduced = ReducedStructure::new(model.clone(), usize::MAX).unwrap();
+    let reduced = GalerkinReduction::new(model.clone(), usize::MAX).unwrap();
     let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
     let (dofs, omega, harmonics) = (model.dofs().len(), 1.3, 4);
     let mut motion = HarmonicCoefficients::zeros(dofs, harmonics);
@@ -243,6 +243,6 @@ fn a_stop_that_presses_at_rest_begins_where_its_force_vanishes() {
 #[test]
 fn too_many_modes_are_refused() {
     let model = massless(&unit_rod(220));
-    let error = ModeShooting::new(ReducedStructure::new(model, 210).unwrap(), 0.0, 3).unwrap_err();
+    let error = ModeShooting::new(GalerkinReduction::new(model, 210).unwrap(), 0.0, 3).unwrap_err();
     assert_eq!(error, TimestepError::TooManyModes { found: 210, most: nlmodes_timestep::MAX_SHOOTING_MODES });
 }

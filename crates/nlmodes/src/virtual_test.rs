@@ -8,8 +8,8 @@ use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_rig::{
-    ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, ModalReduction, ModalStructure, Motion, Place, RigError,
-    RigSetup, Sensor, Stop, VirtualTest,
+    ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, LinearStructure, ModalReduction, MotionQuantity, RigError,
+    RigSetup, Sensor, SensorPlace, Stop, VirtualTest,
 };
 
 use crate::branches::{Doing, Ended, Watch};
@@ -86,24 +86,24 @@ impl Bench {
     /// The rig: shapes and residual flexibilities of the reduction, frequencies and damping of the bench.
     pub fn setup(&self, reduction: &ModalReduction) -> RigSetup {
         let mut sensors = vec![
-            Sensor::new("force_N", Place::Excitation, self.noise.force),
-            Sensor::new("x_drive_m", Place::DrivePoint(Motion::Displacement), self.noise.displacement),
-            Sensor::new("v_drive_mps", Place::DrivePoint(Motion::Velocity), self.noise.velocity),
+            Sensor::new("force_N", SensorPlace::Excitation, self.noise.force),
+            Sensor::new("x_drive_m", SensorPlace::DrivePoint(MotionQuantity::Displacement), self.noise.displacement),
+            Sensor::new("v_drive_mps", SensorPlace::DrivePoint(MotionQuantity::Velocity), self.noise.velocity),
         ];
         sensors.extend(self.accelerometers.iter().enumerate().map(|(i, point)| {
             let shape = reduction.shape(&point.weights);
-            let place = Place::Point { motion: Motion::Acceleration, position: point.position, shape };
+            let place = SensorPlace::Point { motion: MotionQuantity::Acceleration, position: point.position, shape };
             Sensor::new(format!("a{}_mps2", i + 1), place, self.noise.acceleration)
         }));
         if self.stop.is_some() {
             sensors.extend([
-                Sensor::new("x_stop_m", Place::StopPoint(Motion::Displacement), self.noise.displacement),
-                Sensor::new("v_stop_mps", Place::StopPoint(Motion::Velocity), self.noise.velocity),
-                Sensor::new("f_contact_N", Place::Stop, self.noise.contact_force),
+                Sensor::new("x_stop_m", SensorPlace::StopPoint(MotionQuantity::Displacement), self.noise.displacement),
+                Sensor::new("v_stop_mps", SensorPlace::StopPoint(MotionQuantity::Velocity), self.noise.velocity),
+                Sensor::new("f_contact_N", SensorPlace::Stop, self.noise.contact_force),
             ]);
         }
         RigSetup {
-            structure: ModalStructure { omega: self.omega.clone(), damping_ratios: self.damping_ratios.clone() },
+            structure: LinearStructure { omega: self.omega.clone(), damping_ratios: self.damping_ratios.clone() },
             drive_point: DrivePoint {
                 position: self.drive.position,
                 shape: reduction.shape(&self.drive.weights),

@@ -8,8 +8,8 @@ use nlmodes::modal::LinearModes;
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{Damping, ResponseModel, ResponsePoint, ResponseSettings, conservative_mode};
 use nlmodes::rig::{
-    ControlledHarmonics, DrivePoint, Exciter, Finding, Hold, ModalStructure, Motion, Place, RigError, RigSetup,
-    Schedule, Sensor, Session, Settling, Shaker, Stop, VirtualTest,
+    ControlledHarmonics, DrivePoint, Exciter, Finding, Hold, LinearStructure, MotionQuantity, RigError, RigSetup,
+    Schedule, Sensor, SensorPlace, Session, Settling, Shaker, Stop, VirtualTest,
 };
 use nlmodes_reduction::{ModeCount, OpenModes};
 use num_complex::Complex64;
@@ -53,12 +53,12 @@ impl Structure {
 
     fn setup(self, exciter: Exciter) -> RigSetup {
         let point = |x: f64| {
-            let place = Place::Point { motion: Motion::Acceleration, position: x, shape: self.shape(x) };
+            let place = SensorPlace::Point { motion: MotionQuantity::Acceleration, position: x, shape: self.shape(x) };
             Sensor::new(format!("a_{x}"), place, 0.0)
         };
         let mut sensors = vec![
-            Sensor::new("force", Place::Excitation, 0.0),
-            Sensor::new("x_drive", Place::DrivePoint(Motion::Displacement), 0.0),
+            Sensor::new("force", SensorPlace::Excitation, 0.0),
+            Sensor::new("x_drive", SensorPlace::DrivePoint(MotionQuantity::Displacement), 0.0),
         ];
         sensors.extend(ACCELEROMETERS.map(point));
         let stop = Stop {
@@ -70,7 +70,7 @@ impl Structure {
             residual: self.residual(),
         };
         RigSetup {
-            structure: ModalStructure { omega: omega(), damping_ratios: vec![DAMPING; MODES] },
+            structure: LinearStructure { omega: omega(), damping_ratios: vec![DAMPING; MODES] },
             drive_point: DrivePoint { position: DRIVE, shape: self.shape(DRIVE), residual: 0.0 },
             exciter,
             stop: Some(stop),

@@ -38,7 +38,7 @@ fn existing() -> BTreeSet<String> {
         nlmodes::model::MassRedistribution,
         nlmodes::model::MasslessContactModel,
         nlmodes::model::StructuralModel,
-        nlmodes::rig::ModalStructure,
+        nlmodes::rig::LinearStructure,
         nlmodes::rig::VirtualRig,
         nlmodes::branches::compute_branch,
         nlmodes::timestep::GlobalContactProblem,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::ProgressBar;
 use nlmodes_scene::memory;
-use nlmodes_study::{Progress, RunOutcome, Settings, Shard, Study, StudyObserver};
+use nlmodes_study::{Settings, Shard, Study, StudyObserver, StudyOutcome, StudyProgress};
 
 use super::{Place, collect, refused};
 use crate::progress::bar;
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Status {
     })
 }
 
-fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &RunOutcome) -> Status {
+fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &StudyOutcome) -> Status {
     if !arguments.quiet {
         say!("{outcome}");
     }
@@ -112,7 +112,7 @@ impl Watch {
 }
 
 impl StudyObserver for Watch {
-    fn progress(&mut self, progress: &Progress) {
+    fn progress(&mut self, progress: &StudyProgress) {
         if let Some(bar) = &self.bar {
             bar.set_length(progress.cases as u64);
             bar.set_position((progress.there + progress.computed) as u64);

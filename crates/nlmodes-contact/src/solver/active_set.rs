@@ -9,7 +9,7 @@ pub(crate) use primal::Primal;
 
 use super::{
     closed_form::OneContact,
-    session::{Method, Outcome, Session},
+    workspace::{Method, Outcome, Workspace},
 };
 use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, kernel, sample::Sample};
 
@@ -47,10 +47,10 @@ impl LcpSolver for ActiveSet {
 
     fn workspace(&self, a: &LcpMatrix) -> Result<Box<dyn LcpWorkspace>, LcpError> {
         if a.n_contacts() == 1 {
-            return Ok(Box::new(Session::new(a, OneContact)));
+            return Ok(Box::new(Workspace::new(a, OneContact)));
         }
         let c = a.n_contacts();
-        Ok(Box::new(Session::new(a, Search { settings: *self, newton: Newton::new(c), primal: Primal::default() })))
+        Ok(Box::new(Workspace::new(a, Search { settings: *self, newton: Newton::new(c), primal: Primal::default() })))
     }
 }
 

@@ -6,7 +6,7 @@ use clarabel::{
 use super::{
     closed_form::OneContact,
     polish::Polish,
-    session::{Method, Outcome, Session},
+    workspace::{Method, Outcome, Workspace},
 };
 use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, sample::Sample, scaled::Scaled};
 
@@ -41,7 +41,7 @@ impl LcpSolver for Clarabel {
     fn workspace(&self, a: &LcpMatrix) -> Result<Box<dyn LcpWorkspace>, LcpError> {
         let c = a.n_contacts();
         if c == 0 {
-            return Ok(Box::new(Session::new(a, OneContact)));
+            return Ok(Box::new(Workspace::new(a, OneContact)));
         }
         // The scaling inside Clarabel is fixed here: by a b of the size of all later ones.
         let representative = vec![-1.0; c];
@@ -51,7 +51,7 @@ impl LcpSolver for Clarabel {
             DefaultSolver::new(&quadratic, &representative, &constraint, &vec![0.0; c], &cones, self.settings())
                 .map_err(|e| LcpError::Setup { solver: NAME, reason: e.to_string() })?;
         let polish = self.polished.then(|| Polish::new(c));
-        Ok(Box::new(Session::new(a, InteriorPoint { programme, polish })))
+        Ok(Box::new(Workspace::new(a, InteriorPoint { programme, polish })))
     }
 }
 

@@ -1,4 +1,4 @@
-use super::session::{Method, Outcome, Session};
+use super::workspace::{Method, Outcome, Workspace};
 use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, sample::Sample};
 
 pub(crate) const NAME: &str = "closed-form";
@@ -19,7 +19,7 @@ impl LcpSolver for ClosedForm {
         if found > 1 {
             return Err(LcpError::TooManyContacts { solver: NAME, at_most: 1, found });
         }
-        Ok(Box::new(Session::new(a, OneContact)))
+        Ok(Box::new(Workspace::new(a, OneContact)))
     }
 }
 

@@ -3,7 +3,7 @@ mod tableau;
 use super::{
     closed_form::OneContact,
     polish::Polish,
-    session::{Method, Outcome, Session},
+    workspace::{Method, Outcome, Workspace},
 };
 use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, sample::Sample};
 use tableau::{End, Tableau};
@@ -35,10 +35,10 @@ impl LcpSolver for Lemke {
     fn workspace(&self, a: &LcpMatrix) -> Result<Box<dyn LcpWorkspace>, LcpError> {
         let c = a.n_contacts();
         if c == 0 {
-            return Ok(Box::new(Session::new(a, OneContact)));
+            return Ok(Box::new(Workspace::new(a, OneContact)));
         }
         let (tableau, polish) = (Tableau::new(c), Polish::new(c));
-        Ok(Box::new(Session::new(a, Pivoting { limit: self.pivots_per_contact * c + 1000, tableau, polish })))
+        Ok(Box::new(Workspace::new(a, Pivoting { limit: self.pivots_per_contact * c + 1000, tableau, polish })))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     active_set::{Newton, Primal},
-    session::Outcome,
+    workspace::Outcome,
 };
 use crate::sample::Sample;
 

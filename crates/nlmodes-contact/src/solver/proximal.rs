@@ -1,6 +1,6 @@
 use super::{
     polish::Polish,
-    session::{Method, Outcome, Session},
+    workspace::{Method, Outcome, Workspace},
 };
 use crate::{LcpError, LcpMatrix, LcpSolver, LcpWorkspace, kernel, sample::Sample, scaled::Scaled};
 
@@ -44,7 +44,7 @@ impl LcpSolver for Proximal {
         let best = Best { lambda: zeros(), violation: f64::INFINITY };
         let descent =
             Descent { settings: *self, step, state, best, start: zeros(), mark: zeros(), polish: Polish::new(c) };
-        Ok(Box::new(Session::new(a, descent)))
+        Ok(Box::new(Workspace::new(a, descent)))
     }
 }
 

@@ -4,7 +4,7 @@ use nlmodes_contact::LcpSolver;
 
 use super::block::LinearResponse;
 use super::closing_conditions::{ClosingConditions, Source};
-use super::closing_equations::{EnergyGiven, PhaseAnchor, PhaseLag};
+use super::closing_equations::{EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::damping::ModalDamping;
 use super::directions::Directions;
@@ -80,7 +80,7 @@ impl PeriodicSystem {
             Symmetry::Even => {
                 ClosingConditions { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) }
             }
-            Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseAnchor>::default()]),
+            Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]),
         };
         Self::assemble(undamped, Load::default(), conditions, (settings, symmetry), scales, solver)
     }
@@ -96,7 +96,7 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let conditions = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseAnchor>::default()]);
+        let conditions = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]);
         let parts = (Arc::new(structure.clone()), Load::default());
         Self::assemble(parts.0, parts.1, conditions, (settings, Symmetry::None), scales, solver)
     }

@@ -92,11 +92,11 @@ fn square(eta: &[Complex64], inertia: &[f64]) -> f64 {
 
 /// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held.
 #[derive(Debug, Clone, Default)]
-pub struct PhaseAnchor {
+pub struct PhaseCondition {
     weights: Vec<f64>,
 }
 
-impl ClosingEquation for PhaseAnchor {
+impl ClosingEquation for PhaseCondition {
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError> {
         let mut x = self.weights.clone();
         x.resize(motion.x.len(), 0.0);

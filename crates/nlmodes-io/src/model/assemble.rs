@@ -31,7 +31,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     let rows = rows_of(&labels);
     let held = stiffness.fixed;
     let mut model =
-        FeModel { stiffness: stiffness.lower, mass, labels, mesh, held, held_mass: Vec::new(), places, rows };
+        FeModel { stiffness: stiffness.lower, mass, labels, mesh, fixed: held, fixed_mass: Vec::new(), places, rows };
     hold(&mut model, files)?;
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
@@ -125,12 +125,12 @@ fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
         (None, Some(row)) => Some((row, model.labels[i], mass)),
         _ => None,
     });
-    model.held_mass = across.collect();
+    model.fixed_mass = across.collect();
     model.stiffness = model.stiffness.placed(&to, free);
     model.mass = model.mass.placed(&to, free);
     let (held, labels): (Vec<_>, Vec<_>) = model.labels.iter().copied().partition(|label| nodes.contains(&label.node));
     (model.rows, model.labels) = (rows_of(&labels), labels);
-    model.held.extend(held);
+    model.fixed.extend(held);
     if model.labels.is_empty() {
         let problem = Problem::Expected { expected: "free nodes".into(), found: "none: all are held".into() };
         return Err(ReadError::whole(&files.stiffness.path, problem));
@@ -142,7 +142,7 @@ fn into_si(model: &mut FeModel, files: &FeFiles) {
     let component = |row: usize| model.labels[row].component;
     model.stiffness.scale(|i, j| files.units.stiffness(component(i), component(j)));
     model.mass.scale(|i, j| files.units.mass(component(i), component(j)));
-    for (row, held, mass) in &mut model.held_mass {
+    for (row, held, mass) in &mut model.fixed_mass {
         *mass *= files.units.mass(model.labels[*row].component, held.component);
     }
 }

@@ -110,7 +110,7 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     let free = FeModel::read(&files).unwrap();
     files.fixed = vec![NodeChoice::Set("CLAMP".into()), NodeChoice::Node(80)];
     let held = FeModel::read(&files).unwrap();
-    assert_eq!((held.n_dofs(), held.held.len()), (N - 9, 9));
+    assert_eq!((held.n_dofs(), held.fixed.len()), (N - 9, 9));
     assert_eq!(held.row_of(10, Component::X), None);
     for (i, a) in held.labels.iter().enumerate() {
         for (j, b) in held.labels.iter().enumerate() {
@@ -131,7 +131,7 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
         let expected = whole[free.row_of(label.node, label.component).unwrap()];
         assert!((inertia - expected).abs() < 1e-15, "{label}: {inertia} {expected}");
     }
-    assert!(!held.held_mass.is_empty());
+    assert!(!held.fixed_mass.is_empty());
     files.mesh = Some(directory.path().join("x.inp"));
     for (choice, says) in [
         (NodeChoice::Node(7), "found node 7, which is to be held and has none; expected nodes with rows"),

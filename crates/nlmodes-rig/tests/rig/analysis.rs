@@ -3,7 +3,7 @@
 
 use nlmodes_experiment::records::{Quantity, Record};
 use nlmodes_linalg::{DenseLu, Mat};
-use nlmodes_rig::{DRIVE_PHASE, Place, RigSetup};
+use nlmodes_rig::{DRIVE_PHASE, RigSetup, SensorPlace};
 use num_complex::Complex64;
 
 /// Figures of one level.
@@ -87,10 +87,10 @@ fn modal_coordinates(setup: &RigSetup, record: &Record, omega: f64) -> Vec<Compl
     solve(|z| z.re).into_iter().zip(solve(|z| z.im)).map(|(re, im)| Complex64::new(re, im)).collect()
 }
 
-fn shape_of<'a>(setup: &'a RigSetup, place: &'a Place) -> Option<&'a [f64]> {
+fn shape_of<'a>(setup: &'a RigSetup, place: &'a SensorPlace) -> Option<&'a [f64]> {
     match place {
-        Place::Point { shape, .. } => Some(shape),
-        Place::StopPoint(_) => setup.stop.as_ref().map(|stop| stop.shape.as_slice()),
+        SensorPlace::Point { shape, .. } => Some(shape),
+        SensorPlace::StopPoint(_) => setup.stop.as_ref().map(|stop| stop.shape.as_slice()),
         _ => None,
     }
 }

@@ -7,7 +7,8 @@
 use nlmodes_fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes_model::{DofKind, StructuralModel};
 use nlmodes_rig::{
-    ContactLaw, DrivePoint, Exciter, ModalReduction, ModalStructure, Motion, Place, RigSetup, Sensor, Side, Stop,
+    ContactLaw, DrivePoint, Exciter, LinearStructure, ModalReduction, MotionQuantity, RigSetup, Sensor, SensorPlace,
+    Side, Stop,
 };
 
 pub const LENGTH: f64 = 0.62975520;
@@ -69,20 +70,20 @@ pub fn setup(exciter: Exciter) -> RigSetup {
     let shapes = Shapes::new();
     let drive = 0.1 * LENGTH;
     let point = |i: usize, position: f64| {
-        let place = Place::Point { motion: Motion::Acceleration, position, shape: shapes.at(position) };
+        let place = SensorPlace::Point { motion: MotionQuantity::Acceleration, position, shape: shapes.at(position) };
         Sensor::new(format!("a{i}"), place, 0.0)
     };
     let mut sensors = vec![
-        Sensor::new("force", Place::Excitation, 0.0),
-        Sensor::new("x_ex", Place::DrivePoint(Motion::Displacement), 0.0),
-        Sensor::new("v_ex", Place::DrivePoint(Motion::Velocity), 0.0),
-        Sensor::new("x_tip", Place::StopPoint(Motion::Displacement), 0.0),
-        Sensor::new("v_tip", Place::StopPoint(Motion::Velocity), 0.0),
-        Sensor::new("f_contact", Place::Stop, 0.0),
+        Sensor::new("force", SensorPlace::Excitation, 0.0),
+        Sensor::new("x_ex", SensorPlace::DrivePoint(MotionQuantity::Displacement), 0.0),
+        Sensor::new("v_ex", SensorPlace::DrivePoint(MotionQuantity::Velocity), 0.0),
+        Sensor::new("x_tip", SensorPlace::StopPoint(MotionQuantity::Displacement), 0.0),
+        Sensor::new("v_tip", SensorPlace::StopPoint(MotionQuantity::Velocity), 0.0),
+        Sensor::new("f_contact", SensorPlace::Stop, 0.0),
     ];
     sensors.extend(ACCELEROMETERS.into_iter().enumerate().map(|(i, x)| point(i + 1, x)));
     RigSetup {
-        structure: ModalStructure {
+        structure: LinearStructure {
             omega: FREQUENCIES_HZ.map(|f| std::f64::consts::TAU * f).to_vec(),
             damping_ratios: DAMPING_RATIOS.to_vec(),
         },

@@ -1,8 +1,8 @@
 //! Whatever the numbers are: an error or a motion, no panic and no endless loop.
 
 use nlmodes_rig::{
-    ContactLaw, Drive, DrivePoint, Exciter, ModalStructure, Motion, Place, RigSetup, Sensor, Shaker, Side, Stop,
-    VirtualRig,
+    ContactLaw, Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, Shaker,
+    Side, Stop, VirtualRig,
 };
 use proptest::prelude::*;
 
@@ -58,14 +58,14 @@ fn setup() -> impl Strategy<Value = RigSetup> {
     );
     (structure, stop(), exciter(), number(1e-5, 1e-3)).prop_map(
         |((omega, damping_ratios, shape, residual), stop, exciter, interval)| RigSetup {
-            structure: ModalStructure { omega, damping_ratios },
+            structure: LinearStructure { omega, damping_ratios },
             drive_point: DrivePoint { position: 0.1, shape, residual },
             exciter,
             stop: Some(stop),
             sensors: vec![
-                Sensor::new("f", Place::Excitation, 0.0),
-                Sensor::new("a", Place::StopPoint(Motion::Acceleration), 1.0),
-                Sensor::new("c", Place::Stop, 0.0),
+                Sensor::new("f", SensorPlace::Excitation, 0.0),
+                Sensor::new("a", SensorPlace::StopPoint(MotionQuantity::Acceleration), 1.0),
+                Sensor::new("c", SensorPlace::Stop, 0.0),
             ],
             interval,
             substeps: None,

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_rig::{
-    ContactLaw, Drive, DrivePoint, Exciter, ModalReduction, ModalStructure, Motion, Place, RigError, RigSetup, Sensor,
-    Shaker, Side, Stop, VirtualRig,
+    ContactLaw, Drive, DrivePoint, Exciter, LinearStructure, ModalReduction, MotionQuantity, RigError, RigSetup,
+    Sensor, SensorPlace, Shaker, Side, Stop, VirtualRig,
 };
 
 use crate::beam;
@@ -12,15 +12,15 @@ use crate::beam;
 /// One mode of 1 kg at 40 Hz in front of a stop at 1 mm.
 fn oscillator(law: ContactLaw, residual: f64, side: Side) -> RigSetup {
     RigSetup {
-        structure: ModalStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.0] },
+        structure: LinearStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.0] },
         drive_point: DrivePoint { position: 0.0, shape: vec![1.0], residual: 0.0 },
         exciter: Exciter::IdealForce,
         stop: Some(Stop { position: 0.0, shape: vec![1.0], side, gap: 1e-3, law, residual }),
         sensors: vec![
-            Sensor::new("x", Place::StopPoint(Motion::Displacement), 0.0),
-            Sensor::new("v", Place::DrivePoint(Motion::Velocity), 0.0),
-            Sensor::new("a", Place::DrivePoint(Motion::Acceleration), 0.0),
-            Sensor::new("contact", Place::Stop, 0.0),
+            Sensor::new("x", SensorPlace::StopPoint(MotionQuantity::Displacement), 0.0),
+            Sensor::new("v", SensorPlace::DrivePoint(MotionQuantity::Velocity), 0.0),
+            Sensor::new("a", SensorPlace::DrivePoint(MotionQuantity::Acceleration), 0.0),
+            Sensor::new("contact", SensorPlace::Stop, 0.0),
         ],
         interval: 5e-5,
         substeps: None,
@@ -131,7 +131,7 @@ fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
     // Amplitude and phase of every channel at 41 Hz, 0.4 N, against the complex solution of the modal equations.
     let mut setup = beam::setup(Exciter::IdealForce);
     setup.stop = None;
-    setup.sensors.retain(|sensor| !matches!(sensor.place, Place::StopPoint(_) | Place::Stop));
+    setup.sensors.retain(|sensor| !matches!(sensor.place, SensorPlace::StopPoint(_) | SensorPlace::Stop));
     setup.structure.damping_ratios.fill(0.02);
     let ω = TAU * 41.0;
     let channels = setup.sensors.clone();
@@ -141,8 +141,8 @@ fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
     (0..steps).for_each(|k| rig.advance(&drive(k)).unwrap());
     for (index, sensor) in channels.iter().enumerate() {
         let (motion, shape, residual) = match &sensor.place {
-            Place::DrivePoint(motion) => (*motion, &setup.drive_point.shape, setup.drive_point.residual),
-            Place::Point { motion, shape, .. } => (*motion, shape, 0.0),
+            SensorPlace::DrivePoint(motion) => (*motion, &setup.drive_point.shape, setup.drive_point.residual),
+            SensorPlace::Point { motion, shape, .. } => (*motion, shape, 0.0),
             _ => continue,
         };
         let i = num_complex::Complex64::i();
@@ -151,9 +151,9 @@ fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
             response += φ * φ_ex / (ωk * ωk - ω * ω + 2.0 * i * 0.02 * ωk * ω);
         }
         let order = match motion {
-            Motion::Displacement => 0,
-            Motion::Velocity => 1,
-            Motion::Acceleration => 2,
+            MotionQuantity::Displacement => 0,
+            MotionQuantity::Velocity => 1,
+            MotionQuantity::Acceleration => 2,
         };
         let amplitude = 0.4 * response * (i * ω).powi(order);
         let expected = (amplitude * num_complex::Complex64::cis(ω * 5e-5 * steps as f64)).re;
@@ -167,11 +167,11 @@ fn a_shaker_on_a_blocked_structure_has_its_closed_form() {
     // A structure that cannot move: the force follows from coil, armature and stinger alone.
     let shaker = Shaker::default();
     let setup = RigSetup {
-        structure: ModalStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.1] },
+        structure: LinearStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.1] },
         drive_point: DrivePoint { position: 0.0, shape: vec![0.0], residual: 0.0 },
         exciter: Exciter::Shaker(shaker),
         stop: None,
-        sensors: vec![Sensor::new("force", Place::Excitation, 0.0)],
+        sensors: vec![Sensor::new("force", SensorPlace::Excitation, 0.0)],
         interval: 5e-5,
         substeps: None,
         seed: 0,
@@ -227,7 +227,7 @@ fn a_hard_stop_moves_as_the_massless_node_in_physical_coordinates() {
     let mode = |r: usize, i: usize| ((2 * r + 1) as f64 * PI * (i + 1) as f64 / 9.0).sin() * (4.0f64 / 9.0).sqrt();
     let omega = (0..4).map(|r| 2.0 * Chain::K.sqrt() * ((2 * r + 1) as f64 * PI / 18.0).sin()).collect();
     let setup = RigSetup {
-        structure: ModalStructure { omega, damping_ratios: vec![0.0; 4] },
+        structure: LinearStructure { omega, damping_ratios: vec![0.0; 4] },
         drive_point: DrivePoint { position: 0.0, shape: vec![0.0; 4], residual: 0.0 },
         exciter: Exciter::IdealForce,
         stop: Some(Stop {

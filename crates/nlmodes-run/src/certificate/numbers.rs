@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Check, Outcome, Place, named, share};
+use super::{Check, CheckOutcome, Place, named, share};
 
 /// A number of the results, or several that stand and fall together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -99,11 +99,13 @@ impl NumberUse {
     pub(super) fn new(number: Number, checks: &[Check]) -> Self {
         let speaks = |check: &&Check| check.number.is_none_or(|n| n == number);
         let own = |check: &&Check| check.number == Some(number);
-        let made = checks.iter().filter(own).filter(|check| check.outcome != Outcome::NotLookedAt);
+        let made = checks.iter().filter(own).filter(|check| check.outcome != CheckOutcome::NotLookedAt);
         let largest_change = made.filter_map(|check| check.value).reduce(f64::max);
-        let against: Vec<&Check> = checks.iter().filter(speaks).filter(|c| c.outcome == Outcome::Doubtful).collect();
-        let truncation =
-            |name: &str| checks.iter().filter(own).any(|check| check.name == name && check.outcome == Outcome::Good);
+        let against: Vec<&Check> =
+            checks.iter().filter(speaks).filter(|c| c.outcome == CheckOutcome::Doubtful).collect();
+        let truncation = |name: &str| {
+            checks.iter().filter(own).any(|check| check.name == name && check.outcome == CheckOutcome::Good)
+        };
         let (usable, words) = if !against.is_empty() {
             (Use::No, format!("{}{}", refused(&against), instead(number, checks)))
         } else if truncation("harmonics") || truncation("exact motion") {

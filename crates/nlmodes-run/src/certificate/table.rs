@@ -2,9 +2,9 @@
 
 use nlmodes::report::DataTable;
 
-use super::{Certificate, Check, Outcome, Place, share};
+use super::{Certificate, Check, CheckOutcome, Place, share};
 
-impl Outcome {
+impl CheckOutcome {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
@@ -41,8 +41,8 @@ pub fn tables(certificate: &Certificate, name: Option<&str>, branch: Option<usiz
     all.dedup_by_key(|place| place.point);
     let of_point = |place: Place| {
         let (outcome, against) = match doubt(place.point) {
-            Some(doubt) => (Outcome::Doubtful, doubt.against.join(", ")),
-            None => (Outcome::Good, String::new()),
+            Some(doubt) => (CheckOutcome::Doubtful, doubt.against.join(", ")),
+            None => (CheckOutcome::Good, String::new()),
         };
         vec![place.point.to_string(), place.hertz(), place.joule(), outcome.name().into(), against]
     };

@@ -54,11 +54,11 @@ fn usable(certificate: &Certificate, number: Number) -> &NumberUse {
 fn what_was_not_asked_for_is_said_and_nothing_speaks_for_the_force() {
     let plain = certificate(2, 5, SI, false);
     for name in ["equations", "contact law", "modes"] {
-        assert_eq!(check(&plain, name, Number::Frequency).outcome, Outcome::Good, "{plain:?}");
+        assert_eq!(check(&plain, name, Number::Frequency).outcome, CheckOutcome::Good, "{plain:?}");
     }
     for name in ["return after a period", "exact motion", "harmonics"] {
         let check = check(&plain, name, Number::Displacement);
-        assert_eq!((check.outcome, check.value), (Outcome::NotLookedAt, None));
+        assert_eq!((check.outcome, check.value), (CheckOutcome::NotLookedAt, None));
         assert!(check.how.is_some(), "{check:?}");
     }
     let force = usable(&plain, Number::PeakForce);
@@ -72,14 +72,14 @@ fn few_harmonics_spoil_the_force_and_many_do_not() {
     let force = usable(&poor, Number::PeakForce);
     assert_eq!(force.usable, Use::No, "{poor:?}");
     assert!(force.words.contains("the impulse is not good either"), "{force:?}");
-    assert_eq!(check(&poor, "harmonics", Number::PeakForce).outcome, Outcome::Doubtful);
+    assert_eq!(check(&poor, "harmonics", Number::PeakForce).outcome, CheckOutcome::Doubtful);
     let fine = certificate(4, 60, SI, true);
     for name in ["energy", "return after a period"] {
-        assert_eq!(check(&fine, name, Number::Displacement).outcome, Outcome::Good, "{name}: {fine:?}");
+        assert_eq!(check(&fine, name, Number::Displacement).outcome, CheckOutcome::Good, "{name}: {fine:?}");
     }
     for number in [Number::Impulse, Number::PeakForce] {
         assert_eq!(usable(&fine, number).usable, Use::Yes, "{fine:?}");
-        assert_eq!(check(&fine, "exact motion", number).outcome, Outcome::Good);
+        assert_eq!(check(&fine, "exact motion", number).outcome, CheckOutcome::Good);
     }
     // What is found falls with the harmonics, of whatever it is found.
     for (name, number) in
@@ -97,7 +97,7 @@ fn the_mesh_is_judged_by_the_frequencies_of_discrete_rods() {
         let cos = (PI / (2.0 * n)).cos();
         n * (6.0 * (1.0 - cos) / (2.0 + cos)).sqrt()
     };
-    for (elements, expected) in [(2, Outcome::Doubtful), (40, Outcome::Good)] {
+    for (elements, expected) in [(2, CheckOutcome::Doubtful), (40, CheckOutcome::Good)] {
         let found = mesh::frequency(&scene(elements, 1, SI));
         let n = elements as f64;
         let change = omega(n) / omega(2.0 * n) - 1.0;
@@ -140,7 +140,7 @@ fn too_few_held_modes_are_doubted_and_enough_are_not() {
     let scene = scene(12, 5, SI);
     let computed = branch(&scene, BranchStart::Grazing);
     let model = computed.structure.model().clone();
-    for (kept, expected) in [(3, Outcome::Doubtful), (10, Outcome::Good)] {
+    for (kept, expected) in [(3, CheckOutcome::Doubtful), (10, CheckOutcome::Good)] {
         let settings = BranchSettings { held_modes: Some(kept), ..branch_settings(&scene) };
         let few = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(())).unwrap();
         let sources = Sources { scene: &scene, open: None, shift: None, thorough: true, watch: &Watch::default() };
@@ -210,7 +210,7 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.warning(None), None);
     // Whoever looks on may end it: what was not looked at says so.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
-    assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, Outcome::NotLookedAt);
+    assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, CheckOutcome::NotLookedAt);
 }
 
 #[test]
@@ -239,7 +239,7 @@ fn whoever_watches_ends_a_check_within_its_points() {
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| true);
     for (name, number) in [("harmonics", Number::Frequency), ("return after a period", Number::Displacement)] {
         let check = check(&ended, name, number);
-        assert_eq!((check.outcome, check.words.as_str()), (Outcome::NotLookedAt, BROKEN_OFF), "{check:?}");
+        assert_eq!((check.outcome, check.words.as_str()), (CheckOutcome::NotLookedAt, BROKEN_OFF), "{check:?}");
     }
 }
 

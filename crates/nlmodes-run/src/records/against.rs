@@ -7,7 +7,7 @@ use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, ReportError};
 use serde_json::{Value, json};
 
-use super::{Outcome, figures};
+use super::{RecordOutcome, figures};
 use crate::overlay::{Difference, Laid, differences, sentence, table, write};
 
 /// The points, and their differences from each branch beside them.
@@ -15,7 +15,7 @@ pub struct Against(Vec<(Laid, Vec<Difference>)>);
 
 impl Against {
     /// Compares the points that records gave.
-    pub fn new(outcomes: &[Outcome], beside: &[Laid]) -> Self {
+    pub fn new(outcomes: &[RecordOutcome], beside: &[Laid]) -> Self {
         let found: Vec<&RecordExtraction> =
             outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
         let Some(test) = figures::measured(&found) else { return Self(Vec::new()) };

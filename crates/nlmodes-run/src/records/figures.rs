@@ -7,7 +7,7 @@ use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::modal::{BranchEnd, Coordinate, Event, ModalBranch, TimeHistory, contact_intervals};
 use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
-use super::Outcome;
+use super::RecordOutcome;
 use crate::Failure;
 use crate::files::HISTORIES;
 use crate::overlay::Laid;
@@ -27,7 +27,12 @@ pub struct Drawn {
 }
 
 /// Writes frequency over modal amplitude (with what is laid beside), damping and mode indicator over modal amplitude, and the time histories at the stop.
-pub fn write(directory: &Path, title: &str, outcomes: &[Outcome], beside: &[Laid]) -> Result<Vec<Drawn>, Failure> {
+pub fn write(
+    directory: &Path,
+    title: &str,
+    outcomes: &[RecordOutcome],
+    beside: &[Laid],
+) -> Result<Vec<Drawn>, Failure> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
     let mut all = frequency(title, &found, beside)?;
     all.extend(damping(title, &found)?);

@@ -7,7 +7,7 @@ use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, HtmlReport};
 
-use super::Outcome;
+use super::RecordOutcome;
 use super::figures::{Drawn, measured, scattered};
 use crate::Failure;
 use crate::overlay::Laid;
@@ -24,7 +24,7 @@ pub fn write(
     directory: &Path,
     title: &str,
     lines: &[String],
-    outcomes: &[Outcome],
+    outcomes: &[RecordOutcome],
     (beside, differences): (&[Laid], &[DataTable]),
     figures: &[Drawn],
     wrong: &[String],
@@ -78,7 +78,7 @@ fn number_in(file: &str) -> Option<usize> {
 }
 
 /// The modal points, a row a record.
-fn points(outcomes: &[Outcome]) -> DataTable {
+fn points(outcomes: &[RecordOutcome]) -> DataTable {
     let head = [
         "record",
         "level",
@@ -123,7 +123,7 @@ fn points(outcomes: &[Outcome]) -> DataTable {
 }
 
 /// What a careful experimenter wants to be told, in words.
-fn findings(outcomes: &[Outcome]) -> DataTable {
+fn findings(outcomes: &[RecordOutcome]) -> DataTable {
     let mut table = DataTable::new("Findings", &["record", "finding", "what it says"]);
     for outcome in outcomes {
         let mut row = |name: &str, text: String| {

@@ -6,11 +6,11 @@ use nlmodes::experiment::extraction::Finding;
 use nlmodes::report::{ReportError, write_summary};
 use serde_json::{Value, json};
 
-use super::Outcome;
+use super::RecordOutcome;
 use nlmodes_scene::RecordScene;
 
 /// Writes what was taken from each record, and all findings in words.
-pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Result<(), ReportError> {
+pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[RecordOutcome]) -> Result<(), ReportError> {
     let summary = json!({
         "title": scene.title,
         "version": env!("CARGO_PKG_VERSION"),
@@ -21,7 +21,7 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[Outcome]) -> Res
 }
 
 /// What was taken from a record.
-pub fn record(outcome: &Outcome) -> Value {
+pub fn record(outcome: &RecordOutcome) -> Value {
     match &outcome.result {
         Ok(found) => json!({
             "record": outcome.record,

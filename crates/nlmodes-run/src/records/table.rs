@@ -6,7 +6,7 @@ use std::path::Path;
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::report::{ReportError, write_file};
 
-use super::Outcome;
+use super::RecordOutcome;
 use crate::Failure;
 
 /// Least number of participation columns.
@@ -39,7 +39,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn push(&mut self, outcome: &Outcome) -> Result<(), Failure> {
+    pub fn push(&mut self, outcome: &RecordOutcome) -> Result<(), Failure> {
         let cell = |(_, text): &Column| outcome.result.as_ref().map_or_else(|_| String::new(), text);
         let row = self.columns.iter().map(cell);
         let level = self.has_level.then(|| outcome.level.map_or_else(String::new, |level| format!("{level:?}")));

@@ -113,7 +113,7 @@ fn bodies(structures: &[Structure]) -> Result<Vec<Body>, FemError> {
 /// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were held before they were written.
 fn missing_mass(reduction: &OpenStructure, direction: BaseDirection) -> Option<String> {
     let (BaseDirection::Vector(direction), Some((files, _))) = (direction, &reduction.files) else { return None };
-    if !files.held_mass.is_empty() {
+    if !files.fixed_mass.is_empty() {
         return None;
     }
     let mut force = vec![0.0; files.n_dofs()];

@@ -17,7 +17,7 @@ use crate::forces::{self, Forces};
 use crate::overlay::Laid;
 use crate::records::against::Against;
 use crate::records::table::Table;
-use crate::records::{Outcome, figures, page};
+use crate::records::{RecordOutcome, figures, page};
 use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
 
 /// Folder of the records.
@@ -72,7 +72,7 @@ pub fn write(
     let directory = &scene.output_directory;
     let told: Vec<_> = levels.iter().map(summary::level).collect();
     forces::write(directory, &levels.iter().enumerate().filter_map(controlled).collect::<Vec<_>>())?;
-    let outcomes: Vec<Outcome> = levels.iter().map(outcome).collect();
+    let outcomes: Vec<RecordOutcome> = levels.iter().map(outcome).collect();
     for (method, branch) in backbones {
         write_branch(directory.join(backbone_file(*method)), branch)?;
     }
@@ -114,8 +114,8 @@ pub fn table(scene: &TestScene, rig: &Rig) -> Result<Table, Failure> {
 }
 
 /// A level as a row of the table.
-pub fn outcome(level: &TestLevel) -> Outcome {
-    Outcome {
+pub fn outcome(level: &TestLevel) -> RecordOutcome {
+    RecordOutcome {
         record: level.outcome.record.name.clone(),
         level: Some(level.outcome.level),
         findings: level.outcome.findings.iter().map(|finding| finding.name()).collect(),

@@ -55,7 +55,7 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
         row("mass", format!("{}, {} entries in a triangle", files.mass, model.mass.n_entries())),
         row("units", format!("{} in the files, SI from here on", files.units)),
         row("unknowns", format!("{} degrees of freedom of {nodes} nodes{within}", model.n_dofs())),
-        row("held", format!("{} degrees of freedom by `fixed` or the files", model.held.len())),
+        row("fixed", format!("{} degrees of freedom, by `fixed` or the files", model.fixed.len())),
         row("free mass", format!("{x} kg along x, {y} kg along y, {z} kg along z")),
     ];
     lines.extend(model.mesh.as_ref().map(|mesh| {

@@ -3,7 +3,7 @@
 use super::Drawn;
 use crate::case::Case;
 use crate::curve::{Curve, ENERGY_RATIO, Picked, pick};
-use crate::store::{Record, Status, Store, branch_sha256};
+use crate::store::{CaseRecord, Status, Store, branch_sha256};
 use crate::study::Study;
 
 /// In which state a case is.
@@ -57,7 +57,7 @@ pub struct Row {
 }
 
 /// State of a case, with its record or the reason why there is none.
-pub fn state(store: &Store, case: &Case) -> (State, Result<Record, String>) {
+pub fn state(store: &Store, case: &Case) -> (State, Result<CaseRecord, String>) {
     match &case.id {
         Err(reason) => (State::Failed, Err(reason.to_string())),
         Ok(id) => match store.record(id) {
@@ -94,7 +94,7 @@ impl Row {
         }
     }
 
-    fn of_curve(study: &Study, case: &Case, state: State, record: &Record, curve: &Curve, drawn: bool) -> Self {
+    fn of_curve(study: &Study, case: &Case, state: State, record: &CaseRecord, curve: &Curve, drawn: bool) -> Self {
         let mut reasons = Vec::new();
         if state == State::Incomplete {
             reasons.push(record.reason.clone());

@@ -8,7 +8,7 @@ use crate::store::Status;
 
 /// How far a study is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
+pub struct StudyProgress {
     /// Cases of this run that are to be there at its end, each scene once.
     pub cases: usize,
     /// Those that were there before.
@@ -23,7 +23,7 @@ pub struct Progress {
     pub time: Duration,
 }
 
-impl Progress {
+impl StudyProgress {
     /// Cases a second; nothing before the first one is done.
     pub fn rate(&self) -> Option<f64> {
         (self.computed > 0).then(|| self.computed as f64 / self.time.as_secs_f64().max(1e-9))
@@ -39,7 +39,7 @@ impl Progress {
 /// Whoever looks on while a study is computed.
 pub trait StudyObserver {
     /// Takes note of how far it is: once at the beginning, and behind each case.
-    fn progress(&mut self, progress: &Progress);
+    fn progress(&mut self, progress: &StudyProgress);
 
     /// Whether the study is to end: the cases in progress end with it, and go on the next time.
     fn is_cancelled(&self) -> bool {
@@ -48,12 +48,12 @@ pub trait StudyObserver {
 }
 
 impl StudyObserver for nlmodes_run::Silent {
-    fn progress(&mut self, _: &Progress) {}
+    fn progress(&mut self, _: &StudyProgress) {}
 }
 
 /// What a run of a study came to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RunOutcome {
+pub struct StudyOutcome {
     /// Cases of the whole study.
     pub of_study: usize,
     /// Cases of this shard.
@@ -78,7 +78,7 @@ pub struct RunOutcome {
     pub wall_time: Duration,
 }
 
-impl RunOutcome {
+impl StudyOutcome {
     pub(super) fn new(all: &[Case], shard: Shard) -> Self {
         let own = || all.iter().filter(|case| shard.has(case.number));
         Self {
@@ -130,8 +130,8 @@ impl RunOutcome {
         }
     }
 
-    pub(super) fn progress(&self, time: Duration) -> Progress {
-        Progress {
+    pub(super) fn progress(&self, time: Duration) -> StudyProgress {
+        StudyProgress {
             cases: self.to_compute(),
             there: self.there,
             computed: self.computed,

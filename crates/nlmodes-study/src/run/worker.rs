@@ -18,7 +18,7 @@ use nlmodes_scene::{SceneFile, memory};
 use super::Settings;
 use crate::case::Resolved;
 use crate::error::StudyError;
-use crate::store::{Record, Status, Store, branch_sha256};
+use crate::store::{CaseRecord, Status, Store, branch_sha256};
 use crate::study::Keep;
 
 /// Files that a table does not need.
@@ -75,7 +75,7 @@ impl Worker<'_> {
         }
         let branch_sha256 = branch_sha256(&self.store.case(&id));
         let (version, seconds) = (env!("CARGO_PKG_VERSION").to_owned(), began.elapsed().as_secs_f64());
-        let record = Record { version, status, reason, set, seconds, branch_sha256 };
+        let record = CaseRecord { version, status, reason, set, seconds, branch_sha256 };
         self.store.finish(&id, &record, claim)?;
         Ok(Done::Ended(status))
     }

@@ -8,7 +8,7 @@ use nlmodes_hbm::{
     CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
 use nlmodes_model::MasslessContactModel;
-use nlmodes_timestep::{MAX_SHOOTING_MODES, ModeShooting, ReducedStructure, TimestepError};
+use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, TimestepError};
 
 use super::open_mode::OpenMode;
 use super::periodic::Periodic;
@@ -112,7 +112,7 @@ pub(super) fn exact(
     if settings.symmetry == Symmetry::None {
         return Err(BranchError::NotEven);
     }
-    let reduced = ReducedStructure::new(model.clone(), shooting_modes(model, settings)?)?;
+    let reduced = GalerkinReduction::new(model.clone(), shooting_modes(model, settings)?)?;
     Ok(ModeShooting::new(reduced, start.omega, settings.harmonics)?)
 }
 

@@ -6,7 +6,7 @@ use nlmodes_continuation::Continuation;
 use nlmodes_hbm::Grazing;
 use nlmodes_modal::{ModalPoint, Stability};
 use nlmodes_model::MasslessContactModel;
-use nlmodes_timestep::{Floquet, MAX_SHOOTING_MODES, ModeShooting, ReducedStructure};
+use nlmodes_timestep::{Floquet, GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 
 use super::periodic::Periodic;
 use super::watch::Watched;
@@ -49,7 +49,7 @@ impl Probe {
         if settings.stability == StabilityRule::Auto && is_large {
             return Self::Silent;
         }
-        let reduced = ReducedStructure::new(model.clone(), size.min(most)).ok();
+        let reduced = GalerkinReduction::new(model.clone(), size.min(most)).ok();
         // A structure of more modes than are cheap is not to be judged by some of them unasked.
         let reduced = reduced.filter(|r| settings.stability == StabilityRule::Always || r.n_held_modes() == size);
         let shooting = reduced.and_then(|r| ModeShooting::new(r, grazing.omega, settings.harmonics).ok());

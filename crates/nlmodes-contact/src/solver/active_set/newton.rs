@@ -1,4 +1,4 @@
-use super::super::session::Outcome;
+use super::super::workspace::Outcome;
 use crate::{
     factor::{ClosedSet, WorkingFactor},
     kernel,

@@ -1,6 +1,6 @@
 //! Primal active-set method of Keller for `min ½ λᵀ A λ + bᵀ λ` over `λ ≥ 0`, whose solution is the contact problem's.
 
-use super::{super::session::Outcome, newton::sign_tolerance};
+use super::{super::workspace::Outcome, newton::sign_tolerance};
 use crate::{
     factor::Factor,
     sample::{Sample, Verdict},

@@ -2,7 +2,6 @@
 
 use std::fs;
 
-use super::cut;
 use crate::agreement::{fixture, read};
 use crate::sample::{N, stiffness};
 

@@ -25,12 +25,12 @@ pub(crate) struct Outcome {
 }
 
 /// A method with its sample.
-pub(crate) struct Session<M> {
+pub(crate) struct Workspace<M> {
     sample: Sample,
     method: M,
 }
 
-impl<M: Method> Session<M> {
+impl<M: Method> Workspace<M> {
     pub(crate) fn new(matrix: &LcpMatrix, method: M) -> Self {
         Self { sample: Sample::new(matrix), method }
     }
@@ -53,7 +53,7 @@ impl<M: Method> Session<M> {
     }
 }
 
-impl<M: Method> LcpWorkspace for Session<M> {
+impl<M: Method> LcpWorkspace for Workspace<M> {
     fn solve(&mut self, b: &[f64], closed: &mut [bool], lambda: &mut [f64]) -> Result<LcpStatistics, LcpError> {
         self.check_length("b", b.len())?;
         self.check_length("closed contacts", closed.len())?;
