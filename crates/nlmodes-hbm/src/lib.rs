@@ -57,7 +57,7 @@
 //! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see [`CondensedStructure`].
 //!
 //! Damped and forced motions, in open modes: [`PeriodicSystem`] is put together from a [`ModalStructure`], the [`ContactOperator`] over a period, which
-//! [`MixedShooting`] shares, and [`ClosingConditions`]. Its analyses are constructors: [`PeriodicSystem::conservative_mode`],
+//! [`MixedShooting`] shares, and [`Closing`]. Its analyses are constructors: [`PeriodicSystem::conservative_mode`],
 //! [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`], [`PeriodicSystem::force_response`],
 //! [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives multipliers from the contact instants. Curves of them: `nlmodes-response`.
 //!
@@ -99,10 +99,9 @@ pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
-    ClosingConditions, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
-    Functional, Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint,
-    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
-    modal_grazing,
+    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional,
+    Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion,
+    PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

@@ -3,7 +3,6 @@
 
 mod analyses;
 mod block;
-mod closing_conditions;
 mod closing_equations;
 mod contact_response;
 mod damped_stop;
@@ -14,6 +13,7 @@ mod floquet;
 mod load;
 mod modal_response;
 mod motion;
+mod operating_point;
 mod pieces;
 mod refine;
 mod rows;
@@ -22,13 +22,13 @@ mod structure;
 mod system;
 
 pub use analyses::Coordinates;
-pub use closing_conditions::{ClosingConditions, Column, OperatingPoint, Source};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::{Floquet, Instability};
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion};
+pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
 pub use start::{ModalGrazing, modal_grazing};
 pub use structure::{ModalStructure, ResponseRow};

@@ -86,7 +86,7 @@ impl Curve<'_> {
 
     /// The points of a curve over `ln(level)` at the levels that were asked for.
     fn at_levels(&mut self, branch: &Branch) -> Result<Vec<ResponsePoint>, ResponseError> {
-        let Source::LogParameter { reference } = self.system.conditions().level else { return Ok(Vec::new()) };
+        let Source::LogParameter { reference } = self.system.closing().level else { return Ok(Vec::new()) };
         let mut found = Vec::new();
         for (i, pair) in branch.points.windows(2).enumerate() {
             let [a, b] = pair else { continue };

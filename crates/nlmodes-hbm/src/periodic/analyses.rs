@@ -3,13 +3,13 @@ use std::sync::Arc;
 use nlmodes_contact::LcpSolver;
 
 use super::block::LinearResponse;
-use super::closing_conditions::{ClosingConditions, Source};
 use super::closing_equations::{EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::damping::ModalDamping;
 use super::directions::Directions;
 use super::load::Load;
 use super::modal_response::ModalResponse;
+use super::operating_point::{Closing, Source};
 use super::structure::ModalStructure;
 use super::system::{PeriodicSettings, PeriodicSystem};
 use crate::{HbmError, Scales, Symmetry};
@@ -76,13 +76,11 @@ impl PeriodicSystem {
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
         let undamped = Arc::new(structure.with_damping(ModalDamping::none(structure.n_modes()))?);
-        let conditions = match symmetry {
-            Symmetry::Even => {
-                ClosingConditions { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) }
-            }
+        let closing = match symmetry {
+            Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) },
             Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]),
         };
-        Self::assemble(undamped, Load::default(), conditions, (settings, symmetry), scales, solver)
+        Self::assemble(undamped, Load::default(), closing, (settings, symmetry), scales, solver)
     }
 
     /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`, parameter
@@ -96,9 +94,9 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let conditions = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]);
+        let closing = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]);
         let parts = (Arc::new(structure.clone()), Load::default());
-        Self::assemble(parts.0, parts.1, conditions, (settings, Symmetry::None), scales, solver)
+        Self::assemble(parts.0, parts.1, closing, (settings, Symmetry::None), scales, solver)
     }
 
     /// The response to a load of the given level over the base frequency: the parameter is ω in units of `unit` (rad/s).
@@ -114,14 +112,14 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let conditions = ClosingConditions {
+        let closing = Closing {
             omega: Source::Parameter { scale: unit },
             xi: Source::Fixed(0.0),
             level: Source::Fixed(level),
             equations: Vec::new(),
         };
         let structure = Arc::new(structure.clone());
-        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+        Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
 
     /// The response at the base frequency `omega` (rad/s) over the level of the load: the parameter is the level in units of `unit`. At the
@@ -138,14 +136,14 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let conditions = ClosingConditions {
+        let closing = Closing {
             omega: Source::Fixed(omega),
             xi: Source::Fixed(0.0),
             level: Source::Parameter { scale: unit },
             equations: Vec::new(),
         };
         let structure = Arc::new(structure.clone());
-        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+        Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
 
     /// Motions whose drive point lags the load by a given angle, what a phase-locked loop holds: the parameter is `ln(level/reference)`, the
@@ -172,14 +170,14 @@ impl PeriodicSystem {
         if drive.harmonic == 0 || drive.harmonic > settings.harmonics {
             return Err(HbmError::LoadBeyond { load: drive.harmonic, harmonics: settings.harmonics });
         }
-        let conditions = ClosingConditions {
+        let closing = Closing {
             omega: Source::Unknown { index: 0, scale: scales.omega },
             xi: Source::Fixed(0.0),
             level: Source::LogParameter { reference },
             equations: vec![Box::new(drive)],
         };
         let structure = Arc::new(structure.clone());
-        Self::assemble(structure, load, conditions, (settings, Symmetry::None), scales, solver)
+        Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
 }
 
@@ -187,11 +185,8 @@ fn energy(scales: Scales) -> EnergyGiven {
     EnergyGiven { reference: scales.energy }
 }
 
-fn free_motion(
-    scales: Scales,
-    equations: Vec<Box<dyn super::closing_equations::ClosingEquation>>,
-) -> ClosingConditions {
-    ClosingConditions {
+fn free_motion(scales: Scales, equations: Vec<Box<dyn super::closing_equations::ClosingEquation>>) -> Closing {
+    Closing {
         omega: Source::Unknown { index: 0, scale: scales.omega },
         xi: Source::Unknown { index: 1, scale: scales.omega },
         level: Source::Fixed(0.0),

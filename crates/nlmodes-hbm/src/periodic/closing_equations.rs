@@ -1,7 +1,7 @@
 use num_complex::Complex64;
 
-use super::closing_conditions::OperatingPoint;
 use super::load::Load;
+use super::operating_point::OperatingPoint;
 use super::structure::ResponseRow;
 use crate::energy::inner;
 use crate::series::RealSeries;

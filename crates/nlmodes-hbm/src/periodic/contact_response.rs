@@ -3,9 +3,9 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
-use super::closing_conditions::OperatingPoint;
 use super::directions::Directions;
 use super::load::Load;
+use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 
 /// The linear structure as the contacts see it: `x = u = Y η`, for few contacts and uncoupled modes. Contacts that share a direction, such as

@@ -4,7 +4,7 @@ use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential};
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
-use super::closing_conditions::OperatingPoint;
+use super::operating_point::OperatingPoint;
 use super::system::PeriodicSystem;
 use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 

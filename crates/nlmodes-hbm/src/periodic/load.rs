@@ -1,6 +1,6 @@
 use num_complex::Complex64;
 
-use super::closing_conditions::OperatingPoint;
+use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 use crate::HbmError;
 

@@ -3,8 +3,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
-use super::closing_conditions::OperatingPoint;
 use super::load::Load;
+use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 
 /// The linear structure in its open modes, `x = η`: for many contacts, and for damping that couples modes.

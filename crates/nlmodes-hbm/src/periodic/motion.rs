@@ -2,7 +2,7 @@ use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
 use num_complex::Complex64;
 
-use super::closing_conditions::OperatingPoint;
+use super::operating_point::OperatingPoint;
 use super::rows::complex_harmonic;
 use super::structure::ResponseRow;
 use super::system::PeriodicSystem;

@@ -3,8 +3,8 @@
 use nlmodes_continuation::Boundary;
 use num_complex::Complex64;
 
-use super::closing_conditions::{OperatingPoint, Source};
 use super::load::Load;
+use super::operating_point::{OperatingPoint, Source};
 use super::system::PeriodicSystem;
 use crate::RealSeries;
 use crate::energy::inner;
@@ -43,7 +43,7 @@ impl PeriodicSystem {
             unit: self.unit(),
             at_rest: self.structure.gaps().to_vec(),
             load: if self.load.moves_gaps() { self.load.clone() } else { Load::default() },
-            sources: self.conditions.sources(),
+            sources: self.closing.sources(),
         }
     }
 }

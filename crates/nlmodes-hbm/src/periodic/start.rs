@@ -73,7 +73,7 @@ impl ModalGrazing {
     pub fn unknowns(&self, system: &PeriodicSystem) -> Vec<f64> {
         let mut x = self.cosines(system);
         let scales = system.scales;
-        let extra = system.conditions.n_unknowns();
+        let extra = system.closing.n_unknowns();
         x.push(self.omega / scales.omega);
         if extra > 1 {
             let damped = !system.structure.damping().is_none();
@@ -85,7 +85,7 @@ impl ModalGrazing {
     /// Direction of growing amplitude for the unknowns and the parameter.
     pub fn direction(&self, system: &PeriodicSystem) -> Vec<f64> {
         let mut t = self.cosines(system);
-        t.resize(t.len() + system.conditions.n_unknowns(), 0.0);
+        t.resize(t.len() + system.closing.n_unknowns(), 0.0);
         t.push(2.0);
         t
     }

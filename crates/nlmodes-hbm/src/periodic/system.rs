@@ -6,9 +6,9 @@ use num_complex::Complex64;
 
 use super::analyses::Coordinates;
 use super::block::{HarmonicBlock, LinearResponse};
-use super::closing_conditions::{ClosingConditions, Column, OperatingPoint};
 use super::closing_equations::{Functional, Motion};
 use super::load::Load;
+use super::operating_point::{Closing, Column, OperatingPoint};
 use super::rows::{Assembly, add_weights, complex_harmonic};
 use super::structure::ModalStructure;
 use crate::energy::inner;
@@ -31,7 +31,7 @@ impl Default for PeriodicSettings {
     }
 }
 
-/// A periodic motion of a structure with one-sided contacts as a system for continuation: linear response, contact operator, closing conditions.
+/// A periodic motion of a structure with one-sided contacts as a system for continuation: linear response, contact operator, closing equations.
 ///
 /// ```text
 /// L_n x_n − G_n Pᵀ λ_n − load_n = 0 ,   n = 0 … N_h       the linear structure, harmonic by harmonic
@@ -40,13 +40,13 @@ impl Default for PeriodicSettings {
 /// ```
 ///
 /// `x` are the motions of the contacts (`P = I`) or modal coordinates (`P = Y`), [`Coordinates`]. Unknown vector: coefficients of the coordinates in their
-/// unit, one coordinate after the other ([`RealSeries`]), then the unknowns of the [`ClosingConditions`].
+/// unit, one coordinate after the other ([`RealSeries`]), then the unknowns of the [`Closing`].
 pub struct PeriodicSystem {
     pub(crate) structure: Arc<ModalStructure>,
     pub(crate) response: Box<dyn LinearResponse + Send>,
     pub(crate) operator: ContactOperator,
     pub(crate) load: Load,
-    pub(crate) conditions: ClosingConditions,
+    pub(crate) closing: Closing,
     pub(crate) scales: Scales,
     settings: PeriodicSettings,
     /// `P`, c × d, row-major.
@@ -65,7 +65,7 @@ impl PeriodicSystem {
     pub(crate) fn assemble(
         structure: Arc<ModalStructure>,
         load: Load,
-        conditions: ClosingConditions,
+        closing: Closing,
         (settings, symmetry): (PeriodicSettings, Symmetry),
         scales: Scales,
         solver: &dyn LcpSolver,
@@ -93,7 +93,7 @@ impl PeriodicSystem {
             structure,
             response,
             load,
-            conditions,
+            closing,
             scales,
             settings,
         })
@@ -124,14 +124,14 @@ impl PeriodicSystem {
         self.assembly.size()
     }
 
-    /// The closing conditions.
-    pub fn conditions(&self) -> &ClosingConditions {
-        &self.conditions
+    /// What makes it square.
+    pub fn closing(&self) -> &Closing {
+        &self.closing
     }
 
     /// Frequency, negative damping and level of the unknowns `x` at the parameter `p`.
     pub fn operating_point(&self, x: &[f64], p: f64) -> OperatingPoint {
-        self.conditions.at(&x[self.n_coefficients()..], p)
+        self.closing.at(&x[self.n_coefficients()..], p)
     }
 
     /// Unit of the coefficients.
@@ -142,7 +142,7 @@ impl PeriodicSystem {
     /// Holds the phase of these unknowns from now on, where the phase is free.
     pub fn hold_phase(&mut self, x: &[f64]) {
         let (size, series) = (self.n_coefficients(), self.series());
-        self.conditions.equations.iter_mut().for_each(|e| e.accepted(&x[..size], series));
+        self.closing.equations.iter_mut().for_each(|e| e.accepted(&x[..size], series));
     }
 
     /// An unknown vector of a problem on the same structure with another number of harmonics as one of this problem.
@@ -292,7 +292,7 @@ impl ParametricSystem for PeriodicSystem {
     type Error = HbmError;
 
     fn dim(&self) -> usize {
-        self.n_coefficients() + self.conditions.n_unknowns()
+        self.n_coefficients() + self.closing.n_unknowns()
     }
 
     fn scaling(&self) -> Option<nlmodes_continuation::Scaling> {
@@ -308,7 +308,7 @@ impl ParametricSystem for PeriodicSystem {
             Column::Unknown(index) => size + index,
             Column::Parameter => dim,
         };
-        let slopes = self.conditions.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
+        let slopes = self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
         let moved = self.load_gaps(at);
         let moves_gaps = self.load.moves_gaps();
         let mut forces_by = [0, 1, 2].map(|_| vec![0.0; self.forces.len()]);
@@ -336,7 +336,7 @@ impl ParametricSystem for PeriodicSystem {
             load: &self.load,
             inertia: self.structure.inertia(),
         };
-        for (k, equation) in self.conditions.equations.iter().enumerate() {
+        for (k, equation) in self.closing.equations.iter().enumerate() {
             let functional = equation.evaluate(&motion)?;
             out.residual[size + k] = functional.value;
             let (entries, by) = self.gradient(&functional, &forces_by);

@@ -79,7 +79,7 @@ impl Source {
 }
 
 /// What makes a periodic problem square: where frequency, negative damping and level come from, and an equation for each unknown.
-pub struct ClosingConditions {
+pub struct Closing {
     /// Base frequency.
     pub omega: Source,
     /// Negative damping of a free motion.
@@ -90,7 +90,7 @@ pub struct ClosingConditions {
     pub equations: Vec<Box<dyn ClosingEquation>>,
 }
 
-impl ClosingConditions {
+impl Closing {
     /// The scalars at these unknowns and this parameter.
     pub fn at(&self, unknowns: &[f64], p: f64) -> OperatingPoint {
         let at = |source: &Source| source.at(unknowns, p);
