@@ -32,7 +32,7 @@ pub enum Event {
     Harmonics,
     /// As [`Event::Harmonics`], where it is not shown that the branch is still the same.
     HarmonicsUnproven,
-    /// More harmonics were tried here and did not help.
+    /// More harmonics were tried here and did not lead on.
     HarmonicsNoHelp,
     /// From here on the accuracy that was asked for is not reached.
     AccuracyLimit,

@@ -65,7 +65,7 @@ impl EventSymbols {
             Event::HarmonicsUnproven => {
                 "another number of harmonics, of which it is not shown that the branch is the same"
             }
-            Event::HarmonicsNoHelp => "more harmonics were tried here and did not help",
+            Event::HarmonicsNoHelp => "more harmonics were tried here and did not lead on",
             Event::AccuracyLimit => "from here on the accuracy that was asked for is not reached",
             Event::TongueFoot => "a tongue of an internal resonance begins here and is left out",
             Event::Resumed => "the branch goes on here behind a tongue that was left out",

@@ -148,7 +148,7 @@ fn computed(
     let unfolding = unknowns.iter().filter_map(|x| x.last().filter(|_| free)).map(|delta| delta.abs());
     let accuracy = settings.accuracy.map(|_| AccuracyReached {
         largest_held_modes_estimate: found.largest_held_modes_error,
-        changes: found.changes,
+        changes: found.points.iter().filter(|point| point.has_event(Event::Harmonics)).count(),
         ..AccuracyReached::default()
     });
     let mut computed = ComputedBranch {

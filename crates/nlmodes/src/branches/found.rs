@@ -38,8 +38,7 @@ pub(super) struct Found {
     pub unknowns: Vec<Vec<f64>>,
     pub evaluations: usize,
     pub refused_steps: usize,
-    /// Changes of the number of harmonics, and the largest error that the held modes left out cause, by estimate.
-    pub changes: usize,
+    /// The largest error that the held modes left out cause, by estimate.
     pub largest_held_modes_error: f64,
     /// Points kept when each point of the continuation had been seen.
     seen: Vec<usize>,
@@ -197,20 +196,12 @@ impl Found {
         self.last = None;
     }
 
-    /// Takes all points but the first `count` away.
-    pub(super) fn split_off(&mut self, count: usize) -> Found {
-        let (points, unknowns) = (self.points.split_off(count), self.unknowns.split_off(count));
-        self.last = None;
-        Found { points, unknowns, ..Found::default() }
-    }
-
     /// Takes the points of another run behind its own.
     pub fn append(&mut self, mut other: Found) {
         self.points.append(&mut other.points);
         self.unknowns.append(&mut other.unknowns);
         self.evaluations += other.evaluations;
         self.refused_steps += other.refused_steps;
-        self.changes += other.changes;
         self.largest_held_modes_error = self.largest_held_modes_error.max(other.largest_held_modes_error);
     }
 

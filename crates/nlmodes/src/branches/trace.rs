@@ -24,7 +24,7 @@ pub(super) struct Tracer<'s> {
     pub log: &'s mut dyn RunLog,
     /// Evaluates points while the problem is at work elsewhere.
     pub(super) viewer: Viewer<'s>,
-    /// Where an accuracy is asked for.
+    /// Where an accuracy is asked for; the control is that with which a run begins.
     pub(super) estimator: Option<TruncationEstimator<'s>>,
     control: Option<Control>,
     /// The branch was given up since the held modes do not reach the accuracy.
@@ -88,10 +88,8 @@ impl<'s> Tracer<'s> {
         first: First,
         mut each: impl FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), BranchError> {
-        if let Some(mut control) = self.control.take() {
-            let outcome = self.trace_accurately(&mut control, seed, frequency, first, &mut each);
-            self.control = Some(control);
-            return outcome;
+        if let Some(control) = self.control {
+            return self.trace_accurately(control, seed, frequency, first, &mut each);
         }
         let method = self.within(frequency);
         let mut found = Found::new(&first);

@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{BranchPoint, ParametricSystem};
+use nlmodes_continuation::BranchPoint;
 use nlmodes_hbm::RealSeries;
 
+use super::stretch::Base;
 use crate::branches::BranchError;
 use crate::branches::found::Found;
 use crate::branches::homotopy::{self, Effort};
-use crate::branches::prepare::continuation;
 use crate::branches::stability::length;
 use crate::branches::start::{Seed, one_point};
 use crate::branches::trace::Tracer;
@@ -41,15 +41,16 @@ impl Tracer<'_> {
     pub(super) fn carried_over(
         &mut self,
         earlier: &Found,
-        base: &BranchPoint,
-        series: RealSeries,
+        frequency: Option<[f64; 2]>,
+        Base { point: base, series, .. }: &Base,
         harmonics: usize,
         deform: bool,
     ) -> Result<Option<Seed>, BranchError> {
+        let series = *series;
         let most = self.settings.accuracy.map_or(usize::MAX, |accuracy| accuracy.max_harmonics);
         self.set_harmonics(series.n_harmonics)?;
         let own = self.estimator.as_mut().map(|own| own.estimate(&base.x, base.p, &base.tangent).motion);
-        let expected = own.filter(|_| harmonics > series.n_harmonics);
+        let expected = own.unwrap_or(f64::INFINITY).max(RESOLVED);
         let tries = AHEAD.into_iter().flat_map(|ahead| FURTHER.map(|more| ((harmonics + more).min(most), ahead)));
         for (harmonics, ahead) in tries {
             self.set_harmonics(harmonics)?;
@@ -76,7 +77,7 @@ impl Tracer<'_> {
                 };
                 let Some((x, p)) = found.filter(|(x, p)| near(x, *p)) else { continue };
                 let seed = Seed { x, p, direction: direction.clone(), harmonics };
-                if self.is_same(&seed, &z, expected, earlier)? {
+                if self.is_same(&seed, frequency, &z, expected, earlier)? {
                     return Ok(Some(seed));
                 }
             }
@@ -84,11 +85,18 @@ impl Tracer<'_> {
         Ok(None)
     }
 
-    /// Whether a solution with another number of harmonics than the guess `z` is shown to be on the same branch: its tangent points
-    /// the same way, and it lies no further off than the estimate with the fewer harmonics of the two says, which is `expected` where
-    /// these are those of the guess. Next to a tongue that only one of them knows neither holds.
-    fn is_same(&mut self, seed: &Seed, z: &[f64], expected: Option<f64>, earlier: &Found) -> Result<bool, BranchError> {
-        let mut method = continuation(&self.settings, self.grazing, self.problem.frequency_index(), self.problem.dim());
+    /// Whether a solution with more harmonics than the guess `z` is shown to be on the same branch, within these limits of the frequency: its tangent
+    /// points the same way, and it lies no further off than the estimate with the fewer harmonics says, `expected` over the unknowns. Next to a tongue
+    /// that only one of them knows neither holds.
+    fn is_same(
+        &mut self,
+        seed: &Seed,
+        frequency: Option<[f64; 2]>,
+        z: &[f64],
+        expected: f64,
+        earlier: &Found,
+    ) -> Result<bool, BranchError> {
+        let mut method = self.within(frequency);
         method.max_points = 1;
         let (problem, log) = (&mut self.problem, &mut *self.log);
         let run = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |_| ControlFlow::Continue(()));
@@ -96,8 +104,6 @@ impl Tracer<'_> {
         if !same_way(&point.tangent, &seed.direction) {
             return Ok(false);
         }
-        let own = self.estimator.as_mut().map(|own| own.estimate(&point.x, point.p, &point.tangent).motion);
-        let expected = expected.or(own).unwrap_or(f64::INFINITY).max(RESOLVED);
         let moved = point.z().iter().zip(z).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
         let expected = expected * length(&point.x);
         let Some(problem) = self.problem.harmonics() else { return Ok(false) };

@@ -7,7 +7,7 @@ use nlmodes_modal::Event;
 
 use super::carry::{Place, same_way};
 use super::control::{Control, Decision};
-use super::stretch::{Change, Stretch};
+use super::stretch::{Base, Change, Stretch};
 use crate::branches::BranchError;
 use crate::branches::found::{Found, Shown};
 use crate::branches::start::Seed;
@@ -15,17 +15,16 @@ use crate::branches::trace::Tracer;
 use crate::branches::viewer::Viewer;
 
 impl Tracer<'_> {
-    /// One run with the same number of harmonics, and that with which it is to go on.
+    /// One run with the same number of harmonics, and how it is to go on.
     pub(super) fn run(
         &mut self,
         control: &mut Control,
         from: &Seed,
-        frequency: Option<[f64; 2]>,
         stretch: &mut Stretch,
         found: &mut Found,
         each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
     ) -> Result<(StopReason, Option<Change>), BranchError> {
-        let method = self.within(frequency);
+        let method = self.within(stretch.frequency);
         stretch.waiting.clear();
         found.begin();
         let (mut change, mut is_first) = (None, true);
@@ -47,7 +46,8 @@ impl Tracer<'_> {
             let mut names = Vec::new();
             if std::mem::take(&mut is_first) {
                 names.clone_from(&stretch.first);
-                let proven = stretch.base_is_accurate && same_way(&point.tangent, &from.direction);
+                let proven = stretch.base.as_ref().is_none_or(|base| base.is_accurate)
+                    && same_way(&point.tangent, &from.direction);
                 if names.contains(&Event::Harmonics) && !proven {
                     names.push(Event::HarmonicsUnproven);
                 }
@@ -56,65 +56,56 @@ impl Tracer<'_> {
                 stretch.waiting.push((point.clone(), error, names));
                 return ControlFlow::Continue(());
             };
-            if stretch.runs_back(point, &error, found, &place) {
-                change = Some(Change::Undo);
+            if let Some(base) = stretch.change_that_runs_back(point, &error, found, &place) {
+                change = Some(Change::Undo(base));
                 return ControlFlow::Break(());
             }
-            let decision = control.decide(&error);
-            match decision {
+            let begins = stretch.waiting.is_empty() && found.is_at_start();
+            let here =
+                |is_accurate, is_shown, shown| Base { point: point.clone(), series, is_accurate, is_shown, shown };
+            let is_accurate = match control.decide(&error) {
                 Decision::Modes => {
                     *too_few_modes = true;
                     return ControlFlow::Break(());
                 }
                 Decision::More(harmonics) => {
-                    if stretch.base.is_none() {
-                        stretch.base = Some((point.clone(), series));
-                    }
-                    change = Some(Change::To(harmonics));
+                    let base = stretch.base.clone().unwrap_or_else(|| here(false, stretch.known, found.points.len()));
+                    change = Some(Change::From(base, harmonics));
                     return ControlFlow::Break(());
                 }
-                Decision::InVain(harmonics) => {
-                    change = Some(Change::BackTo(harmonics));
-                    return ControlFlow::Break(());
-                }
-                Decision::Limit => {
+                Decision::Limit { tried_here } => {
                     if !std::mem::replace(&mut stretch.at_limit, true) {
                         names.push(Event::AccuracyLimit);
                     }
-                    if std::mem::take(&mut stretch.in_vain) {
+                    if tried_here {
                         names.push(Event::HarmonicsNoHelp);
                     }
+                    false
                 }
-                Decision::Keep | Decision::Fewer(_) => stretch.at_limit = false,
-            }
-            let begins = stretch.waiting.is_empty() && found.is_at_start();
+                Decision::Keep => {
+                    stretch.at_limit = false;
+                    true
+                }
+            };
             stretch.waiting.push((point.clone(), Some(error), names));
-            stretch.base = Some((point.clone(), series));
-            stretch.base_is_accurate = !matches!(decision, Decision::Limit);
             if begins {
                 // It is shown when it is sure that the branch goes on with this number of harmonics.
-                stretch.base_is_shown = stretch.known;
+                stretch.counts(here(is_accurate, stretch.known, found.points.len()));
                 found.leave_start(point);
                 return ControlFlow::Continue(());
             }
-            stretch.base_is_shown = true;
-            stretch.tried_from = None;
-            control.serves();
             show(stretch, found, viewer, each)?;
-            if stretch.base_is_accurate {
-                stretch.passed.push((point.clone(), series, found.points.len()));
-            }
-            if let Decision::Fewer(harmonics) = decision {
-                change = Some(Change::To(harmonics));
-                return ControlFlow::Break(());
-            }
+            stretch.counts(here(is_accurate, true, found.points.len()));
             ControlFlow::Continue(())
         })?;
         found.count(&branch);
         // With more harmonics there is no way on, with those before there may be.
-        if let (StopReason::StepTooSmall { .. }, None, Some(trial)) = (&branch.stop, change, &stretch.tried_from) {
-            change = Some(Change::BackTo(trial.base.1.n_harmonics));
-        }
+        let back = match branch.stop {
+            StopReason::StepTooSmall { .. } if change.is_none() => stretch.change_without_points(found),
+            StopReason::Closed if change.is_none() => stretch.changes.pop(),
+            _ => None,
+        };
+        let change = change.or(back.map(Change::Undo));
         if change.is_none() && !self.too_few_modes {
             let _ = show(stretch, found, viewer, each);
         }
