@@ -226,6 +226,10 @@ def main():
     mutants = dict(enumerate(drawn, 1))
     for part in ("crates", "benchmarks", "configs"):
         shutil.copytree(ROOT / part, COPY / part, dirs_exist_ok=True, copy_function=lambda a, b: a if a.endswith(".rs") and "/src/" in a and "/crates/" in a else shutil.copy2(a, b))
+        # What an earlier commit had is no test of this one.
+        for there in (COPY / part).rglob("*"):
+            if there.is_file() and not (ROOT / there.relative_to(COPY)).is_file():
+                there.unlink()
     for file in ("Cargo.toml", "Cargo.lock", "README.md"):
         shutil.copy2(ROOT / file, COPY / file)
     rows, pool = [], concurrent.futures.ThreadPoolExecutor(chosen.jobs)
