@@ -1,8 +1,8 @@
 //! `nlmodes.check`, `nlmodes.linear_frequencies`, `nlmodes.schema`: what can be said before anything is computed.
 
 use nlmodes_run::{RunError, chain};
-use nlmodes_scene::assemble::structural_model;
 use nlmodes_scene::AnyScene;
+use nlmodes_scene::assemble::structural_model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,7 +16,9 @@ pub fn check(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult
     let scene = source.scene(py, &overrides, None)?;
     let mut onlooker = Onlooker { looking: Looking::new(None), warnings: warnings(&scene) };
     let checked = errors::computed(py, || match &scene {
-        AnyScene::Structure(files) => files.iter().try_for_each(|file| nlmodes_run::check(file, &mut onlooker).map(drop)),
+        AnyScene::Structure(files) => {
+            files.iter().try_for_each(|file| nlmodes_run::check(file, &mut onlooker).map(drop))
+        }
         AnyScene::Records(file) => nlmodes_run::check_records(file).map(drop),
         AnyScene::Test(file) => nlmodes_run::check_test(file).map(drop),
     })?;

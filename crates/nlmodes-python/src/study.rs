@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use nlmodes_scene::SceneError;
 use nlmodes_scene::memory::Limit;
-use nlmodes_study::{Collected, Counts, Evaluator, StudyProgress, Settings, Shard, StudyError, StudyFile, StudyObserver};
+use nlmodes_study::{
+    Collected, Counts, Evaluator, Settings, Shard, StudyError, StudyFile, StudyObserver, StudyProgress,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
