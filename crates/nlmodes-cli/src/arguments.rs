@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use nlmodes_scene::memory;
 
 use crate::options::RunOptions;
-use crate::{compare, explore, figures, lcp, new, study, verify};
+use crate::{at, compare, explore, figures, lcp, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -96,6 +96,14 @@ Exit status 1 where a sample has no solution, 2 where the archive holds no conta
     /// Measured records
     #[command(subcommand)]
     Experiment(Experiment),
+    /// Say what results are at a frequency or an energy: each motion there, with what every stop does
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli at results/beam_two_stops --frequency-hz 50
+  nlmodes-cli at results/rod --energy-j 1e9 --json
+
+A branch may pass a frequency several times, each time with another motion: all are told.")]
+    At(at::Arguments),
     /// Start the full structure from a computed point, and say by how much it fails to return after a period
     #[command(after_help = "\
 Example:

@@ -13,7 +13,7 @@ use crate::arguments::{Command, CommandLine, Experiment, SceneArguments};
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, compare, explore, extract, figures, lcp, modes, new, run, study, verify};
+use crate::{Status, at, compare, explore, extract, figures, lcp, modes, new, run, study, verify};
 
 /// Takes the command line apart and does what it says. Wrong calls end here with status 2.
 pub fn run() -> Status {
@@ -28,6 +28,7 @@ pub fn run() -> Status {
         }),
         Command::Lcp(arguments) => lcp::run(&arguments),
         Command::Study(command) => study::run(&command),
+        Command::At(arguments) => at::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Modes { scene } => with_structure(&scene, |file| with_parameters(file, modes::run)),
         Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => {

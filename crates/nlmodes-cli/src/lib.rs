@@ -13,6 +13,7 @@ macro_rules! say {
 }
 
 mod arguments;
+mod at;
 pub mod command;
 mod compare;
 mod explore;

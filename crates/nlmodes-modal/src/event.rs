@@ -92,6 +92,12 @@ impl Event {
         Self::ALL.into_iter().find(|event| event.name() == name)
     }
 
+    /// Whether a branch may have a corner here, since the set of closed contacts changes or branches cross: no curve is smooth across it.
+    #[must_use]
+    pub const fn is_corner(self) -> bool {
+        matches!(self, Self::Kink | Self::ContactChange | Self::BranchPoint)
+    }
+
     /// The names of these events, separated by spaces, as they stand in column `event`.
     pub fn names(events: &[Self]) -> String {
         events.iter().map(|event| event.name()).collect::<Vec<_>>().join(" ")

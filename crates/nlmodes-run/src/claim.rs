@@ -13,7 +13,7 @@ use nlmodes::modal::EndReason;
 use nlmodes::report::{ReportError, write_summary};
 use serde_json::{Value, json};
 
-use crate::files::{RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
+use crate::files::{DEPTH, RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
 use crate::{Event, Observer, RunError};
 use keys::written_key;
 use nlmodes_scene::Document;
@@ -21,9 +21,6 @@ use replaced::Replaced;
 
 /// Most differences between two scenes that are shown.
 const MAX_SHOWN: usize = 5;
-
-/// Levels of folders in a directory of results: methods, numbers of harmonics, branches.
-const DEPTH: usize = 3;
 
 /// What a virtual test computes beside its levels.
 const BACKBONES: [&str; 4] =

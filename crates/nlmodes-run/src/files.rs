@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 /// Says which scene the results in a directory are of.
 pub const RUN: &str = "run.json";
 
+/// Folders below a directory of results in which there may be branches: of methods, harmonics and arms.
+pub const DEPTH: usize = 3;
+
 /// The steps of a branch, from which a run goes on.
 pub const STEPS: &str = "steps.jsonl";
 

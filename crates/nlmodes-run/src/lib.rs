@@ -76,6 +76,7 @@ mod observer;
 pub mod open_modes;
 mod outcome;
 pub mod overlay;
+pub mod passages;
 mod progress;
 #[doc(hidden)]
 pub mod readers;

@@ -8,8 +8,8 @@ mod stops;
 mod written;
 
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
-pub(crate) use read::number;
 pub use read::{Laid, OverlayError, read};
+pub(crate) use read::{contacts_beside, number};
 pub use said::{sentence, sentence_at_equal_frequency, table};
 pub use stops::{StopChange, changes, lines, stops_table};
 pub use written::{write, write_stops};

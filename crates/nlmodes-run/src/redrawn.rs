@@ -9,12 +9,10 @@ use nlmodes_scene::scene::Scene;
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::files::{RUN, STEPS};
+use crate::files::{DEPTH, RUN, STEPS};
 use crate::{Event, Observer, Over, RunError, branches, responses};
 
 const SUMMARY: &str = "summary.json";
-/// Folders below a directory of results in which there may be steps: of methods, harmonics and branches.
-const DEPTH: usize = 3;
 
 /// Why figures are not drawn anew.
 #[derive(Debug, Error)]

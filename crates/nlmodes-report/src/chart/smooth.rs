@@ -1,5 +1,7 @@
 //! Curves between computed points: cubic pieces that go beyond none of them.
 
+use nlmodes_modal::monotone_slopes;
+
 /// The two inner control points of the cubic Bézier piece from each point to the next, in the plane of the picture.
 ///
 /// Both coordinates are interpolated over the length of the chords by cubic Hermite polynomials with the slopes of Steffen (1990): between two
@@ -20,46 +22,13 @@ pub(super) fn controls(points: &[(f64, f64)], corners: &[usize]) -> Vec<[(f64, f
 
 fn pieces(points: &[(f64, f64)]) -> Vec<[(f64, f64); 2]> {
     let chords: Vec<f64> = points.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1).max(1e-9)).collect();
-    let x = slopes(&points.iter().map(|p| p.0).collect::<Vec<_>>(), &chords);
-    let y = slopes(&points.iter().map(|p| p.1).collect::<Vec<_>>(), &chords);
+    let x = monotone_slopes(&points.iter().map(|p| p.0).collect::<Vec<_>>(), &chords);
+    let y = monotone_slopes(&points.iter().map(|p| p.1).collect::<Vec<_>>(), &chords);
     let piece = |(k, chord): (usize, &f64)| {
         let ((x0, y0), (x1, y1), third) = (points[k], points[k + 1], chord / 3.0);
         [(x0 + third * x[k], y0 + third * y[k]), (x1 - third * x[k + 1], y1 - third * y[k + 1])]
     };
     chords.iter().enumerate().map(piece).collect()
-}
-
-/// Slopes at the points: those of the parabola through three neighbours, limited so that each piece is monotone.
-fn slopes(values: &[f64], steps: &[f64]) -> Vec<f64> {
-    let secants: Vec<f64> = values.windows(2).zip(steps).map(|(v, h)| (v[1] - v[0]) / h).collect();
-    let last = secants.len() - 1;
-    let at_end = |near: usize, next: usize| {
-        let share = steps[near] / (steps[near] + steps[next]);
-        let slope = secants[near] * (1.0 + share) - secants[next] * share;
-        limited(slope, 2.0 * secants[near])
-    };
-    let inner = |k: usize| {
-        let (before, after) = (secants[k - 1], secants[k]);
-        let parabola = (before * steps[k] + after * steps[k - 1]) / (steps[k - 1] + steps[k]);
-        if before * after <= 0.0 {
-            0.0
-        } else {
-            limited(parabola, 2.0 * before.abs().min(after.abs()).copysign(before))
-        }
-    };
-    (0..values.len())
-        .map(|k| match k {
-            _ if last == 0 => secants[0],
-            0 => at_end(0, 1),
-            k if k > last => at_end(last, last - 1),
-            k => inner(k),
-        })
-        .collect()
-}
-
-/// `slope`, no steeper than `bound` and never of the other sign.
-fn limited(slope: f64, bound: f64) -> f64 {
-    if slope * bound <= 0.0 { 0.0 } else { slope.abs().min(bound.abs()).copysign(bound) }
 }
 
 #[cfg(test)]

@@ -156,7 +156,7 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
 }
 
 /// What the contacts do at each point of a branch, by its number, if a table beside it says so.
-fn contacts_beside(path: &Path) -> Result<HashMap<usize, Vec<ContactPeriod>>, OverlayError> {
+pub fn contacts_beside(path: &Path) -> Result<HashMap<usize, Vec<ContactPeriod>>, OverlayError> {
     let table = path.with_file_name(CONTACTS);
     if !path.ends_with(TABLES[0]) || !table.is_file() {
         return Ok(HashMap::new());

@@ -4,15 +4,12 @@ use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{Event, ModalPoint, tongues};
 
-/// Events at which a branch may have a corner: the set of closed contacts changes, or branches cross.
-const CORNERS: [Event; 3] = [Event::Kink, Event::ContactChange, Event::BranchPoint];
-
 /// Most tongues that are drawn as strongly as the backbone.
 const FEW_TONGUES: usize = 3;
 
 /// The indices of the points at which a curve through them may have a corner.
 pub(in crate::figure) fn corners<'p>(points: impl IntoIterator<Item = &'p ModalPoint>) -> Vec<usize> {
-    let is_corner = |point: &ModalPoint| CORNERS.iter().any(|event| point.has_event(*event));
+    let is_corner = |point: &ModalPoint| point.events.iter().any(|event| event.is_corner());
     points.into_iter().enumerate().filter(|(_, point)| is_corner(point)).map(|(index, _)| index).collect()
 }
 

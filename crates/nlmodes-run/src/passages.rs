@@ -1,0 +1,134 @@
+//! What results say at a frequency or an energy: every passage of every branch and curve there, with what each stop does.
+
+mod between;
+mod read;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::overlay::OverlayError;
+pub use text::text;
+
+/// The quantity at a value of which results are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Abscissa {
+    /// Frequency, Hz.
+    FrequencyHz,
+    /// Averaged kinetic energy, J.
+    EnergyJ,
+}
+
+/// A stop over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StopValues {
+    /// Number of the stop.
+    pub contact: usize,
+    /// Share of the period in which it is touched.
+    pub contact_fraction: f64,
+    /// Integral of its force over the period, N s.
+    pub impulse_ns: f64,
+    /// Its mean force, N.
+    pub mean_force_n: f64,
+    /// Its largest force, N.
+    pub peak_force_n: f64,
+    /// Largest speed at which its gap closes, m/s.
+    pub approach_velocity_m_s: f64,
+    /// Closed intervals of a period at the points on both sides.
+    pub touches: [usize; 2],
+}
+
+/// Where a branch passes the value: values between two points, interpolated along the branch, or those of a point.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Passage {
+    /// The points on both sides, by their numbers; twice the same where one lies there.
+    pub points: [usize; 2],
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Averaged kinetic energy, J.
+    pub energy_j: f64,
+    /// Modal amplitude, m √kg.
+    pub modal_amplitude: f64,
+    /// Largest displacement at stop 0, m.
+    pub peak_m: f64,
+    /// Level of the load, of a response.
+    pub level: Option<f64>,
+    /// Stability at the points on both sides, where it was found out.
+    pub stable: [Option<bool>; 2],
+    /// Events at the points on both sides, as in `branch.csv`.
+    pub events: [String; 2],
+    /// Each stop, in the order of the scene; empty where the results have no `contacts.csv`.
+    pub contacts: Vec<StopValues>,
+}
+
+/// A branch, or a curve of a response.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// Its table.
+    pub table: PathBuf,
+    /// Which curve of that table, where there are several.
+    pub name: Option<String>,
+    /// Number of its points.
+    pub points: usize,
+    /// Least and largest value of its points.
+    pub range: [f64; 2],
+    /// Numbers of points between which something was left out and the value lies.
+    pub left_out: Vec<[usize; 2]>,
+    /// All passages, in the order of the branch.
+    pub passages: Vec<Passage>,
+    /// What the certificate says of its numbers; empty where there is none.
+    pub verdict: String,
+}
+
+/// Why nothing is said.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PassageError {
+    /// There is no table of a branch.
+    #[error("no branch.csv in {} or below it; expected a directory that `run` has written", .0.display())]
+    NoBranch(PathBuf),
+    /// The value is none.
+    #[error("{0} is no {1}; expected a positive number")]
+    NotPositive(f64, &'static str),
+    /// A table cannot be read.
+    #[error(transparent)]
+    Table(#[from] OverlayError),
+}
+
+/// The curves with all that is known of them, as JSON; what is not known is `null`.
+pub fn json(curves: &[Curve]) -> String {
+    format!("{:#}", serde_json::json!(curves))
+}
+
+/// Every curve in a directory of results and below it, with all its passages through the value.
+///
+/// # Errors
+/// [`PassageError`].
+pub fn passages(results: &Path, abscissa: Abscissa, value: f64) -> Result<Vec<Curve>, PassageError> {
+    if !(value.is_finite() && value > 0.0) {
+        let name = match abscissa {
+            Abscissa::FrequencyHz => "frequency in Hz",
+            Abscissa::EnergyJ => "energy in J",
+        };
+        return Err(PassageError::NotPositive(value, name));
+    }
+    let tables = read::tables(results);
+    if tables.is_empty() {
+        return Err(PassageError::NoBranch(results.to_path_buf()));
+    }
+    let mut curves = Vec::new();
+    for table in &tables {
+        let verdict = read::verdict(table);
+        for (name, rows) in read::curves(table)? {
+            let (passages, left_out) = between::passages(&rows, abscissa, value);
+            let all = rows.iter().map(|row| row.value(abscissa));
+            let range = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            let (table, verdict) = (table.clone(), verdict.clone());
+            curves.push(Curve { table, name, points: rows.len(), range, left_out, passages, verdict });
+        }
+    }
+    Ok(curves)
+}

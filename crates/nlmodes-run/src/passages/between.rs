@@ -1,0 +1,116 @@
+//! Where a curve passes a value, and its quantities there.
+
+use nlmodes::modal::{ContactPeriod, Event, cubic, monotone_slopes};
+
+use super::read::Row;
+use super::{Abscissa, Passage, StopValues};
+
+/// Relative difference from the value up to which a point lies there.
+const AT: f64 = 1e-9;
+
+/// Bisections of a step, which leave of it less than rounding.
+const HALVINGS: usize = 60;
+
+/// All passages through a value in the order of the curve, and the pairs of points between which something was left out and the value lies.
+pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Passage>, Vec<[usize; 2]>) {
+    let at = |k: usize| (rows[k].value(abscissa) - value).abs() <= AT * value;
+    let side = |k: usize| rows[k].value(abscissa) > value;
+    let (mut found, mut left_out) = (Vec::new(), Vec::new());
+    for k in 0..rows.len() {
+        if at(k) {
+            if k == 0 || !at(k - 1) {
+                found.push(passage(&rows[k], &rows[k], |quantity| quantity(&rows[k])));
+            }
+        } else if k > 0 && !at(k - 1) && side(k - 1) != side(k) {
+            if rows[k].events.contains(&Event::Resumed) {
+                left_out.push([rows[k - 1].point, rows[k].point]);
+                continue;
+            }
+            let step = Step::new(rows, k - 1);
+            let t = step.where_it_is(abscissa, value);
+            found.push(passage(&rows[k - 1], &rows[k], |quantity| step.at(quantity, t)));
+        }
+    }
+    (found, left_out)
+}
+
+fn passage(before: &Row, after: &Row, at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) -> Passage {
+    let events = |row: &Row| Event::names(&row.events);
+    let stop = |contact: usize| {
+        let of =
+            |quantity: fn(&ContactPeriod) -> f64| at(&|row: &Row| row.contacts.get(contact).map_or(f64::NAN, quantity));
+        StopValues {
+            contact,
+            contact_fraction: of(|stop| stop.closed_share),
+            impulse_ns: of(|stop| stop.impulse),
+            mean_force_n: of(|stop| stop.mean_force),
+            peak_force_n: of(|stop| stop.peak_force),
+            approach_velocity_m_s: of(|stop| stop.approach_velocity),
+            touches: [before, after].map(|row| row.contacts.get(contact).map_or(0, |stop| stop.touches)),
+        }
+    };
+    Passage {
+        points: [before.point, after.point],
+        frequency_hz: at(&|row| row.frequency),
+        energy_j: at(&|row| row.energy),
+        modal_amplitude: at(&|row| row.amplitude),
+        peak_m: at(&|row| row.peak),
+        level: before.level.map(|_| at(&|row| row.level.unwrap_or(f64::NAN))),
+        stable: [before.stable, after.stable],
+        events: [events(before), events(after)],
+        contacts: (0..before.contacts.len().min(after.contacts.len())).map(stop).collect(),
+    }
+}
+
+/// The step from a point of a curve to the next one, with one neighbour on either side unless the curve has a corner or a gap there.
+struct Step<'r> {
+    rows: &'r [Row],
+    /// Which of these rows the step begins at.
+    first: usize,
+    /// Lengths of the steps between them in the plane of the logarithms of frequency and energy, each over what it spans there.
+    lengths: Vec<f64>,
+}
+
+impl<'r> Step<'r> {
+    fn new(rows: &'r [Row], k: usize) -> Self {
+        let corner = |row: &Row| row.events.iter().any(|event| event.is_corner());
+        let goes_on = |row: &Row| !corner(row) && !row.events.contains(&Event::Resumed);
+        let from = if k > 0 && goes_on(&rows[k]) { k - 1 } else { k };
+        let resumes = |row: Option<&Row>| row.is_none_or(|row| row.events.contains(&Event::Resumed));
+        let to = if corner(&rows[k + 1]) || resumes(rows.get(k + 2)) { k + 1 } else { k + 2 };
+        let rows = &rows[from..=to];
+        let span = |of: fn(&Row) -> f64| {
+            let all =
+                rows.iter().map(of).fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+            let span = (all.1 / all.0).ln();
+            if span.is_finite() && span > 0.0 { span } else { 1.0 }
+        };
+        let spans = (span(|row| row.frequency), span(|row| row.energy));
+        let lengths = rows.windows(2).map(|pair| {
+            let log = |a: f64, b: f64| Some((b / a).ln()).filter(|x| x.is_finite()).unwrap_or(0.0);
+            let x = log(pair[0].frequency, pair[1].frequency) / spans.0;
+            x.hypot(log(pair[0].energy, pair[1].energy) / spans.1).max(1e-12)
+        });
+        Self { rows, first: k - from, lengths: lengths.collect() }
+    }
+
+    /// A quantity at a share of the step.
+    fn at(&self, quantity: &dyn Fn(&Row) -> f64, t: f64) -> f64 {
+        let values: Vec<f64> = self.rows.iter().map(quantity).collect();
+        let slopes = monotone_slopes(&values, &self.lengths);
+        let k = self.first;
+        cubic([values[k], values[k + 1]], [slopes[k], slopes[k + 1]], self.lengths[k], t)
+    }
+
+    /// The share of the step at which a quantity, which is monotone along it, has this value.
+    fn where_it_is(&self, abscissa: Abscissa, value: f64) -> f64 {
+        let of = |row: &Row| row.value(abscissa);
+        let rises = of(&self.rows[self.first + 1]) > of(&self.rows[self.first]);
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if (self.at(&of, middle) < value) == rises { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
