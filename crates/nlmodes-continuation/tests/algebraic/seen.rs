@@ -3,9 +3,12 @@
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem, StopReason};
+use nlmodes_continuation::{
+    AtBranchPoint, Bound, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
+};
 
 use crate::samples::{events, piecewise, smooth, trace, window};
+use crate::several::Modes;
 
 fn circle(x: f64, p: f64) -> [f64; 3] {
     [x * x + p * p - 1.0, 2.0 * x, 2.0 * p]
@@ -169,5 +172,66 @@ fn a_change_of_pieces_on_a_smooth_curve_starts_no_search_for_arms() {
         // A step of 0.1 is halved thirty times until it is as short as the place is known.
         let (found, at_most) = (branch.evaluations, plain.evaluations + 100);
         assert!(found <= at_most, "from {x}: {found} evaluations, {} without pieces", plain.evaluations);
+    }
+}
+
+#[test]
+fn a_bound_behind_a_corner_is_met_where_the_corner_is_not_at_zero() {
+    for [at, scale] in [[5.0, 1.0], [-3.0, 1.0], [5e3, 1e3]] {
+        let f = |x: f64, p: f64| [p + 3.0 * (x - at).abs(), 3.0 * (x - at).signum(), 1.0];
+        for beyond in [5e-7 * scale, 1e-4 * scale] {
+            let bounds = vec![Bound { coordinate: 0, min: at - scale, max: at + beyond }];
+            let settings = Continuation { bounds, ..Continuation::default() };
+            let system = piecewise(f, |x, _| u64::from(x >= at));
+            let branch = trace(&settings, system, [at - 0.3 * scale, -0.9 * scale], [1.0, 3.0]);
+            assert_eq!(branch.stop, StopReason::Bound { coordinate: 0, value: at + beyond }, "{at} {beyond}");
+            let last = branch.points.last().unwrap();
+            assert!((last.p + 3.0 * beyond).abs() < 1e-9 * scale, "{:?}", last.z());
+        }
+    }
+}
+
+/// `x (p + x²) = 0`: on the arm to which the branch changes the parameter goes back.
+#[test]
+fn a_branch_that_leaves_by_an_arm_on_which_the_parameter_turns_has_a_fold_at_the_crossing() {
+    let f = |x: f64, p: f64| [x * (p + x * x), p + 3.0 * x * x, x];
+    for from in [-0.5, -0.31, -0.177] {
+        let settings = Continuation { at_branch_point: AtBranchPoint::Switch, ..window(1, -1.0, 1.0) };
+        let branch = trace(&settings, smooth(f), [0.0, from], [0.0, 1.0]);
+        let crossings = events(&branch, |e| *e == EventKind::BranchPoint);
+        assert_eq!(crossings.len(), 1, "from {from}");
+        assert!(crossings[0].events.contains(&EventKind::ParameterFold), "{:?}", crossings[0].events);
+        assert!(branch.points.last().unwrap().x[0].abs() > 0.9, "{:?}", branch.points.last().unwrap().z());
+    }
+}
+
+/// A system that counts how often it is asked.
+struct Counted<S> {
+    inner: S,
+    asked: usize,
+}
+
+impl<S: ParametricSystem> ParametricSystem for Counted<S> {
+    type Error = S::Error;
+
+    fn dim(&self) -> usize {
+        self.inner.dim()
+    }
+
+    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), S::Error> {
+        self.asked += 1;
+        self.inner.linearize(x, p, out)
+    }
+}
+
+#[test]
+fn the_evaluations_that_are_told_are_those_that_were_made() {
+    for n in 1..=3 {
+        let mut system = Counted { inner: Modes { at: vec![0.0; n], g: 0.4 }, asked: 0 };
+        let mut direction = vec![0.0; n + 1];
+        direction[n] = 1.0;
+        let settings = window(n, -1.0, 0.5);
+        let branch = settings.run(&mut system, &vec![0.0; n], -0.2, &direction, |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(branch.evaluations, system.asked, "{n} unknowns");
     }
 }
