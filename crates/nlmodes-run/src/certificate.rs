@@ -244,10 +244,11 @@ impl Certificate {
 
     /// The numbers not to use, for the head of a page; nothing where there are none. `name` is that of the branch among several.
     pub(crate) fn warning(&self, name: Option<&str>) -> Option<String> {
-        let refused = names(&self.numbers, Use::No);
+        let refused = self.numbers.iter().filter(|number| number.usable == Use::No);
+        let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.name(), n.words)).collect();
         let of = name.map_or_else(String::new, |name| format!(" of {name}"));
-        (!refused.is_empty())
-            .then(|| format!("Do not use{of}: {refused}; the certificate at the foot of the page says why."))
+        let why = "the certificate at the foot of the page says more";
+        (!refused.is_empty()).then(|| format!("Do not use{of}: {}; {why}.", refused.join("; ")))
     }
 }
 

@@ -10,6 +10,7 @@ mod written;
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub use read::{Laid, OverlayError, read};
 pub(crate) use read::{contacts_beside, number};
+pub(crate) use said::{by, percent};
 pub use said::{sentence, sentence_at_equal_frequency, table};
 pub use stops::{StopChange, changes, lines, stops_table};
 pub use written::{write, write_stops};

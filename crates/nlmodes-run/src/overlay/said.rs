@@ -15,14 +15,14 @@ const FEW: usize = 5;
 const NOTHING: f64 = 1e-5;
 
 /// Mean, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of values.
-pub(super) fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
+pub fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
     let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
     let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     (!all.is_empty()).then(|| ([all.iter().sum::<f64>() / all.len() as f64, least, most], all.len()))
 }
 
 /// Differences in words: their mean and range, or the range alone where there are too few points for a mean.
-pub(super) fn by([mean, least, most]: [f64; 3], points: usize) -> String {
+pub fn by([mean, least, most]: [f64; 3], points: usize) -> String {
     let [mean, least, most] = [mean, least, most].map(signed);
     match points {
         1 => format!("by {mean} % at 1 point"),

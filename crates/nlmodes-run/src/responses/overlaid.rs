@@ -12,6 +12,7 @@ use nlmodes_scene::scene::ResponseKind;
 
 use super::convert::Converter;
 use super::curves::ComputedResponse;
+use crate::overlay::{by, percent};
 use crate::{RunError, refusal};
 
 /// Relative difference up to which two levels are one.
@@ -142,20 +143,14 @@ pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
 /// Whether what is laid over moves more or less, in a sentence.
 pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
     let name = &laid.name;
-    let ratios = |value: fn(&LaidPoint) -> f64| -> Vec<f64> {
-        found.iter().map(|b| 100.0 * (value(&b.laid) / value(&b.own) - 1.0)).filter(|r| r.is_finite()).collect()
-    };
-    let part = |what: &str, all: Vec<f64>| {
-        let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-        let mean = all.iter().sum::<f64>() / all.len() as f64;
-        (!all.is_empty()).then(|| {
-            format!("{what} differs by {mean:+.2} % on average ({least:+.2} to {most:+.2} %, {} points)", all.len())
-        })
+    let part = |what: &str, value: fn(&LaidPoint) -> f64| {
+        let (range, points) = percent(found.iter().map(|beside| (value(&beside.laid), value(&beside.own))))?;
+        Some(format!("{what} differs {}", by(range, points)))
     };
     let parts = [
-        part("its fundamental at the first contact", ratios(|p| p.fundamental)),
-        part("its fundamental at the drive point", ratios(|p| p.drive)),
-        part("its largest contact force", ratios(|p| p.force)),
+        part("its fundamental at the first contact", |p| p.fundamental),
+        part("its fundamental at the drive point", |p| p.drive),
+        part("its largest contact force", |p| p.force),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() {

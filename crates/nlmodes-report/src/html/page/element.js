@@ -24,11 +24,9 @@ const minus = text => text.replace(/-/g, "−");
 function significant(value, digits) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
-  const size = Math.abs(value);
-  if (size >= 0.001 && size < 1e5) {
-    return minus(value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size)))));
-  }
+  // The power of ten is that of the rounded number: 0.9999 is 1.00.
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  if (exponent >= -3 && exponent < 5) return minus(value.toFixed(Math.max(0, digits - 1 - exponent)));
   return minus(mantissa) + TIMES_TEN + raised(Number(exponent));
 }
 

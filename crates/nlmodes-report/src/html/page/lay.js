@@ -1,5 +1,8 @@
 // Other results over those of the page: a table of a run or of a test, or the page of another run.
 
+/// Points of which a mean is formed.
+const FEW = 5;
+
 /// The branches that a file holds; throws what is wrong with it.
 function branchesOf(name, text) {
   if (/^\s*<!doctype html/i.test(text)) {
@@ -87,8 +90,10 @@ function difference(laid, own) {
   const soft = least <= -0.1, stiff = most >= 0.1;
   const word = least > 0 || (stiff && !soft) ? "stiffer than" : most < 0 || (soft && !stiff) ? "softer than" : stiff ? "softer here and stiffer there than" : "in agreement with";
   const percent = value => (value > 0 ? "+" : "") + significant(value, 3) + " %";
-  return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${percent(mean)} on average `
-    + `(${percent(least)} to ${percent(most)}, ${found.length} points)${left}.`;
+  const range = `${percent(least)} to ${percent(most)}`, points = `${found.length} ${found.length === 1 ? "point" : "points"}`;
+  const by = found.length >= FEW ? `${percent(mean)} on average (${range}, ${points})`
+    : percent(least) === percent(most) ? `${percent(mean)} at ${points}` : `${range} at ${points}, too few for a mean`;
+  return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${by}${left}.`;
 }
 
 /// Events that this page does not know yet get a symbol in its legend.
