@@ -292,3 +292,25 @@ fn too_few_harmonics_are_said_and_do_not_end_the_branch() {
     let reached = branch.accuracy.unwrap();
     assert!(reached.points_beyond > 10 && reached.largest_estimate > 1e-8 && reached.harmonics[1] == 6, "{reached:?}");
 }
+
+/// With few held modes the linear mode before several stops is not quite that of the whole rod: the branch begins at the mode that they have, and the
+/// error of its frequency falls with their number.
+#[test]
+fn branches_before_several_stops_begin_with_any_number_of_held_modes() {
+    for length in [1.0, 2e-4] {
+        for (at, gap) in [(0.5, 0.8), (0.25, 0.45), (0.75, 1.0)] {
+            let stop = |at, gap| Stop::rigid(at, Direction::Axial, Side::Positive, gap * length);
+            let model = unit_rod(40, &[stop(1.0, 1.0), stop(at, gap)]);
+            let end = |held_modes| {
+                let wanted = BranchSettings { accuracy: None, harmonics: 3, held_modes, ..settings(1e-3, 3.0) };
+                let branch = compute(&model, &wanted);
+                assert_eq!(branch.branch.end.reasons, [EndReason::MaxEnergy], "{}", branch.branch.end.message);
+                assert!(branch.branch.points[0].has_event(Event::Grazing));
+                branch.branch.points.last().unwrap().omega
+            };
+            let exact = end(None);
+            let errors = [4, 8, 16].map(|held_modes| (end(Some(held_modes)) / exact - 1.0).abs());
+            assert!(errors[0] < 0.03 && errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1], "{at}: {errors:?}");
+        }
+    }
+}

@@ -248,9 +248,9 @@ fn on_backbone(
         Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
     }
     method.max_points = APPROACH;
-    let Seed { x, direction, .. } = beginning(problem, settings, start, log)?;
+    let Seed { x, p, direction, .. } = beginning(problem, settings, start, log)?;
     let Branch { mut points, stop, .. } =
-        method.run_with_log(problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
+        method.run_with_log(problem, &x, p, &direction, log, |_| ControlFlow::Continue(()))?;
     match (stop, points.pop()) {
         (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
             Ok((last.x, last.p))
@@ -275,8 +275,8 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, BranchEr
     let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
     method.max_points = HEADING;
     let log = &mut *tracer.log;
-    let Seed { x, direction, .. } = beginning(&problem, &coarse, tracer.grazing, log)?;
-    let branch = method.run_with_log(&mut problem, &x, 0.0, &direction, log, |_| ControlFlow::Continue(()))?;
+    let Seed { x, p, direction, .. } = beginning(&problem, &coarse, tracer.grazing, log)?;
+    let branch = method.run_with_log(&mut problem, &x, p, &direction, log, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
     Ok(rises == towards_more_energy)

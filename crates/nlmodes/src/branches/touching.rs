@@ -8,13 +8,16 @@ use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
 
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
-use super::prepare::problem;
+use super::prepare::{periodic, problem};
 use super::start::{FEW, Seed, ladder, one_point};
 use super::watch::Watched;
 use super::{BranchError, BranchSettings, Doing};
 
 /// Most points on the way from contacts that stand back to contacts that touch.
 const MOST: usize = 1000;
+
+/// Share of the amplitude at which a mode touches at which it is clear of the stops.
+const CLEAR: f64 = 0.99;
 
 /// The linear mode that just touches; where contacts touch at rest, the motion before them at the energy of the start.
 pub(super) fn beginning(
@@ -35,9 +38,47 @@ pub(super) fn beginning(
         }
         _ => {
             let (x, direction) = problem.start(start);
-            Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
+            let (x, p) = with_few_modes(problem, settings, start, (&x, &direction), log)?.unwrap_or((x, 0.0));
+            Ok(Seed { x, p, direction, harmonics: settings.harmonics })
         }
     }
+}
+
+/// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it is not quite that of the whole
+/// structure, and from there, where the contact closes for no time, Newton's method need not converge.
+///
+/// A motion that is clear of the stops is corrected, where nothing but linear equations are left, and its displacements are multiplied by what brings it to
+/// the stop. None with all held modes, with one contact coordinate, whose direction no mode changes, and where contacts are pressed at rest.
+fn with_few_modes(
+    problem: &Periodic,
+    settings: &BranchSettings,
+    start: &Grazing,
+    (x, direction): (&[f64], &[f64]),
+    log: &mut dyn RunLog,
+) -> Result<Option<(Vec<f64>, f64)>, BranchError> {
+    let Some(harmonic) = problem.harmonics() else { return Ok(None) };
+    let (structure, width) = (harmonic.structure(), harmonic.series().width());
+    let keeps_all = structure.n_held_modes() == structure.model().linear_dofs().len();
+    if keeps_all || start.mean.len() == 1 || start.mean.iter().any(|b| *b != 0.0) {
+        return Ok(None);
+    }
+    let (n, frequency, harmonics) = (start.mean.len(), harmonic.frequency_index(), harmonic.series().n_harmonics);
+    let mut own = periodic(structure, &BranchSettings { harmonics, ..settings.clone() }, start)?;
+    let mut clear = x.to_vec();
+    clear[..frequency].iter_mut().for_each(|b| *b *= CLEAR);
+    clear.push(2.0 * CLEAR.ln());
+    let Some((open, p)) = one_point(settings, start, &mut own, &clear, direction, log) else { return Ok(None) };
+    let w = structure.model().w();
+    let toward = |x: &[f64]| (0..n).map(|d| w[(d, start.contact)] * x[d * width + 1]).sum::<f64>();
+    let factor = toward(x) / toward(&open);
+    if !(factor.is_finite() && factor > 0.0) {
+        return Ok(None);
+    }
+    // Of all harmonics a linear mode has but the fundamental; what is in the others is what the corrector leaves.
+    let mut touching = x.to_vec();
+    (0..n).for_each(|d| touching[d * width + 1] = factor * open[d * width + 1]);
+    touching[frequency] = open[frequency];
+    Ok(Some((touching, p + 2.0 * factor.ln())))
 }
 
 /// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with more and more.
