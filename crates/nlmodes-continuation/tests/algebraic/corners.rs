@@ -7,7 +7,7 @@ use nlmodes_continuation::{Branch, Continuation, EventKind, ParametricSystem, St
 use crate::samples::{Embedded, assert_sound, events, piecewise, trace, window};
 
 /// Comes along the x axis and leaves the origin at `angle` to it; the pieces meet on the bisector.
-fn corner(angle: f64) -> impl ParametricSystem<Error = std::convert::Infallible> {
+pub fn corner(angle: f64) -> impl ParametricSystem<Error = std::convert::Infallible> {
     let (s, c) = angle.sin_cos();
     let beyond = move |x: f64, p: f64| (1.0 + c) * x + s * p >= 0.0;
     piecewise(

@@ -3,6 +3,7 @@
 mod bends;
 mod corners;
 mod crossings;
+mod effort;
 mod ends;
 mod onsets;
 mod pieces;

@@ -11,7 +11,7 @@ use crate::samples::{events, window};
 ///
 /// For each π > 0 each `v_j` is either open, `v_j = −q_j π`, or closed, `v_j ≈ (q_j π/K)^{2/3}`: 2ᵏ arms leave the origin, to none of which a step as short
 /// as those that are permitted leads from another one.
-struct Stops {
+pub struct Stops {
     count: usize,
     stiffness: f64,
     units: [f64; 2],
@@ -33,6 +33,10 @@ fn sums(i: usize, j: usize) -> f64 {
 }
 
 impl Stops {
+    pub fn new(count: usize, stiffness: f64, units: [f64; 2]) -> Self {
+        Self { count, stiffness, units, piece: 0 }
+    }
+
     fn v(&self, x: &[f64]) -> Vec<f64> {
         let entry = |i: usize| (0..self.count).map(|j| b(i, j) * x[j] / self.units[0]).sum();
         (0..self.count).map(entry).collect()
@@ -96,7 +100,7 @@ fn all_arms_of_a_point_at_which_stops_are_reached_at_once_are_found_without_curv
     for (count, units) in [(2, [1.0, 1.0]), (2, [1e-3, 50.0]), (3, [1.0, 1.0]), (3, [64.0, 1e-4])] {
         for (start, stiffness) in (0..10).flat_map(|start| [(start, 1e5), (start, 3e6)]) {
             let case = format!("{count} stops, units {units:?}, stiffness {stiffness:e}, start {start}");
-            let mut system = Stops { count, stiffness, units, piece: 0 };
+            let mut system = Stops::new(count, stiffness, units);
             let [a, unit] = units;
             let from = 0.31 + 0.0123 * f64::from(start);
             // All are open: v = −q π.
@@ -130,7 +134,7 @@ fn all_arms_of_a_point_at_which_stops_are_reached_at_once_are_found_without_curv
 }
 
 /// `−B⁻¹ q`, by Gauss-Seidel.
-fn open(n: usize) -> Vec<f64> {
+pub fn open(n: usize) -> Vec<f64> {
     let mut x = vec![0.0; n];
     for _ in 0..200 {
         for i in 0..n {

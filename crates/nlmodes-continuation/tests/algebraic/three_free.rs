@@ -8,15 +8,15 @@ use nlmodes_continuation::{Branch, Continuation, EventKind, Linearization, Param
 use crate::samples::{assert_sound, events, window};
 
 /// Two equations for (x, y, p): `f` returns each one with its gradient; `piece` numbers the smooth pieces.
-struct Spatial<F, G> {
+pub struct Spatial<F, G> {
     f: F,
     piece: G,
     at: [f64; 3],
 }
 
-type Equation = (f64, [f64; 3]);
+pub type Equation = (f64, [f64; 3]);
 
-fn spatial<F: Fn([f64; 3]) -> [Equation; 2]>(f: F) -> Spatial<F, fn([f64; 3]) -> u64> {
+pub fn spatial<F: Fn([f64; 3]) -> [Equation; 2]>(f: F) -> Spatial<F, fn([f64; 3]) -> u64> {
     Spatial { f, piece: |_| 0, at: [0.0; 3] }
 }
 
@@ -87,7 +87,7 @@ fn a_grazing_fold_is_passed_where_three_directions_are_nearly_free() {
 }
 
 /// `x² = p²`, `y (y² − p²) = 0`: six lines.
-fn six_lines([x, y, p]: [f64; 3]) -> [Equation; 2] {
+pub fn six_lines([x, y, p]: [f64; 3]) -> [Equation; 2] {
     [(x * x - p * p, [2.0 * x, 0.0, -2.0 * p]), (y * (y * y - p * p), [0.0, 3.0 * y * y - p * p, -2.0 * y * p])]
 }
 
