@@ -72,8 +72,7 @@ impl FreeModes {
     /// Displacements of the reduced structure from those of the whole one, `η = Φᵀ M q`; those of its contacts follow statically and are left
     /// at zero.
     pub fn project(&self, full: &MasslessContactModel, displacement: &[f64]) -> Vec<f64> {
-        let mut inertia = vec![0.0; displacement.len()];
-        multiply(full.mass(), displacement, &mut inertia);
+        let inertia = multiply(full.mass(), displacement);
         let modal = |k: usize| inertia.iter().enumerate().map(|(i, f)| self.shapes[(i, k)] * f).sum::<f64>();
         (0..self.n_modes()).map(modal).chain(self.contact_dofs.iter().map(|_| 0.0)).collect()
     }

@@ -1,4 +1,4 @@
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, max_norm};
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
 use num_complex::Complex64;
 
@@ -38,7 +38,7 @@ impl MixedShooting<'_> {
             peak: self.peak(fraction > 0.0, contacts.first().map_or(0.0, |contact| contact.peak_force)),
             contact_fraction: fraction,
             contact_intervals: contacts.iter().map(|contact| contact.touches).sum(),
-            peak_contact_force: contacts.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
+            peak_contact_force: max_norm(contacts.iter().map(|contact| contact.peak_force)),
             contacts,
             residual,
             error_estimate: None,

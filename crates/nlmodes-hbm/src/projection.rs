@@ -1,4 +1,4 @@
-use nlmodes_linalg::{Mat, multiply};
+use nlmodes_linalg::{Mat, multiply_many};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::LinearModes;
 use num_complex::Complex64;
@@ -23,15 +23,8 @@ impl Projection {
     /// If the shapes have another number of rows than the structure has degrees of freedom.
     pub fn new(structure: &CondensedStructure, linear: &LinearModes) -> Self {
         let model = structure.model();
-        let mass = model.mass();
         let (r, k, n) = (linear.omega.len(), structure.modes().len(), structure.n_contact_dofs());
-        let mut inertia = Mat::zeros(mass.nrows(), r);
-        let mut row = vec![0.0; mass.nrows()];
-        for j in 0..r {
-            let shape: Vec<f64> = linear.shapes.col(j).iter().copied().collect();
-            multiply(mass, &shape, &mut row);
-            inertia.col_mut(j).iter_mut().zip(&row).for_each(|(to, from)| *to = *from);
-        }
+        let inertia = multiply_many(model.mass(), &linear.shapes);
         // Contact nodes that are not among the linear degrees of freedom have no mass, and take no part in the sum.
         let linear_dofs = model.linear_dofs();
         let heavy = Mat::from_fn(r, linear_dofs.len(), |j, i| inertia[(linear_dofs[i], j)]);

@@ -1,5 +1,7 @@
 use nlmodes_contact::{LcpMatrix, solver_by_name};
-use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, select, sparse_from_triplets, symmetric_eigen, triplets};
+use nlmodes_linalg::{
+    DenseLu, Mat, SparseMatrix, Triplet, max_norm, select, sparse_from_triplets, symmetric_eigen, triplets,
+};
 use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes, open_modes};
 
 use crate::closed_set::ClosedSet;
@@ -52,7 +54,7 @@ impl Grazing {
 
     /// Largest amplitude of `b`, m.
     pub fn amplitude(&self) -> f64 {
-        self.fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()))
+        max_norm(self.fundamental.iter().copied())
     }
 
     /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and [`MixedShooting::shrinking_gaps`](crate::MixedShooting::shrinking_gaps)
@@ -160,8 +162,8 @@ impl LinearStart {
         let guards: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_rest)).collect();
         let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
         let largest = structure.model.dofs().iter().zip(&shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
-        let largest = largest.fold(0.0_f64, |m, (_, v)| m.max(v.abs()));
-        let ratio = slopes.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / largest;
+        let largest = max_norm(largest.map(|(_, v)| *v));
+        let ratio = max_norm(slopes.iter().copied()) / largest;
         let moving: Vec<usize> = (0..w.ncols()).filter(|&i| slopes[i].abs() > NO_MOTION * largest).collect();
         let touching = moving.iter().copied().filter(|&i| !rest.closed[i] && guards[i].abs() <= rest.noise).collect();
         let start = Self { mode, omega, rest, unit, guards, slopes, moving, touching, ratio };
@@ -188,7 +190,7 @@ impl LinearStart {
     fn at(self, contact: usize, amplitude: f64, opening: Vec<f64>) -> Grazing {
         let energy = 0.25 * self.omega * self.omega * amplitude * amplitude;
         let fundamental: Vec<f64> = self.unit.iter().map(|b| amplitude * b).collect();
-        let largest = fundamental.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
+        let largest = max_norm(fundamental.iter().copied());
         // A contact that presses hardly moves `b` before it opens: what it moves then is what this energy does to the structure.
         let length = largest.max(2.0 * (energy * self.rest.compliance).sqrt());
         Grazing { mode: self.mode, omega: self.omega, energy, contact, mean: self.rest.b, fundamental, length, opening }
@@ -232,11 +234,11 @@ impl Rest {
             .and_then(|solver| solver.workspace(&compliance))
             .and_then(|mut workspace| workspace.solve(structure.body.gaps(), &mut closed, &mut lambda))
             .map_err(HbmError::Compliance)?;
-        let noise = ROUNDING * structure.body.gaps().iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let noise = ROUNDING * max_norm(structure.body.gaps().iter().copied());
         let a = compliance.a();
         // A force that is nothing but rounding does not hold a contact.
         (0..c).for_each(|i| closed[i] &= a[(i, i)] * lambda[i] > noise);
-        let softest = (0..c).filter(|i| closed[*i]).fold(0.0_f64, |m, i| m.max(a[(i, i)]));
+        let softest = max_norm((0..c).filter(|i| closed[*i]).map(|i| a[(i, i)]));
         let q: Vec<f64> = (0..n).map(|d| (0..c).map(|i| q[(d, i)] * lambda[i]).sum()).collect();
         let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
         Ok(Self { closed, b, compliance: softest, noise })

@@ -52,8 +52,8 @@ pub use exponential::matrix_exponential;
 pub use faer::Mat;
 pub use modes::{Modes, Pencil, lowest_modes};
 pub use sparse::{
-    SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, multiply, multiply_many, multiply_transposed, select,
-    sparse_from_triplets, triplets,
+    SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, max_norm, multiply, multiply_many, multiply_transposed,
+    select, sparse_from_triplets, triplets,
 };
 pub use sparse_lu::SparseLu;
 pub use symmetric::symmetric_eigen;

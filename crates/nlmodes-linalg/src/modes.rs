@@ -1,4 +1,4 @@
-use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, select, triplets};
+use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, max_norm, select, triplets};
 
 mod basis;
 mod full;
@@ -204,7 +204,7 @@ fn follow_statically(k: &SparseMatrix, massless: &[usize], vectors: &mut Mat<f64
 /// Makes the largest component of each column positive; of several equal ones, the first.
 fn orient(vectors: &mut Mat<f64>) {
     for j in 0..vectors.ncols() {
-        let largest = vectors.col(j).iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        let largest = max_norm(vectors.col(j).iter().copied());
         // Components that differ by rounding count as equal.
         let first = vectors.col(j).iter().find(|v| v.abs() >= (1.0 - 1e-6) * largest);
         if first.is_some_and(|v| *v < 0.0) {

@@ -137,7 +137,7 @@ mod tests {
         let [mut x, mut y] = [b.clone(), b];
         dissected.factor(&a, "cube").unwrap().solve_in_place(&mut x);
         minimum.factor(&a, "cube").unwrap().solve_in_place(&mut y);
-        let size = y.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        let size = crate::max_norm(y.iter().copied());
         assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-12 * size));
     }
 }

@@ -41,19 +41,24 @@ pub fn triplets(a: &SparseMatrix) -> impl Iterator<Item = Triplet> + '_ {
     a.triplet_iter().map(|t| (t.row, t.col, *t.val))
 }
 
-/// `y = A x`.
+/// `A x`.
 ///
 /// # Panics
-/// If `x` has not as many entries as `a` has columns, or `y` as it has rows.
-pub fn multiply(a: &SparseMatrix, x: &[f64], y: &mut [f64]) {
-    assert_eq!((y.len(), x.len()), (a.nrows(), a.ncols()), "rows and columns of y = A x");
-    y.fill(0.0);
-    let rows = a.symbolic();
+/// If `x` has not as many entries as `a` has columns.
+pub fn multiply(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
+    assert_eq!(x.len(), a.ncols(), "entries of x in A x");
+    let (rows, mut y) = (a.symbolic(), vec![0.0; a.nrows()]);
     for (j, &xj) in x.iter().enumerate() {
         for (&i, v) in rows.row_idx_of_col_raw(j).iter().zip(a.val_of_col(j)) {
             y[i] += v * xj;
         }
     }
+    y
+}
+
+/// Largest size of these numbers, `max |x_i|`; zero of none.
+pub fn max_norm(x: impl IntoIterator<Item = f64>) -> f64 {
+    x.into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
 }
 
 /// Columns that are multiplied at once: as many numbers as a line of the cache holds.
@@ -79,10 +84,8 @@ pub fn multiply_many(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
 }
 
 fn multiply_column(a: &SparseMatrix, x: &Mat<f64>, c: usize, product: &mut Mat<f64>) {
-    let (mut from, mut to) = (vec![0.0; a.ncols()], vec![0.0; a.nrows()]);
-    from.iter_mut().zip(x.col(c).iter()).for_each(|(to, from)| *to = *from);
-    multiply(a, &from, &mut to);
-    product.col_mut(c).iter_mut().zip(&to).for_each(|(to, from)| *to = *from);
+    let from: Vec<f64> = x.col(c).iter().copied().collect();
+    product.col_mut(c).iter_mut().zip(multiply(a, &from)).for_each(|(to, from)| *to = from);
 }
 
 /// Columns `first` and those after it, with the numbers of a row side by side.
@@ -120,8 +123,7 @@ pub fn multiply_transposed(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
 /// # Panics
 /// If the sizes do not fit.
 pub fn bilinear(x: &[f64], a: &SparseMatrix, y: &[f64]) -> f64 {
-    let mut ay = vec![0.0; a.nrows()];
-    multiply(a, y, &mut ay);
+    let ay = multiply(a, y);
     assert_eq!(x.len(), ay.len(), "rows of a bilinear form");
     x.iter().zip(&ay).map(|(x, y)| x * y).sum()
 }
@@ -248,12 +250,15 @@ mod tests {
 
     #[test]
     fn product_and_sum_agree_with_hand_calculation() {
-        let mut y = [9.0; 3];
-        multiply(&sample(), &[2.0, 3.0], &mut y);
-        assert_eq!(y, [2.0, 15.0, -4.0]);
+        assert_eq!(multiply(&sample(), &[2.0, 3.0]), [2.0, 15.0, -4.0]);
         assert_eq!(bilinear(&[1.0, 1.0, 1.0], &sample(), &[2.0, 3.0]), 13.0);
         let sum = add_scaled(&sample(), 0.5, &sample()).unwrap();
         assert_eq!(triplets(&sum).map(|t| t.2).collect::<Vec<_>>(), [1.5, -3.0, 7.5]);
+    }
+
+    #[test]
+    fn the_largest_number_counts_whatever_its_sign_and_its_size() {
+        assert_eq!((max_norm([1e-9, -3e-9, 2e-9]), max_norm([-0.5, 7.0]), max_norm([])), (3e-9, 7.0, 0.0));
     }
 
     #[test]
@@ -272,8 +277,7 @@ mod tests {
             let product = multiply_many(&sample(), &x(columns));
             assert_eq!((product.nrows(), product.ncols()), (3, columns));
             for j in 0..columns {
-                let mut y = [9.0; 3];
-                multiply(&sample(), &[x(columns)[(0, j)], x(columns)[(1, j)]], &mut y);
+                let y = multiply(&sample(), &[x(columns)[(0, j)], x(columns)[(1, j)]]);
                 assert!((0..3).all(|i| product[(i, j)] == y[i]));
             }
         }

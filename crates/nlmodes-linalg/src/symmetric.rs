@@ -1,6 +1,6 @@
 use faer::Side;
 
-use crate::{LinalgError, Mat};
+use crate::{LinalgError, Mat, max_norm};
 
 /// Eigenvalues, ascending, and orthonormal eigenvectors (columns) of a dense symmetric matrix; the lower triangle is read.
 ///
@@ -27,7 +27,7 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
 
 /// A power of two that brings the largest entry near one: what is negligible in the iteration is so against one, whatever the units.
 fn scale(a: &Mat<f64>) -> f64 {
-    let largest = (0..a.ncols()).flat_map(|j| a.col(j).iter()).fold(0.0_f64, |l, v| l.max(v.abs()));
+    let largest = max_norm((0..a.ncols()).flat_map(|j| a.col(j).iter().copied()));
     if largest > 0.0 { 2f64.powf(-largest.log2().floor().clamp(-1000.0, 1000.0)) } else { 1.0 }
 }
 

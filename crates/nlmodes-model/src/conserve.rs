@@ -1,9 +1,9 @@
-use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, bilinear};
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, Triplet, bilinear, max_norm};
 
 use crate::massless::contact_dofs;
 use crate::redistribution::{check_definite, from_entries, refuse_in_space, without};
 use crate::rigid::{positions, translation};
-use crate::{Dof, DofKind, MassRedistribution, ModelError, StructuralModel};
+use crate::{Dof, MassRedistribution, ModelError, StructuralModel};
 
 /// Largest share of its own inertia that a degree of freedom may lose.
 const LARGEST_LOSS: f64 = 0.7;
@@ -92,7 +92,7 @@ impl Moments {
     ) -> Result<Vec<Triplet>, ModelError> {
         let Dof { position, kind, .. } = dofs[contact];
         let distance = |i: usize| (dofs[i].position - position).abs();
-        let moves = |i: usize| self.r[i] != 0.0 || (kind == DofKind::Deflection && self.rho[i] != 0.0);
+        let moves = |i: usize| self.r[i] != 0.0 || self.rho[i] != 0.0;
         let mut takers: Vec<(usize, f64)> = inertias.iter().copied().filter(|t| moves(t.0)).collect();
         takers.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut indefinite = None;
@@ -111,12 +111,10 @@ impl Moments {
         Err(indefinite.unwrap_or(too_few))
     }
 
-    /// Inertias for the diagonal that bring back what is lost; `None` if these degrees of freedom cannot take it.
+    /// Inertias for the diagonal that bring back what is lost; `None` if these degrees of freedom cannot take it, as where all of them stand at the contact (`length`
+    /// is zero, and the matrix has no finite entries).
     fn least_change(&self, takers: &[(usize, f64)], lost: &[f64], length: f64) -> Option<Vec<Triplet>> {
-        if length == 0.0 {
-            return None;
-        }
-        let size = takers.iter().fold(0.0_f64, |m, t| m.max(t.1 * self.shares(t.0, length)[0]));
+        let size = max_norm(takers.iter().map(|t| t.1 * self.shares(t.0, length)[0]));
         let gram = Mat::from_fn(3, 3, |a, b| {
             let product = |t: &(usize, f64)| {
                 let shares = self.shares(t.0, length);
@@ -133,7 +131,7 @@ impl Moments {
             (t.0, t.0, (t.1 / size).powi(2) * sum)
         };
         let change: Vec<Triplet> = takers.iter().map(change).collect();
-        let scale = wanted.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+        let scale = max_norm(wanted);
         let is_met = (0..3).all(|a| {
             let found: f64 = change.iter().map(|c| c.2 * self.shares(c.0, length)[a]).sum();
             (found - wanted[a]).abs() <= 1e-12 * scale
@@ -147,7 +145,8 @@ impl Moments {
 mod tests {
     use super::*;
     use crate::test_chain::springs;
-    use crate::{Contact, MassProperties, Side};
+    use crate::{Contact, DofKind, MassProperties, Side};
+    use nlmodes_linalg::triplets;
 
     fn stops(dofs: &[usize]) -> Vec<Contact> {
         dofs.iter().map(|&dof| Contact::rigid(dof, Side::Positive, 0.1)).collect()
@@ -206,6 +205,18 @@ mod tests {
         let model = springs(3, 1.0, stops(&[2]), &[(0, 0, 1.0), (1, 1, 1.0)]);
         let mass = Conserve.redistribute(&model).unwrap();
         assert_eq!((mass[(0, 0)], mass[(1, 1)], mass.get(2, 2)), (1.0, 1.0, None));
+    }
+
+    /// A mass across the axis beside the contact is none that could be given something back, nor is it counted.
+    #[test]
+    fn what_a_contact_does_not_move_is_no_neighbour() {
+        let along = springs(3, 1.0, stops(&[2]), &lumped(3));
+        let beside = |a: &SparseMatrix| from_entries(4, &triplets(a).chain([(3, 3, 1.0)]).collect::<Vec<_>>()).unwrap();
+        let across = Dof { node: 3, position: 2.5, kind: DofKind::Deflection };
+        let dofs: Vec<Dof> = along.dofs().iter().copied().chain([across]).collect();
+        let model = StructuralModel::new(beside(along.mass()), beside(along.stiffness()), dofs, stops(&[2])).unwrap();
+        let error = Conserve.redistribute(&model).unwrap_err();
+        assert_eq!(error, ModelError::TooFewNeighbours { dof: 2, position: 3.0, kind: DofKind::Axial, found: 2 });
     }
 
     #[test]

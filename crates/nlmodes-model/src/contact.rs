@@ -1,3 +1,5 @@
+use nlmodes_linalg::max_norm;
+
 use crate::{DofIndex, ModelError, SparseDirection};
 
 /// The side on which a stop stands, seen along the positive direction of the degree of freedom.
@@ -149,7 +151,7 @@ fn along(dofs: &DofIndex, node: usize, n: [f64; 3], sign: f64) -> impl Iterator<
 /// The normal with length one.
 fn unit(normal: [f64; 3]) -> Result<[f64; 3], ModelError> {
     // By the largest component first, so that squares neither overflow nor vanish.
-    let largest = normal.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+    let largest = max_norm(normal);
     if !(largest > 0.0 && normal.iter().all(|v| v.is_finite())) {
         return Err(ModelError::NormalLength { normal });
     }

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-9;
 pub fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
     let mut diagonal = vec![0.0; dofs.len()];
     triplets(mass).filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[i] += value);
-    for (dof, &value) in diagonal.iter().enumerate().filter(|(_, value)| **value < 0.0) {
+    for (dof, &value) in diagonal.iter().enumerate().filter(|(_, value)| value.is_sign_negative()) {
         let Dof { node, position, kind } = dofs[dof];
         // Masses and moments of inertia are not compared with each other.
         let alike = dofs.iter().zip(&diagonal).filter(|(other, _)| other.kind == kind);

@@ -1,4 +1,4 @@
-use nlmodes_linalg::{Mat, SparseMatrix, Triplet, multiply, sparse_from_triplets, triplets};
+use nlmodes_linalg::{Mat, SparseMatrix, Triplet, max_norm, multiply, sparse_from_triplets, triplets};
 
 use crate::{DofKind, LinearModes, MassRedistribution, ModelError, StructuralModel, linear_modes};
 
@@ -67,7 +67,7 @@ impl StructuralModel {
         let redistributed = rule.map(|rule| rule.redistribute(self)).transpose()?;
         let mass = redistributed.as_ref().unwrap_or(self.mass());
         let (modes, numbers, next) = self.lowest_of_kind(mass, kind, omega.len())?;
-        let highest = modes.omega.last().copied().unwrap_or(0.0);
+        let highest = max_norm(modes.omega.iter().copied());
         if let Some(&k) = numbers.iter().find(|&&k| modes.omega[k] <= RIGID * highest) {
             return Err(ModelError::ImposedOnRigidBody { mode: k + 1 });
         }
@@ -134,7 +134,7 @@ impl StructuralModel {
     /// Largest component of mode `k` among these kinds.
     fn largest(&self, shapes: &Mat<f64>, k: usize, of: impl Fn(DofKind) -> bool) -> f64 {
         let components = self.dofs().iter().enumerate().filter(|(_, dof)| of(dof.kind));
-        components.map(|(i, _)| shapes[(i, k)].abs()).fold(0.0, f64::max)
+        max_norm(components.map(|(i, _)| shapes[(i, k)]))
     }
 
     /// `M φ_k`, without the rounding in the kinds in which the mode rests, which would couple them.
@@ -142,9 +142,7 @@ impl StructuralModel {
         let rests = DofKind::ALL.map(|kind| (!self.moves(shapes, k, kind)).then_some(kind));
         let component = |i: usize| if rests.contains(&Some(self.dofs()[i].kind)) { 0.0 } else { shapes[(i, k)] };
         let shape: Vec<f64> = (0..shapes.nrows()).map(component).collect();
-        let mut inertia = vec![0.0; shape.len()];
-        multiply(mass, &shape, &mut inertia);
-        inertia
+        multiply(mass, &shape)
     }
 }
 
@@ -170,10 +168,7 @@ fn updated(stiffness: &SparseMatrix, inertia: &[Vec<f64>], change: &[f64]) -> Re
     for &j in &moved {
         for &i in &moved {
             // In one order for (i, j) and (j, i), so that the sum is symmetric to the last digit.
-            let value: f64 = inertia.iter().zip(change).map(|(u, c)| c * (u[i] * u[j])).sum();
-            if value != 0.0 {
-                entries.push((i, j, value));
-            }
+            entries.push((i, j, inertia.iter().zip(change).map(|(u, c)| c * (u[i] * u[j])).sum()));
         }
     }
     sparse_from_triplets(n, n, &entries).map_err(ModelError::during("stiffness with imposed frequencies"))
@@ -183,7 +178,7 @@ fn updated(stiffness: &SparseMatrix, inertia: &[Vec<f64>], change: &[f64]) -> Re
 mod tests {
     use super::*;
     use crate::test_chain::chain;
-    use crate::{Contact, Drop, MasslessContactModel, Move, Side, held_modes};
+    use crate::{Contact, Dof, Drop, MasslessContactModel, Move, Side, held_modes};
 
     const N: usize = 12;
 
@@ -281,6 +276,31 @@ mod tests {
         }
     }
 
+    /// Masses along the axis, and as many across it on springs of 1.7: modes of both in turn.
+    #[test]
+    fn what_moves_in_another_direction_keeps_its_stiffness_to_the_last_digit() {
+        let along = chain(N, vec![]);
+        let twice = |a: &SparseMatrix, factor: f64| {
+            let both = |(i, j, v)| [(i, j, v), (i + N, j + N, factor * v)];
+            sparse_from_triplets(2 * N, 2 * N, &triplets(a).flat_map(both).collect::<Vec<_>>()).unwrap()
+        };
+        let across = along.dofs().iter().map(|dof| Dof { kind: DofKind::Deflection, ..*dof });
+        let dofs: Vec<Dof> = along.dofs().iter().copied().chain(across).collect();
+        let model =
+            StructuralModel::new(twice(along.mass(), 1.0), twice(along.stiffness(), 1.7), dofs, vec![]).unwrap();
+        // Of the chain with all its masses, and √1.7 times as high across: modes 0 and 1, 2 and 3 in turn.
+        let own = |r: usize| 2.0 * ((2 * r - 1) as f64 * std::f64::consts::PI / (4 * N + 2) as f64).sin();
+        let imposed = model.with_frequencies(None, DofKind::Deflection, &[0.2, 0.5]).unwrap();
+        assert_eq!(imposed.numbers, [1, 3]);
+        let expected = [1, 2].map(|r| 1.7_f64.sqrt() * own(r));
+        imposed.own.iter().zip(expected).for_each(|(found, own)| assert!((found / own - 1.0).abs() < 1e-12));
+        let kept = |i: usize, j: usize| i < N || j < N;
+        let of = |model: &StructuralModel| -> Vec<Triplet> {
+            triplets(model.stiffness()).filter(|(i, j, _)| kept(*i, *j)).collect()
+        };
+        assert_eq!(of(&imposed.model), of(&model));
+    }
+
     #[test]
     fn messages_have_numbers_from_one_and_hertz() {
         let error = stopped().with_frequencies(None, DofKind::Axial, &[std::f64::consts::TAU * 0.01, 0.0]).unwrap_err();
@@ -298,8 +318,11 @@ mod tests {
 
     #[test]
     fn large_structures_are_refused() {
+        // The end has no mass and takes no part.
         let n = MAX_IMPOSED_DOFS + 1;
-        let error = chain(n, vec![]).with_frequencies(None, DofKind::Axial, &[1e-4]).unwrap_err();
+        let masses: Vec<_> = (0..n).map(|i| (i, i, 1.0)).collect();
+        let structure = crate::test_chain::springs(n + 1, 1.0, vec![], &masses);
+        let error = structure.with_frequencies(None, DofKind::Axial, &[1e-4]).unwrap_err();
         assert_eq!(error, ModelError::ImposedSize { dofs: n, limit: MAX_IMPOSED_DOFS });
     }
 }

@@ -71,6 +71,16 @@ mod tests {
     }
 
     #[test]
+    fn known_frequencies_are_compared_however_low_they_are_and_rigid_motions_are_not() {
+        let relative =
+            |with: &[f64], without: &[f64], mode| MassShift::between(with, without, mode).map(|shift| shift.relative());
+        assert_eq!(relative(&[1e-3, 2e-3], &[2e-3, 5e-3], 2), Some(1.5));
+        for (with, without) in [([0.0, 2.0], [3.0, 4.0]), ([1.0, 2.0], [0.0, 4.0])] {
+            assert_eq!((relative(&with, &without, 1), relative(&with, &without, 3)), (None, None));
+        }
+    }
+
+    #[test]
     fn a_contact_without_mass_shifts_nothing() {
         let masses: Vec<_> = (0..5).map(|i| (i, i, if i == 4 { 0.0 } else { 1.0 })).collect();
         let model = springs(5, 1.0, vec![Contact::rigid(4, Side::Positive, 0.1)], &masses);

@@ -215,6 +215,18 @@ mod tests {
         }
     }
 
+    /// A node of another part may stand at the same place: it is on neither side.
+    #[test]
+    fn a_mass_at_the_place_of_the_contact_is_no_neighbour() {
+        let row = springs(6, 1.0, stops(&[2]), &(0..6).map(|i| (i, i, 1.0)).collect::<Vec<_>>());
+        let mut dofs = row.dofs().to_vec();
+        dofs[5].position = dofs[2].position;
+        let model = StructuralModel::new(row.mass().clone(), row.stiffness().clone(), dofs, stops(&[2])).unwrap();
+        let mass = Move.redistribute(&model).unwrap();
+        let expected = [1.0, 1.5, 0.0, 1.5, 1.0, 1.0];
+        (0..6).for_each(|i| assert_eq!(mass.get(i, i).copied().unwrap_or(0.0), expected[i], "{i}"));
+    }
+
     #[test]
     fn a_heavy_end_cannot_be_moved_without_making_the_mass_indefinite() {
         let mass: Vec<_> = (0..5).map(|i| (i, i, if i == 4 { 3.0 } else { 1.0 })).collect();

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use nlmodes_linalg::{SparseMatrix, bilinear, triplets};
+use nlmodes_linalg::{SparseMatrix, bilinear, max_norm, multiply, triplets};
 
 use crate::{Dof, DofKind};
 
@@ -73,7 +73,7 @@ impl RigidMotion {
             return pivot.and_then(|about| rotation_about(about, stiffness, dofs, held));
         }
         // Some support holds the deflection: a rotation about it may be left, `K (ρ − a r) = 0`.
-        let (k_across, k_about) = (image(stiffness, &across).0, image(stiffness, &about_origin).0);
+        let (k_across, k_about) = (multiply(stiffness, &across), multiply(stiffness, &about_origin));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let about = product(&k_across, &k_about) / product(&k_across, &k_across);
         about.is_finite().then(|| rotation_about(about, stiffness, dofs, held)).flatten()
@@ -84,7 +84,7 @@ impl RigidMotion {
 fn rotation_about(about: f64, stiffness: &SparseMatrix, dofs: &[Dof], held: &[usize]) -> Option<RigidMotion> {
     let across = translation(dofs, DofKind::Deflection);
     let motion: Vec<f64> = rotation(dofs).iter().zip(&across).map(|(rotation, r)| rotation - about * r).collect();
-    let size = motion.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+    let size = max_norm(motion.iter().copied());
     let held_still = held.iter().all(|&i| motion[i].abs() <= 1e-9 * size);
     (held_still && strains_nothing(stiffness, &motion)).then_some(RigidMotion::Rotation { about })
 }
@@ -104,19 +104,11 @@ fn rotation(dofs: &[Dof]) -> Vec<f64> {
     dofs.iter().map(component).collect()
 }
 
-/// `K r` and `|K| |r|`.
-pub(super) fn image(stiffness: &SparseMatrix, r: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (mut force, mut scale) = (vec![0.0; r.len()], vec![0.0; r.len()]);
-    for (i, j, k) in triplets(stiffness) {
-        force[i] += k * r[j];
-        scale[i] += (k * r[j]).abs();
-    }
-    (force, scale)
-}
-
+/// Whether `K r` is rounding beside `|K| |r|`, row by row, of a motion that moves something.
 fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
-    let (force, scale) = image(stiffness, r);
-    r.iter().any(|v| *v != 0.0) && force.iter().zip(&scale).all(|(f, s)| f.abs() <= 1e-12 * s)
+    let mut scale = vec![0.0; r.len()];
+    triplets(stiffness).for_each(|(i, j, k)| scale[i] += (k * r[j]).abs());
+    r.iter().any(|v| *v != 0.0) && multiply(stiffness, r).iter().zip(&scale).all(|(f, s)| f.abs() <= 1e-12 * s)
 }
 
 /// Mass and its moments in rigid motions, of the free degrees of freedom.
@@ -188,9 +180,28 @@ mod tests {
         MasslessContactModel::new(&model, &Drop).unwrap()
     }
 
+    /// Of what moves in one direction only: masses across it, beside it and coupled with it are not in it; rotary inertias are in turns.
+    #[test]
+    fn each_direction_has_its_own_mass() {
+        let of = |position, kind| Dof { node: 0, position, kind };
+        use DofKind::{Axial, Deflection, Rotation};
+        let dofs = [of(1.0, Axial), of(3.0, Axial), of(2.0, Deflection), of(5.0, Deflection), of(5.0, Rotation)];
+        let masses = [2.0, 0.5, 4.0, 8.0, 16.0];
+        let entries: Vec<Triplet> = (0..5).map(|i| (i, i, masses[i])).chain([(0, 2, 0.25), (2, 0, 0.25)]).collect();
+        let mass = sparse_from_triplets(5, 5, &entries).unwrap();
+        for (kind, total, first_moment, moment_of_inertia) in
+            [(Axial, 2.5, 3.5, 6.5), (Deflection, 12.0, 48.0, 16.0 + 200.0 + 16.0), (Rotation, 16.0, 80.0, 400.0)]
+        {
+            assert_eq!(
+                MassProperties::of(&mass, &dofs, kind),
+                MassProperties { total, first_moment, moment_of_inertia }
+            );
+        }
+    }
+
     #[test]
     fn a_beam_floats_turns_about_what_holds_it_or_stands_in_any_unit() {
-        for (from, length, stiffness) in [(0.0, 1.0, 1.0), (-0.7, 1e-3, 1e-6), (20.0, 5.0, 1e9)] {
+        for (from, length, stiffness) in [(0.0, 1.0, 1.0), (-0.7, 1e-3, 1e-6), (20.0, 5.0, 1e9), (0.3, 1.0, 1e-15)] {
             let free = beam(from, length, stiffness, &[]);
             assert_eq!(free.rigid_motion(), Some(RigidMotion::Transverse));
             let about = |found: Option<RigidMotion>| match found {

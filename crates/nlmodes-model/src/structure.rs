@@ -193,6 +193,14 @@ mod tests {
     }
 
     #[test]
+    fn damping_is_kept_and_none_is_made_up() {
+        let (m, k, dofs, contacts) = parts();
+        let model = StructuralModel::new(m, k.clone(), dofs, contacts).unwrap();
+        assert!(model.damping().is_none());
+        assert_eq!(model.with_damping(k.clone()).unwrap().damping().unwrap().to_dense(), k.to_dense());
+    }
+
+    #[test]
     fn damping_and_places_are_checked() {
         let model = || {
             let (m, k, dofs, contacts) = parts();

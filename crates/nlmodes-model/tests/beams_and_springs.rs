@@ -211,10 +211,7 @@ fn spring_tips_are_springs_between_the_nodes_and_the_stops() {
         let own = if i == j { [-1.0, 1.0, 1.0][i] } else { 0.0 };
         assert_eq!(tips.w()[(i, j)], own, "({i}, {j})");
     }
-    let (mut with, mut without) = (vec![0.0; n], vec![0.0; n]);
-    multiply(tips.mass(), &q, &mut with);
-    multiply(model.mass(), &q, &mut without);
-    assert_eq!(with, without, "the nodes keep their mass");
+    assert_eq!(multiply(tips.mass(), &q), multiply(model.mass(), &q), "the nodes keep their mass");
     let dropped = MasslessContactModel::with_spring_tips(&model, Some(&Drop)).unwrap();
     assert_eq!([1, 4].map(|i| dropped.mass().get(i, i).copied().unwrap_or(0.0)), [0.0; 2]);
     let none = model.clone().with_contacts(vec![]).unwrap();

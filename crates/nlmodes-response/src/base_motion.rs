@@ -50,8 +50,7 @@ impl BaseMotion {
         let lost: Vec<usize> = massless.iter().filter_map(|&i| places.get(i).copied()).collect();
         let moves = |i: usize| f64::from(u8::from(free.dofs()[i].kind == direction && !lost.contains(&i)));
         let rigid: Vec<f64> = (0..free.dofs().len()).map(moves).collect();
-        let mut inertia = vec![0.0; rigid.len()];
-        multiply(free.mass(), &rigid, &mut inertia);
+        let mut inertia = multiply(free.mass(), &rigid);
         lost.iter().for_each(|&i| inertia[i] = 0.0);
         let with_base = |i: &usize| f64::from(u8::from(free.dofs()[*i].kind == direction));
         Some(Self {

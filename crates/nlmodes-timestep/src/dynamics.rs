@@ -95,11 +95,7 @@ impl ContactDynamics {
                 return Err(TimestepError::Dimension { what, expected, found: of.len() });
             }
         }
-        let project = |x: &[f64]| {
-            let mut inertia = vec![0.0; expected];
-            multiply(self.model.mass(), x, &mut inertia);
-            transposed_product(&self.open.shapes, &inertia)
-        };
+        let project = |x: &[f64]| transposed_product(&self.open.shapes, &multiply(self.model.mass(), x));
         Ok(ModalState { z: project(displacement), v: project(velocity) })
     }
 

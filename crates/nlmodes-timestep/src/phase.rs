@@ -1,5 +1,5 @@
 use nlmodes_contact::ContactBody;
-use nlmodes_linalg::{Mat, SparseMatrix, multiply};
+use nlmodes_linalg::{Mat, multiply, multiply_many};
 use nlmodes_model::MasslessContactModel;
 
 use crate::TimestepError;
@@ -68,9 +68,8 @@ impl Phase {
         let offset = restrained.equilibrium(&modes)?;
         let shapes = restrained.on_all(&modes.shapes);
         let reference = open.map_or(&shapes, |open| &open.shapes);
-        let turn = shapes.transpose() * mass_times(model.mass(), reference);
-        let mut inertia = vec![0.0; offset.len()];
-        multiply(model.mass(), &offset, &mut inertia);
+        let turn = shapes.transpose() * multiply_many(model.mass(), reference);
+        let inertia = multiply(model.mass(), &offset);
         let shift: Vec<f64> = (0..shapes.ncols()).map(|k| dot(column(&shapes, k), &inertia)).collect();
         let free_gaps = free_gaps(model, reference, &turn, &shift);
         let response = body.response(closed)?;
@@ -190,16 +189,6 @@ fn combine(rows: &[Row], weight: impl Fn(usize) -> f64) -> Row {
         }
     }
     sum
-}
-
-fn mass_times(mass: &SparseMatrix, shapes: &Mat<f64>) -> Mat<f64> {
-    let mut all = Mat::zeros(shapes.nrows(), shapes.ncols());
-    let mut one = vec![0.0; shapes.nrows()];
-    for k in 0..shapes.ncols() {
-        multiply(mass, column(shapes, k), &mut one);
-        all.col_mut(k).iter_mut().zip(&one).for_each(|(a, x)| *a = *x);
-    }
-    all
 }
 
 /// Column `k` as a slice.

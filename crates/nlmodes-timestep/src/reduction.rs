@@ -1,4 +1,4 @@
-use nlmodes_linalg::{Mat, SparseMatrix, bilinear, multiply, sparse_from_triplets, symmetric_eigen};
+use nlmodes_linalg::{Mat, SparseMatrix, bilinear, multiply, multiply_many, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{
     Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, MasslessContactModel, StructuralModel,
 };
@@ -115,8 +115,7 @@ impl GalerkinReduction {
         }
         let Some(basis) = &self.basis else { return Ok(full.to_vec()) };
         let q_l: Vec<f64> = self.full.linear_dofs().iter().map(|&dof| full[dof]).collect();
-        let mut inertia = vec![0.0; q_l.len()];
-        multiply(self.full.m_ll(), &q_l, &mut inertia);
+        let inertia = multiply(self.full.m_ll(), &q_l);
         let contacts = std::iter::repeat_n(0.0, self.full.k_nn().nrows());
         Ok(transposed_product(basis, &inertia).into_iter().chain(contacts).collect())
     }
@@ -139,7 +138,7 @@ fn static_correction(
     let mut rest = psi;
     // Twice: what rounding leaves of the modes is as large as what is left over.
     for _ in 0..2 {
-        rest = &rest - modes * (modes.transpose() * times(full.m_ll(), &rest));
+        rest = &rest - modes * (modes.transpose() * multiply_many(full.m_ll(), &rest));
     }
     let (mass, turn) = symmetric_eigen(&gram(full.m_ll(), &rest)).map_err(&failed)?;
     let left: Vec<usize> = (0..n_n).filter(|&r| mass[r] > NOTHING * whole).collect();
@@ -151,19 +150,8 @@ fn static_correction(
 
 /// `Xᵀ A X`, symmetric.
 fn gram(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
-    let product = x.transpose() * times(a, x);
+    let product = x.transpose() * multiply_many(a, x);
     Mat::from_fn(x.ncols(), x.ncols(), |i, j| 0.5 * (product[(i, j)] + product[(j, i)]))
-}
-
-/// `A X`.
-fn times(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
-    let mut all = Mat::zeros(x.nrows(), x.ncols());
-    let mut one = vec![0.0; x.nrows()];
-    for k in 0..x.ncols() {
-        multiply(a, column(x, k), &mut one);
-        all.col_mut(k).iter_mut().zip(&one).for_each(|(a, x)| *a = *x);
-    }
-    all
 }
 
 /// `M = diag(I, 0)` and the arrow `K` of kept modes and contact coordinates, with `g = Bᵀ K_LN`.

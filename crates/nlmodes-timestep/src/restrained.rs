@@ -58,8 +58,7 @@ impl<'m> Restrained<'m> {
         let n = self.model.dofs().len();
         let mut q = vec![0.0; n];
         self.held.iter().for_each(|&(dof, place)| q[dof] = place);
-        let mut load = vec![0.0; n];
-        multiply(&self.stiffness, &q, &mut load);
+        let mut load = multiply(&self.stiffness, &q);
         load.iter_mut().for_each(|f| *f = -*f);
         self.springs.iter().for_each(|&(dof, k, place)| load[dof] += k * place);
         let mut x: Vec<f64> = self.free.iter().map(|&i| load[i]).collect();

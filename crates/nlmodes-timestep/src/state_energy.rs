@@ -1,14 +1,13 @@
 use std::fmt;
 
 use nlmodes_contact::{LcpWorkspace, solver_by_name};
-use nlmodes_linalg::{DenseLu, SparseMatrix, multiply};
+use nlmodes_linalg::{DenseLu, bilinear};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::MasslessContactModel;
 use num_complex::Complex64;
 
 use crate::TimestepError;
 use crate::dynamics::contact_body;
-use crate::phase::dot;
 
 /// Energy of single states of a structure whose massless contact coordinates follow the contact law, for any number of degrees of freedom.
 ///
@@ -85,13 +84,6 @@ impl<'m> StateEnergy<'m> {
         // K_NN q_N = W λ − K_NL q_L.
         let of_contacts: f64 = q_n.iter().zip(force.iter().zip(&coupled)).map(|(q, (f, c))| q * (f + c)).sum();
         let of_stops: f64 = lambda.iter().zip(model.stop_compliance()).map(|(λ, c)| c * λ * λ).sum();
-        Ok(0.5 * (quadratic(model.m_ll(), v) + quadratic(model.k_ll(), q) + of_contacts + of_stops))
+        Ok(0.5 * (bilinear(v, model.m_ll(), v) + bilinear(q, model.k_ll(), q) + of_contacts + of_stops))
     }
-}
-
-/// `xᵀ A x`.
-fn quadratic(a: &SparseMatrix, x: &[f64]) -> f64 {
-    let mut product = vec![0.0; x.len()];
-    multiply(a, x, &mut product);
-    dot(&product, x)
 }

@@ -138,7 +138,6 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
     for (name, model, tip) in structures() {
         let (mut dynamics, state, time) = let_go(&model, tip);
         let trajectory = dynamics.propagate(&state, time).unwrap();
-        let n = model.dofs().len();
         let all = (0..400).flat_map(|j| trajectory.at(time * f64::from(j) / 400.0).forces);
         let (largest_force, mut tested) = (all.fold(0.0, f64::max), 0);
         for j in 1..400 {
@@ -158,9 +157,8 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
             let (before, after) = (trajectory.at(t - h), trajectory.at(t + h));
             let acceleration: Vec<f64> =
                 before.velocity.iter().zip(&after.velocity).map(|(a, b)| (b - a) / (2.0 * h)).collect();
-            let (mut inertia, mut elastic) = (vec![0.0; n], vec![0.0; n]);
-            multiply(model.mass(), &acceleration, &mut inertia);
-            multiply(model.stiffness(), &at.displacement, &mut elastic);
+            let inertia = multiply(model.mass(), &acceleration);
+            let mut elastic = multiply(model.stiffness(), &at.displacement);
             for (i, c) in model.contacts().iter().enumerate() {
                 elastic[c.dof] -= c.direction() * at.forces[i];
             }

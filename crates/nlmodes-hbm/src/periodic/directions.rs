@@ -1,4 +1,4 @@
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, max_norm};
 
 use super::structure::ModalStructure;
 
@@ -53,7 +53,7 @@ fn ratio(structure: &ModalStructure, i: usize, r: usize) -> Option<f64> {
     let m = structure.n_modes();
     let square: f64 = (0..m).map(|k| rows[(r, k)].powi(2)).sum();
     let factor = (0..m).map(|k| rows[(i, k)] * rows[(r, k)]).sum::<f64>() / square;
-    let size = |j: usize| (0..m).fold(0.0_f64, |s, k| s.max(rows[(j, k)].abs()));
+    let size = |j: usize| max_norm((0..m).map(|k| rows[(j, k)]));
     let same_modes = (0..m).all(|k| (rows[(i, k)] - factor * rows[(r, k)]).abs() <= SAME * size(i));
     let still = a[(r, r)].abs() * SAME;
     let same_statics = (body(i, r) - factor * body(r, r)).abs() <= still * factor.abs()

@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential};
+use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential, max_norm};
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
@@ -178,7 +178,7 @@ impl PeriodicSystem {
 fn band(before: &[Complex64], after: &[Complex64]) -> f64 {
     let (Some(old), Some(new)) = (before.first(), after.first()) else { return 0.0 };
     let off = |m: &Complex64| before.iter().map(|b| (b - m).norm()).fold(f64::INFINITY, f64::min);
-    let largest = after.iter().map(|m| m.norm() + off(m)).fold(0.0, f64::max);
+    let largest = max_norm(after.iter().map(|m| m.norm() + off(m)));
     (largest - new.norm()).max((new.norm() - old.norm()).abs())
 }
 

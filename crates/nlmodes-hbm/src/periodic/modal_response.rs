@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use nlmodes_linalg::max_norm;
 use num_complex::Complex64;
 
 use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
@@ -30,10 +31,9 @@ impl ModalResponse {
         let m = structure.n_modes();
         let coupled = !structure.damping().is_diagonal();
         let active: Vec<usize> = (0..m).filter(|&k| coupled || structure.moves_a_contact(k)).collect();
-        let largest = (0..m).map(|k| structure.coupling(k)).fold(0.0_f64, f64::max);
+        let largest = max_norm((0..m).map(|k| structure.coupling(k)));
         let coupling = (0..m).map(|k| structure.coupling(k).max(LEAST * largest)).collect();
-        let entries = (0..m).flat_map(|k| structure.rows().col(k).iter().copied());
-        let largest_row = entries.fold(0.0_f64, |m, y| m.max(y.abs()));
+        let largest_row = max_norm((0..m).flat_map(|k| structure.rows().col(k).iter().copied()));
         Self { active, coupling, largest_row, structure }
     }
 }

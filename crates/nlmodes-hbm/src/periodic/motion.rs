@@ -1,3 +1,4 @@
+use nlmodes_linalg::max_norm;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
 use num_complex::Complex64;
@@ -158,7 +159,7 @@ impl PeriodicSystem {
             peak: motion.contacts.first().map_or(0.0, |contact| contact.peak),
             contact_fraction: periods.first().map_or(0.0, |contact| contact.closed_share),
             contact_intervals: periods.iter().map(|contact| contact.touches).sum(),
-            peak_contact_force: periods.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
+            peak_contact_force: max_norm(periods.iter().map(|contact| contact.peak_force)),
             contacts: periods,
             residual,
             error_estimate: None,

@@ -1,5 +1,7 @@
 use std::f64::consts::TAU;
 
+use nlmodes_linalg::max_norm;
+
 use super::structure::ModalStructure;
 use super::system::PeriodicSystem;
 use crate::{HbmError, Scales};
@@ -37,7 +39,7 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
     }
     let k = mode - 1;
-    let largest = structure.omega_squared()[..m].iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    let largest = max_norm(structure.omega_squared()[..m].iter().copied());
     let square = structure.omega_squared()[k];
     if square <= 1e-12 * largest {
         let first_elastic = structure.omega_squared().iter().position(|w| *w > 1e-12 * largest).map(|k| k + 1);

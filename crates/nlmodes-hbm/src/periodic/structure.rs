@@ -1,5 +1,5 @@
 use nlmodes_contact::LcpMatrix;
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, max_norm};
 use num_complex::Complex64;
 
 use super::damping::ModalDamping;
@@ -110,7 +110,7 @@ impl ModalStructure {
     /// Rounding in the rows of modes that leave the contacts at rest would be a pole of its own: it becomes zero.
     fn silence_modes_at_rest(&mut self) {
         let strength = |k: usize| self.coupling(k);
-        let strongest = (0..self.n_modes()).map(strength).fold(0.0_f64, f64::max);
+        let strongest = max_norm((0..self.n_modes()).map(strength));
         let at_rest: Vec<usize> = (0..self.n_modes()).filter(|&k| strength(k) <= 1e-20 * strongest).collect();
         at_rest.iter().for_each(|&k| self.rows.col_mut(k).fill(0.0));
     }
@@ -168,7 +168,7 @@ impl ModalStructure {
     /// How strongly a mode takes part in the motion of the contacts, `s_k = max_i y_ik²/A_ii`, rad²/s².
     pub(crate) fn coupling(&self, k: usize) -> f64 {
         let a = self.compliance.a();
-        (0..self.n_contacts()).map(|i| self.rows[(i, k)].powi(2) / a[(i, i)]).fold(0.0_f64, f64::max)
+        max_norm((0..self.n_contacts()).map(|i| self.rows[(i, k)].powi(2) / a[(i, i)]))
     }
 
     /// Whether mode k moves a contact.

@@ -3,7 +3,7 @@
 use super::basis::Basis;
 use super::orthonormal::{Orthonormal, orthonormalise};
 use super::{Pencil, diagonal};
-use crate::{LinalgError, Mat, symmetric_eigen};
+use crate::{LinalgError, Mat, max_norm, symmetric_eigen};
 
 /// A Ritz vector has converged when its residual is this share of its `θ`.
 const TOLERANCE: f64 = 1e-12;
@@ -109,7 +109,7 @@ impl<'a> Run<'a> {
             w -= &self.previous * beta.transpose();
         }
         self.alpha.push(alpha);
-        let scale = self.alpha.iter().flat_map(|a| (0..a.ncols()).map(|i| a[(i, i)].abs())).fold(0.0, f64::max);
+        let scale = max_norm(self.alpha.iter().flat_map(|a| (0..a.ncols()).map(|i| a[(i, i)])));
         let left = self.most.saturating_sub(self.basis.len());
         let next = orthonormalise(self.pencil.mass, [self.found, &self.basis], w, 1e-15 * scale, left);
         self.beta.push(next.r.clone());

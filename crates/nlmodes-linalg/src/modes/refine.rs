@@ -30,16 +30,14 @@ pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>, count: usize) -> R
 
 /// Gram-Schmidt in the inner product of `M`, twice, from the lowest mode on: it is the high ones that carry traces of the low.
 fn orthonormalise(pencil: &Pencil, x: &mut Mat<f64>) {
-    let (n, mut mv) = (x.nrows(), vec![0.0; x.nrows()]);
     for j in 0..x.ncols() {
         for _ in 0..2 {
             let (done, mut rest) = x.as_mut().split_at_col_mut(j);
             let mut v = rest.as_mut().col_mut(0);
             let current: Vec<f64> = v.as_ref().iter().copied().collect();
-            multiply(pencil.mass, &current, &mut mv);
-            let mv = faer::ColRef::from_slice(&mv);
-            let norm = (0..n).map(|i| current[i] * mv[i]).sum::<f64>().sqrt();
-            let overlap = done.as_ref().transpose() * mv;
+            let mv = multiply(pencil.mass, &current);
+            let norm = current.iter().zip(&mv).map(|(v, mv)| v * mv).sum::<f64>().sqrt();
+            let overlap = done.as_ref().transpose() * faer::ColRef::from_slice(&mv);
             v -= done.as_ref() * overlap;
             v *= if norm > 0.0 { 1.0 / norm } else { 0.0 };
         }

@@ -1,6 +1,6 @@
 //! Rigid-body motions of a structure in space.
 
-use nlmodes_linalg::{Mat, SparseMatrix, symmetric_eigen, triplets};
+use nlmodes_linalg::{Mat, SparseMatrix, max_norm, symmetric_eigen, triplets};
 
 use crate::Dof;
 
@@ -27,12 +27,12 @@ pub(super) fn motion(
     let mut force = vec![[0.0; 6]; dofs.len()];
     let mut scale = vec![0.0; dofs.len()];
     for (i, j, k) in triplets(stiffness) {
-        let largest = motions[j].iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        let largest = max_norm(motions[j]);
         scale[i] += k.abs() * largest;
         (0..6).for_each(|c| force[i][c] += k * motions[j][c]);
     }
     for &i in held {
-        (force[i], scale[i]) = (motions[i], motions[i].iter().fold(0.0, |l: f64, v| l.max(v.abs())));
+        (force[i], scale[i]) = (motions[i], max_norm(motions[i]));
     }
     let rows: Vec<[f64; 6]> =
         force.iter().zip(&scale).filter(|(_, s)| **s > 0.0).map(|(row, s)| row.map(|f| f / s)).collect();
@@ -45,7 +45,7 @@ pub(super) fn motion(
     let (_, vectors) = symmetric_eigen(&gram).ok()?;
     let c: [f64; 6] =
         std::array::from_fn(|k| moving.iter().enumerate().map(|(a, axis)| vectors[(a, 0)] * axis[k]).sum());
-    let largest = displaced.iter().map(|row| inner(row, &c).abs()).fold(0.0, f64::max);
+    let largest = max_norm(displaced.iter().map(|row| inner(row, &c)));
     let c = c.map(|c| c / largest);
     if rows.iter().any(|row| inner(row, &c).abs() > STRAINLESS) {
         return None;
@@ -61,7 +61,7 @@ fn moving(motions: &[[f64; 6]]) -> Option<Vec<[f64; 6]>> {
     let count = motions.len().max(1) as f64;
     let squares = Mat::from_fn(6, 6, |a, b| motions.iter().map(|row| row[a] * row[b]).sum::<f64>() / count);
     let (values, axes) = symmetric_eigen(&squares).ok()?;
-    let largest = values.iter().copied().fold(0.0, f64::max);
+    let largest = max_norm(values.iter().copied());
     let moves = |k: &usize| values[*k] > STILL * largest;
     let axis = |k: usize| std::array::from_fn(|a| axes[(a, k)] / values[k].sqrt());
     let found: Vec<[f64; 6]> = (0..6).filter(moves).map(axis).collect();
@@ -77,7 +77,7 @@ fn extent(places: &[[f64; 3]]) -> ([f64; 3], f64) {
     let count = places.len().max(1) as f64;
     let centre = std::array::from_fn(|a| places.iter().map(|x| x[a]).sum::<f64>() / count);
     let distance = |x: &[f64; 3]| (0..3).map(|a| (x[a] - centre[a]).powi(2)).sum::<f64>().sqrt();
-    let size = places.iter().map(distance).fold(0.0, f64::max);
+    let size = max_norm(places.iter().map(distance));
     (centre, if size > 0.0 { size } else { 1.0 })
 }
 

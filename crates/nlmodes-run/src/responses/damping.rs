@@ -1,6 +1,6 @@
 //! Damping of a scene, in its open modes.
 
-use nlmodes::linalg::{Mat, multiply};
+use nlmodes::linalg::{Mat, multiply_many};
 use nlmodes::model::StructuralModel;
 use nlmodes::response::Damping;
 use nlmodes_scene::scene::{ModeDamping, Scene};
@@ -68,15 +68,8 @@ fn groups(omega_squared: &[f64]) -> Vec<std::ops::Range<usize>> {
 
 /// `Φ_sᵀ M_s Φ_s` (m × m) of the structure whose degrees of freedom begin at `first`: 1 on the diagonal for its own modes, 0 for those of others.
 fn shares(shapes: &Mat<f64>, first: usize, model: &StructuralModel) -> Mat<f64> {
-    let (n, m) = (model.dofs().len(), shapes.ncols());
-    let mut momenta = Mat::zeros(n, m);
-    let (mut shape, mut product) = (vec![0.0; n], vec![0.0; n]);
-    for k in 0..m {
-        (0..n).for_each(|i| shape[i] = shapes[(first + i, k)]);
-        multiply(model.mass(), &shape, &mut product);
-        (0..n).for_each(|i| momenta[(i, k)] = product[i]);
-    }
-    shapes.subrows(first, n).transpose() * &momenta
+    let own = shapes.subrows(first, model.dofs().len()).to_owned();
+    own.transpose() * multiply_many(model.mass(), &own)
 }
 
 #[cfg(test)]

@@ -305,12 +305,7 @@ pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String>
     };
     let Some(massless) = massless else { return Ok(motion) };
     // The mass as it is computed with, and none of the contact nodes at all.
-    let times = |mass| {
-        let mut product = vec![0.0; motion.rigid.len()];
-        multiply(mass, &motion.rigid, &mut product);
-        product
-    };
-    let (with, without) = (times(model.mass()), times(massless.mass()));
+    let [with, without] = [model.mass(), massless.mass()].map(|mass| multiply(mass, &motion.rigid));
     motion.inertia.iter_mut().zip(without.iter().zip(&with)).for_each(|(m, (new, old))| *m += new - old);
     massless.contacts().iter().for_each(|contact| motion.inertia[contact.dof] = 0.0);
     Ok(motion)
