@@ -143,8 +143,8 @@ def built(crates, mutants):
         messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
         if done.returncode == 0:
             break
-        bad = {(span["file_name"], span["line_start"] - 1) for m in messages if m["reason"] == "compiler-message"
-               and m["message"]["level"] == "error" for span in m["message"]["spans"]}
+        bad = {(span["file_name"], line) for m in messages if m["reason"] == "compiler-message" and m["message"]["level"] == "error"
+               for span in m["message"]["spans"] for line in range(span["line_start"] - 1, span["line_end"])}
         wrong = [n for n, mutant in mutants.items() if (str(mutant[1]), mutant[2]) in bad]
         if not wrong:
             raise SystemExit("\n".join(m["message"]["rendered"] for m in messages if m["reason"] == "compiler-message" and m["message"]["level"] == "error"))

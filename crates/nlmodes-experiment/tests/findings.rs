@@ -222,6 +222,53 @@ fn a_lag_off_phase_resonance_is_said() {
     assert!((lag_deg - exact).abs() < 0.01, "{lag_deg} {exact}");
 }
 
+/// A tenth short of what is worth telling, and a tenth beyond it.
+#[test]
+fn what_is_worth_telling_begins_where_its_documentation_says() {
+    let told = |record: &Record, name: &str| found(record, &settings()).iter().any(|finding| finding.name() == name);
+    for (share, is_told) in [(0.9, false), (1.1, true)] {
+        // A lag of a degree.
+        let motion = Motion::example(omega(), 12);
+        let mut lagging = motion.clone();
+        lagging.force[1] *= num_complex::Complex64::cis(-share * 1f64.to_radians());
+        assert_eq!(told(&lagging.record(RATE, 6_013, 0.0, 3), "not-locked"), is_told, "lag, {share}");
+        // Half a sample between two sensors at one place.
+        let late = |n: usize, q: &num_complex::Complex64| {
+            q * num_complex::Complex64::cis(-(n as f64) * omega() * share * 0.5 / RATE)
+        };
+        let turned: Vec<_> = motion.at(0).iter().enumerate().map(|(n, q)| late(n, q)).collect();
+        let mut skewed = motion.record(RATE, 6_013, 0.0, 3);
+        let v = channel(&skewed, "v_drive");
+        skewed.samples[v] = support::sampled(&turned, omega(), 1, RATE, 6_013);
+        assert_eq!(told(&skewed, "skew"), is_told, "skew, {share}");
+        // A power factor of −0.5.
+        let mut reversed = motion.clone();
+        reversed.force[1] *= num_complex::Complex64::cis((-0.5 * share).acos());
+        assert_eq!(told(&reversed.record(RATE, 6_013, 0.0, 3), "reversed-force"), is_told, "reversed, {share}");
+        // A hum of two hundredths of the force's effective value, at no harmonic.
+        let mut humming = motion.record(RATE, 6_013, 0.0, 3);
+        let force = channel(&humming, "force");
+        let mean = humming.samples[force].iter().sum::<f64>() / 6_013.0;
+        let square = humming.samples[force].iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 6_013.0;
+        let size = share * 0.02 * (2.0 * square).sqrt();
+        humming.samples[force]
+            .iter_mut()
+            .enumerate()
+            .for_each(|(j, x)| *x += size * (TAU * 55.0 * j as f64 / RATE).sin());
+        assert_eq!(told(&humming, "aperiodic"), is_told, "aperiodic, {share}");
+        // A swelling by two thousandths.
+        let mut swelling = motion.record(RATE, 6_013, 0.0, 3);
+        for samples in &mut swelling.samples {
+            samples.iter_mut().enumerate().for_each(|(j, x)| *x *= 1.0 + share * 2e-3 * (j as f64 / 6_013.0 - 0.5));
+        }
+        assert_eq!(told(&swelling, "amplitude-drift"), is_told, "amplitude, {share}");
+        // A sampling rate that is known to 2e-5.
+        let mut coarse = motion.record(RATE, 6_013, 0.0, 3);
+        coarse.rate_error = share * 2e-5;
+        assert_eq!(told(&coarse, "sampling-rate-uncertain"), is_told, "sampling rate, {share}");
+    }
+}
+
 #[test]
 fn a_sensor_without_a_row_of_the_modes_is_named() {
     let mut record = sound();

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use num_complex::Complex64;
 use proptest::prelude::*;
 
 use nlmodes_experiment::phase_loop::{
@@ -70,6 +71,25 @@ fn the_adaptive_detector_has_no_ripple_from_mean_values_and_harmonics() {
     });
     for (_, lag) in read {
         assert!((lag - 1.3).abs() < 1e-9, "{lag}");
+    }
+}
+
+/// Amplitudes come in the units of the signals, and the smallest of them have a phase where no other limit is set.
+#[test]
+fn fundamentals_have_the_size_and_phase_of_the_signals_in_any_unit() {
+    for (force, response) in [(3.0, 1e-5), (2e-6, 4e3), (1e-9, 1e-12)] {
+        for detector in [PhaseDetector::default(), PhaseDetector::Demodulation { order: Order::Second }] {
+            let settings = LoopSettings { detector, ..settings() };
+            // What passes at twice the frequency, of each amplitude.
+            let passes = detector.ripple(settings.cut_off, RESONANCE.omega, FRAC_PI_2, STEP) / 2.0;
+            let pll = PhaseLockedLoop::new(settings).unwrap();
+            let mut state = pll.start().hold_frequency(true);
+            run(&pll, &mut state, 60_000, |theta| (force * theta.cos(), response * (theta - 1.3).cos()));
+            let [f, x] = state.fundamentals();
+            assert!((f / force - 1.0).norm() < passes + 1e-9, "{detector:?}: {f} of {force}");
+            assert!((x / response - Complex64::cis(-1.3)).norm() < passes + 1e-9, "{detector:?}: {x} of {response}");
+            assert!(state.error().is_some_and(|error| (error - (FRAC_PI_2 - 1.3)).abs() < 2.0 * passes + 1e-9));
+        }
     }
 }
 
@@ -188,7 +208,15 @@ fn settings_that_cannot_work_are_refused() {
         refused(LoopSettings { step: 5e-3, ..settings() }),
         PhaseLoopError::AboveNyquist { harmonic: 5, .. }
     ));
-    assert!(matches!(refused(LoopSettings { cut_off: 100.0, ..settings() }), PhaseLoopError::CutOff { .. }));
+    // A quarter of the lowest frequency, and a tenth of the sampling rate where that is less.
+    let slow = LoopSettings { detector: PhaseDetector::Demodulation { order: Order::First }, step: 5e-3, ..settings() };
+    for (settings, most) in [(settings(), 0.125 * RESONANCE.omega), (slow, 20.0)] {
+        PhaseLockedLoop::new(LoopSettings { cut_off: 0.999 * most, ..settings.clone() }).unwrap();
+        let PhaseLoopError::CutOff { limit, .. } = refused(LoopSettings { cut_off: 1.001 * most, ..settings }) else {
+            panic!("{most}")
+        };
+        assert!((limit / most - 1.0).abs() < 1e-12, "{limit} {most}");
+    }
     assert!(matches!(refused(LoopSettings { start: 1e4, ..settings() }), PhaseLoopError::FrequencyRange { .. }));
     let detector = PhaseDetector::Adaptive { harmonics: 9 };
     assert_eq!(refused(LoopSettings { detector, ..settings() }), PhaseLoopError::Harmonics { harmonics: 9, most: 8 });

@@ -154,6 +154,41 @@ fn a_force_at_the_stop_that_pulls_is_reversed() {
     );
 }
 
+/// With its offset: what it pulls counts from where it rests.
+#[test]
+fn a_force_that_pulls_from_an_offset_is_reversed_and_offset() {
+    let mut record = rig(8.0);
+    let peak = record.samples[7].iter().copied().fold(0.0, f64::max);
+    record.samples[7].iter_mut().for_each(|x| *x = 0.5 * peak - *x);
+    let found = findings(&record, &settings());
+    let offset = found.iter().find_map(|f| if let Finding::Offset { offset, .. } = f { Some(*offset) } else { None });
+    assert!(offset.is_some_and(|offset| (offset / peak - 0.5).abs() < 0.01), "{found:?}");
+    assert!(
+        found.iter().any(|f| matches!(f, Finding::ReversedChannel { channel, .. } if channel == "f_contact_N")),
+        "{found:?}"
+    );
+}
+
+/// One of two at a place is off: the other one explains it as well, by the inverse factor or reversed itself.
+#[test]
+fn what_explains_a_slip_as_well_is_told_with_its_factor() {
+    let settings = ExtractionSettings { linear_modes: None, stop: None, ..settings() };
+    let mut reversed = rig(2.5);
+    reversed.samples[1].iter_mut().for_each(|x| *x = -*x);
+    let mut doubled = rig(2.5);
+    doubled.samples[1].iter_mut().for_each(|x| *x *= 2.0);
+    let names = ["x_drive_m", "v_drive_mps"];
+    let other = |channel: &str| names[usize::from(channel == names[0])];
+    let found = findings(&reversed, &settings);
+    let [Finding::ReversedChannel { channel, alternatives, .. }, ..] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(alternatives[..], [format!("\"{}\", reversed", other(channel))]);
+    let found = findings(&doubled, &settings);
+    let [Finding::WrongScale { channel, factor, alternatives, .. }] = &found[..] else { panic!("{found:?}") };
+    assert!((factor.ln().abs() - 2f64.ln()).abs() < 1e-2, "{factor}");
+    let said = alternatives[0].strip_prefix(&format!("\"{}\", by a factor of ", other(channel))).unwrap();
+    assert!((said.parse::<f64>().unwrap() * factor - 1.0).abs() < 1e-3, "{said} {factor}");
+}
+
 #[test]
 fn exchanged_responses_are_named() {
     let good = rig(8.0);

@@ -168,3 +168,64 @@ impl Consensus<'_> {
         (CALIBRATION * row.value.norm()).hypot(row.noise).hypot(shape_error).max(1e-9 * largest).max(f64::MIN_POSITIVE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(place: usize, shape: Option<usize>, value: Complex64, noise: f64) -> Row {
+        Row { channel: place, place, shape, value, noise }
+    }
+
+    /// Two sensors at one place have the mean that their variances weigh, and are as far from each other as their difference is beside its deviation.
+    #[test]
+    fn sensors_at_one_place_have_their_weighted_mean_in_any_unit() {
+        for unit in [1.0, 1e-9, 1e4] {
+            let (a, b) = (Complex64::new(1.0, 0.3) * unit, Complex64::new(1.2, 0.2) * unit);
+            let rows = vec![row(0, None, a, 0.02 * unit), row(0, None, b, 0.1 * unit)];
+            let consensus = Consensus { rows, modes: None, omega: 7.0 };
+            let squares = [(a, 0.02), (b, 0.1)].map(|(x, noise)| (0.05 * x.norm()).powi(2) + (noise * unit).powi(2));
+            let [wa, wb] = squares.map(f64::recip);
+            // Of what is not known at all there is a thousandth of the largest one's weight.
+            let prior = (1e3 * b.norm()).powi(-2);
+            let common = consensus.common(&[0, 1]).unwrap();
+            let (mean, error) = common.expected[1];
+            let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{unit:e}: {a:e}, not {b:e}");
+            near((mean / ((a * wa + b * wb) / (wa + wb + prior))).re, 1.0);
+            near(error, (wa + wb + prior).sqrt().recip());
+            let left = wa * (a - mean).norm_sqr() + wb * (b - mean).norm_sqr();
+            near(common.misfit, left + prior * mean.norm_sqr());
+            let alone = consensus.common(&[0]).unwrap();
+            let off = (b - alone.expected[1].0).norm() / (squares[1] + alone.expected[1].1.powi(2)).sqrt();
+            near(consensus.deviate(1, &alone), off);
+        }
+    }
+
+    /// Shapes in another unit of mass have modal coordinates in the inverse one: what is expected of a sensor stays.
+    #[test]
+    fn what_modes_expect_does_not_depend_on_their_norm() {
+        let found = |norm: f64| {
+            let shapes = [[0.2, -0.5], [0.6, -0.9], [1.0, 0.1], [1.4, 1.3]].map(|row| row.map(|y| norm * y).to_vec());
+            let modes = LinearModes::new(&[0.1, 0.2, 0.3, 0.4], &[100.0, 600.0], &[0.01; 2], &shapes).unwrap();
+            // The first mode with a little of the second, the last sensor twice too large.
+            let value =
+                |d: usize| (modes.shape(d, 0) + 0.01 * modes.shape(d, 1)) / norm * if d == 3 { 2.0 } else { 1.0 };
+            let rows = (0..4).map(|d| row(d, Some(d), Complex64::from(1e-3 * value(d)), 1e-7)).collect();
+            let consensus = Consensus { rows, modes: Some(&modes), omega: 105.0 };
+            let common = consensus.common(&[0, 1, 2]).unwrap();
+            let expected = common.expected.iter().flat_map(|(x, error)| [x.re, *error]);
+            let off = (0..4).map(|i| consensus.deviate(i, &common));
+            (expected.chain(off).collect::<Vec<f64>>(), common)
+        };
+        let (usual, common) = found(1.0);
+        // Of the last sensor twice what the others expect of it, to the calibration of these.
+        let last = 1e-3 * (1.4 + 0.013);
+        assert!((common.expected[3].0.re / last - 1.0).abs() < 0.05, "{:?}", common.expected);
+        assert!(usual[8..11].iter().all(|off| *off < 1.0) && usual[11] > 4.0, "{usual:?}");
+        for norm in [1e-3, 30.0] {
+            for (a, b) in found(norm).0.iter().zip(&usual) {
+                assert!((a - b).abs() < 1e-6 * b.abs().max(1e-6), "{norm}: {a:e}, not {b:e}");
+            }
+        }
+    }
+}

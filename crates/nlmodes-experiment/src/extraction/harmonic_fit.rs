@@ -162,6 +162,15 @@ mod tests {
     }
 
     #[test]
+    fn terms_that_are_all_alike_are_counted_with_their_sign() {
+        for (turns, n) in [0, 1, 2, 3, 4].into_iter().flat_map(|turns| (1..8_usize).map(move |n| (turns, n))) {
+            let x = std::f64::consts::TAU * f64::from(turns);
+            let direct: f64 = (0..n).map(|j| (x * (j as f64 - 0.5 * (n as f64 - 1.0))).cos()).sum();
+            assert!((sum_of_cosines(x, n) - direct).abs() < 1e-9, "{turns} {n}");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_told_apart_is_refused() {
         assert!(HarmonicFit::new(5, 0.1, 10).is_err());
         assert!(HarmonicFit::new(1, f64::NAN, 100).is_err());

@@ -135,9 +135,8 @@ impl Judgement<'_> {
                 Some((&channels[i], self.blocks.all[i][1] * side, row))
             });
         let force = self.layout.force.zip(power);
-        let unknown_contact = (self.settings.stop.is_some() || touched.is_some())
-            && at_stop.is_none()
-            && contact.is_none_or(|contact| contact.peak_force.value > 0.0);
+        // A stop whose force was not measured, or a force whose place in the modes is not known.
+        let unknown_contact = contact.map_or(self.settings.stop.is_some(), |_| touched.is_some() && at_stop.is_none());
         Balance {
             modes,
             modal,

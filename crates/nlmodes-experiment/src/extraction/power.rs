@@ -32,18 +32,15 @@ impl ExcitationPower {
     /// ```
     pub fn new(force: &[Complex64], velocity: &[Complex64], harmonics: usize) -> Self {
         let harmonics = harmonics.min(force.len().min(velocity.len()).saturating_sub(1));
-        let active = |n: usize| 0.5 * (force[n] * velocity[n].conj()).re;
-        let square = |signal: &[Complex64]| signal[..=harmonics].iter().skip(1).map(Complex64::norm_sqr).sum::<f64>();
-        let fundamental = |of: fn(f64, f64) -> f64| {
-            if harmonics == 0 { 0.0 } else { of(force[1].norm(), velocity[1].norm()) }
+        let powers = |harmonics: usize| {
+            let pairs = || force.iter().zip(velocity).skip(1).take(harmonics);
+            let active: f64 = pairs().map(|(f, v)| (f * v.conj()).re).sum();
+            let squares: [f64; 2] =
+                [pairs().map(|(f, _)| f.norm_sqr()).sum(), pairs().map(|(_, v)| v.norm_sqr()).sum()];
+            (0.5 * active, 0.5 * squares[0].sqrt() * squares[1].sqrt())
         };
-        Self {
-            active: (1..=harmonics).map(active).sum(),
-            fundamental: if harmonics == 0 { 0.0 } else { active(1) },
-            apparent: if harmonics == 0 { 0.0 } else { 0.5 * (square(force) * square(velocity)).sqrt() },
-            fundamental_apparent: fundamental(|f, v| 0.5 * f * v),
-            harmonics,
-        }
+        let ((active, apparent), (fundamental, fundamental_apparent)) = (powers(harmonics), powers(harmonics.min(1)));
+        Self { active, fundamental, apparent, fundamental_apparent, harmonics }
     }
 
     /// Power-based mode indicator `Λ = P/S` from −1 to 1; NaN without force or motion.
@@ -74,6 +71,26 @@ mod tests {
         let reversed = ExcitationPower::new(&force.map(|f| -f), &velocity, 2);
         assert!((reversed.indicator() + 0.894_427_190_999_916).abs() < 1e-15);
         assert!(ExcitationPower::new(&[], &[], 3).indicator().is_nan());
+    }
+
+    /// The fundamental has `½|F₁||V₁| cos φ`, however many harmonics are in the sums beside it.
+    #[test]
+    fn apparent_powers_are_products_of_effective_values() {
+        for (size, turn) in [(1.0, 0.0), (1e-6, 0.7), (2e3, -2.0)] {
+            let force = [7.0.into(), Complex64::new(3.0, 4.0) * size, Complex64::new(0.0, 12.0) * size];
+            let velocity =
+                [1.0.into(), Complex64::from_polar(2.0, turn) * force[1] / 5.0 / size, Complex64::new(1.5, 0.0)];
+            for harmonics in [1, 2] {
+                let power = ExcitationPower::new(&force, &velocity, harmonics);
+                assert!((power.fundamental_apparent - 5.0 * size).abs() < 1e-14 * size, "{power:?}");
+                assert!((power.fundamental_factor() - turn.cos()).abs() < 1e-14, "{power:?}");
+                // 5 and 12 of the force make 13, 2 and 1.5 of the velocity 2.5.
+                let expected = if harmonics == 1 { 5.0 } else { 0.5 * 13.0 * 2.5 };
+                assert!((power.apparent - expected * size).abs() < 1e-13 * size, "{power:?}");
+            }
+        }
+        let none = ExcitationPower::new(&[7.0.into()], &[1.0.into()], 3);
+        assert_eq!((none.active, none.fundamental, none.apparent, none.fundamental_apparent), (0.0, 0.0, 0.0, 0.0));
     }
 
     #[test]

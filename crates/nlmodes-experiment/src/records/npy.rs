@@ -132,6 +132,22 @@ mod tests {
     }
 
     #[test]
+    fn arrays_without_two_samples_are_refused_with_what_they_have() {
+        for (shape, found) in [(vec![0], 0), (vec![1], 1), (vec![0, 3], 0), (vec![3, 0], 0), (vec![1, 1], 1)] {
+            let mut bytes = Vec::new();
+            let options = npyz::WriteOptions::new().default_dtype().shape(&shape);
+            let mut writer = options.writer(&mut bytes).begin_nd().unwrap();
+            writer.extend((0..shape.iter().product()).map(|x| x as f64)).unwrap();
+            writer.finish().unwrap();
+            let refused = read_npy(&bytes[..]);
+            assert!(
+                matches!(refused, Err(RecordError::Empty { samples }) if samples == found),
+                "{shape:?}: {refused:?}"
+            );
+        }
+    }
+
+    #[test]
     fn both_orders_and_both_orientations_are_read() {
         let array = |shape: [u64; 2], order: Order| {
             let mut bytes = Vec::new();
