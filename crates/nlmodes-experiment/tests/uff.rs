@@ -106,7 +106,7 @@ fn numbers_that_are_left_blank_are_zero() {
     let mut file = Vec::new();
     write_uff58(&mut file, &dataset(false, false, 5), Storage::Text, Precision::Double).unwrap();
     let text = String::from_utf8(file).unwrap();
-    for (number, blank) in [(" 1.50000E+00", 0.0), ("-2.50000E+00", 1.5)] {
+    for (number, blank) in [(" 1.50000e+00", 0.0), ("-2.50000e+00", 1.5)] {
         assert_eq!(text.matches(number).count(), 1, "{text}");
         let back = read_uff58(text.replace(number, &" ".repeat(number.len())).as_bytes()).unwrap().remove(0);
         let Abscissa::Even { first, .. } = back.abscissa else { panic!("{:?}", back.abscissa) };
