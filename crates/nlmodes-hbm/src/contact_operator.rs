@@ -88,7 +88,7 @@ impl ContactOperator {
         if samples < needed {
             return Err(HbmError::Samples { harmonics: h, samples, needed });
         }
-        let zero = Complex64::default();
+        let (zero, sampled) = (Complex64::default(), vec![vec![0.0; samples]; c]);
         Ok(Self {
             series,
             sets: SetTable::new(matrix)?,
@@ -99,12 +99,12 @@ impl ContactOperator {
             switching,
             workspace: solver.workspace(matrix).map_err(HbmError::Compliance)?,
             basis: HarmonicBasis::new(h, samples)?,
-            y_t: vec![vec![0.0; samples]; c],
-            dy_t: vec![vec![0.0; samples]; c],
+            y_t: sampled.clone(),
+            dy_t: sampled,
             closed_t: vec![vec![false; c]; samples + 1],
             set_t: vec![SetTable::OPEN; samples + 1],
             lambda: vec![0.0; c],
-            at: vec![0.0; c],
+            at: Vec::new(),
         })
     }
 
@@ -138,51 +138,42 @@ impl ContactOperator {
     }
 
     /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the forces.
-    pub fn apply(&self, dy: &[f64], out: &mut [f64]) {
-        let (c, width) = (self.n_contacts(), self.series.width());
-        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; c * width]);
-        out.fill(0.0);
+    pub fn apply(&self, dy: &[f64]) -> Vec<f64> {
+        let width = self.series.width();
+        let mut forces = vec![0.0; dy.len()];
         for (set, averages) in &self.spectra {
             let set = self.sets.get(*set);
-            self.series.multiplication(averages, &mut product);
-            for &j in &set.active {
-                let dy = &dy[j * width..(j + 1) * width];
-                part[j * width..(j + 1) * width]
-                    .iter_mut()
-                    .zip(product.chunks(width))
-                    .for_each(|(p, row)| *p = inner(row, dy));
-            }
+            let product = self.series.multiplication(averages);
+            let part = |j: &usize| product.chunks(width).map(|row| inner(row, &dy[j * width..][..width])).collect();
+            let parts: Vec<Vec<f64>> = set.active.iter().map(part).collect();
             for &i in &set.active {
-                let out = &mut out[i * width..(i + 1) * width];
-                for (j, s) in set.force_row(i) {
-                    out.iter_mut().zip(&part[j * width..]).for_each(|(out, part)| *out += s * part);
+                let force = &mut forces[i * width..(i + 1) * width];
+                for ((_, s), part) in set.force_row(i).zip(&parts) {
+                    force.iter_mut().zip(part).for_each(|(force, part)| *force += s * part);
                 }
             }
         }
+        forces
     }
 
     /// `(dλ/dy)ᵀ df`: what weights `df` (c × width) of the forces are as weights of the gaps.
-    pub(crate) fn apply_transposed(&self, df: &[f64], out: &mut [f64]) {
+    pub(crate) fn apply_transposed(&self, df: &[f64]) -> Vec<f64> {
         let width = self.series.width();
-        let (mut product, mut part) = (vec![0.0; width * width], vec![0.0; width]);
-        out.fill(0.0);
+        let mut gaps = vec![0.0; df.len()];
         for (set, averages) in &self.spectra {
             let set = self.sets.get(*set);
-            self.series.multiplication(averages, &mut product);
+            let product = self.series.multiplication(averages);
             for &i in &set.active {
-                let df = &df[i * width..(i + 1) * width];
-                if df.iter().all(|f| *f == 0.0) {
-                    continue;
-                }
-                part.fill(0.0);
-                for (row, f) in product.chunks(width).zip(df) {
+                let mut part = vec![0.0; width];
+                for (row, f) in product.chunks(width).zip(&df[i * width..]) {
                     part.iter_mut().zip(row).for_each(|(p, r)| *p += f * r);
                 }
                 for (j, s) in set.force_row(i) {
-                    out[j * width..(j + 1) * width].iter_mut().zip(&part).for_each(|(out, part)| *out += s * part);
+                    gaps[j * width..].iter_mut().zip(&part).for_each(|(gap, part)| *gap += s * part);
                 }
             }
         }
+        gaps
     }
 
     /// Number of the smooth piece: a hash of the sequence of closed contacts. A whole period may begin at any of them.
@@ -241,7 +232,8 @@ impl ContactOperator {
     /// Closed contacts at sample `j`. Those of the same sample of the iterate before are taken where their gaps and forces are still
     /// positive, which makes them the solution; else the solver starts from them.
     fn solve_sample(&mut self, j: usize) -> Result<(), HbmError> {
-        self.at.iter_mut().zip(&self.y_t).for_each(|(a, y)| *a = y[j]);
+        self.at.clear();
+        self.at.extend(self.y_t.iter().map(|y| y[j]));
         if self.set_t[j] == SetTable::OPEN && self.at.iter().all(|y| *y >= 0.0) {
             return Ok(());
         }

@@ -10,10 +10,9 @@ impl ContactOperator {
     ///
     /// A closed rigid stop leaves of the gaps without contact forces only what it is pressed by, which may be 10⁻⁸ of them: then forces have half of
     /// the digits of these gaps. Where the instants are off by δτ, forces are by δτ², since they start from zero.
-    pub(crate) fn fine_forces(&self, y: &[Double], out: &mut [f64]) {
+    pub(crate) fn fine_forces(&self, y: &[Double]) -> Vec<f64> {
         let (c, series) = (self.n_contacts(), self.series());
         let (width, h) = (series.width(), series.n_harmonics);
-        out.fill(0.0);
         let gaps: Vec<Vec<DoubleComplex>> = y.chunks(width).map(|y| self.two_sided(y)).collect();
         let mut sums = vec![vec![DoubleComplex::ZERO; h + 1]; c];
         for set in self.closed_sets() {
@@ -33,19 +32,19 @@ impl ContactOperator {
                 }
             }
         }
-        for (sums, out) in sums.iter().zip(out.chunks_mut(width)) {
-            for (n, sum) in sums.iter().enumerate() {
-                let z: Complex64 = sum.value() * if n == 0 { 1.0 } else { 2.0 };
-                series.put(z, n, out);
-            }
-        }
+        // As averages over time, of which a series has twice the parts beyond the mean.
+        let coefficients = |sums: &Vec<DoubleComplex>| {
+            let averages: Vec<Complex64> = sums.iter().map(|sum| sum.value()).collect();
+            series.coefficients_of(&averages)
+        };
+        sums.iter().flat_map(coefficients).collect()
     }
 
     /// Amplitudes of `e^{ikτ}`, k = −H … H.
     fn two_sided(&self, y: &[Double]) -> Vec<DoubleComplex> {
         let (series, h) = (self.series(), self.series().n_harmonics);
         let half = |y: Double| Double { high: 0.5 * y.high, low: 0.5 * y.low };
-        let positive = |n: usize| match (n, (n > 0).then(|| series.sine(n)).flatten()) {
+        let positive = |n: usize| match (n, series.sine(n)) {
             (0, _) => DoubleComplex { re: y[0], im: Double::ZERO },
             (_, Some(sine)) => DoubleComplex { re: half(y[n]), im: -half(y[sine]) },
             (_, None) => DoubleComplex { re: half(y[n]), im: Double::ZERO },

@@ -84,7 +84,6 @@ pub struct MixedShooting<'s> {
     pub(crate) kept: Vec<f64>,
     /// Its derivative, `1 − dq_N/db`, row-major.
     dkept_db: Vec<f64>,
-    product: Vec<f64>,
     /// The Jacobian, row-major, with respect to the coefficients of `b`: made row by row, then put into its columns.
     rows: Vec<f64>,
     pub(crate) plane: Plane,
@@ -123,7 +122,6 @@ impl<'s> MixedShooting<'s> {
             q: vec![0.0; size],
             kept: vec![0.0; size],
             dkept_db: vec![0.0; size * size],
-            product: vec![0.0; series.width() * series.width()],
             rows: vec![0.0; (size + 1) * size],
             plane: Plane::new(n),
             energy: KineticEnergy::new(n),
@@ -220,7 +218,7 @@ impl ParametricSystem for MixedShooting<'_> {
             } else {
                 self.plane.set(self.structure, nu.squared)
             }
-            for m in std::iter::once(n).chain((n > 0).then(|| self.sweep.series.sine(n)).flatten()) {
+            for m in std::iter::once(n).chain(self.sweep.series.sine(n)) {
                 self.connectivity_rows(m, nu, unfolding, out);
                 if n == 0 {
                     continue;

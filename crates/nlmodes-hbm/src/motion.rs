@@ -61,7 +61,7 @@ impl MixedShooting<'_> {
             } else {
                 plane.set(structure, nu2)
             }
-            let sine = (n > 0).then(|| series.sine(n)).flatten();
+            let sine = series.sine(n);
             for (m, unit) in std::iter::once((n, Complex64::ONE)).chain(sine.map(|m| (m, -Complex64::I))) {
                 self.coefficients(m, &mut b, &mut q);
                 held_coordinates(structure, &plane, nu2, &b, &q, &mut eta);

@@ -1,3 +1,5 @@
+use std::ops::RangeInclusive;
+
 use num_complex::Complex64;
 
 /// Which motions are admitted.
@@ -33,22 +35,22 @@ impl RealSeries {
         if m <= self.n_harmonics { (m, false) } else { (m - self.n_harmonics, true) }
     }
 
-    /// Index of the sine coefficient of harmonic `n ≥ 1`, if there is one.
+    /// Index of the sine coefficient of harmonic `n`, if there is one; the mean has none.
     pub fn sine(&self, n: usize) -> Option<usize> {
-        (self.symmetry == Symmetry::None).then_some(self.n_harmonics + n)
+        (self.symmetry == Symmetry::None && n > 0).then_some(self.n_harmonics + n)
     }
 
     /// The coefficient that the derivative by τ brings to coefficient `m`, and its factor.
     pub(crate) fn turned(&self, m: usize) -> Option<(usize, f64)> {
         let (n, is_sine) = self.harmonic(m);
-        let sine = (n > 0).then(|| self.sine(n)).flatten()?;
+        let sine = self.sine(n)?;
         Some(if is_sine { (n, -(n as f64)) } else { (sine, n as f64) })
     }
 
     /// Writes the complex coefficient `z = c_n − i s_n` into a series.
     pub(crate) fn put(&self, z: Complex64, n: usize, real: &mut [f64]) {
         real[n] = z.re;
-        if let (true, Some(sine)) = (n > 0, self.sine(n)) {
+        if let Some(sine) = self.sine(n) {
             real[sine] = -z.im;
         }
     }
@@ -56,8 +58,7 @@ impl RealSeries {
     /// Complex coefficients `c_n − i s_n` of eq. (7).
     pub fn to_complex(&self, real: &[f64], complex: &mut [Complex64]) {
         for (n, z) in complex.iter_mut().enumerate() {
-            let s = if n == 0 { 0.0 } else { self.sine(n).map_or(0.0, |i| real[i]) };
-            *z = Complex64::new(real[n], -s);
+            *z = Complex64::new(real[n], -self.sine(n).map_or(0.0, |i| real[i]));
         }
     }
 
@@ -66,7 +67,7 @@ impl RealSeries {
         let mut other = vec![0.0; to.width()];
         for n in 0..=self.n_harmonics.min(to.n_harmonics) {
             other[n] = real[n];
-            if let (true, Some(from), Some(to)) = (n > 0, self.sine(n), to.sine(n)) {
+            if let (Some(from), Some(to)) = (self.sine(n), to.sine(n)) {
                 other[to] = real[from];
             }
         }
@@ -75,58 +76,57 @@ impl RealSeries {
 
     /// Matrix of "multiply by `χ(τ)`, keep the harmonics up to H" on the coefficients, from the averages
     /// `(1/2π) ∫ χ e^{−ikτ} dτ = C_k − i S_k`, k = 0 … 2H. Row-major, width × width.
-    pub fn multiplication(&self, averages: &[Complex64], matrix: &mut [f64]) {
-        let width = self.width();
+    pub fn multiplication(&self, averages: &[Complex64]) -> Vec<f64> {
+        let (width, h) = (self.width(), self.n_harmonics);
         if self.symmetry == Symmetry::Even {
-            return self.even_multiplication(averages, matrix);
+            return self.even_multiplication(averages);
         }
-        let h = self.n_harmonics;
         // C_k and S_k, k = −H … 2H: a row takes stretches of them that begin m before and m behind.
         let below = averages[1..=h].iter().rev();
         let cosines: Vec<f64> = below.clone().chain(averages).map(|z| z.re).collect();
         let sines: Vec<f64> = below.map(|z| z.im).chain([0.0]).chain(averages[1..].iter().map(|z| -z.im)).collect();
-        for (i, row) in matrix.chunks_exact_mut(width).enumerate() {
+        let mut matrix = Vec::with_capacity(width * width);
+        for i in 0..width {
             let (m, row_is_sine) = self.harmonic(i);
             let scale = if m == 0 { 0.5 } else { 1.0 };
-            let (of_cosines, of_sines) = row.split_at_mut(h + 1);
+            let (of_cosines, of_sines) = (h..=2 * h, h + 1..=2 * h);
             if row_is_sine {
-                fill(of_cosines, around(&sines, h, m), |near, far| far - near);
-                fill(of_sines, around(&cosines, h + 1, m), |near, far| near - far);
+                matrix.extend(around(&sines, of_cosines, m).map(|(near, far)| far - near));
+                matrix.extend(around(&cosines, of_sines, m).map(|(near, far)| near - far));
             } else {
-                fill(of_cosines, around(&cosines, h, m), |near, far| scale * (near + far));
-                fill(of_sines, around(&sines, h + 1, m), |near, far| scale * (far + near));
+                matrix.extend(around(&cosines, of_cosines, m).map(|(near, far)| scale * (near + far)));
+                matrix.extend(around(&sines, of_sines, m).map(|(near, far)| scale * (near + far)));
             }
         }
+        matrix
     }
 
     /// Toeplitz and Hankel part, `C_|m−n| + C_m+n`, as two stretches of the averages mirrored about `C_0`.
-    fn even_multiplication(&self, averages: &[Complex64], matrix: &mut [f64]) {
+    fn even_multiplication(&self, averages: &[Complex64]) -> Vec<f64> {
         let (width, h) = (self.width(), self.n_harmonics);
         let mirrored: Vec<f64> = averages[1..=h].iter().rev().chain(averages).map(|z| z.re).collect();
-        for (m, row) in matrix.chunks_exact_mut(width).enumerate() {
+        let mut matrix = Vec::with_capacity(width * width);
+        for m in 0..width {
             let scale = if m == 0 { 0.5 } else { 1.0 };
-            let (toeplitz, hankel) = (&mirrored[h - m..h - m + width], &mirrored[h + m..h + m + width]);
-            row.iter_mut().zip(toeplitz.iter().zip(hankel)).for_each(|(r, (t, s))| *r = scale * (t + s));
+            matrix.extend(around(&mirrored, h..=2 * h, m).map(|(toeplitz, hankel)| scale * (toeplitz + hankel)));
         }
+        matrix
     }
 
     /// Coefficients of `χ(τ)` itself.
-    pub fn coefficients_of(&self, averages: &[Complex64], out: &mut [f64]) {
-        for (i, value) in out.iter_mut().enumerate() {
+    pub fn coefficients_of(&self, averages: &[Complex64]) -> Vec<f64> {
+        let coefficient = |i: usize| {
             let (n, is_sine) = self.harmonic(i);
             let scale = if n == 0 { 1.0 } else { 2.0 };
-            *value = scale * if is_sine { -averages[n].im } else { averages[n].re };
-        }
+            scale * if is_sine { -averages[n].im } else { averages[n].re }
+        };
+        (0..self.width()).map(coefficient).collect()
     }
 }
 
-/// What begins `m` before `first`, and `m` behind it.
-fn around(all: &[f64], first: usize, m: usize) -> (&[f64], &[f64]) {
-    (&all[first - m..], &all[first + m..])
-}
-
-fn fill(row: &mut [f64], (near, far): (&[f64], &[f64]), entry: impl Fn(f64, f64) -> f64) {
-    row.iter_mut().zip(near.iter().zip(far)).for_each(|(to, (near, far))| *to = entry(*near, *far));
+/// What stands `m` before these places, and `m` behind them.
+fn around(all: &[f64], at: RangeInclusive<usize>, m: usize) -> impl Iterator<Item = (f64, f64)> {
+    all[at.start() - m..=at.end() - m].iter().copied().zip(all[at.start() + m..=at.end() + m].iter().copied())
 }
 
 #[cfg(test)]
@@ -150,8 +150,7 @@ mod tests {
         basis.synthesize(&z, &mut samples);
         samples.iter_mut().zip(&indicator).for_each(|(s, i)| *s *= i);
         basis.analyze(&samples, &mut z);
-        let mut matrix = vec![0.0; w * w];
-        series.multiplication(&averages, &mut matrix);
+        let matrix = series.multiplication(&averages);
         for i in 0..w {
             let (k, is_sine) = series.harmonic(i);
             let expected = if is_sine { -z[k].im } else { z[k].re };

@@ -28,8 +28,6 @@ pub(crate) struct Tracer<'a> {
     y: &'a [Vec<Complex64>],
     pub intervals: Vec<PatternInterval>,
     guard: Trigonometric,
-    /// Largest rounding of `guard`: relative to what it is made of, for what is left may be nothing but rounding (redundant contacts).
-    noise: f64,
     curvature: Vec<f64>,
     /// `Σ_n |y_n|` of each contact.
     sizes: Vec<f64>,
@@ -42,7 +40,7 @@ impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
         let curvature = y.iter().map(|z| bound(z, 2)).collect();
         let sizes = y.iter().map(|z| bound(z, 0)).collect();
-        Self { y, intervals: Vec::new(), guard: Trigonometric::default(), noise: 0.0, curvature, sizes }
+        Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature, sizes }
     }
 
     /// Appends a stretch with the contacts of `set` closed.
@@ -151,6 +149,7 @@ impl<'a> Tracer<'a> {
         (0..y.len()).all(|i| set.guard_value(i, &y) >= -self.noise_of(set, i))
     }
 
+    /// Largest rounding of a guard: relative to what it is made of, for what is left may be nothing but rounding (redundant contacts).
     fn noise_of(&self, set: &ClosedSet, contact: usize) -> f64 {
         NOISE * set.guard_row(contact).map(|(j, g)| g.abs() * self.sizes[j]).sum::<f64>()
     }
@@ -170,7 +169,7 @@ impl<'a> Tracer<'a> {
             }
             self.form_guard(set, contact);
             let end = first.map_or(to, |(tau, _)| tau);
-            if let Some(tau) = falls_below_zero(&self.guard, self.noise, from, end) {
+            if let Some(tau) = falls_below_zero(&self.guard, self.noise_of(set, contact), from, end) {
                 first = Some((tau, contact));
             }
         }
@@ -178,7 +177,6 @@ impl<'a> Tracer<'a> {
     }
 
     fn form_guard(&mut self, set: &ClosedSet, contact: usize) {
-        self.noise = self.noise_of(set, contact);
         self.guard.z.clear();
         self.guard.z.resize(self.y[0].len(), Complex64::default());
         for (j, weight) in set.guard_row(contact).filter(|(_, weight)| *weight != 0.0) {

@@ -22,19 +22,18 @@ impl MixedShooting<'_> {
         let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
         let size = n * width;
         self.dkept_db.fill(0.0);
-        let mut constant = vec![0.0; width];
         self.kept.fill(0.0);
         for (set, averages) in &self.sweep.spectra {
             let set = &self.nodes[*set];
-            self.sweep.series.multiplication(averages, &mut self.product);
-            self.sweep.series.coefficients_of(averages, &mut constant);
+            let product = self.sweep.series.multiplication(averages);
+            let constant = self.sweep.series.coefficients_of(averages);
             for d in 0..n {
                 for (m, constant) in constant.iter().enumerate() {
                     let row = &mut self.dkept_db[(d * width + m) * size..(d * width + m + 1) * size];
                     for e in 0..n {
                         let factor = set.d[d * n + e];
                         let block = &mut row[e * width..(e + 1) * width];
-                        subtract(block, -factor, &self.product[m * width..(m + 1) * width]);
+                        subtract(block, -factor, &product[m * width..(m + 1) * width]);
                     }
                     self.kept[d * width + m] -= set.r[d] * constant;
                 }

@@ -4,7 +4,7 @@ use nlmodes_linalg::{DenseLu, Mat};
 use num_complex::Complex64;
 
 use super::system::PeriodicSystem;
-use crate::{HbmError, PatternInterval, Symmetry};
+use crate::{HbmError, PatternInterval};
 
 /// Samples of a turn for each harmonic, and steps of inverse iteration.
 const SAMPLES: usize = 24;
@@ -73,7 +73,7 @@ impl PeriodicSystem {
                 for (n, eta) in eta.iter().enumerate().take(series.n_harmonics + 1) {
                     let z = eta[k] * (share / unit);
                     x[n] += z.re;
-                    if let Some(sine) = (n > 0 && series.symmetry == Symmetry::None).then(|| series.sine(n)).flatten() {
+                    if let Some(sine) = series.sine(n) {
                         x[sine] -= z.im;
                     }
                 }

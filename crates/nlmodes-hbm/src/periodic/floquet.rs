@@ -88,8 +88,7 @@ impl PeriodicSystem {
         let mut y: Vec<f64> =
             self.y.chunks(own.width()).flat_map(|y| as_unsymmetric(own, y).resized_to(series)).collect();
         finer.solve(&y)?;
-        let mut forces = vec![0.0; y.len()];
-        finer.apply(&y, &mut forces);
+        let forces = finer.apply(&y);
         let rows = self.structure.rows();
         for n in own.n_harmonics + 1..=series.n_harmonics {
             let force: Vec<Complex64> = super::rows::complex_harmonic(series, &forces, n);

@@ -13,7 +13,6 @@ pub(crate) struct Assembly {
     series: RealSeries,
     /// `dλ̂/dx`, row-major.
     forces: Vec<f64>,
-    product: Vec<f64>,
     /// Rows of all equations, row-major.
     rows: Vec<f64>,
 }
@@ -21,8 +20,8 @@ pub(crate) struct Assembly {
 impl Assembly {
     pub fn new(coordinates: usize, series: RealSeries) -> Self {
         let size = coordinates * series.width();
-        let product = vec![0.0; series.width() * series.width()];
-        Self { coordinates, series, forces: vec![0.0; size * size], product, rows: vec![0.0; size * size] }
+        let zeros = vec![0.0; size * size];
+        Self { coordinates, series, forces: zeros.clone(), rows: zeros }
     }
 
     /// Number of coefficients.
@@ -37,10 +36,10 @@ impl Assembly {
     /// Adds the share of one closed set to `dλ̂/dx`: `map` (d × d) while it is closed.
     pub fn add_forces(&mut self, map: &[f64], averages: &[Complex64]) {
         let (d, width, size) = (self.coordinates, self.series.width(), self.size());
-        self.series.multiplication(averages, &mut self.product);
+        let product = self.series.multiplication(averages);
         for (i, m) in (0..d).flat_map(|i| (0..width).map(move |m| (i, m))) {
             let row = &mut self.forces[(i * width + m) * size..][..size];
-            let product = &self.product[m * width..(m + 1) * width];
+            let product = &product[m * width..(m + 1) * width];
             for (block, factor) in row.chunks_mut(width).zip(&map[i * d..(i + 1) * d]).filter(|(_, f)| **f != 0.0) {
                 block.iter_mut().zip(product).for_each(|(to, from)| *to += factor * from);
             }
@@ -50,7 +49,7 @@ impl Assembly {
     /// Residual, over `unit`, and rows of harmonic `n`.
     pub fn rows_of(&mut self, n: usize, block: &HarmonicBlock, unit: f64, residual: &mut [f64]) {
         let (d, width, size) = (self.coordinates, self.series.width(), self.size());
-        let sine = (n > 0).then(|| self.series.sine(n)).flatten();
+        let sine = self.series.sine(n);
         for i in 0..d {
             residual[i * width + n] = block.residual[i].re / unit;
             if let Some(sine) = sine {
@@ -91,7 +90,7 @@ impl Assembly {
             let through: Complex64 = (0..d).map(|e| block.g[i * d + e] * force[e]).sum();
             let value = block.d_residual[t][i] - through;
             jacobian[(i * width + n, column)] += value.re * factor;
-            if let Some(sine) = (n > 0).then(|| self.series.sine(n)).flatten() {
+            if let Some(sine) = self.series.sine(n) {
                 jacobian[(i * width + sine, column)] -= value.im * factor;
             }
         }
@@ -109,13 +108,13 @@ impl Assembly {
 
 /// Complex amplitudes of harmonic `n` of many series, one after the other.
 pub(crate) fn complex_harmonic(series: RealSeries, real: &[f64], n: usize) -> Vec<Complex64> {
-    let sine = (n > 0).then(|| series.sine(n)).flatten();
+    let sine = series.sine(n);
     real.chunks(series.width()).map(|c| Complex64::new(c[n], -sine.map_or(0.0, |s| c[s]))).collect()
 }
 
 /// Adds weights `w` of complex amplitudes, of which `Re(w z)` counts, to those of the real coefficients.
 pub(crate) fn add_weights(series: RealSeries, n: usize, weights: &[Complex64], real: &mut [f64]) {
-    let sine = (n > 0).then(|| series.sine(n)).flatten();
+    let sine = series.sine(n);
     for (real, w) in real.chunks_mut(series.width()).zip(weights) {
         real[n] += w.re;
         if let Some(sine) = sine {

@@ -86,7 +86,7 @@ impl PeriodicSystem {
             gap_map,
             maps: Vec::new(),
             y: vec![0.0; c * series.width()],
-            forces: vec![0.0; c * series.width()],
+            forces: Vec::new(),
             rest: Vec::new(),
             blocks: vec![HarmonicBlock::default(); harmonics + 1],
             assembly: Assembly::new(d, series),
@@ -165,12 +165,11 @@ impl PeriodicSystem {
         let moved = self.load_gaps(at);
         self.form_gaps(x, &moved[3]);
         self.operator.solve(&self.y)?;
-        if self.rest.is_empty() {
-            self.operator.apply(&self.y, &mut self.forces);
+        self.forces = if self.rest.is_empty() {
+            self.operator.apply(&self.y)
         } else {
-            let gaps = self.fine_gaps(x, &moved[3]);
-            self.operator.fine_forces(&gaps, &mut self.forces);
-        }
+            self.operator.fine_forces(&self.fine_gaps(x, &moved[3]))
+        };
         let generalised = self.generalised(&self.forces);
         let unit = self.unit();
         let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
@@ -281,8 +280,7 @@ impl PeriodicSystem {
             }
         }
         by.iter_mut().zip(forces_by).for_each(|(by, change)| *by += inner(&by_force, change));
-        let mut by_gap = vec![0.0; by_force.len()];
-        self.operator.apply_transposed(&by_force, &mut by_gap);
+        let by_gap = self.operator.apply_transposed(&by_force);
         by_x.iter_mut().zip(self.generalised(&by_gap)).for_each(|(to, from)| *to += from);
         (by_x, by)
     }
@@ -311,10 +309,8 @@ impl ParametricSystem for PeriodicSystem {
         let slopes = self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
         let moved = self.load_gaps(at);
         let moves_gaps = self.load.moves_gaps();
-        let mut forces_by = [0, 1, 2].map(|_| vec![0.0; self.forces.len()]);
-        for t in (0..3).filter(|_| moves_gaps) {
-            self.operator.apply(&moved[t], &mut forces_by[t]);
-        }
+        // Where the load moves no gap, nothing of it moves a force.
+        let forces_by = [0, 1, 2].map(|t| if moves_gaps { self.operator.apply(&moved[t]) } else { moved[t].clone() });
         let generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
         for n in 0..self.blocks.len() {
             self.assembly.rows_of(n, &self.blocks[n], unit, &mut out.residual);

@@ -135,7 +135,7 @@ fn doubled_coefficients(point: &ResponsePoint, system: &PeriodicSystem) -> Vec<f
     for (own, x) in own.chunks(width.max(1)).zip(x.chunks_mut(series.width())) {
         for n in (0..=highest).filter(|n| 2 * n <= series.n_harmonics) {
             x[2 * n] = factor * own[n];
-            if let (true, Some(sine)) = (n > 0, series.sine(2 * n)) {
+            if let Some(sine) = series.sine(2 * n) {
                 x[sine] = factor * own[highest + n];
             }
         }
