@@ -95,3 +95,37 @@ fn independent(matrix: &Scaled, set: &ClosedSet) -> Vec<usize> {
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{LcpMatrix, Mat};
+
+    /// `A = W Wᵀ` of directions in space.
+    fn of_directions(w: &[[f64; 3]]) -> LcpMatrix {
+        LcpMatrix::new(&Mat::from_fn(w.len(), w.len(), |i, j| (0..3).map(|k| w[i][k] * w[j][k]).sum())).unwrap()
+    }
+
+    #[test]
+    fn of_redundant_contacts_those_are_chosen_that_are_furthest_from_dependent() {
+        // The first three lie all but in a line: beside the first, the longest, there is less than 1e-3 of the others in other directions.
+        let directions = [[1.4, 0.0, 0.0], [1.0, 0.01, 0.0], [1.0, 0.0, 0.02], [0.0, 1.4, 0.0], [0.1, 0.2, 1.1]];
+        let block = of_directions(&directions).closed_block(&[true; 5]).unwrap();
+        assert_eq!(block.contacts(), [0, 3, 4]);
+        // Without the last one the third is the only one that is out of the plane of the others.
+        let block = of_directions(&directions).closed_block(&[true, true, true, true, false]).unwrap();
+        assert_eq!(block.contacts(), [0, 2, 3]);
+    }
+
+    #[test]
+    fn forces_of_a_block_of_redundant_contacts_close_all_gaps_of_a_body() {
+        let directions = [[1.4, 0.0, 0.0], [1.0, 0.01, 0.0], [1.0, 0.0, 0.02], [0.0, 1.4, 0.0], [0.1, 0.2, 1.1]];
+        let a = of_directions(&directions);
+        // Gaps of a displacement of the body, which three contacts bring back.
+        let b: Vec<f64> = directions.iter().map(|w| w[0] * 0.3 - w[1] * 0.7 + w[2] * 0.2).collect();
+        let (mut forces, mut gaps) = ([0.0; 5], [0.0; 5]);
+        a.closed_block(&[true; 5]).unwrap().forces(&b, &mut forces).unwrap();
+        a.gaps(&b, &forces, &mut gaps).unwrap();
+        assert!(gaps.iter().all(|g| g.abs() < 1e-14), "{gaps:?}");
+        assert_eq!(forces[1..3], [0.0; 2]);
+    }
+}

@@ -345,7 +345,8 @@ mod tests {
         let unit = Mat::from_fn(2, 2, |i, j| f64::from(u8::from(i == j)));
         assert!(matches!(ContactBody::new(unit, skew, vec![0.0; 2]), Err(LcpError::NotSymmetric { .. })));
         let body = body();
-        assert!(body.free_gaps(&[0.0; 5]).is_err());
+        let error = body.free_gaps(&[0.0; 7]).unwrap_err();
+        assert_eq!(error, LcpError::Dimension { what: "u_free of whole samples", expected: 12, found: 7 });
         assert!(body.displacements(&[0.0; 6], &[0.0; 6], &mut [0.0; 6]).is_err());
         assert!(body.response(&[true]).is_err());
     }

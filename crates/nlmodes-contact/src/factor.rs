@@ -125,7 +125,7 @@ pub(crate) mod tests {
         let matrix = smooth(c);
         let contacts: Vec<usize> = (0..c).filter(|i| i % 5 != 2).rev().collect();
         let (mut at_once, mut one_by_one) = (Factor::default(), Factor::default());
-        at_once.append_all(matrix.scaled(), &contacts);
+        assert!(at_once.begin(matrix.scaled(), &contacts));
         contacts.iter().for_each(|&contact| assert!(one_by_one.append(matrix.scaled(), contact)));
         assert_eq!(at_once.order(), one_by_one.order());
         assert!(at_once.rows.iter().zip(&one_by_one.rows).all(|(a, b)| (a - b).abs() < 1e-13));

@@ -212,18 +212,8 @@ pub(crate) fn max_abs_min(x: &[f64], p: &[f64], y: &[f64], q: &[f64]) -> f64 {
 
 /// Whether all entries are finite.
 pub(crate) fn all_finite(x: &[f64]) -> bool {
-    if x.len() < 8 {
-        return x.iter().all(|v| v.is_finite());
-    }
-    let mut lanes = [0.0; 8];
     let (x8, rest) = x.as_chunks::<8>();
-    for v in x8 {
-        for l in 0..8 {
-            lanes[l] += v[l] * 0.0;
-        }
-    }
-    // 0 · v is zero for finite v and NaN otherwise.
-    lanes.iter().chain(rest).map(|v| v * 0.0).fold(0.0, |s, v| s + v) == 0.0
+    x8.iter().all(|v| v.iter().fold(true, |finite, v| finite & v.is_finite())) && rest.iter().all(|v| v.is_finite())
 }
 
 #[cfg(test)]
@@ -297,6 +287,7 @@ mod tests {
             }
         }
         assert_eq!(max_abs(&[0.0; 9]), 0.0);
+        assert!(none_negative(&[0.0; 9]));
     }
 
     #[test]

@@ -150,7 +150,9 @@ impl Sample {
         let zeros = vec![0.0; self.ray.len()];
         let mut image = zeros.clone();
         self.matrix.gap(&zeros, &self.ray, &mut image);
-        kernel::max_abs(&image) <= -1e-8 * kernel::dot(&self.b, &self.ray)
+        // Forces that do no work say nothing, as in a pinch without clearance.
+        let work = kernel::dot(&self.b, &self.ray);
+        work < 0.0 && kernel::max_abs(&image) <= -1e-8 * work
     }
 
     /// The ray in N.
@@ -168,5 +170,73 @@ impl Sample {
         for ((out, g), inverse) in gaps.iter_mut().zip(&self.gap).zip(self.matrix.inverse_gap_unit()) {
             *out = (g * self.scale) * inverse;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mat;
+
+    /// A pinch: what opens one contact closes the other.
+    fn pinch(b: [f64; 2]) -> Sample {
+        let matrix = LcpMatrix::new(&Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 })).unwrap();
+        let mut sample = Sample::new(&matrix);
+        sample.load(&b).unwrap();
+        sample
+    }
+
+    fn proves(sample: &mut Sample, ray: [f64; 2]) -> bool {
+        sample.ray.copy_from_slice(&ray);
+        sample.is_proven_infeasible()
+    }
+
+    #[test]
+    fn a_ray_of_any_length_proves_that_a_pinch_with_interference_has_no_solution() {
+        for length in [1e-200, 1e-3, 0.1, 1.0, 1e200] {
+            let mut sample = pinch([-1.0, 0.5]);
+            assert!(proves(&mut sample, [length, length]));
+            assert_eq!(sample.ray, [1.0, 1.0]);
+            assert!(!proves(&mut pinch([-1.0, 1.5]), [length, length]), "with clearance");
+            assert!(!proves(&mut pinch([-1.0, 1.0]), [length, length]), "without either");
+            assert!(!proves(&mut sample, [length, 0.999 * length]), "forces that open a gap");
+        }
+    }
+
+    #[test]
+    fn rays_that_pull_that_vanish_or_that_are_no_numbers_prove_nothing() {
+        let mut sample = pinch([-1.0, 0.5]);
+        for ray in [[0.0, 0.0], [-1.0, -1.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
+            assert!(!proves(&mut sample, ray), "{ray:?}");
+        }
+        // A third contact far away that would pull a little: its force is not rounding.
+        let matrix = LcpMatrix::new(&Mat::from_fn(3, 3, |i, j| [[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0; 3]][i][j]));
+        let mut sample = Sample::new(&matrix.unwrap());
+        sample.load(&[-1.0, 0.5, 0.0]).unwrap();
+        for (pull, proven) in [(0.0, true), (-1e-13, true), (-1e-11, false), (-0.1, false)] {
+            sample.ray.copy_from_slice(&[1.0, 1.0, pull]);
+            assert_eq!(sample.is_proven_infeasible(), proven, "{pull}");
+        }
+    }
+
+    #[test]
+    fn a_proof_holds_for_forces_up_to_1e8_and_no_further() {
+        // Forces (f, f) move either gap by e f / 2, so that gaps of −1 and 0.5 in sum open from f = 1 / (2 e) on.
+        for (e, proven) in [(0.4e-8, true), (0.6e-8, false)] {
+            let matrix = LcpMatrix::new(&Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 + e })).unwrap();
+            let mut sample = Sample::new(&matrix);
+            sample.load(&[-1.0, 0.5]).unwrap();
+            assert_eq!(proves(&mut sample, [1.0, 1.0]), proven, "{e:e}");
+        }
+    }
+
+    #[test]
+    fn negative_forces_are_put_out_and_judged_again() {
+        let mut sample = pinch([-1.0, 1.5]);
+        sample.lambda.copy_from_slice(&[1.0, -1e-14]);
+        let verdict = sample.judge();
+        let verdict = sample.clamp(verdict);
+        assert_eq!(sample.lambda, [1.0, 0.0]);
+        assert!(verdict.violation() == 0.0 && sample.gap == [0.0, 0.5]);
     }
 }

@@ -180,7 +180,9 @@ mod tests {
         let b = [1.0, 1.0, 1.0, f64::NAN];
         let error = series.solve(&b, Start::default(), &mut SeriesSolution::default()).unwrap_err();
         assert_eq!(error, LcpError::Sample { sample: 1, source: Box::new(LcpError::NotFinite { what: "b" }) });
-        assert!(series.solve(&b[..3], Start::default(), &mut SeriesSolution::default()).is_err());
+        // Three numbers of two samples of two contacts.
+        let error = series.solve(&b[..3], Start::default(), &mut SeriesSolution::default()).unwrap_err();
+        assert_eq!(error, LcpError::Dimension { what: "b of whole samples", expected: 4, found: 3 });
     }
 
     #[test]

@@ -184,6 +184,30 @@ mod tests {
         [60, 4 * MANY].into_iter().for_each(follow_sets);
     }
 
+    /// The order of the rows tells what was kept, what is suppressed and what was taken out.
+    #[test]
+    fn a_factor_keeps_what_is_near_drops_what_came_last_and_begins_anew_for_another_set() {
+        let matrix = smooth(40);
+        let (mut working, mut set) = (WorkingFactor::new(40), ClosedSet::new(40));
+        let mut order_with = |change: &[usize]| {
+            change.iter().for_each(|&contact| set.toggle(contact));
+            working.select(matrix.scaled(), &set);
+            working.order().to_vec()
+        };
+        let begin: Vec<usize> = (10..20).collect();
+        assert_eq!(order_with(&begin), begin);
+        let larger: Vec<usize> = begin.iter().copied().chain([5, 30]).collect();
+        assert_eq!(order_with(&[5, 30]), larger, "what closes is appended");
+        assert_eq!(order_with(&[5, 30]), begin, "what closed last is taken out");
+        assert_eq!(order_with(&[13]), begin, "what opens stays, suppressed");
+        assert_eq!(order_with(&[19]), begin, "also at the end, beside others");
+        assert_eq!(order_with(&[13, 19]), begin, "and closes again at no expense");
+        // A quarter of the eight contacts then closed.
+        assert_eq!(order_with(&[12, 13]), begin, "a set is near");
+        // Three of seven.
+        assert_eq!(order_with(&[17, 12, 18]), [10, 11, 12, 14, 15, 16, 19], "a set is not near");
+    }
+
     fn follow_sets(c: usize) {
         let matrix = smooth(c);
         let matrix = matrix.scaled();
@@ -199,6 +223,9 @@ mod tests {
                 (0..c).step_by(2).for_each(|i| set.toggle(i));
             }
             working.select(matrix, &set);
+            // More suppressed contacts than that would cost more than they save.
+            let (suppressed, closed) = (working.order().len() - set.count(), set.count());
+            assert!(suppressed <= MOST_SUPPRESSED.min(8 + closed / 8), "step {step}: {suppressed} beside {closed}");
             let mut x: Vec<f64> = working.order().iter().map(|&i| right[i]).collect();
             working.solve(&mut x);
             if step % 50 == 0 {

@@ -18,12 +18,12 @@ pub(crate) struct Polish {
 
 impl Polish {
     pub(crate) fn new(c: usize) -> Self {
-        Self { newton: Newton::new(c), primal: Primal::default(), approximate: vec![0.0; c] }
+        Self { newton: Newton::new(c), primal: Primal::default(), approximate: Vec::with_capacity(c) }
     }
 
     /// If the result is accepted, it is in `sample` and `closed`; else the forces are as before, and the outcome tells.
     pub(crate) fn run(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
-        self.approximate.copy_from_slice(&sample.lambda);
+        self.approximate.clone_from(&sample.lambda);
         let before = sample.judge();
         self.newton.guess_from_forces(sample);
         let quick = self.newton.run(sample, 1);

@@ -66,7 +66,7 @@ fn spectral_radius(matrix: &Scaled) -> f64 {
         radius = next;
         std::mem::swap(&mut x, &mut image);
     }
-    if radius > 0.0 { radius.min(bound) } else { bound }
+    radius.clamp(f64::MIN_POSITIVE, bound)
 }
 
 struct Descent {

@@ -12,14 +12,16 @@ pub(super) fn run(sample: &mut Sample, sweeps: usize) {
         for i in 0..lambda.len() {
             let old = lambda[i];
             let compliance = matrix.diagonal(i);
-            if (gap[i] >= 0.0 && old == 0.0) || compliance <= 0.0 {
+            if compliance == 0.0 {
                 continue;
             }
             let moved = old - gap[i] / compliance;
             let new = if moved > 0.0 { moved } else { 0.0 };
-            exchanges += usize::from((new > 0.0) != (old > 0.0));
-            lambda[i] = new;
-            kernel::axpy(new - old, matrix.column(i), gap);
+            if new != old {
+                exchanges += usize::from((new > 0.0) != (old > 0.0));
+                lambda[i] = new;
+                kernel::axpy(new - old, matrix.column(i), gap);
+            }
         }
         if exchanges == 0 {
             break;
