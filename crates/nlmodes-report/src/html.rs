@@ -55,6 +55,7 @@ pub struct HtmlReport<'a> {
     title: String,
     branches: &'a [&'a ModalBranch],
     lines: Vec<String>,
+    warnings: Vec<String>,
     marks: Vec<(usize, usize, String)>,
     clamped: Vec<f64>,
     stops: Vec<StopLine>,
@@ -87,6 +88,7 @@ impl<'a> HtmlReport<'a> {
             title: title.into(),
             branches,
             lines: Vec::new(),
+            warnings: Vec::new(),
             marks: Vec::new(),
             clamped: Vec::new(),
             stops: Vec::new(),
@@ -109,6 +111,12 @@ impl<'a> HtmlReport<'a> {
     /// With a line below the title: how it was computed, by what, when.
     pub fn line(mut self, text: impl Into<String>) -> Self {
         self.lines.push(text.into());
+        self
+    }
+
+    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take for granted.
+    pub fn warning(mut self, text: impl Into<String>) -> Self {
+        self.warnings.push(text.into());
         self
     }
 

@@ -17,6 +17,7 @@ mod tests;
 use nlmodes::branches::{ComputedBranch, Watch};
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MassShift;
+use nlmodes::report::HtmlReport;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;
@@ -242,13 +243,34 @@ impl Certificate {
         Self { verdict, thorough: false, points, points_in_doubt, checks, numbers }
     }
 
-    /// The numbers not to use, for the head of a page; nothing where there are none. `name` is that of the branch among several.
-    pub(crate) fn warning(&self, name: Option<&str>) -> Option<String> {
+    /// The numbers not to use as a warning at the head of a page, and those of which nothing is known as a line there. `name` is that of the branch among several.
+    pub(crate) fn on_the_head<'a>(&self, page: HtmlReport<'a>, name: Option<&str>) -> HtmlReport<'a> {
+        let page = match self.warning(name) {
+            Some(text) => page.warning(text),
+            None => page,
+        };
+        match self.open(name) {
+            Some(text) => page.line(text),
+            None => page,
+        }
+    }
+
+    /// The numbers not to use; nothing where there are none.
+    fn warning(&self, name: Option<&str>) -> Option<String> {
         let refused = self.numbers.iter().filter(|number| number.usable == Use::No);
         let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.name(), n.words)).collect();
         let of = name.map_or_else(String::new, |name| format!(" of {name}"));
         let why = "the certificate at the foot of the page says more";
         (!refused.is_empty()).then(|| format!("Do not use{of}: {}; {why}.", refused.join("; ")))
+    }
+
+    /// The numbers for which nothing speaks, and how that can be had; nothing where there are none.
+    fn open(&self, name: Option<&str>) -> Option<String> {
+        let open = names(&self.numbers, Use::NotShown);
+        let of = name.map_or_else(String::new, |name| format!(" of {name}"));
+        let certify = self.checks.iter().any(|check| check.how == Some(CERTIFY));
+        let how = if certify { format!("; {CERTIFY} looks at them") } else { String::new() };
+        (!open.is_empty()).then(|| format!("Neither shown to be right nor wrong{of}: {open}{how}."))
     }
 }
 

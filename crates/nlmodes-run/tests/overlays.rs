@@ -63,9 +63,10 @@ fn a_run_laid_over_itself_differs_by_nothing_and_a_measurement_by_what_it_was_ch
         assert!((laid / own - expected).abs() < 1e-9, "{name}: {laid:e} beside {own:e}");
     }
     let page = fs::read_to_string(second.join("report.html")).unwrap();
-    assert!(
-        page.contains("rig: at equal frequency its fundamental at the first contact differs by +10.0 % on average")
-    );
+    let n = chosen.len();
+    let wanted =
+        format!("rig: at equal frequency its fundamental at the first contact differs by +10.0 % at {n} points");
+    assert!(page.contains(&wanted), "{wanted}");
     let figure = fs::read_to_string(second.join("responses.svg")).unwrap();
     assert_eq!(figure.matches("class=\"measured\"").count(), chosen.len());
 }

@@ -11,10 +11,10 @@ use nlmodes::branches::{
     BranchError, BranchPointRule, BranchProgress, BranchSettings, BranchStart, ComputedBranch, ComputedTree,
     ResonanceRule, Watch, compute_branch, compute_tree,
 };
-use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::hbm::{Switching, Symmetry};
-use nlmodes::modal::{EndReason, Event, ModalPoint};
-use nlmodes::model::{MasslessContactModel, Side};
+use nlmodes::modal::{EndReason, Event, ModalPoint, RESONANT_SHARE};
+use nlmodes::model::{Drop, MasslessContactModel, Side};
 use support::massless_beam;
 
 fn rod() -> MasslessContactModel {
@@ -187,6 +187,37 @@ fn a_skipped_tongue_leaves_the_backbone_as_it_is() {
     assert!((end.omega / expected.omega - 1.0).abs() < 1e-10);
     assert!((end.kinetic_energy / expected.kinetic_energy - 1.0).abs() < 1e-8);
     assert!(computed.branch.points.len() < followed.branch.points.len() / 2);
+}
+
+/// A strip of 0.8 mm before two stops in two systems of units of time: on the flank behind a tongue the share of the resonant harmonic falls, but is large everywhere.
+#[test]
+fn behind_a_tongue_the_branch_goes_on_at_the_backbone_and_not_on_a_flank() {
+    for second in [1.0, 1e3] {
+        let strip = Beam {
+            material: Material::new(210e9 / (second * second), 7850.0).unwrap(),
+            section: Section::rectangle(0.015, 0.0008).unwrap(),
+            mesh: Mesh::uniform(0.16, 16).unwrap(),
+            mass_matrix: MassMatrix::Consistent,
+            start: Support::Clamped,
+            end: Support::Free,
+        };
+        let stops = [
+            Stop::rigid(0.16, Direction::Transverse, Side::Positive, 5e-4),
+            Stop::rigid(0.1, Direction::Transverse, Side::Negative, 2.94e-4),
+        ];
+        let model = MasslessContactModel::new(&strip.assemble(&stops).unwrap(), &Drop).unwrap();
+        let settings = BranchSettings {
+            harmonics: 5,
+            max_energy_ratio: Some(10.0),
+            internal_resonance: ResonanceRule::Skip,
+            ..BranchSettings::default()
+        };
+        let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
+        let feet =
+            computed.branch.points.iter().filter(|p| p.has_event(Event::TongueFoot) || p.has_event(Event::Resumed));
+        let shares: Vec<f64> = feet.map(|p| p.harmonic_share(p.resonance.unwrap().harmonic)).collect();
+        assert!(shares.len() > 4 && shares.iter().all(|share| *share <= RESONANT_SHARE), "{shares:?}");
+    }
 }
 
 #[test]

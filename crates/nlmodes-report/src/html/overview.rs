@@ -8,8 +8,9 @@ use nlmodes_modal::{Event, ModalBranch, ModalPoint, tongues};
 
 impl HtmlReport<'_> {
     pub(super) fn overview(&self) -> String {
-        let lines: String =
-            self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line))).collect();
+        let warnings = self.warnings.iter().map(|text| format!("<p class=\"outcome early\">⚠ {}</p>\n", escape(text)));
+        let lines = self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line)));
+        let lines: String = warnings.chain(lines).collect();
         let Some(branch) = self.branches.first() else { return lines };
         let cards: String = self.cards(branch).into_iter().map(|(value, name)| card(&value, &name)).collect();
         format!("{}{lines}<ul class=\"cards\">\n{cards}</ul>\n", self.outcome())
@@ -28,7 +29,9 @@ impl HtmlReport<'_> {
             [] if self.branches.len() == 1 => ends(branch),
             _ => Vec::new(),
         };
-        let points = || self.branches.iter().flat_map(|branch| &branch.points).filter(|point| point.omega.is_finite());
+        // What is laid over a test is not what the page is about.
+        let is_test = self.scattered.contains(&0);
+        let points = || self.branches_that(is_test).flat_map(|branch| &branch.points).filter(|p| p.omega.is_finite());
         if points().next().is_none() {
             return Vec::new();
         }
@@ -48,7 +51,7 @@ impl HtmlReport<'_> {
                 "largest contact force* (of short blows it need not converge with harmonics)".into(),
             ));
         } else {
-            let of = if self.scattered.contains(&0) { " of a point, each the mean over its periods" } else { "" };
+            let of = if is_test { " of a point, each the mean over its periods" } else { "" };
             cards.push((force(points()), format!("largest contact force{of}")));
         }
         cards.extend(self.counts(computed.len()));

@@ -34,9 +34,9 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     };
     drop("test.csv", &measured(&[20, 40, 60, 80, 100]));
     assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('softer than exact <b>')"));
-    assert!(browser.text("return document.querySelector('#lay').innerText").contains("−1.00 % on average"));
+    assert!(browser.text("return document.querySelector('#lay').innerText").contains("−1.00 % at 5 points"));
     assert!(browser.text("return document.querySelector('#legend').innerText").contains("test.csv"));
-    // Of few points no mean is formed.
+    // Of few points the range is said.
     drop("few.csv", &measured(&[20, 60, 100]));
     assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('−1.00 % at 3 points')"));
     drop("other.csv", "a,b\n1,2\n");

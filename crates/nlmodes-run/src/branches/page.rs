@@ -67,11 +67,11 @@ pub fn write(
         .document("Scene as read, in SI units", scene)?
         .document("Method as used", &method)?;
     if let Some(text) = &linear.mass_warning {
-        report = report.line(format!("Warning: {text}"));
+        report = report.warning(text);
     }
     let name = |computed: &ComputedBranch| (all.len() > 1).then(|| computed.branch.label.clone());
-    for text in all.iter().zip(certificates).filter_map(|(computed, c)| c.warning(name(computed).as_deref())) {
-        report = report.line(text);
+    for (certificate, computed) in certificates.iter().zip(all) {
+        report = certificate.on_the_head(report, name(computed).as_deref());
     }
     if let Some(text) = scene.structure.straight().and_then(modal_model) {
         report = report.line(text);

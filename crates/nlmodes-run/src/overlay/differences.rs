@@ -4,6 +4,7 @@ use std::ops::Range;
 use nlmodes::modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
 use super::Laid;
+use super::said::median;
 
 /// Relative difference of frequencies, or sizes, below which two motions are one.
 const SAME: f64 = 1e-9;
@@ -80,6 +81,9 @@ pub struct Difference {
     /// Motions that the branch has with what is equal, or the curve that is laid over, whichever has more: with several, as at a tongue or
     /// behind a fold, the two may be on different arms. One where both are on the way from grazing to the first turn.
     pub motions: usize,
+    /// Whether it is known nevertheless which of several motions of the branch belongs to the point: the one whose difference is most like those of the points of
+    /// the same test that have no other.
+    pub is_matched: bool,
 }
 
 impl Difference {
@@ -87,12 +91,34 @@ impl Difference {
     pub fn relative(&self) -> f64 {
         self.frequency / self.own_frequency - 1.0
     }
+
+    /// Whether it is known which motion of the branch belongs to the point.
+    pub fn is_clear(&self) -> bool {
+        self.motions == 1 || self.is_matched
+    }
 }
 
 /// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points within those of the branch, which is linear between its points; of
-/// several motions the one with the nearest frequency counts. A point that touches no stop is not held against motions that do.
+/// several motions the one with the nearest frequency counts, for points of a test the one whose difference is most like those of the points that have one motion
+/// only: if a test is 3 % softer throughout, the nearest motion at a tongue is the wrong one. A point that touches no stop is not held against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
-    all(laid, own, Equal::of)
+    let mut found = all(laid, own, Equal::of);
+    if !laid.is_scattered {
+        return found;
+    }
+    let mut clear: Vec<f64> = found.iter().filter(|d| d.motions == 1).map(Difference::relative).collect();
+    clear.sort_by(f64::total_cmp);
+    let Some(usual) = median(&clear) else { return found };
+    for difference in found.iter_mut().filter(|difference| difference.motions > 1) {
+        let point = &laid.branch.points[difference.point];
+        let partners = partners(point, &own.points, difference.equal);
+        let unlike = |there: &There| (point.omega / there.omega - 1.0 - usual).abs();
+        if let Some(there) = partners.iter().min_by(|a, b| unlike(a).total_cmp(&unlike(b))) {
+            let matched = against((difference.point, point), there, difference.equal, difference.motions);
+            *difference = Difference { is_matched: true, ..matched };
+        }
+    }
+    found
 }
 
 /// The same at equal frequency; of several motions of a frequency the one counts whose amplitude, or energy, is nearest.
@@ -163,36 +189,40 @@ fn difference(
     own: &ModalBranch,
     equal: Equal,
 ) -> Option<Difference> {
-    let wanted = equal.value(point);
-    // A branch without forces may touch or not.
-    let touches_as_well = |there: &There| point.peak_contact_force != 0.0 || there.force.is_nan() || there.force <= 0.0;
-    let find = |points: &[ModalPoint]| -> Vec<There> {
-        motions(points, equal, wanted).into_iter().filter(touches_as_well).collect()
-    };
-    let all = find(&own.points);
+    let all = partners(point, &own.points, equal);
     let (points, arms) = (&laid.branch.points, [&laid.branch.points, &own.points].map(|p| first_arm(p, equal)));
-    let beside = if arms[0].contains(&number) { find(&own.points[arms[1].clone()]) } else { Vec::new() };
+    let first = arms[1].clone();
+    let beside = if arms[0].contains(&number) { partners(point, &own.points[first], equal) } else { Vec::new() };
+    if let ([one], false) = (beside.as_slice(), laid.is_scattered) {
+        return Some(against((number, point), one, equal, 1));
+    }
     let off = |there: &There| (there.other - equal.other(point)).abs();
-    let (there, alike) = match beside.as_slice() {
-        [one] if !laid.is_scattered => (one.clone(), 1),
-        _ => {
-            let nearest = all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?.clone();
-            let count = match (laid.is_scattered, equal) {
-                // Points of a test are no curve: the frequency tells which motion was measured.
-                (true, Equal::Amplitude | Equal::Energy) => 1,
-                (true, Equal::Frequency) => all.len(),
-                (false, _) => motions(points, equal, wanted).len().max(all.len()),
-            };
-            // A point on the first arm whose partner is on another one is not alone either.
-            let is_apart = !laid.is_scattered && arms[0].contains(&number) && !arms[1].is_empty();
-            (nearest, if is_apart { count.max(2) } else { count })
-        }
+    let nearest = all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    // Points of a test are no curve, and have no arms.
+    let count = if laid.is_scattered {
+        all.len()
+    } else {
+        let alike = motions(points, equal, equal.value(point)).len().max(all.len());
+        // A point on the first arm whose partner is on another one is not alone either.
+        if arms[0].contains(&number) && !arms[1].is_empty() { alike.max(2) } else { alike }
     };
-    Some(Difference {
+    Some(against((number, point), nearest, equal, count))
+}
+
+/// The motions of these points that have what is equal, and touch a stop if this point does: a branch without forces may touch or not.
+fn partners(point: &ModalPoint, points: &[ModalPoint], equal: Equal) -> Vec<There> {
+    let touches_as_well = |there: &There| point.peak_contact_force != 0.0 || there.force.is_nan() || there.force <= 0.0;
+    motions(points, equal, equal.value(point)).into_iter().filter(touches_as_well).collect()
+}
+
+/// A point against one of so many motions of the branch.
+fn against((number, point): (usize, &ModalPoint), there: &There, equal: Equal, motions: usize) -> Difference {
+    let of = |size: Equal| if equal == size { equal.value(point) } else { f64::NAN };
+    Difference {
         point: number,
         equal,
-        amplitude: if equal == Equal::Amplitude { wanted } else { f64::NAN },
-        energy: if equal == Equal::Energy { wanted } else { f64::NAN },
+        amplitude: of(Equal::Amplitude),
+        energy: of(Equal::Energy),
         frequency: point.omega / TAU,
         own_frequency: there.omega / TAU,
         impulse: impulse(point),
@@ -200,8 +230,9 @@ fn difference(
         force: point.peak_contact_force,
         own_force: there.force,
         stops: of_stops(&point.contacts, &there.stops),
-        motions: alike,
-    })
+        motions,
+        is_matched: false,
+    }
 }
 
 /// Impulses of the same stops; none where these are not as many.
@@ -340,7 +371,7 @@ mod tests {
         }
         let said = sentence(&other, &differences(&other, &own.branch), &own.branch.label);
         assert!(said.contains("impulse a period by +100 % at 2 points, those that touch a stop in both; "), "{said}");
-        assert!(said.contains("largest force by +100 %") && said.contains("5 points)"), "{said}");
+        assert!(said.contains("largest force by +100 % at 2 points") && said.contains("by 0 % at 5 points"), "{said}");
     }
 
     #[test]
@@ -353,10 +384,12 @@ mod tests {
         let found = differences(&other, &own.branch);
         assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 2, 2, 1, 2, 2, 1]);
         let said = sentence(&other, &found, &own.branch.label);
-        assert!(said.contains("at 4 points, too few for a mean; ") && said.contains("4 points are left out"), "{said}");
-        // Points of a test are told apart by their frequency.
+        assert!(said.contains("at 4 points; ") && said.contains("4 points are left out"), "{said}");
+        // Points of a test are no curve: what counts is how many motions the branch has.
         other.is_scattered = true;
-        assert!(differences(&other, &own.branch).iter().all(|d| d.motions == 1));
+        let found = differences(&other, &own.branch);
+        assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 1, 2, 1, 1, 1, 1]);
+        assert!(found.iter().all(Difference::is_clear));
         // From grazing to the first turn both go the same way, wherever tongues lead back to; beyond it only one motion is.
         other.is_scattered = false;
         let mut own = own;
@@ -373,6 +406,38 @@ mod tests {
         };
         let counts = differences(&turned(&other), &turned(&own).branch).iter().map(|d| d.motions).collect::<Vec<_>>();
         assert_eq!(counts, [1, 2, 2, 1, 2, 1, 1, 1]);
+    }
+
+    #[test]
+    fn of_several_motions_a_test_has_the_one_that_fits_its_other_points() {
+        // The branch has three motions at amplitude 2.5: 12, 13 and 14 Hz.
+        let own = laid("frequency_hz,modal_amplitude\n10,1\n11,2\n13,3\n13,2\n15,3\n20,8\n");
+        // Softer by 8 % throughout: 0.92 · 14 Hz lies nearer to 13 Hz, 0.92 · 13 Hz to 12 Hz.
+        for hz in [12.0, 13.0, 14.0] {
+            let table = format!(
+                "frequency_hz,modal_amplitude\n{},1\n{},1.5\n{},6\n{},7\n{},2.5\n",
+                0.92 * 10.0,
+                0.92 * 10.5,
+                0.92 * 18.0,
+                0.92 * 19.0,
+                0.92 * hz
+            );
+            let test = laid(&table);
+            let found = differences(&test, &own.branch);
+            let last = &found[4];
+            assert!(last.is_matched && last.motions == 3 && (last.own_frequency - hz).abs() < 1e-12, "{hz}: {last:?}");
+            assert!(found[..4].iter().all(|difference| !difference.is_matched && difference.is_clear()));
+            let said = sentence(&test, &found, "");
+            assert!(
+                said.contains("softer than this branch;") && said.contains("by −8.00 % at 5 points, of which 1 with"),
+                "{said}"
+            );
+        }
+        // Without any point that has one motion only nothing tells.
+        let test = laid("frequency_hz,modal_amplitude\n12.9,2.5\n");
+        let found = differences(&test, &own.branch);
+        assert!(!found[0].is_clear() && found[0].motions == 3);
+        assert!(sentence(&test, &found, "").contains("nothing to compare"));
     }
 
     #[test]

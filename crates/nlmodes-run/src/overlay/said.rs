@@ -9,26 +9,39 @@ use super::{Difference, Equal, Laid};
 const SHOWN: usize = 20;
 /// Largest difference in per cent, of either sign, that is called agreement.
 const AGREES: f64 = 0.1;
-/// Points of which a mean is formed.
+/// Points from which on their median is said.
 const FEW: usize = 5;
 /// Differences in per cent that are none.
 const NOTHING: f64 = 1e-5;
 
-/// Mean, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of values.
+/// Median, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of values. Of differences that a few
+/// points on steep parts of a curve lead, the median says what most points have.
 pub fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
-    let all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
-    let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    (!all.is_empty()).then(|| ([all.iter().sum::<f64>() / all.len() as f64, least, most], all.len()))
+    let all = percentages(pairs);
+    Some(([median(&all)?, *all.first()?, *all.last()?], all.len()))
 }
 
-/// Differences in words: their mean and range, or the range alone where there are too few points for a mean.
-pub fn by([mean, least, most]: [f64; 3], points: usize) -> String {
-    let [mean, least, most] = [mean, least, most].map(signed);
+/// All of them, from the least to the largest.
+fn percentages(pairs: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut all: Vec<f64> = pairs.map(|(value, own)| relative(value, own)).filter(|p| p.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// The value in the middle of these sorted ones, or half-way between the two there.
+pub(super) fn median(sorted: &[f64]) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    Some(0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]))
+}
+
+/// Differences in words: their median and range, or the range alone where there are few points.
+pub fn by([median, least, most]: [f64; 3], points: usize) -> String {
+    let [median, least, most] = [median, least, most].map(signed);
     match points {
-        1 => format!("by {mean} % at 1 point"),
-        n if n < FEW && least == most => format!("by {mean} % at {n} points"),
-        n if n < FEW => format!("by {least} to {most} % at {n} points, too few for a mean"),
-        n => format!("by {mean} % on average ({least} to {most} %, {n} points)"),
+        1 => format!("by {median} % at 1 point"),
+        n if least == most => format!("by {median} % at {n} points"),
+        n if n < FEW => format!("by {least} to {most} % at {n} points"),
+        n => format!("by {median} % in the median of {n} points ({least} to {most} %)"),
     }
 }
 
@@ -82,45 +95,56 @@ fn left_out(count: usize, what: &str) -> String {
     }
 }
 
-/// Softer or stiffer, by the least and the largest difference of frequencies, %; what agrees is neither.
-fn word([least, most]: [f64; 2]) -> &'static str {
-    let (soft, stiff) = (least <= -AGREES, most >= AGREES);
-    if least > 0.0 || (stiff && !soft) {
-        "stiffer than"
-    } else if most < 0.0 || (soft && !stiff) {
-        "softer than"
-    } else if stiff {
-        "softer here and stiffer there than"
-    } else {
-        "in agreement with"
+/// Softer or stiffer than the branch, by what most of these differences of frequencies in per cent are; where not all are, how many are what.
+fn verdict(percent: &[f64], own: &str) -> String {
+    let count = |is: fn(f64) -> bool| percent.iter().filter(|p| is(**p)).count();
+    let (soft, stiff) = (count(|p| p <= -AGREES), count(|p| p >= AGREES));
+    let agree = (percent.len() - soft - stiff, format!("in agreement to {AGREES} % with"), "in agreement");
+    let mut counts = [(soft, "softer than".to_owned(), "softer"), (stiff, "stiffer than".to_owned(), "stiffer"), agree];
+    counts.sort_by_key(|(count, ..)| std::cmp::Reverse(*count));
+    let [(most, first, _), others @ ..] = counts;
+    if most == percent.len() {
+        return format!("{first} {own}");
     }
+    let others = others.into_iter().filter(|(count, ..)| *count > 0);
+    let others: Vec<String> = others.map(|(count, _, word)| format!("{word} at {count}")).collect();
+    format!("{first} {own} at {most} of {} points, {}", percent.len(), others.join(", "))
 }
 
-/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points at whose amplitude both have one motion.
+/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points of which it is known which motion of the branch is theirs.
 pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
     let name = &laid.branch.label;
     let own = if own.is_empty() { "this branch" } else { own };
     let Some(first) = found.first() else { return format!("{name}: no point within the amplitudes of {own}") };
     let what = first.equal.name();
-    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
+    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.is_clear()).collect();
     let others = left_out(found.len() - clear.len(), what);
-    let Some((range, _)) = percent(clear.iter().map(|difference| (difference.frequency, difference.own_frequency)))
-    else {
+    let frequencies = || clear.iter().map(|difference| (difference.frequency, difference.own_frequency));
+    let Some((range, _)) = percent(frequencies()) else {
         let apart = found.len() - clear.len();
         return format!("{name} and {own}: {}{others}", nothing_to_compare(apart));
     };
     format!(
-        "{name}: {} {own}; its frequency at equal {what} differs {}{}{others}",
-        word([range[1], range[2]]),
+        "{name}: {}; its frequency at equal {what} differs {}{}{}{others}",
+        verdict(&percentages(frequencies()), own),
         by(range, clear.len()),
+        matched(&clear),
         of_forces(&clear)
     )
+}
+
+/// Points of a test that have several motions of the branch to choose from.
+fn matched(clear: &[&Difference]) -> String {
+    match clear.iter().filter(|difference| difference.is_matched).count() {
+        0 => String::new(),
+        n => format!(", of which {n} with the one of several motions that fits the other points"),
+    }
 }
 
 /// By how much impulse and largest force differ at equal frequency, in a sentence; nothing where they are not known.
 pub fn sentence_at_equal_frequency(laid: &Laid, found: &[Difference], own: &str) -> Option<String> {
     let own = if own.is_empty() { "this branch" } else { own };
-    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.motions == 1).collect();
+    let clear: Vec<&Difference> = found.iter().filter(|difference| difference.is_clear()).collect();
     let (said, others) = (of_forces(&clear), left_out(found.len() - clear.len(), Equal::Frequency.name()));
     let said = said.strip_prefix("; ")?;
     Some(format!("{} against {own} at equal frequency: differs in {said}{others}", laid.branch.label))
@@ -151,7 +175,7 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
     let short = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { "–".to_owned() };
     let off = |difference: &Difference, value: f64, own: f64| match relative(value, own) {
         // The nearest of several may be on another arm.
-        _ if difference.motions > 1 => format!("one of {}", difference.motions),
+        _ if !difference.is_clear() => format!("one of {}", difference.motions),
         percent if percent.is_finite() => signed(percent),
         _ => "–".to_owned(),
     };
@@ -179,23 +203,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_nowhere_stiffer_is_softer_even_if_it_agrees_somewhere() {
-        assert_eq!(word([-19.4, 0.0]), "softer than");
-        assert_eq!(word([-0.7, 0.05]), "softer than");
-        assert_eq!(word([0.0, 3.0]), "stiffer than");
-        assert_eq!([word([0.01, 0.02]), word([-0.02, -0.01])], ["stiffer than", "softer than"]);
-        assert_eq!(word([-0.02, 0.01]), "in agreement with");
-        assert_eq!(word([-0.2, 0.3]), "softer here and stiffer there than");
+    fn most_points_decide_and_the_others_are_counted() {
+        let said = |percent: &[f64]| verdict(percent, "this branch");
+        assert_eq!(said(&[-19.4, -3.0, -0.7]), "softer than this branch");
+        assert_eq!(said(&[0.3, 3.0]), "stiffer than this branch");
+        assert_eq!(said(&[-0.02, 0.01]), "in agreement to 0.1 % with this branch");
+        let eight = [-3.2, -3.1, -3.0, -3.0, -2.9, -2.9, -2.8, 0.4];
+        assert_eq!(said(&eight), "softer than this branch at 7 of 8 points, stiffer at 1");
+        assert_eq!(said(&[-0.7, 0.0, 0.05]), "in agreement to 0.1 % with this branch at 2 of 3 points, softer at 1");
+        assert_eq!(
+            said(&[-1.0, 0.0, 1.0, 2.0]),
+            "stiffer than this branch at 2 of 4 points, softer at 1, in agreement at 1"
+        );
     }
 
     #[test]
-    fn few_points_have_no_mean_and_tongues_are_named_where_nothing_is_compared() {
+    fn few_points_have_a_range_only_and_tongues_are_named_where_nothing_is_compared() {
         assert_eq!(by([1.0, 1.0, 1.0], 1), "by +1.00 % at 1 point");
         assert_eq!(by([1.0, 1.0, 1.0], 3), "by +1.00 % at 3 points");
-        assert_eq!(by([1.0, -2.0, 3.5], 4), "by −2.00 to +3.50 % at 4 points, too few for a mean");
-        assert_eq!(by([1.0, -2.0, 3.5], 5), "by +1.00 % on average (−2.00 to +3.50 %, 5 points)");
+        assert_eq!(by([1.0, -2.0, 3.5], 4), "by −2.00 to +3.50 % at 4 points");
+        assert_eq!(by([1.0, -2.0, 3.5], 5), "by +1.00 % in the median of 5 points (−2.00 to +3.50 %)");
         assert_eq!(nothing_to_compare(0), "nothing to compare");
         assert!(nothing_to_compare(3).contains("tongues") && nothing_to_compare(3).contains("\"skip\""));
+    }
+
+    #[test]
+    fn the_median_lies_in_the_middle_or_half_way_between_two() {
+        assert_eq!(median(&[]), None);
+        assert_eq!([median(&[3.0]), median(&[1.0, 4.0]), median(&[1.0, 2.0, 90.0])], [Some(3.0), Some(2.5), Some(2.0)]);
+        let (range, count) = percent([(2.0, 1.0), (1.5, 1.0), (1.0, 0.0), (9.0, 1.0)].into_iter()).unwrap();
+        assert_eq!((range, count), ([100.0, 50.0, 800.0], 3));
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub struct StopChange {
     pub stop: usize,
     /// What the motions have in common that are compared.
     pub equal: Equal,
-    /// Mean, least and largest relative difference in per cent; none where no point can be compared.
+    /// Median, least and largest relative difference in per cent; none where no point can be compared.
     pub percent: Option<[f64; 3]>,
     /// The point whose difference has the largest magnitude.
     pub largest_at: Option<usize>,
@@ -40,7 +40,7 @@ fn change(found: &[Difference], stop: usize) -> Option<StopChange> {
     let largest = found.iter().filter_map(of).flatten().filter(|impulse| impulse.is_finite()).fold(0.0, f64::max);
     let counts = |[a, b]: &[f64; 2]| a.max(*b) > FLOOR * largest;
     let known = || found.iter().filter_map(|d| Some((d, of(d)?))).filter(|(_, pair)| counts(pair));
-    let (clear, apart): (Vec<_>, Vec<_>) = known().partition(|(difference, _)| difference.motions == 1);
+    let (clear, apart): (Vec<_>, Vec<_>) = known().partition(|(difference, _)| difference.is_clear());
     let (both, alone): (Vec<_>, Vec<_>) = clear.into_iter().partition(|(_, [a, b])| a.min(*b) > ROUNDING * largest);
     let size = |[a, b]: &[f64; 2]| relative(*a, *b).abs();
     let at = both.iter().max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)));
@@ -61,7 +61,7 @@ impl StopChange {
         self.points + self.alone + self.apart > 0
     }
 
-    /// Why so many points are in no mean; nothing where all are.
+    /// Why so many points are not compared; nothing where all are.
     fn left_out(&self) -> String {
         let several = format!("{} where there are several motions of that {}", self.apart, self.equal.name());
         let alone = format!("{} where it is touched in one of both only", self.alone);
@@ -101,7 +101,7 @@ pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String
         laid.branch.label
     );
     let head =
-        ["stop", "at equal", "mean, %", "least, %", "largest, %", "points", "most at point", "several", "one alone"];
+        ["stop", "at equal", "median, %", "least, %", "largest, %", "points", "most at point", "several", "one alone"];
     let mut table = DataTable::new(title, &head);
     for (number, name) in names.iter().enumerate() {
         for change in all.iter().flatten().filter(|change| change.stop == number && change.is_touched()) {
@@ -139,12 +139,13 @@ mod tests {
             own_force: f64::NAN,
             stops: stops.to_vec(),
             motions: if point == last { 2 } else { 1 },
+            is_matched: false,
         };
         stops.iter().enumerate().map(of).collect()
     }
 
     #[test]
-    fn only_points_at_which_a_stop_pushes_in_both_are_in_its_mean_in_any_unit() {
+    fn only_points_at_which_a_stop_pushes_in_both_are_in_its_median_in_any_unit() {
         for unit in [1.0, 1e-6] {
             let pair = |a: f64, b: f64| [a * unit, b * unit];
             // The first stop grows by a tenth and a fifth, the second is touched at one point by one and at one by both.
@@ -157,15 +158,15 @@ mod tests {
             ]);
             let all = changes(&points);
             assert_eq!(all.len(), 2);
-            let [mean, least, most] = all[0].percent.unwrap();
-            assert!((mean - 15.0).abs() < 1e-9 && (least - 10.0).abs() < 1e-9 && (most - 20.0).abs() < 1e-9);
+            let [median, least, most] = all[0].percent.unwrap();
+            assert!((median - 15.0).abs() < 1e-9 && (least - 10.0).abs() < 1e-9 && (most - 20.0).abs() < 1e-9);
             assert_eq!((all[0].points, all[0].alone, all[0].apart, all[0].largest_at), (2, 0, 1, Some(2)));
             assert!((all[1].percent.unwrap()[0] + 10.0).abs() < 1e-9);
             assert_eq!((all[1].points, all[1].alone, all[1].apart, all[1].largest_at), (1, 1, 1, Some(3)));
             let said = lines(&[all], &["stop 0 at 1 m".to_owned(), "stop 1 at 2 m".to_owned()]);
             assert_eq!(
                 said[0],
-                "impulse of stop 0 at 1 m: at equal frequency by +10.0 to +20.0 % at 2 points, too few for a mean; \
+                "impulse of stop 0 at 1 m: at equal frequency by +10.0 to +20.0 % at 2 points; \
                  left out: 1 where there are several motions of that frequency"
             );
             // A stop that nobody touches says so.

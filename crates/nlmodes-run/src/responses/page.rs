@@ -50,11 +50,9 @@ pub fn write(
         report = report.closing_table(table);
     }
     for text in &model.warnings {
-        report = report.line(format!("Warning: {text}"));
+        report = report.warning(text);
     }
-    if let Some(text) = certificate.warning(None) {
-        report = report.line(text);
-    }
+    report = certificate.on_the_head(report, None);
     for sentence in sentences {
         report = report.line(sentence.clone());
     }

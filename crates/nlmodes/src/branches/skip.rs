@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::StopReason;
-use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint};
+use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint, RESONANT_SHARE};
 
 use super::branch::branch_end;
 use super::found::{First, Found, Shown};
@@ -191,11 +191,11 @@ fn back_to_foot(
 }
 
 /// Index of the foot of a tongue at the end of these points: where the resonant harmonic begins to grow, and the frequency has
-/// not turned yet.
+/// not turned yet. None where all of them lie on a tongue, one of its flanks included.
 fn foot(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
     let share = |point: &ModalPoint| point.harmonic_share(resonance.harmonic);
     let least = points.iter().map(share).fold(f64::INFINITY, f64::min);
-    let limit = FOOT.max(2.0 * least);
+    let limit = FOOT.max(2.0 * least).min(RESONANT_SHARE);
     let last = points.iter().rposition(|point| share(point) <= limit)?;
     let sense = if upward { 1.0 } else { -1.0 };
     (0..=last).max_by(|&i, &j| (sense * points[i].omega).total_cmp(&(sense * points[j].omega)))

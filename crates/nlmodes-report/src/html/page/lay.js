@@ -1,7 +1,25 @@
 // Other results over those of the page: a table of a run or of a test, or the page of another run.
 
-/// Points of which a mean is formed.
+/// Points from which on their median is said.
 const FEW = 5;
+/// Largest difference in per cent, of either sign, that is called agreement.
+const AGREES = 0.1;
+
+/// The value in the middle, or half-way between the two there.
+function median(values) {
+  const sorted = [...values].sort((a, b) => a - b), last = sorted.length - 1;
+  return 0.5 * (sorted[Math.floor(last / 2)] + sorted[Math.ceil(last / 2)]);
+}
+
+/// Softer or stiffer, by what most of these differences in per cent are; where not all are, how many are what.
+function verdict(found, own) {
+  const count = is => found.filter(is).length;
+  const soft = count(p => p <= -AGREES), stiff = count(p => p >= AGREES);
+  const counts = [[soft, "softer than", "softer"], [stiff, "stiffer than", "stiffer"], [found.length - soft - stiff, `in agreement to ${AGREES} % with`, "in agreement"]];
+  const [[most, first], ...others] = counts.sort((a, b) => b[0] - a[0]);
+  const rest = others.filter(([n]) => n).map(([n, , word]) => `${word} at ${n}`).join(", ");
+  return most === found.length ? `${first} ${own}` : `${first} ${own} at ${most} of ${found.length} points, ${rest}`;
+}
 
 /// The branches that a file holds; throws what is wrong with it.
 function branchesOf(name, text) {
@@ -68,32 +86,35 @@ function difference(laid, own) {
   };
   const part = (branch, [from, to]) => ({ [id]: branch[id].slice(from, to + 1), frequency: branch.frequency.slice(from, to + 1), resumed: branch.resumed.map(k => k - from) });
   const [mine, other] = [firstArm(own), firstArm(laid)];
-  const found = [];
+  const found = [], several = [];
   let others = 0;
   laid[id].forEach((wanted, k) => {
     if (wanted === null) return;
     const there = motions(own, wanted);
     if (!there.length) return;
-    const isFirst = !laid.scattered && k >= other[0] && k <= other[1], beside = isFirst ? motions(part(own, mine), wanted) : [];
-    if (beside.length === 1) return void found.push(100 * (laid.frequency[k] / beside[0] - 1));
-    if (isFirst && mine[1] >= mine[0]) return void others++;
-    // With several motions of an amplitude, as at a tongue, the nearest may be on another arm; points of a test are told apart by their frequency.
-    if (!laid.scattered && Math.max(there.length, motions(laid, wanted).length) > 1) return void others++;
-    const off = hz => Math.abs(hz - laid.frequency[k]);
-    found.push(100 * (laid.frequency[k] / there.reduce((best, hz) => off(hz) < off(best) ? hz : best) - 1));
+    const percent = hz => 100 * (laid.frequency[k] / hz - 1);
+    // Points of a test are no curve: of several motions the one counts that fits the other points.
+    if (laid.scattered) return void (there.length > 1 ? several.push(there.map(percent)) : found.push(percent(there[0])));
+    const isFirst = k >= other[0] && k <= other[1], beside = isFirst ? motions(part(own, mine), wanted) : [];
+    if (beside.length === 1) return void found.push(percent(beside[0]));
+    // With several motions of an amplitude, as at a tongue, the nearest may be on another arm.
+    if ((isFirst && mine[1] >= mine[0]) || Math.max(there.length, motions(laid, wanted).length) > 1) return void others++;
+    found.push(percent(there[0]));
   });
+  const usual = median(found), matched = found.length ? several.length : 0;
+  if (!found.length) others += several.length;
+  else found.push(...several.map(all => all.reduce((best, p) => Math.abs(p - usual) < Math.abs(best - usual) ? p : best)));
   const what = id === "amplitude" ? "modal amplitude" : "energy";
   const left = others ? `; ${others} ${others === 1 ? "point is" : "points are"} left out, where one of the two has several motions of that ${what} (tongues, folds)` : "";
   if (!found.length && others) return `${laid.label}: nothing to compare with ${own.label}${left}.`;
   if (!found.length) return `${laid.label}: no point within the ${what} of ${own.label}.`;
-  const [least, most] = [Math.min(...found), Math.max(...found)], mean = found.reduce((sum, value) => sum + value, 0) / found.length;
-  const soft = least <= -0.1, stiff = most >= 0.1;
-  const word = least > 0 || (stiff && !soft) ? "stiffer than" : most < 0 || (soft && !stiff) ? "softer than" : stiff ? "softer here and stiffer there than" : "in agreement with";
+  const [least, most] = [Math.min(...found), Math.max(...found)];
   const percent = value => (value > 0 ? "+" : "") + significant(value, 3) + " %";
   const range = `${percent(least)} to ${percent(most)}`, points = `${found.length} ${found.length === 1 ? "point" : "points"}`;
-  const by = found.length >= FEW ? `${percent(mean)} on average (${range}, ${points})`
-    : percent(least) === percent(most) ? `${percent(mean)} at ${points}` : `${range} at ${points}, too few for a mean`;
-  return `${laid.label}: ${word} ${own.label}; its frequency at equal ${what} differs by ${by}${left}.`;
+  const by = percent(least) === percent(most) ? `${percent(least)} at ${points}`
+    : found.length >= FEW ? `${percent(median(found))} in the median of ${points} (${range})` : `${range} at ${points}`;
+  const fits = matched ? `, of which ${matched} with the one of several motions that fits the other points` : "";
+  return `${laid.label}: ${verdict(found, own.label)}; its frequency at equal ${what} differs by ${by}${fits}${left}.`;
 }
 
 /// Events that this page does not know yet get a symbol in its legend.

@@ -106,7 +106,7 @@ function showDetails(box, branch, index, shown) {
     html(row, "th", { scope: "row" }, name);
     html(row, "td", {}, value);
   }
-  if (branch.force.some(force => force > 0)) html(box, "p", { class: "hint" }, "* of short blows the largest force need not converge with harmonics; the impulse does.");
+  if (branch.force.some(force => force > 0)) html(box, "p", { class: "hint" }, "* of short blows the largest force need not converge with harmonics; the impulse does, at equal energy sooner than at equal frequency.");
   const shares = branch.shares[index];
   if (shares && shares.length > 1) showShares(box, shares);
 }
