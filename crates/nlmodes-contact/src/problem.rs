@@ -185,6 +185,17 @@ mod tests {
     }
 
     #[test]
+    fn gaps_are_those_of_the_forces() {
+        let a = matrix(&[&[2.0, 1.0, 0.5], &[1.0, 3.0, 0.25], &[0.5, 0.25, 1.0]]).unwrap();
+        let mut gaps = [0.0; 3];
+        a.gaps(&[-1.0, 2.0, 4.0], &[1.0, 0.0, 2.0], &mut gaps).unwrap();
+        assert_eq!(gaps, [2.0, 3.5, 6.5]);
+        assert!(a.gaps(&[-1.0; 2], &[0.0; 3], &mut gaps).is_err());
+        assert!(a.gaps(&[-1.0; 3], &[0.0; 2], &mut gaps).is_err());
+        assert!(a.gaps(&[-1.0; 3], &[0.0; 3], &mut gaps[..2]).is_err());
+    }
+
+    #[test]
     fn sensitivities_agree_with_differences_of_the_forces_in_the_block() {
         let a = matrix(&[&[2.0, 1.0, 0.3], &[1.0, 3.0, 0.2], &[0.3, 0.2, 1.0]]).unwrap();
         let derivative = a.sensitivity(&[true, true, false]).unwrap();

@@ -159,6 +159,22 @@ mod tests {
     }
 
     #[test]
+    fn forces_are_refined_where_that_closes_the_gaps_further() {
+        let mut sample = Sample::new(&smooth(9));
+        sample.load(&[-1.0; 9]).unwrap();
+        let mut newton = Newton::new(9);
+        newton.guess(&[true; 9]);
+        let outcome = newton.run(&mut sample, 8).unwrap();
+        assert!(outcome.verdict.violation() < 1e-15);
+        let exact = sample.lambda.clone();
+        sample.lambda.iter_mut().enumerate().for_each(|(i, l)| *l *= 1.0 + 1e-6 * (i as f64).cos());
+        let verdict = sample.judge();
+        assert!(verdict.violation() > 1e-8);
+        assert!(newton.refine(&mut sample, verdict).violation() < 1e-15);
+        approx::assert_relative_eq!(sample.lambda[..], exact[..], max_relative = 1e-14);
+    }
+
+    #[test]
     fn wrong_signs_are_exchanged_until_all_are_right() {
         let gaps: Vec<f64> = (0..40).map(|i| 1e-4 * (0.3 + (0.4 * f64::from(i)).cos())).collect();
         for all_closed in [false, true] {

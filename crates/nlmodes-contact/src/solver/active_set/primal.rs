@@ -216,3 +216,66 @@ impl Primal {
         if refined.violation() < verdict.violation() { refined } else { shift(sample, -1.0) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factor::tests::smooth;
+
+    /// All contacts of a smooth body pressed in, closed, with forces that err by so much.
+    fn pressed(error: f64) -> (Primal, Sample) {
+        let (mut primal, mut sample) = (Primal::default(), Sample::new(&smooth(9)));
+        sample.load(&[-1.0; 9]).unwrap();
+        let matrix = sample.matrix().clone();
+        (0..9).for_each(|contact| assert!(primal.factor.append(&matrix, contact)));
+        let mut exact: Vec<f64> = sample.b.iter().map(|b| -b).collect();
+        primal.factor.solve(&mut exact);
+        let forces = exact.iter().enumerate().map(|(i, force)| force * (1.0 + error * (i as f64).cos()));
+        sample.lambda.iter_mut().zip(forces).for_each(|(l, force)| *l = force);
+        (primal, sample)
+    }
+
+    #[test]
+    fn one_step_of_refinement_closes_the_gaps_of_linear_equations() {
+        let (mut primal, mut sample) = pressed(1e-6);
+        let before = sample.judge();
+        assert!(before.violation() > 1e-8);
+        let refined = primal.refine(&mut sample, before);
+        assert!(refined.violation() < 1e-15, "{:e}", refined.violation());
+    }
+
+    #[test]
+    fn what_refinement_cannot_improve_stays_as_it_is() {
+        let (mut primal, mut sample) = pressed(0.0);
+        let (before, forces) = (sample.judge(), sample.lambda.clone());
+        assert!(before.violation() < 1e-13);
+        primal.refine(&mut sample, before);
+        assert_eq!(sample.lambda, forces);
+        // A contact that penetrates outside of the block is nothing that its forces can mend.
+        primal.factor.remove(4);
+        sample.lambda[4] = 0.0;
+        let mut forces = sample.b.iter().enumerate().filter(|(i, _)| *i != 4).map(|(_, b)| -b).collect::<Vec<f64>>();
+        primal.factor.solve(&mut forces);
+        primal.factor.order().iter().zip(&forces).for_each(|(&i, force)| sample.lambda[i] = *force);
+        let (before, forces) = (sample.judge(), sample.lambda.clone());
+        let after = primal.refine(&mut sample, before);
+        assert!(after.violation() <= before.violation());
+        approx::assert_abs_diff_eq!(sample.lambda[..], forces[..], epsilon = 1e-14);
+    }
+
+    #[test]
+    fn a_direction_answers_a_unit_force_and_keeps_the_gaps_of_the_block() {
+        let mut primal = Primal::default();
+        let mut sample = Sample::new(&smooth(9));
+        sample.load(&[-1.0; 9]).unwrap();
+        let matrix = sample.matrix().clone();
+        [1, 4, 6].into_iter().for_each(|contact| assert!(primal.factor.append(&matrix, contact)));
+        let stiffening = primal.aim(&sample, 5);
+        primal.advance(&mut sample, 5, 2.0);
+        sample.b.fill(0.0);
+        sample.refresh_gaps();
+        assert_eq!(sample.lambda[5], 2.0);
+        assert!([1, 4, 6].into_iter().all(|i| sample.gap[i].abs() < 1e-15), "{:?}", sample.gap);
+        approx::assert_relative_eq!(sample.gap[5], 2.0 * stiffening, max_relative = 1e-14);
+    }
+}
