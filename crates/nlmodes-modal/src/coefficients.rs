@@ -70,6 +70,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn values_and_derivatives_are_those_of_the_series() {
+        // 0.5 + 2 cos τ − 3 sin 2τ, and nothing at the other coordinate.
+        let mut series = HarmonicCoefficients::zeros(2, 2);
+        series.of_mut(1).copy_from_slice(&[0.5.into(), 2.0.into(), Complex64::new(0.0, 3.0)]);
+        for tau in [0.0, 0.7, -2.0, 9.0] {
+            let (first, second) = (f64::sin_cos(tau), f64::sin_cos(2.0 * tau));
+            let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-13, "{tau}: {found}");
+            near(series.value(1, tau), 0.5 + 2.0 * first.1 - 3.0 * second.0);
+            near(series.derivative(1, tau, 1), -2.0 * first.0 - 6.0 * second.1);
+            near(series.derivative(1, tau, 2), -2.0 * first.1 + 12.0 * second.0);
+            assert_eq!(series.value(0, tau), 0.0);
+        }
+    }
+
+    #[test]
     fn truncated_series_have_the_first_harmonics_of_each_coordinate() {
         let mut series = HarmonicCoefficients::zeros(2, 3);
         (0..2).for_each(|d| (0..4).for_each(|n| series.of_mut(d)[n] = Complex64::new((10 * d + n) as f64, 0.5)));

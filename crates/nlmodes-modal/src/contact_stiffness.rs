@@ -196,6 +196,21 @@ mod tests {
         assert!(outside <= 3, "{outside} of {n} beyond three standard errors");
     }
 
+    #[test]
+    fn forces_that_do_not_rise_with_the_displacement_are_refused_with_its_span() {
+        for unit in [1.0, 1e-5] {
+            let mut history = TimeHistory::empty("", 0.5 * unit);
+            for j in 0..40_i32 {
+                let force = if (10..18).contains(&j) { 9.0 - 0.1 * f64::from(j - 10) } else { 0.0 };
+                history.push(f64::from(j), [unit * f64::from(j), 0.0, 0.0], force);
+            }
+            // Eight equidistant values have the variance (8² − 1)/12; evenly spread ones, the square of their span over twelve.
+            let error = ContactStiffness::of(&history).unwrap_err();
+            let ModalError::NoPenetration { samples: 8, span } = error else { panic!("{error}") };
+            assert!((span / (unit * 63f64.sqrt()) - 1.0).abs() < 1e-12, "{span}");
+        }
+    }
+
     /// Slope of a line `f = k (x − s)` and its zero, with the errors of the textbook: residuals one by one.
     #[test]
     fn errors_from_the_scatter_are_those_of_a_regression() {

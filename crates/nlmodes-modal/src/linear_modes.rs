@@ -215,6 +215,24 @@ mod tests {
     }
 
     #[test]
+    fn shapes_are_those_given_and_so_are_those_at_some_of_the_coordinates() {
+        let shapes = [vec![1.0, 2.0, 3.0], vec![4.0, 5.0, 6.5], vec![7.0, 8.5, 9.0]];
+        let modes = LinearModes::new(&[0.1, 0.2, 0.3], &[10.0, 20.0, 30.0], &[0.01, 0.02, 0.03], &shapes).unwrap();
+        let all = |of: &dyn Fn(usize, usize) -> bool| (0..3).all(|d| (0..3).all(|k| of(d, k)));
+        assert!(all(&|d, k| modes.shape(d, k) == shapes[d][k]));
+        let part = modes.restricted(&[2, 0], 2).unwrap();
+        assert_eq!(
+            (part.positions(), part.omegas(), part.damping_ratios()),
+            (&[0.3, 0.1][..], &[10.0, 20.0][..], &[0.01, 0.02][..])
+        );
+        assert_eq!([part.shape(0, 0), part.shape(0, 1), part.shape(1, 0), part.shape(1, 1)], [7.0, 8.5, 1.0, 2.0]);
+        // 3 of the first mode and −2 of the second, at those coordinates.
+        let eta = part.project(&[(21.0 - 17.0).into(), (3.0 - 4.0).into()]);
+        assert!((eta[0] - 3.0).norm() < 1e-13 && (eta[1] + 2.0).norm() < 1e-13, "{eta:?}");
+        assert!(modes.restricted(&[1], 2).is_err());
+    }
+
+    #[test]
     fn more_positions_than_modes_are_a_least_squares_fit() {
         let shapes = [vec![1.0], vec![2.0], vec![2.0]];
         let modes = LinearModes::new(&[0.0, 1.0, 2.0], &[1.0], &[0.0], &shapes).unwrap();

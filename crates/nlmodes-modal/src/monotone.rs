@@ -51,6 +51,39 @@ mod tests {
     use super::*;
 
     #[test]
+    fn slopes_of_a_parabola_are_exact_at_uneven_steps_up_to_both_ends() {
+        for [value, step] in [[1.0, 1.0], [1e-6, 1.0], [-3.0, 1e4]] {
+            let places = [0.0, 1.0, 3.0, 4.5, 4.75];
+            let steps: Vec<f64> = places.windows(2).map(|pair| step * (pair[1] - pair[0])).collect();
+            let values = places.map(|t| value * (t * t + 10.0 * t + 3.0));
+            for (slope, t) in monotone_slopes(&values, &steps).iter().zip(places) {
+                assert!((slope / (value / step * (2.0 * t + 10.0)) - 1.0).abs() < 1e-12, "{slope} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_at_most_twice_those_of_the_pieces_beside_and_none_where_these_turn() {
+        // Secants 1, 9 and −2: parabolas have the slopes −3 and 5 at the first two values, 3.5 at the third and −7.5 at the last.
+        assert_eq!(monotone_slopes(&[0.0, 1.0, 10.0, 8.0], &[1.0; 3]), [0.0, 2.0, 0.0, -4.0]);
+        // Secants 8 and 1 over steps of 1 and 2.
+        let slopes = monotone_slopes(&[0.0, 8.0, 10.0], &[1.0, 2.0]);
+        assert!((slopes[0] - (8.0 + 7.0 / 3.0)).abs() < 1e-14 && slopes[1] == 2.0 && slopes[2] == 0.0, "{slopes:?}");
+        assert_eq!(monotone_slopes(&[1.0, 4.0], &[2.0]), [1.5, 1.5]);
+    }
+
+    #[test]
+    fn a_cubic_has_the_values_and_slopes_at_its_ends() {
+        // 1 + 2 t − t² + 3 t³ over a step of 2.
+        let value = |t: f64| 1.0 + 2.0 * t - t * t + 3.0 * t * t * t;
+        let slope = |t: f64| 2.0 - 2.0 * t + 9.0 * t * t;
+        for share in [0.0, 0.25, 0.5, 0.9, 1.0] {
+            let found = cubic([value(0.0), value(2.0)], [slope(0.0), slope(2.0)], 2.0, share);
+            assert!((found - value(2.0 * share)).abs() < 1e-13, "{share}: {found}");
+        }
+    }
+
+    #[test]
     fn a_parabola_is_met_between_its_inner_points_and_one_value_has_no_slope() {
         let (values, steps) = ([1.0, 4.0, 9.0, 16.0], [1.0; 3]);
         let slopes = monotone_slopes(&values, &steps);

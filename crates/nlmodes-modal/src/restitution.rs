@@ -86,7 +86,7 @@ impl Restitution {
         let speeds = self.impacts.iter().map(|impact| impact.approach);
         let low = speeds.clone().fold(f64::INFINITY, f64::min);
         let width = (speeds.fold(0.0, f64::max) - low) / n_bins.max(1) as f64;
-        let bin = |impact: &Impact| ((impact.approach - low) / width).min(n_bins as f64 - 0.5) as usize;
+        let bin = |impact: &Impact| (((impact.approach - low) / width) as usize).min(n_bins - 1);
         let members = |k: usize| self.impacts.iter().filter(move |i| bin(i) == k).copied().collect::<Vec<_>>();
         (0..n_bins).map(members).filter(|members| !members.is_empty()).map(|members| statistics(&members)).collect()
     }
