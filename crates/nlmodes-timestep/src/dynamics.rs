@@ -246,9 +246,7 @@ impl ContactDynamics {
 
     fn solve(&mut self, free: &[f64]) -> Result<Arc<Phase>, TimestepError> {
         let (mut closed, mut lambda) = (vec![false; free.len()], vec![0.0; free.len()]);
-        if free.iter().any(|y| *y < 0.0) {
-            self.workspace.solve(free, &mut closed, &mut lambda)?;
-        }
+        self.workspace.solve(free, &mut closed, &mut lambda)?;
         self.phase(&closed)
     }
 

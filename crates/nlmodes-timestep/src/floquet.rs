@@ -112,3 +112,35 @@ fn complement_block(matrix: &Mat<f64>, vectors: &[Vec<f64>; 2]) -> Mat<f64> {
     }
     Mat::from_fn(n - 2, n - 2, |i, j| turned[(i + 2, j + 2)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_of_one_mode_has_no_multipliers_beside_the_pair_and_is_stable() {
+        let alone = Floquet { multipliers: Vec::new(), trivial_defect: 0.0 };
+        assert!(alone.largest() == 1.0 && alone.is_stable());
+        let with = |μ: Complex64| Floquet { multipliers: vec![μ, μ.inv()], trivial_defect: 0.0 };
+        assert!(with(Complex64::cis(0.3)).is_stable() && with(Complex64::new(1.0 + 1e-7, 0.0)).is_stable());
+        assert!(!with(Complex64::new(-1.0 - 1e-5, 0.0)).is_stable());
+        assert!((with(Complex64::new(0.0, -1.5)).largest() - 1.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_block_of_the_complement_has_the_other_eigenvalues() {
+        // Eigenvectors of a symmetric matrix: those of the two that are taken out leave the other two.
+        let q = [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
+            .map(|v| v.map(|x| 0.5 * x));
+        let eigenvalue = [1.0, 5.0, 1.0, -0.25];
+        let matrix = Mat::from_fn(4, 4, |i, j| (0..4).map(|k| eigenvalue[k] * q[k][i] * q[k][j]).sum());
+        for out in [[0, 2], [1, 3], [3, 0]] {
+            let block = complement_block(&matrix, &out.map(|k| q[k].to_vec()));
+            let mut found: Vec<f64> = eigenvalues(&block).unwrap().iter().map(|μ| μ.re).collect();
+            let mut left: Vec<f64> = (0..4).filter(|k| !out.contains(k)).map(|k| eigenvalue[k]).collect();
+            found.sort_by(f64::total_cmp);
+            left.sort_by(f64::total_cmp);
+            assert!(found.iter().zip(&left).all(|(a, b)| (a - b).abs() < 1e-14), "{out:?}: {found:?}, {left:?}");
+        }
+    }
+}

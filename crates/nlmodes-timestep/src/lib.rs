@@ -48,6 +48,7 @@
 //! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and multipliers: A. H. Nayfeh, B. Balachandran,
 //! *Applied Nonlinear Dynamics*, Wiley 1995, doi:10.1002/9783527617548.
 
+mod bracket;
 mod contact_motion;
 mod dynamics;
 mod error;

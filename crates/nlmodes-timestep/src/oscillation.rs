@@ -1,3 +1,5 @@
+use crate::bracket::falls_below_zero;
+
 /// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k`, with `sin(ω t)/ω = t` where `ω = 0`.
 pub(crate) struct Oscillation<'m> {
     /// Squared angular frequencies, rad²/s².
@@ -146,30 +148,14 @@ impl Oscillation<'_> {
         }
     }
 
-    /// Where the derivative of the given order changes sign between `from` and `to`: Newton's method kept within a bracket.
+    /// Where the derivative of the given order changes sign between `from` and `to`: f falls through zero, f' rises through it.
     fn root(&self, order: usize, from: f64, to: f64) -> f64 {
-        let (mut low, mut high, mut t) = (from, to, 0.5 * (from + to));
-        // f falls through zero, f' rises through it.
         let sign = if order == 0 { 1.0 } else { -1.0 };
-        for _ in 0..200 {
+        let value_and_slope = |t: f64| {
             let at = self.evaluate(t);
-            let value = sign * at[order];
-            if value >= 0.0 {
-                low = t;
-            } else {
-                high = t;
-            }
-            let newton = t - at[order] / at[order + 1];
-            if (newton - t).abs() <= f64::EPSILON * t.abs() {
-                return newton.clamp(from, to);
-            }
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if next == low || next == high {
-                return next;
-            }
-            t = next;
-        }
-        t
+            [sign * at[order], sign * at[order + 1]]
+        };
+        falls_below_zero(value_and_slope, from, to)
     }
 }
 

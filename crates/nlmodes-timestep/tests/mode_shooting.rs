@@ -161,6 +161,26 @@ fn coefficients_are_those_of_the_motion() {
     assert!(again.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-2) && (p - 1.5_f64.ln()).abs() < 1e-3);
 }
 
+/// The first stop is touched, or too far away to be.
+#[test]
+fn the_peak_is_the_largest_displacement_of_the_first_contact_toward_its_stop() {
+    for (side, gap, touched) in
+        [(Side::Positive, 1.0, true), (Side::Negative, 9.0, false), (Side::Positive, 9.0, false)]
+    {
+        let stop = |at, side, gap| Stop::rigid(at, Direction::Axial, side, gap);
+        let model = massless(&rod_with(6, &[stop(1.0, side, gap).on_spring(4.0), stop(0.5, Side::Positive, 0.8)]));
+        let (mut shooting, x, _) = mode(model, 6, 1.3);
+        let point = shooting.modal_point(&x, 0.0).unwrap();
+        let history = shooting.time_history(&x, 0, 4000, "").unwrap();
+        let largest = history.displacement.iter().map(|q| side.sign() * q).fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(history.force.iter().any(|force| *force > 0.0), touched);
+        assert_eq!(point.contacts[0].touches > 0, touched);
+        // Instants are 1/4000 of a period apart, and the curvature there is that of a few modes.
+        assert!((point.peak - largest).abs() < 1e-5, "{} and {largest}", point.peak);
+        assert_eq!(shooting.scaling().map(|scaling| scaling.unknowns), Some(vec![1.0; x.len() + 1]));
+    }
+}
+
 /// What is shown of a contact is the motion of its degree of freedom, with the derivatives of that.
 #[test]
 fn histories_of_contacts_are_the_motion_of_their_nodes() {

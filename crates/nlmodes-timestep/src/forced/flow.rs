@@ -2,6 +2,7 @@ use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential};
 
 use super::ForcedStructure;
 use crate::TimestepError;
+use crate::bracket::falls_below_zero;
 use crate::phase::{dot, product};
 
 /// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps of a period.
@@ -175,26 +176,12 @@ impl Flow {
 
     /// Where a row (or, with `order` 1, its rate) that is not negative at `from` turns negative before `to`, both within a step from `w`; `constant` is added to the row.
     pub fn root(&self, row: &[f64], constant: f64, order: usize, w: &[f64], (from, to): (f64, f64)) -> f64 {
-        let (mut low, mut high, mut t) = (from, to, 0.5 * (from + to));
-        for _ in 0..200 {
+        let value_and_slope = |t: f64| {
             let mut at = self.evaluate(row, &self.after(w, t));
             at[0] += constant;
-            if at[order] >= 0.0 {
-                low = t
-            } else {
-                high = t
-            }
-            let newton = t - at[order] / at[order + 1];
-            if (newton - t).abs() <= f64::EPSILON * t.abs() && (low..=high).contains(&newton) {
-                return newton;
-            }
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if next == low || next == high {
-                return next;
-            }
-            t = next;
-        }
-        t
+            [at[order], at[order + 1]]
+        };
+        falls_below_zero(value_and_slope, from, to)
     }
 
     /// The lowest value of a row within a step of length `t` from `w` to `next`, and when; one of the ends where it has no minimum between.
@@ -308,16 +295,22 @@ mod tests {
         .unwrap();
         free.push_load(1, &[Complex64::default()], &[Complex64::default()]).unwrap();
         let flow = free.flow(&[false], 0.5, 0.0).unwrap();
-        let row = [1.0, 0.0, 0.0, 0.0, 0.0];
+        [1.0, 1e-6, 1e6].into_iter().for_each(|unit| roots_and_lowest_of(&free, &flow, unit));
+    }
+
+    /// Of a row in some unit.
+    fn roots_and_lowest_of(free: &ForcedStructure, flow: &Flow, unit: f64) {
+        let row = [unit, 0.0, 0.0, 0.0, 0.0];
         // cos 2(t + begin).
         let at = |begin: f64| free.augmented(&[(2.0 * begin).cos(), -(2.0 * begin).sin()], 0.5, 0.0);
         let (begin, t) = (0.25 * std::f64::consts::PI - 0.02, 0.06);
         assert!((flow.root(&row, 0.0, 0, &at(begin), (0.0, t)) - 0.02).abs() < 1e-14);
-        let lower = flow.root(&row, 0.02, 0, &at(begin), (0.0, t));
+        let lower = flow.root(&row, 0.02 * unit, 0, &at(begin), (0.0, t));
         assert!(((2.0 * (begin + lower)).cos() + 0.02).abs() < 1e-14, "{lower}");
         let lowest = |begin: f64, t: f64| {
             let w = at(begin);
-            flow.lowest(&row, &w, &flow.after(&w, t), t)
+            let (value, when) = flow.lowest(&row, &w, &flow.after(&w, t), t);
+            (value / unit, when)
         };
         let (value, when) = lowest(0.5 * std::f64::consts::PI - 0.03, t);
         assert!((value + 1.0).abs() < 1e-14 && (when - 0.03).abs() < 1e-14, "{value} {when}");

@@ -47,7 +47,7 @@ impl ForcedStructure {
         }
         let mut propagator = Propagator::new(self, omega, level)?;
         let duration = TAU * periods as f64 / omega;
-        let mut x = self.in_units(near, 1.0 / self.rate());
+        let mut x = self.in_units(near, self.rate().recip());
         let (mut pieces, mut end) = propagator.propagate(&x, duration)?;
         let mut iterations = 0;
         while iterations < STEPS && distance(&x, &end) > ROUNDING {
@@ -79,7 +79,7 @@ impl ForcedStructure {
         if state.len() != expected {
             return Err(TimestepError::Dimension { what: "entries of the state", expected, found: state.len() });
         }
-        let x = self.in_units(state, 1.0 / self.rate());
+        let x = self.in_units(state, self.rate().recip());
         let end = Propagator::new(self, omega, level)?.propagate(&x, TAU * periods as f64 / omega)?.1;
         Ok(self.in_units(&end, self.rate()))
     }
@@ -115,9 +115,28 @@ impl ForcedStructure {
 
 /// Largest difference of two states over the size of the first.
 fn distance(x: &[f64], end: &[f64]) -> f64 {
-    let largest =
-        |of: &mut dyn Iterator<Item = f64>| of.fold(0.0_f64, |most, v| if v.is_nan() { v } else { most.max(v.abs()) });
+    // A NaN stays.
+    let larger = |most: f64, v: f64| if v.abs() > most || v.is_nan() { v.abs() } else { most };
+    let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, larger);
     let size = largest(&mut x.iter().chain(end).copied());
     let off = largest(&mut x.iter().zip(end).map(|(x, end)| x - end));
     if size == 0.0 { off } else { off / size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_of_states_is_relative_to_the_larger_of_them() {
+        for unit in [1e-9, 1.0, 1e6] {
+            let state = |v: [f64; 2]| v.map(|x| unit * x);
+            let found = distance(&state([1.0, -4.0]), &state([1.5, -3.0]));
+            assert!((found - 0.25).abs() < 1e-15, "{found}");
+            let found = distance(&state([1.0, -4.0]), &state([1.5, -8.0]));
+            assert!((found - 0.5).abs() < 1e-15, "{found}");
+        }
+        assert_eq!(distance(&[0.0; 2], &[0.0; 2]), 0.0);
+        assert!(distance(&[f64::NAN, 1.0], &[0.0; 2]).is_nan());
+    }
 }

@@ -93,9 +93,7 @@ impl<'a> Propagator<'a> {
     fn flow_of(&mut self, w: &[f64]) -> Result<Arc<Flow>, TimestepError> {
         let gaps: Vec<f64> = self.free.iter().map(|row| dot(row, w)).collect();
         let (mut closed, mut lambda) = (vec![false; gaps.len()], vec![0.0; gaps.len()]);
-        if gaps.iter().any(|gap| *gap < 0.0) {
-            self.workspace.solve(&gaps, &mut closed, &mut lambda)?;
-        }
+        self.workspace.solve(&gaps, &mut closed, &mut lambda)?;
         self.flow(&closed)
     }
 
