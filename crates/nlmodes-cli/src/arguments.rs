@@ -102,7 +102,9 @@ Examples:
   nlmodes-cli at results/beam_two_stops --frequency-hz 50
   nlmodes-cli at results/rod --energy-j 1e9 --json
 
-A branch may pass a frequency several times, each time with another motion: all are told.")]
+A branch may pass a frequency several times, each time with another motion: all are told.
+
+Exit status 1 where none passes it, which `answer` says of each in JSON; 2 where there are no results or a table is damaged.")]
     At(at::Arguments),
     /// Start the full structure from a computed point, and say by how much it fails to return after a period
     #[command(after_help = "\

@@ -3,10 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use nlmodes_run::passages::{Abscissa, json, passages, text};
+use nlmodes_run::chain;
+use nlmodes_run::passages::{Abscissa, Answer, json, passages, text};
 
 use crate::Status;
 use crate::terminal::print;
+
+/// At what results may be asked for.
+pub const PLACES: &str = "results are asked for at a frequency, `--frequency-hz 50`, or at an energy, `--energy-j 0.1`";
 
 /// What stands on the command line.
 #[derive(Debug, Args)]
@@ -25,25 +29,37 @@ pub struct Arguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Place {
-    /// Frequency of the motion, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    /// Frequency of the motion, a number in Hz
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number)]
     frequency_hz: Option<f64>,
-    /// Averaged kinetic energy, J
-    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    /// Averaged kinetic energy, a number in J
+    #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number)]
     energy_j: Option<f64>,
 }
 
-/// Prints every passage of every branch there.
+/// A number without a unit, which stands in the name of the option.
+fn number(text: &str) -> Result<f64, String> {
+    let wrong = |_| "expected a number with a decimal point and without its unit, as 50.5".to_owned();
+    text.parse().map_err(wrong)
+}
+
+/// Prints every passage of every branch there; that there is none, is [`Status::EndedEarly`].
 pub fn run(arguments: &Arguments) -> Status {
     let (abscissa, value) = match (arguments.place.frequency_hz, arguments.place.energy_j) {
         (Some(frequency), _) => (Abscissa::FrequencyHz, frequency),
         (_, energy) => (Abscissa::EnergyJ, energy.unwrap_or(f64::NAN)),
     };
     match passages(&arguments.results, abscissa, value) {
-        Ok(curves) if arguments.json => print(&json(&curves)),
-        Ok(curves) => print(text(&arguments.results, abscissa, value, &curves).trim_end()),
+        Ok(curves) => {
+            let printed = match arguments.json {
+                true => print(&json(&curves)),
+                false => print(text(&arguments.results, abscissa, value, &curves).trim_end()),
+            };
+            let is_passed = curves.iter().any(|curve| curve.answer == Answer::Passed);
+            if is_passed { printed } else { Status::EndedEarly }
+        }
         Err(error) => {
-            say!("error: {error}");
+            say!("error: {}", chain(&error));
             Status::Wrong
         }
     }

@@ -52,7 +52,8 @@ pub fn run() -> Status {
     }
 }
 
-/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own guesses go further.
+/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own guesses go further. An option
+/// that does not exist is no value either; `at` says at which quantities it may be asked.
 fn said_better(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::InvalidSubcommand {
         let typed = match error.get(ContextKind::InvalidSubcommand) {
@@ -65,6 +66,13 @@ fn said_better(mut error: clap::Error) -> clap::Error {
         error.remove(ContextKind::SuggestedSubcommand);
         if meant != ContextValue::Strings(Vec::new()) {
             error.insert(ContextKind::SuggestedSubcommand, meant);
+        }
+    }
+    if error.kind() == ErrorKind::UnknownArgument {
+        error.remove(ContextKind::Suggested);
+        let is_at = std::env::args().nth(1).is_some_and(|command| command == "at");
+        if is_at && error.get(ContextKind::SuggestedArg).is_none() {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![at::PLACES.into()]));
         }
     }
     error

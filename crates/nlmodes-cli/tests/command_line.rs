@@ -154,3 +154,38 @@ fn schema_is_json_and_knows_each_key() -> Outcome {
     }
     Ok(())
 }
+
+/// A branch from 60 to 61 Hz.
+#[test]
+fn results_that_give_no_answer_give_a_status_and_say_so() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let table = folder.path().join("branch.csv");
+    std::fs::write(&table, "point,frequency_hz,energy_j\n0,60,1\n1,61,2\n")?;
+    let table = table.to_str().ok_or("a path that is no text")?;
+    let at = |arguments: &[&str]| call(&[&["at", table], arguments].concat());
+    let answer = |output: &Output| -> Result<String, Box<dyn Error>> {
+        let curves: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+        Ok(curves[0]["answer"].as_str().ok_or("no answer")?.to_owned())
+    };
+    for (frequency, status, wanted) in [("60.5", 0, "passed"), ("62", 1, "not_passed")] {
+        assert_eq!(at(&["--frequency-hz", frequency])?.status.code(), Some(status));
+        let output = at(&["--frequency-hz", frequency, "--json"])?;
+        assert_eq!((output.status.code(), answer(&output)?.as_str()), (Some(status), wanted));
+    }
+    let said = |arguments: &[&str]| -> Result<String, Box<dyn Error>> {
+        let output = at(arguments)?;
+        assert_eq!(output.status.code(), Some(2));
+        Ok(String::from_utf8(output.stderr)?)
+    };
+    let text = said(&["--frequency-hz", "60Hz"])?;
+    assert!(text.contains("expected a number with a decimal point and without its unit, as 50.5"), "{text}");
+    let text = said(&["--level", "6"])?;
+    assert!(
+        text.contains("--frequency-hz 50") && text.contains("--energy-j") && !text.contains("as a value"),
+        "{text}"
+    );
+    assert!(said(&["--energy", "6"])?.contains("'--energy-j'"));
+    let missing = call(&["at", "no/such/results", "--energy-j", "1"])?;
+    assert_eq!(String::from_utf8(missing.stderr)?.trim(), "error: there is no no/such/results");
+    Ok(())
+}

@@ -68,8 +68,9 @@ pub fn run_sharing(
             return Err(no_contact(file).into());
         }
         links::refuse(&file.scene.output_directory)?;
-        overlay::laid_over(file, &file.scene.overlays)?;
     }
+    // Of a scene with several methods all lay the same over.
+    scenes.first().map_or(Ok(()), |file| overlay::say_unused(file, &file.scene.overlays, observer))?;
     let claim = claim(&scenes, over, observer)?;
     let of = scenes.len();
     let mut files = Vec::new();
@@ -189,11 +190,11 @@ fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub(crate) fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
+pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Option<OpenStructure>, RunError> {
     if !file.scene.responses.is_empty() {
-        return crate::responses::check(file);
+        return crate::responses::check(file, observer);
     }
-    overlay::laid_over(file, &file.scene.overlays)?;
+    overlay::say_unused(file, &file.scene.overlays, observer)?;
     let Models { massless, open, .. } = models(file)?;
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.

@@ -17,7 +17,7 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
     let updated = updated(file.clone())?;
     let warning = mass::warning_of(&updated)?;
     warning.iter().for_each(|text| observer.event(Event::Warning(text)));
-    let open = branches::check(&updated)?;
+    let open = branches::check(&updated, observer)?;
     Ok(Outline::of_structure(&file.scene, open.as_ref(), warning.is_some()))
 }
 

@@ -85,6 +85,7 @@ pub mod redrawn;
 mod refusal;
 pub mod responses;
 mod settings;
+mod sheet;
 mod style;
 pub mod updating;
 pub mod verify;

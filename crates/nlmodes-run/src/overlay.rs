@@ -5,20 +5,24 @@ mod differences;
 mod read;
 mod said;
 mod stops;
+mod unused;
 mod written;
 
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub use read::{Laid, OverlayError, read};
-pub(crate) use read::{contacts_beside, number};
+pub(crate) use read::{contacts_beside, contacts_of};
 pub(crate) use said::{by, percent};
 pub use said::{sentence, sentence_at_equal_frequency, table};
 pub use stops::{StopChange, changes, lines, stops_table};
+pub(crate) use unused::{NO_FREQUENCY, Unused};
 pub use written::{write, write_stops};
+
+pub use crate::sheet::SheetError;
 
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Overlay;
 
-use crate::{RunError, refusal};
+use crate::{Event, Observer, RunError, refusal};
 
 /// What is laid over the results of a scene.
 pub(crate) fn laid_over<S>(file: &SceneFile<S>, overlays: &[Overlay]) -> Result<Vec<Laid>, RunError> {
@@ -26,4 +30,18 @@ pub(crate) fn laid_over<S>(file: &SceneFile<S>, overlays: &[Overlay]) -> Result<
         read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
     };
     overlays.iter().enumerate().map(read).collect()
+}
+
+/// Refuses what cannot be laid over, and says of how many rows of the rest nothing is used.
+pub(crate) fn say_unused<S>(
+    file: &SceneFile<S>,
+    overlays: &[Overlay],
+    observer: &mut dyn Observer,
+) -> Result<(), RunError> {
+    for (k, overlay) in overlays.iter().enumerate() {
+        let (_, unused) =
+            read::read_with_unused(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
+        unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
+    }
+    Ok(())
 }

@@ -56,12 +56,26 @@ pub struct Passage {
     pub peak_m: f64,
     /// Level of the load, of a response.
     pub level: Option<f64>,
+    /// Its unit, where the table has a column of that load.
+    pub level_unit: Option<&'static str>,
     /// Stability at the points on both sides, where it was found out.
     pub stable: [Option<bool>; 2],
     /// Events at the points on both sides, as in `branch.csv`.
     pub events: [String; 2],
-    /// Each stop, in the order of the scene; empty where the results have no `contacts.csv`.
+    /// Each stop, in the order of the scene; empty where the results have no `contacts.csv`, or that lacks these points.
     pub contacts: Vec<StopValues>,
+}
+
+/// Whether a curve passes the value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// It does, once or several times.
+    Passed,
+    /// The value lies only where something was left out.
+    LeftOut,
+    /// It does not.
+    NotPassed,
 }
 
 /// A branch, or a curve of a response.
@@ -75,6 +89,10 @@ pub struct Curve {
     pub points: usize,
     /// Least and largest value of its points.
     pub range: [f64; 2],
+    /// Whether it passes the value.
+    pub answer: Answer,
+    /// Whether there is a `contacts.csv` beside the table.
+    pub has_contacts: bool,
     /// Numbers of points between which something was left out and the value lies.
     pub left_out: Vec<[usize; 2]>,
     /// All passages, in the order of the branch.
@@ -87,6 +105,9 @@ pub struct Curve {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PassageError {
+    /// There is no such file or directory.
+    #[error("there is no {}", .0.display())]
+    NothingThere(PathBuf),
     /// There is no table of a branch.
     #[error("no branch.csv in {} or below it; expected a directory that `run` has written", .0.display())]
     NoBranch(PathBuf),
@@ -115,6 +136,9 @@ pub fn passages(results: &Path, abscissa: Abscissa, value: f64) -> Result<Vec<Cu
         };
         return Err(PassageError::NotPositive(value, name));
     }
+    if !results.exists() {
+        return Err(PassageError::NothingThere(results.to_path_buf()));
+    }
     let tables = read::tables(results);
     if tables.is_empty() {
         return Err(PassageError::NoBranch(results.to_path_buf()));
@@ -122,12 +146,18 @@ pub fn passages(results: &Path, abscissa: Abscissa, value: f64) -> Result<Vec<Cu
     let mut curves = Vec::new();
     for table in &tables {
         let verdict = read::verdict(table);
-        for (name, rows) in read::curves(table)? {
+        let has_contacts = crate::overlay::contacts_of(table).is_some();
+        for (name, rows) in read::curves(table, abscissa)? {
             let (passages, left_out) = between::passages(&rows, abscissa, value);
             let all = rows.iter().map(|row| row.value(abscissa));
             let range = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-            let (table, verdict) = (table.clone(), verdict.clone());
-            curves.push(Curve { table, name, points: rows.len(), range, left_out, passages, verdict });
+            let (table, verdict, points) = (table.clone(), verdict.clone(), rows.len());
+            let answer = match (passages.is_empty(), left_out.is_empty()) {
+                (false, _) => Answer::Passed,
+                (true, false) => Answer::LeftOut,
+                (true, true) => Answer::NotPassed,
+            };
+            curves.push(Curve { table, name, points, range, answer, has_contacts, left_out, passages, verdict });
         }
     }
     Ok(curves)

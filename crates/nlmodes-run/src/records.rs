@@ -59,6 +59,7 @@ pub fn extract(
     // Before anything else: earlier results say nothing about files that are not there.
     files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
+    overlay::say_unused(file, &file.scene.overlays, observer)?;
     let laid = overlay::laid_over(file, &file.scene.overlays)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;

@@ -86,7 +86,7 @@ pub fn one_method(files: &[SceneFile]) -> Result<&SceneFile, RunError> {
 /// # Errors
 /// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
 pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
-    let laid = overlaid::read(file)?;
+    let laid = overlaid::read(file, observer)?;
     if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
     }
@@ -221,7 +221,7 @@ fn files(
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check(file: &SceneFile) -> Result<Option<OpenStructure>, RunError> {
-    overlaid::read(file)?;
+pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Option<OpenStructure>, RunError> {
+    overlaid::read(file, observer)?;
     Model::new(file).map(|model| model.reduction)
 }

@@ -49,6 +49,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     let (scene, began) = (&file.scene, Instant::now());
     let directory = &scene.output_directory;
     links::refuse(directory)?;
+    overlay::say_unused(file, &scene.overlays, observer)?;
     let laid = overlay::laid_over(file, &scene.overlays)?;
     let claim = claim(file, over, observer)?;
     let (rig, test) = prepared(file)?;

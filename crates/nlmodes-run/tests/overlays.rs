@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nlmodes_run::{Over, Silent};
+use nlmodes_run::{Event, Observer, Over, Silent};
 use nlmodes_scene::parse;
 
 /// A rod before a stop, driven at two levels around its resonance.
@@ -18,7 +18,7 @@ fn run(directory: &Path, overlays: &str) -> String {
     );
     let mut file = parse("scene.toml", &text, &[]).unwrap_or_else(|refused| panic!("{}", refused.text(false)));
     file.scene.output_directory = directory.to_path_buf();
-    nlmodes_run::responses::check(&file).unwrap();
+    nlmodes_run::responses::check(&file, &mut Silent).unwrap();
     let outcome = nlmodes_run::responses::run(&file, Over::Same, &mut Silent).unwrap();
     assert!(outcome.failure.is_none(), "{:?}", outcome.failure);
     fs::read_to_string(directory.join("branch.csv")).unwrap()
@@ -154,4 +154,79 @@ fn the_impulse_of_each_stop_is_compared_at_equal_amplitude_and_at_equal_frequenc
         assert_eq!(page.matches(&format!("<td>{name}</td>")).count(), 2, "a row for each comparison");
     }
     assert_eq!(lines.matches("at equal frequency").count(), 2, "{lines}");
+}
+
+/// What a check warns of.
+#[derive(Default)]
+struct Warnings(Vec<String>);
+
+impl Observer for Warnings {
+    fn event(&mut self, event: Event<'_>) {
+        if let Event::Warning(text) = event {
+            self.0.push(text.to_owned());
+        }
+    }
+}
+
+/// Checks a beam with this table laid over it: what is said of the table, as a warning or an error.
+fn said_of(table: &[u8]) -> Result<Vec<String>, String> {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("rig.csv");
+    fs::write(&path, table).unwrap();
+    let text = format!(
+        "[structure]\nkind = \"beam\"\nlength_m = 0.31\nelements = 8\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = 0.004 }}\n\
+         [[contact]]\nat_m = 0.31\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 3e-4\n\
+         [method]\nharmonics = 3\nmass_redistribution = \"conserve\"\n[continuation]\nmax_energy_ratio = 3.0\n[[overlay]]\npath = '{}'\n",
+        path.display()
+    );
+    let file = parse("beam.toml", &text, &[]).unwrap();
+    let mut warnings = Warnings::default();
+    let checked = nlmodes_run::check(&file, &mut warnings);
+    let short = |text: &String| text.replace(path.to_str().unwrap(), "rig.csv");
+    checked.map(|_| warnings.0.iter().map(short).filter(|said| said.contains("rig.csv")).collect()).map_err(|error| {
+        match error {
+            nlmodes_run::RunError::Scene(said) => short(&said.text(false)),
+            other => panic!("{other}"),
+        }
+    })
+}
+
+#[test]
+fn tables_of_spreadsheets_are_read_and_rows_that_are_not_used_are_counted() {
+    let plain = "# rig of 3 May\nfrequency_hz,modal_amplitude\n40,1e-3\n41,2e-3\n";
+    assert_eq!(said_of(plain.as_bytes()), Ok(vec![]));
+    let spreadsheet = "\u{feff}Frequency_Hz;Modal_Amplitude;;\r\n40;1e-3;;\r\n41;2e-3;;\r\n";
+    assert_eq!(said_of(spreadsheet.as_bytes()), Ok(vec![]));
+    let holes = "frequency_hz\tenergy_j\n40\t1e-3\n\t2e-3\n# lost\n0\t1\n43\t\n";
+    let wanted = "rig.csv: 3 of 4 rows are not used: 2 without a frequency above 0 Hz (first in line 3), 1 with neither an amplitude nor an energy (line 6)";
+    assert_eq!(said_of(holes.as_bytes()), Ok(vec![wanted.to_owned()]));
+}
+
+#[test]
+fn tables_that_cannot_be_read_are_refused_with_their_line_and_what_was_expected() {
+    let cases: [(&[u8], &str); 6] = [
+        (b"f;A\n40;1e-3\n", "rig.csv, line 1: no column frequency_hz; there are f, A"),
+        (
+            b"# A\nfrequency_hz;A\n40;1e-3\n",
+            "rig.csv, line 2: no column modal_amplitude or energy_j; there are frequency_hz, A",
+        ),
+        (
+            b"frequency_hz;energy_j\n40,7;1e-3\n",
+            "rig.csv, line 2: frequency_hz is \"40,7\", expected a number with a decimal point, 40.7",
+        ),
+        (
+            b"frequency_hz,energy_j\n40,7,1,5\n",
+            "rig.csv, line 2: 4 cells in a table of 2 columns; decimal commas? expected decimal points",
+        ),
+        (
+            b"frequency_hz,energy_j\n\n40\n",
+            "rig.csv, line 3: 1 cell in a table of 2 columns; the row is cut or damaged",
+        ),
+        (b"\xff\xfef\0r\0", "rig.csv, line 1: this is no text in UTF-8, expected a table as text"),
+    ];
+    for (table, wanted) in cases {
+        let said = said_of(table).unwrap_err();
+        assert!(said.contains(wanted), "{said}");
+    }
 }

@@ -163,3 +163,103 @@ fn what_has_no_answer_is_refused() {
     fs::write(folder.path().join("branch.csv"), "point,energy_j\n0,1\n").unwrap();
     assert!(of(50.0).unwrap_err().to_string().contains("no column frequency_hz"));
 }
+
+/// Two values that differ in the eighth digit.
+#[test]
+fn digits_tell_the_ends_of_a_branch_and_its_passages_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [([60.791_712, 1.0], "", [1.0; 2]), ([60.791_723, 2.0], "", [2.0; 2])];
+    write(folder.path(), &rows);
+    let said = |value: f64| {
+        let (_, curves) = at(folder.path(), value);
+        text(folder.path(), Abscissa::FrequencyHz, value, &curves)
+    };
+    let told = said(60.7918);
+    assert!(told.contains("60.7918 Hz is not passed; 2 points lie between 60.79171 Hz and 60.79172 Hz"), "{told}");
+    let told = said(60.791_715_5);
+    assert!(told.contains("60.7917155 Hz is passed once"), "{told}");
+    // A fold of which both sides lie close together.
+    let rows =
+        [([50.0, 1.0], "", [1.0; 2]), ([51.0, 1.1], "frequency-fold", [1.0; 2]), ([50.0, 1.1 + 1e-7], "", [1.0; 2])];
+    write(folder.path(), &rows);
+    let told = said(50.999_999_9);
+    let energies: Vec<&str> =
+        told.lines().filter_map(|line| line.split(", ").nth(1)).filter(|x| x.ends_with(" J")).collect();
+    assert!(energies.len() == 2 && energies[0] != energies[1], "{told}");
+    // Where all lie at one frequency up to rounding, there is no between.
+    write(folder.path(), &[([50.0, 1.0], "", [1.0; 2]), ([50.0 + 1e-13, 2.0], "", [1.0; 2])]);
+    assert!(said(40.0).contains("40 Hz is not passed; all 2 points lie at 50 Hz"), "{}", said(40.0));
+}
+
+#[test]
+fn what_is_rounding_is_zero_and_an_unknown_stability_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let branch = "point,frequency_hz,energy_j,modal_amplitude,peak_m,stable,level,force_n,acceleration_m_s2\n\
+                  0,50,1.0,0.5,1e-3,true,6,,6\n1,51,2.0,1e-148,1e-3,,6,,6\n2,52,3.0,1e-148,1e-3,,6,,6\n";
+    fs::write(folder.path().join("branch.csv"), branch).unwrap();
+    let contacts = "point,contact,peak_force_n,impulse_ns\n0,0,1e3,2\n1,0,1e-10,1e-18\n2,0,1e-10,1e-18\n";
+    fs::write(folder.path().join("contacts.csv"), contacts).unwrap();
+    let (found, curves) = at(folder.path(), 51.5);
+    assert_eq!((found[0].modal_amplitude, found[0].contacts[0].peak_force_n), (0.0, 0.0));
+    assert_eq!(found[0].contacts[0].impulse_ns, 0.0);
+    let told = text(folder.path(), Abscissa::FrequencyHz, 51.5, &curves);
+    for part in ["modal amplitude 0: the fundamental takes no part", "level 6 m/s²", "its stability was not found out"]
+    {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    let (_, curves) = at(folder.path(), 50.5);
+    let told = text(folder.path(), Abscissa::FrequencyHz, 50.5, &curves);
+    assert!(told.contains("its stability was found out at one of the points only"), "{told}");
+}
+
+#[test]
+fn a_table_is_named_and_what_is_damaged_is_said_with_its_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: Vec<_> = (0..4).map(|k| ([50.0 + f64::from(k), 1.0], "", [1.0; 2])).collect();
+    write(folder.path(), &rows);
+    let table = folder.path().join("branch.csv");
+    let curves = passages(&table, Abscissa::FrequencyHz, 51.5).unwrap();
+    assert_eq!(curves[0].passages[0].contacts.len(), 2);
+    let told = text(&table, Abscissa::FrequencyHz, 51.5, &curves);
+    assert!(told.starts_with(&format!("{}: 51.5 Hz is passed once", table.display())), "{told}");
+    let refused = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        let whole = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text).unwrap();
+        let said = passages(folder.path(), Abscissa::FrequencyHz, 51.5).unwrap_err().to_string();
+        fs::write(&path, whole).unwrap();
+        assert!(said.contains(path.to_str().unwrap()), "{said}");
+        said
+    };
+    let [branch, contacts] =
+        ["branch.csv", "contacts.csv"].map(|name| fs::read_to_string(folder.path().join(name)).unwrap());
+    let cut = |whole: &str, less: usize| whole[..whole.len() - less].to_owned();
+    let last = branch.lines().last().unwrap().len();
+    let said = refused("branch.csv", &cut(&branch, last - 4));
+    assert!(said.contains("line 5: 2 cells in a table of 7 columns; the row is cut or damaged"), "{said}");
+    let said = refused("branch.csv", &cut(&branch, 1));
+    assert!(said.contains("line 5: the last line has no end; the file is cut"), "{said}");
+    let said = refused("branch.csv", &branch.replace("52.0", ""));
+    assert!(said.contains("line 4: frequency_hz is \"\", expected a number"), "{said}");
+    // Cut within a row, within its last number, and between the rows of a point.
+    let said = refused("contacts.csv", &cut(&contacts, 12));
+    assert!(said.contains("line 9: ") && said.contains("the row is cut or damaged"), "{said}");
+    assert!(refused("contacts.csv", &cut(&contacts, 2)).contains("line 9: the last line has no end"));
+    let line = contacts.lines().last().unwrap().len() + 1;
+    let said = refused("contacts.csv", &cut(&contacts, line));
+    assert!(said.contains("point 3 has 1 of 2 stops; the table is cut or damaged"), "{said}");
+    assert!(refused("contacts.csv", &contacts.replace(",impulse_ns", ",sum")).contains("no column impulse_ns"));
+    // Whole points that are missing: the branch is as good as it was, and what is not known of it is said.
+    fs::write(folder.path().join("contacts.csv"), cut(&contacts, 2 * line)).unwrap();
+    let curves = passages(folder.path(), Abscissa::FrequencyHz, 52.5).unwrap();
+    let told = text(folder.path(), Abscissa::FrequencyHz, 52.5, &curves);
+    assert!(told.contains("contacts.csv beside the table has no rows of these points, it is cut"), "{told}");
+    fs::remove_file(folder.path().join("contacts.csv")).unwrap();
+    let told = text(
+        folder.path(),
+        Abscissa::FrequencyHz,
+        52.5,
+        &passages(folder.path(), Abscissa::FrequencyHz, 52.5).unwrap(),
+    );
+    assert!(told.contains("there is no contacts.csv beside the table"), "{told}");
+}

@@ -7,6 +7,8 @@ use nlmodes_scene::scene::Overlay;
 use thiserror::Error;
 
 use super::contacts;
+use super::unused::{NO_FREQUENCY, Unused};
+use crate::sheet::{Row, Sheet, SheetError};
 
 /// Tables of a folder of results that hold modal points: of a branch, of records.
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
@@ -29,33 +31,20 @@ pub enum OverlayError {
     /// The folder has no table of responses.
     #[error("{} holds no branch.csv", .0.display())]
     NoResponses(PathBuf),
-    /// A table cannot be read.
-    #[error("{}", path.display())]
-    Table {
+    /// A table, or a row of it, cannot be read.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// A point of `contacts.csv` has fewer rows than others.
+    #[error("{}: point {point} has {found} of {most} stops; the table is cut or damaged", path.display())]
+    FewerStops {
         /// The table.
         path: PathBuf,
-        /// What is wrong with it.
-        source: csv::Error,
-    },
-    /// A table has not the columns of modal points.
-    #[error("{} has no column {column}", path.display())]
-    NoColumn {
-        /// The table.
-        path: PathBuf,
-        /// The column, or the two of which one is needed.
-        column: &'static str,
-    },
-    /// A cell holds text where a number was expected.
-    #[error("{}, line {line}: {column} is {text:?}, expected a number", path.display())]
-    NoNumber {
-        /// The table.
-        path: PathBuf,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: &'static str,
-        /// What it holds.
-        text: String,
+        /// Number of the point.
+        point: usize,
+        /// Its rows.
+        found: usize,
+        /// Most rows of a point.
+        most: usize,
     },
     /// A table has no row with a frequency and an amplitude or energy.
     #[error("{} has no row with a frequency and an amplitude or an energy", .0.display())]
@@ -82,48 +71,51 @@ pub struct Laid {
 /// # Errors
 /// [`OverlayError`].
 pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
+    read_with_unused(overlay).map(|(laid, _)| laid)
+}
+
+/// The same with the rows that are not used.
+///
+/// # Errors
+/// [`OverlayError`].
+pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), OverlayError> {
     let path = table(&overlay.path)?;
-    let failed = |source| OverlayError::Table { path: path.clone(), source };
-    let mut table = csv::Reader::from_path(&path).map_err(failed)?;
-    let head = table.headers().map_err(failed)?.clone();
-    let column = |name: &str| head.iter().position(|column| column.trim() == name);
-    let missing = |column| OverlayError::NoColumn { path: path.clone(), column };
-    let frequency = column("frequency_hz").ok_or_else(|| missing("frequency_hz"))?;
-    let (energy, amplitude) = (column("energy_j"), column("modal_amplitude"));
-    if energy.or(amplitude).is_none() {
-        return Err(missing("modal_amplitude or energy_j"));
-    }
-    let columns =
-        Columns { frequency, energy, amplitude, force: column("peak_contact_force_n"), event: column("event") };
+    let mut table = Sheet::open(&path)?;
+    let columns = Columns::of(&table)?;
     // A table of responses: of it a mode has a place beside modes, one curve of it.
-    let of_responses = [column("kind"), column("response"), column("curve")];
+    let of_responses = ["kind", "response", "curve"].map(|name| table.column(name));
     let (mut first, mut loads) = (None, 0);
-    let number = column("point");
+    let (number, findings) = (table.column("point"), table.column("findings"));
     let mut contacts = contacts_beside(&path)?;
-    let findings = column("findings");
+    let mut unused = Unused::default();
     let (mut points, mut unsettled) = (Vec::new(), Vec::new());
-    for (count, row) in table.records().enumerate() {
-        if count == MOST_ROWS {
+    while let Some(row) = table.row()? {
+        unused.rows += 1;
+        if unused.rows > MOST_ROWS {
             return Err(OverlayError::TooManyRows(path));
         }
-        let row = row.map_err(failed)?;
-        if let [Some(kind), Some(response), Some(curve)] = of_responses {
-            let text = |column: usize| row.get(column).unwrap_or_default().trim().to_owned();
-            if !MODES.contains(&text(kind).as_str()) {
+        if let [Some(_), Some(_), Some(_)] = of_responses {
+            let [kind, response, curve] = of_responses.map(|column| row.text(column));
+            if !MODES.contains(&kind) {
                 loads += 1;
+                unused.add("of responses to loads", row.line);
                 continue;
             }
-            let of = (text(response), text(curve));
+            let of = (response.to_owned(), curve.to_owned());
             if *first.get_or_insert_with(|| of.clone()) != of {
+                unused.add("of other curves than the first mode", row.line);
                 continue;
             }
         }
-        let beside = number.and_then(|number| row.get(number)?.trim().parse::<usize>().ok());
-        let beside = beside.and_then(|number| contacts.remove(&number)).unwrap_or_default();
-        let found = findings.and_then(|column| row.get(column)).unwrap_or_default();
-        let is_settled = !found.split_whitespace().any(|name| UNSETTLED.contains(&name));
-        let points = if is_settled { &mut points } else { &mut unsettled };
-        points.extend(columns.point(&row, &path)?.map(|point| ModalPoint { contacts: beside, ..point }));
+        let beside = row.text(number).parse::<usize>().ok().and_then(|number| contacts.remove(&number));
+        let is_settled = !row.text(findings).split_whitespace().any(|name| UNSETTLED.contains(&name));
+        match columns.point(&row, &table)? {
+            Ok(point) => {
+                let points = if is_settled { &mut points } else { &mut unsettled };
+                points.push(ModalPoint { contacts: beside.unwrap_or_default(), ..point });
+            }
+            Err(reason) => unused.add(reason, row.line),
+        }
     }
     let label = match (points.len(), unsettled.len()) {
         (_, 0) => overlay.label.clone(),
@@ -152,16 +144,17 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
         points,
         end: BranchEnd::given(message),
     };
-    Ok(Laid { branch, is_scattered })
+    Ok((Laid { branch, is_scattered }, unused))
 }
 
 /// What the contacts do at each point of a branch, by its number, if a table beside it says so.
 pub fn contacts_beside(path: &Path) -> Result<HashMap<usize, Vec<ContactPeriod>>, OverlayError> {
-    let table = path.with_file_name(CONTACTS);
-    if !path.ends_with(TABLES[0]) || !table.is_file() {
-        return Ok(HashMap::new());
-    }
-    contacts::read(&table).map_err(|source| OverlayError::Table { path: table, source })
+    contacts_of(path).map_or_else(|| Ok(HashMap::new()), |table| contacts::read(&table))
+}
+
+/// The table of the contacts beside that of a branch.
+pub fn contacts_of(path: &Path) -> Option<PathBuf> {
+    Some(path.with_file_name(CONTACTS)).filter(|table| path.ends_with(TABLES[0]) && table.is_file())
 }
 
 /// The table of a folder, or the table itself.
@@ -171,25 +164,6 @@ fn table(path: &Path) -> Result<PathBuf, OverlayError> {
     }
     let found = TABLES.iter().map(|name| path.join(name)).find(|table| table.is_file());
     found.ok_or_else(|| OverlayError::NoTable(path.to_path_buf()))
-}
-
-/// The number in a cell, NaN where that is empty or holds no finite one.
-///
-/// # Errors
-/// [`OverlayError::NoNumber`] for other text.
-pub fn number(
-    row: &csv::StringRecord,
-    column: Option<usize>,
-    name: &'static str,
-    path: &Path,
-) -> Result<f64, OverlayError> {
-    let text = column.and_then(|column| row.get(column)).unwrap_or_default().trim();
-    if text.is_empty() {
-        return Ok(f64::NAN);
-    }
-    let line = row.position().map_or(0, csv::Position::line);
-    let no_number = |_| OverlayError::NoNumber { path: path.to_path_buf(), line, column: name, text: text.to_owned() };
-    text.parse::<f64>().map(|x| if x.is_finite() { x } else { f64::NAN }).map_err(no_number)
 }
 
 /// Where the quantities of a point stand in a row.
@@ -202,17 +176,29 @@ struct Columns {
 }
 
 impl Columns {
-    /// The point of a row; `None` where there is none, as of a record that gave nothing.
-    fn point(&self, row: &csv::StringRecord, path: &Path) -> Result<Option<ModalPoint>, OverlayError> {
-        let value = |name, column| number(row, column, name, path);
+    fn of(table: &Sheet) -> Result<Self, SheetError> {
+        let [energy, amplitude, force, event] =
+            ["energy_j", "modal_amplitude", "peak_contact_force_n", "event"].map(|name| table.column(name));
+        let frequency = table.needed("frequency_hz")?;
+        match energy.or(amplitude) {
+            Some(_) => Ok(Self { frequency, energy, amplitude, force, event }),
+            None => Err(table.missing("modal_amplitude or energy_j")),
+        }
+    }
+
+    /// The point of a row; why there is none, as of a record that gave nothing.
+    fn point(&self, row: &Row, table: &Sheet) -> Result<Result<ModalPoint, &'static str>, SheetError> {
+        let value = |name, column| table.number(row, column, name);
         let hz = value("frequency_hz", Some(self.frequency))?;
         let (energy, amplitude) = (value("energy_j", self.energy)?, value("modal_amplitude", self.amplitude)?);
         let force = value("peak_contact_force_n", self.force)?;
-        if hz.is_nan() || hz <= 0.0 || (energy.is_nan() && amplitude.is_nan()) {
-            return Ok(None);
+        if hz.is_nan() || hz <= 0.0 {
+            return Ok(Err(NO_FREQUENCY));
         }
-        let events = self.event.and_then(|column| row.get(column)).unwrap_or_default();
-        Ok(Some(ModalPoint {
+        if energy.is_nan() && amplitude.is_nan() {
+            return Ok(Err("with neither an amplitude nor an energy"));
+        }
+        Ok(Ok(ModalPoint {
             omega: TAU * hz,
             coefficients: HarmonicCoefficients::zeros(0, 0),
             kinetic_energy: energy,
@@ -229,7 +215,7 @@ impl Columns {
             contacts: Vec::new(),
             residual: f64::NAN,
             error_estimate: None,
-            events: events.split_whitespace().filter_map(Event::from_name).collect(),
+            events: row.text(self.event).split_whitespace().filter_map(Event::from_name).collect(),
         }))
     }
 }

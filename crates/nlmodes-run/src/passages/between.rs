@@ -1,5 +1,7 @@
 //! Where a curve passes a value, and its quantities there.
 
+use std::f64::consts::TAU;
+
 use nlmodes::modal::{ContactPeriod, Event, cubic, monotone_slopes};
 
 use super::read::Row;
@@ -11,6 +13,9 @@ const AT: f64 = 1e-9;
 /// Bisections of a step, which leave of it less than rounding.
 const HALVINGS: usize = 60;
 
+/// What is below this share of the largest value of a curve, or of what the energy of the motion would give, is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// All passages through a value in the order of the curve, and the pairs of points between which something was left out and the value lies.
 pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Passage>, Vec<[usize; 2]>) {
     let at = |k: usize| (rows[k].value(abscissa) - value).abs() <= AT * value;
@@ -19,7 +24,7 @@ pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Pas
     for k in 0..rows.len() {
         if at(k) {
             if k == 0 || !at(k - 1) {
-                found.push(passage(&rows[k], &rows[k], |quantity| quantity(&rows[k])));
+                found.push(passage(rows, [k, k], |quantity| quantity(&rows[k])));
             }
         } else if k > 0 && !at(k - 1) && side(k - 1) != side(k) {
             if rows[k].events.contains(&Event::Resumed) {
@@ -28,17 +33,22 @@ pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Pas
             }
             let step = Step::new(rows, k - 1);
             let t = step.where_it_is(abscissa, value);
-            found.push(passage(&rows[k - 1], &rows[k], |quantity| step.at(quantity, t)));
+            found.push(passage(rows, [k - 1, k], |quantity| step.at(quantity, t)));
         }
     }
     (found, left_out)
 }
 
-fn passage(before: &Row, after: &Row, at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) -> Passage {
+/// The values of a row for which `at` stands; what is rounding of the largest ones is zero.
+fn passage(rows: &[Row], points: [usize; 2], at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) -> Passage {
+    let [before, after] = points.map(|k| &rows[k]);
     let events = |row: &Row| Event::names(&row.events);
     let stop = |contact: usize| {
-        let of =
-            |quantity: fn(&ContactPeriod) -> f64| at(&|row: &Row| row.contacts.get(contact).map_or(f64::NAN, quantity));
+        let of = |quantity: fn(&ContactPeriod) -> f64| {
+            let largest =
+                rows.iter().flat_map(|row| &row.contacts).map(|stop| quantity(stop).abs()).fold(0.0, f64::max);
+            clean(at(&|row: &Row| row.contacts.get(contact).map_or(f64::NAN, quantity)), largest)
+        };
         StopValues {
             contact,
             contact_fraction: of(|stop| stop.closed_share),
@@ -49,17 +59,27 @@ fn passage(before: &Row, after: &Row, at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) 
             touches: [before, after].map(|row| row.contacts.get(contact).map_or(0, |stop| stop.touches)),
         }
     };
+    let [frequency, energy] = [at(&|row| row.frequency), at(&|row| row.energy)];
+    let largest = rows.iter().map(|row| row.amplitude.abs()).fold(0.0, f64::max);
+    // That of a motion in the fundamental alone, by its averaged kinetic energy (ω a)²/4.
+    let of_energy = 2.0 * energy.max(0.0).sqrt() / (TAU * frequency);
     Passage {
         points: [before.point, after.point],
-        frequency_hz: at(&|row| row.frequency),
-        energy_j: at(&|row| row.energy),
-        modal_amplitude: at(&|row| row.amplitude),
+        frequency_hz: frequency,
+        energy_j: energy,
+        modal_amplitude: clean(at(&|row| row.amplitude), largest.max(of_energy)),
         peak_m: at(&|row| row.peak),
         level: before.level.map(|_| at(&|row| row.level.unwrap_or(f64::NAN))),
+        level_unit: before.level_unit,
         stable: [before.stable, after.stable],
         events: [events(before), events(after)],
         contacts: (0..before.contacts.len().min(after.contacts.len())).map(stop).collect(),
     }
+}
+
+/// A value, zero where it is rounding of the largest one.
+fn clean(value: f64, largest: f64) -> f64 {
+    if value.abs() <= ROUNDING * largest { 0.0 } else { value }
 }
 
 /// The step from a point of a curve to the next one, with one neighbour on either side unless the curve has a corner or a gap there.

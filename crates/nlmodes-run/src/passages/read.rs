@@ -8,7 +8,8 @@ use serde_json::Value;
 
 use super::Abscissa;
 use crate::files::DEPTH;
-use crate::overlay::{OverlayError, contacts_beside, number};
+use crate::overlay::{OverlayError, contacts_beside};
+use crate::sheet::{Row as Cells, Sheet};
 
 const TABLE: &str = "branch.csv";
 
@@ -20,6 +21,7 @@ pub(super) struct Row {
     pub amplitude: f64,
     pub peak: f64,
     pub level: Option<f64>,
+    pub level_unit: Option<&'static str>,
     pub stable: Option<bool>,
     pub events: Vec<Event>,
     pub contacts: Vec<ContactPeriod>,
@@ -64,44 +66,66 @@ pub(super) fn verdict(table: &Path) -> String {
     summary.and_then(|summary| Some(summary["certificate"]["verdict"].as_str()?.to_owned())).unwrap_or_default()
 }
 
+/// Columns of loads, one of which holds the level, with their units.
+const LOADS: [(&str, &str); 3] = [("force_n", "N"), ("acceleration_m_s2", "m/s²"), ("base_amplitude_m", "m")];
+
 /// The points of a curve, with its name where a table has several.
 type NamedRows = (Option<String>, Vec<Row>);
 
-/// The curves of a table: one, or of responses each with its name.
-pub(super) fn curves(path: &Path) -> Result<Vec<NamedRows>, OverlayError> {
-    let failed = |source| OverlayError::Table { path: path.to_path_buf(), source };
-    let mut table = csv::Reader::from_path(path).map_err(failed)?;
-    let head = table.headers().map_err(failed)?.clone();
-    let column = |name: &str| head.iter().position(|column| column.trim() == name);
-    let needed = |name| column(name).ok_or_else(|| OverlayError::NoColumn { path: path.to_path_buf(), column: name });
-    let (frequency, energy) = (needed("frequency_hz")?, needed("energy_j")?);
+/// The curves of a table: one, or of responses each with its name. Every row has a value of the abscissa.
+pub(super) fn curves(path: &Path, abscissa: Abscissa) -> Result<Vec<NamedRows>, OverlayError> {
+    let mut table = Sheet::open(path)?;
+    let (frequency, energy) = (table.needed("frequency_hz")?, table.needed("energy_j")?);
     let mut contacts = contacts_beside(path)?;
     let mut curves: Vec<NamedRows> = Vec::new();
-    for (count, row) in table.records().enumerate() {
-        let row = row.map_err(failed)?;
-        let text = |name| column(name).and_then(|column| row.get(column)).unwrap_or_default().trim();
-        let value = |name, column| number(&row, column, name, path);
-        let name = column("response").map(|_| {
+    let mut count = 0;
+    while let Some(cells) = table.row()? {
+        let text = |name| cells.text(table.column(name));
+        let value = |name| table.number(&cells, table.column(name), name);
+        let name = table.column("response").map(|_| {
             let of = format!("{} of response {}", text("kind"), text("response"));
             let curve = format!("{of}, {}, curve {}", text("name"), text("curve"));
             curve.replace(", ,", ",")
         });
-        let point = text("point").parse().unwrap_or(count);
+        let point = match text("point") {
+            "" => count,
+            number => number.parse().map_err(|_| table.no_number(&cells, "point", number))?,
+        };
+        let level = Some(value("level")?).filter(|level| !level.is_nan());
         let row = Row {
             point,
-            frequency: value("frequency_hz", Some(frequency))?,
-            energy: value("energy_j", Some(energy))?,
-            amplitude: value("modal_amplitude", column("modal_amplitude"))?,
-            peak: value("peak_m", column("peak_m"))?,
-            level: Some(value("level", column("level"))?).filter(|level| !level.is_nan()),
+            frequency: table.number(&cells, Some(frequency), "frequency_hz")?,
+            energy: table.number(&cells, Some(energy), "energy_j")?,
+            amplitude: value("modal_amplitude")?,
+            peak: value("peak_m")?,
+            level,
+            level_unit: level.map_or(Ok(None), |level| unit(&table, &cells, level))?,
             stable: text("stable").parse().ok(),
             events: text("event").split_whitespace().filter_map(Event::from_name).collect(),
             contacts: contacts.remove(&point).unwrap_or_default(),
         };
+        if row.value(abscissa).is_nan() {
+            let column = if abscissa == Abscissa::EnergyJ { (energy, "energy_j") } else { (frequency, "frequency_hz") };
+            return Err(table.no_number(&cells, column.1, cells.text(Some(column.0))).into());
+        }
+        count += 1;
         match curves.last_mut().filter(|(of, _)| *of == name) {
             Some((_, rows)) => rows.push(row),
             None => curves.push((name, vec![row])),
         }
     }
+    if path.ends_with(TABLE) {
+        table.refuse_open_end()?;
+    }
     Ok(curves)
+}
+
+/// The unit of the load whose level this is.
+fn unit(table: &Sheet, cells: &Cells, level: f64) -> Result<Option<&'static str>, OverlayError> {
+    for (column, unit) in LOADS {
+        if table.number(cells, table.column(column), column)? == level {
+            return Ok(Some(unit));
+        }
+    }
+    Ok(None)
 }

@@ -13,7 +13,7 @@ use nlmodes_scene::scene::ResponseKind;
 use super::convert::Converter;
 use super::curves::ComputedResponse;
 use crate::overlay::{by, percent};
-use crate::{RunError, refusal};
+use crate::{Event, Observer, RunError, refusal};
 
 /// Relative difference up to which two levels are one.
 const SAME_LEVEL: f64 = 1e-6;
@@ -55,14 +55,16 @@ pub struct Beside {
     own: LaidPoint,
 }
 
-/// What is laid over the responses of a scene.
+/// What is laid over the responses of a scene; of how many rows nothing is used, goes to the observer.
 ///
 /// # Errors
 /// [`RunError`] at the overlay that cannot be read.
-pub fn read(file: &SceneFile) -> Result<Vec<LaidCurve>, RunError> {
+pub fn read(file: &SceneFile, observer: &mut dyn Observer) -> Result<Vec<LaidCurve>, RunError> {
     let mut all = Vec::new();
     for (k, overlay) in file.scene.overlays.iter().enumerate() {
-        let found = read::curves(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
+        let (found, unused) =
+            read::curves(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
+        unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
         all.extend(found);
     }
     Ok(all)

@@ -1,52 +1,54 @@
 //! Tables of responses.
 
-use std::path::{Path, PathBuf};
-
 use nlmodes::report::LineKind;
 use nlmodes_scene::scene::Overlay;
 
 use super::{LaidCurve, LaidPoint};
-use crate::overlay::OverlayError;
+use crate::overlay::{NO_FREQUENCY, OverlayError, Unused};
+use crate::sheet::{Row, Sheet, SheetError};
 
 /// Table of a folder of results.
 const TABLE: &str = "branch.csv";
 /// Most rows that are read.
 const MOST_ROWS: usize = 1_000_000;
 
-/// The curves of a table, one for each of its columns `response` and `curve` where it has these.
-pub(super) fn curves(overlay: &Overlay) -> Result<Vec<LaidCurve>, OverlayError> {
+/// The curves of a table, one for each of its columns `response` and `curve` where it has these, and the rows that are not used.
+pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
     let path = if overlay.path.is_dir() { overlay.path.join(TABLE) } else { overlay.path.clone() };
     if overlay.path.is_dir() && !path.is_file() {
         return Err(OverlayError::NoResponses(overlay.path.clone()));
     }
-    let failed = |source| OverlayError::Table { path: path.clone(), source };
-    let mut table = csv::Reader::from_path(&path).map_err(failed)?;
-    let head = table.headers().map_err(failed)?.clone();
-    let columns = Columns::of(&head, &path)?;
+    let mut table = Sheet::open(&path)?;
+    let columns = Columns::of(&table)?;
     let is_computed = path.ends_with(TABLE);
     let mut all: Vec<((String, String), LaidCurve)> = Vec::new();
-    let mut number = 0;
-    for (count, row) in table.records().enumerate() {
-        if count == MOST_ROWS {
+    let (mut number, mut unused) = (0, Unused::default());
+    while let Some(row) = table.row()? {
+        unused.rows += 1;
+        if unused.rows > MOST_ROWS {
             return Err(OverlayError::TooManyRows(path));
         }
-        let row = row.map_err(failed)?;
-        let kind = match columns.text(&row, columns.kind).as_str() {
+        let kind = match row.text(columns.kind) {
             "" | "frequency" if is_computed => LineKind::Response,
             "" | "frequency" => LineKind::Measured,
             "phase-resonance" => LineKind::Resonance,
             "damped-mode" => LineKind::DampedMode,
             "mode" => LineKind::Mode,
             // Those over the level, and forces that appropriate a mode, are no curves over the frequency.
-            _ => continue,
+            _ => {
+                unused.add("of kinds that are no curves over the frequency", row.line);
+                continue;
+            }
         };
-        let point = columns.point(&row, number, &path)?;
-        let Some(point) = point else { continue };
+        let Some(point) = columns.point(&row, number, &table)? else {
+            unused.add(NO_FREQUENCY, row.line);
+            continue;
+        };
         number += 1;
-        let of = (columns.text(&row, columns.response), columns.text(&row, columns.curve));
+        let of = (row.text(columns.response).to_owned(), row.text(columns.curve).to_owned());
         if all.last().is_none_or(|(before, _)| *before != of) {
-            let name = match columns.text(&row, columns.name) {
-                name if name.is_empty() => overlay.label.clone(),
+            let name = match row.text(columns.name) {
+                "" => overlay.label.clone(),
                 name => format!("{}: {name}", overlay.label),
             };
             all.push((of, LaidCurve { name, kind, points: Vec::new() }));
@@ -58,7 +60,7 @@ pub(super) fn curves(overlay: &Overlay) -> Result<Vec<LaidCurve>, OverlayError> 
     if number == 0 {
         return Err(OverlayError::NoPoint(path));
     }
-    Ok(all.into_iter().map(|(_, curve)| curve).collect())
+    Ok((all.into_iter().map(|(_, curve)| curve).collect(), unused))
 }
 
 /// Where the quantities stand in a row.
@@ -76,11 +78,10 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(head: &csv::StringRecord, path: &Path) -> Result<Self, OverlayError> {
-        let column = |name: &str| head.iter().position(|column| column.trim() == name);
-        let missing = |column| OverlayError::NoColumn { path: PathBuf::from(path), column };
+    fn of(table: &Sheet) -> Result<Self, SheetError> {
+        let column = |name: &str| table.column(name);
         let found = Self {
-            frequency: column("frequency_hz").ok_or_else(|| missing("frequency_hz"))?,
+            frequency: table.needed("frequency_hz")?,
             level: column("level"),
             fundamental: column("fundamental_m"),
             drive: column("drive_fundamental_m"),
@@ -93,17 +94,13 @@ impl Columns {
         };
         match found.fundamental.or(found.drive) {
             Some(_) => Ok(found),
-            None => Err(missing("fundamental_m or drive_fundamental_m")),
+            None => Err(table.missing("fundamental_m or drive_fundamental_m")),
         }
     }
 
-    fn text(&self, row: &csv::StringRecord, column: Option<usize>) -> String {
-        column.and_then(|column| row.get(column)).unwrap_or_default().trim().to_owned()
-    }
-
     /// The point of a row; `None` without a frequency.
-    fn point(&self, row: &csv::StringRecord, number: usize, path: &Path) -> Result<Option<LaidPoint>, OverlayError> {
-        let value = |name, column| crate::overlay::number(row, column, name, path);
+    fn point(&self, row: &Row, number: usize, table: &Sheet) -> Result<Option<LaidPoint>, SheetError> {
+        let value = |name, column| table.number(row, column, name);
         let point = LaidPoint {
             number,
             frequency: value("frequency_hz", Some(self.frequency))?,
@@ -123,7 +120,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    fn read_table(name: &str, text: &str) -> Result<Vec<LaidCurve>, OverlayError> {
+    fn read_table(name: &str, text: &str) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();
@@ -133,13 +130,16 @@ mod tests {
     #[test]
     fn a_table_of_results_has_a_curve_for_each_level_and_a_measured_one_has_points() {
         let text = "frequency_hz,fundamental_m,response,curve,name,level,kind\n40,1e-3,1,1,4 N,4,frequency\n41,-2e-3,1,1,4 N,4,frequency\n,,,,,,\n40,2e-3,2,1,mode,,mode\n40,9,3,1,up,2,force\n";
-        let found = read_table("branch.csv", text).unwrap();
+        let (found, unused) = read_table("branch.csv", text).unwrap();
+        let said = unused.sentence("branch.csv".as_ref()).unwrap();
+        let wanted = "branch.csv: 2 of 5 rows are not used: 1 without a frequency above 0 Hz (line 4), 1 of kinds that are no curves over the frequency (line 6)";
+        assert_eq!(said, wanted);
         assert_eq!(
             found.iter().map(|c| (c.name.as_str(), c.kind, c.points.len())).collect::<Vec<_>>(),
             [("test: 4 N", LineKind::Response, 2), ("test: mode", LineKind::Mode, 1)]
         );
         assert_eq!((found[0].points[1].fundamental, found[1].points[0].number), (2e-3, 2));
-        let found = read_table("rig.csv", "frequency_hz,drive_fundamental_m\n40,1e-3\n").unwrap();
+        let (found, _) = read_table("rig.csv", "frequency_hz,drive_fundamental_m\n40,1e-3\n").unwrap();
         assert_eq!((found[0].kind, found[0].name.as_str()), (LineKind::Measured, "test"));
         let error = read_table("rig.csv", "frequency_hz,amplitude\n40,1e-3\n").unwrap_err();
         assert!(error.to_string().contains("fundamental_m or drive_fundamental_m"), "{error}");
