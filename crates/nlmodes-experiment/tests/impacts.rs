@@ -2,7 +2,10 @@
 
 mod support;
 
+use std::sync::LazyLock;
+
 use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, Stop, extract};
+use nlmodes_experiment::records::Record;
 use support::autoresonance::Rig;
 use support::{POSITIONS, modes};
 
@@ -10,18 +13,59 @@ fn rig(force: f64, noise: f64) -> Rig {
     Rig { modes: modes(), drive: 0, tip: 3, gap: 1e-3, stiffness: 4e5, force, sample_rate: 20_000.0, noise }
 }
 
-fn extracted(rig: &Rig) -> RecordExtraction {
+/// A record with contact and noise.
+static PRESSED: LazyLock<Record> = LazyLock::new(|| recorded(&rig(6.0, 3e-4)));
+
+fn recorded(rig: &Rig) -> Record {
+    rig.record("rig", 4.0, 8000, 7)
+}
+
+fn extracted(record: &Record) -> RecordExtraction {
     let settings = ExtractionSettings {
         linear_modes: Some(modes()),
         stop: Some(Stop { position: POSITIONS[3], gap: 1e-3, positive: true }),
         ..ExtractionSettings::default()
     };
-    extract(&rig.record("rig", 4.0, 8000, 7), &settings).unwrap()
+    extract(record, &settings).unwrap()
+}
+
+/// A force that comes three samples late is the same force once that is known.
+#[test]
+fn the_delay_of_the_force_at_the_stop_is_taken_out() {
+    let mut late = PRESSED.clone();
+    let force = late.channels.iter().position(|channel| channel.name == "f_contact_N").unwrap();
+    late.samples[force].rotate_right(3);
+    late.channels[force].delay = 3.0 / late.sample_rate;
+    let [before, after] = [extracted(&PRESSED), extracted(&late)].map(|found| found.contact.unwrap().history.unwrap());
+    let n = before.force.len();
+    // The last three samples are gone.
+    assert!(before.force.iter().zip(&after.force).take(n - 3).all(|(a, b)| (a - b).abs() < 1e-9));
+}
+
+/// Without a displacement at the stop it is the integral of the velocity, which goes with the period: 1 % in the sampling rate is 1 %/√3 in the stiffness.
+#[test]
+fn a_stiffness_from_velocities_has_the_error_of_the_sampling_rate() {
+    let mut record = PRESSED.clone();
+    let tip = record.channels.iter().position(|channel| channel.name == "x_tip_m").unwrap();
+    record.channels.remove(tip);
+    record.samples.remove(tip);
+    let settings = ExtractionSettings {
+        stop: Some(Stop { position: POSITIONS[3], gap: 1e-3, positive: true }),
+        ..ExtractionSettings::default()
+    };
+    let stiffness = |record: &_| extract(record, &settings).unwrap().contact.unwrap().stiffness.unwrap();
+    let sure = stiffness(&record);
+    record.rate_error = 0.01;
+    let found = stiffness(&record);
+    assert_eq!(found.stiffness, sure.stiffness);
+    let own = (found.stiffness_error.powi(2) - sure.stiffness_error.powi(2)).sqrt() / found.stiffness;
+    let expected = 1.0 - 1.0 / (1.0 + 0.01 / 3f64.sqrt());
+    assert!((own / expected - 1.0).abs() < 1e-6, "{own} {expected}");
 }
 
 #[test]
 fn without_contact_the_modal_figures_are_those_of_the_linear_mode() {
-    let found = extracted(&rig(2.0, 1e-4));
+    let found = extracted(&recorded(&rig(2.0, 1e-4)));
     let modal = found.modal.unwrap();
     // The force follows the velocity of the mode itself, so its frequency is the undamped one.
     assert!((found.omega.value / modes().omegas()[0] - 1.0).abs() < 1e-5, "{:?}", found.omega);
@@ -34,7 +78,7 @@ fn without_contact_the_modal_figures_are_those_of_the_linear_mode() {
 
 #[test]
 fn with_contact_stiffness_and_stop_are_recovered_under_noise() {
-    let found = extracted(&rig(6.0, 3e-4));
+    let found = extracted(&PRESSED);
     let contact = found.contact.unwrap();
     let stiffness = contact.stiffness.unwrap();
     assert!((stiffness.stiffness / 4e5 - 1.0).abs() < 0.01, "{stiffness:?}");

@@ -72,6 +72,7 @@ fn the_adaptive_detector_has_no_ripple_from_mean_values_and_harmonics() {
     for (_, lag) in read {
         assert!((lag - 1.3).abs() < 1e-9, "{lag}");
     }
+    assert_eq!(settings().detector.ripple(settings().cut_off, RESONANCE.omega, 1.3, STEP), 0.0);
 }
 
 /// Amplitudes come in the units of the signals, and the smallest of them have a phase where no other limit is set.

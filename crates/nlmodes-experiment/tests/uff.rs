@@ -182,6 +182,12 @@ fn each_malformed_file_has_its_own_error() {
     assert!(said("  4.00000D", "  4,00000D").contains("write a decimal point"));
     assert!(said("  4.00000D", "  4.0x000D").contains("is not a number"));
     assert!(said("         2         7", "         9         7").contains("a type of ordinates"));
+    // The type of a dataset stands behind its mark: in the sixth line of this file.
+    assert!(
+        said("    58\r", "    58b     3     2          11\r").contains("line 6"),
+        "{}",
+        said("    58\r", "    58b     3     2          11\r")
+    );
     assert!(said("    58\r", "    15\r").contains("no dataset 58 in the file (2 datasets"));
     assert!(said("  7.00000E+00\r\n    -1\r\n", "  7.00000E+00").contains("cut off"));
     let cut = read_uff58(&foreign.as_bytes()[..300]).unwrap_err();

@@ -134,21 +134,17 @@ impl Evidence<'_> {
 
     /// Samples of a channel in the window without its delay, between samples by the cubic through four of them.
     fn shifted(&self, channel: usize) -> Vec<f64> {
-        let samples = &self.record.samples[channel];
         let delay = self.record.channels[channel].delay * self.record.sample_rate;
-        if delay == 0.0 {
-            return self.window.of(samples).to_vec();
-        }
-        let last = samples.len() as f64 - 1.0;
         let range = self.window.first..self.window.first + self.window.n_samples;
-        range.map(|j| cubic(samples, (j as f64 + delay).clamp(0.0, last))).collect()
+        range.map(|j| cubic(&self.record.samples[channel], j as f64 + delay)).collect()
     }
 }
 
-/// Value between samples, by the Lagrange cubic; `at` lies within the samples.
+/// Value between samples, by the Lagrange cubic; beyond the samples that at the end.
 fn cubic(samples: &[f64], at: f64) -> f64 {
     let last = samples.len() - 1;
-    let base = (at.floor() as usize).min(last);
+    let at = at.clamp(0.0, last as f64);
+    let base = at.floor() as usize;
     let x = at - base as f64;
     let y = |k: isize| samples[(base as isize + k).clamp(0, last as isize) as usize];
     let (a, b, c, d) = (y(-1), y(0), y(1), y(2));
@@ -166,6 +162,11 @@ mod tests {
         for at in [1.0, 3.25, 6.9, 8.0] {
             assert!((cubic(&samples, at) - p(at)).abs() < 1e-11, "{at}");
         }
-        assert_eq!(cubic(&samples, 9.0), samples[9]);
+        for (at, end) in [(9.0, 9), (9.001, 9), (12.0, 9), (0.0, 0), (-0.001, 0), (-3.0, 0)] {
+            assert_eq!(cubic(&samples, at), samples[end], "{at}");
+        }
+        // At the ends the neighbour that is missing is the last one again.
+        let near = |at: f64| cubic(&[1.0, 1.0, 3.0, 3.0], at);
+        assert!((near(1.5) - 2.0).abs() < 1e-15 && (near(0.5) - 0.875).abs() < 1e-15, "{} {}", near(1.5), near(0.5));
     }
 }

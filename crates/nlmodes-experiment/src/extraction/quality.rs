@@ -134,3 +134,31 @@ pub fn silent(
         findings.extend(drive.members.iter().map(|(i, _)| name(*i)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{Channel, Quantity};
+    use num_complex::Complex64;
+
+    /// A Fourier coefficient of n samples with noise of unit variance has the variance 2/n in either part.
+    #[test]
+    fn force_and_drive_point_are_left_out_up_to_five_standard_errors() {
+        let (omega, n) = (7.0, 800);
+        for (size, left_out) in [(4.99, true), (5.01, false)] {
+            let fundamental = size * (2.0 / n as f64).sqrt();
+            let record = Record::new("made", 1e3)
+                .with(Channel::new("f", Quantity::Force, Role::Excitation, Some(0.1)), vec![0.0; n])
+                .with(Channel::new("v", Quantity::Velocity, Role::DrivePoint, Some(0.1)), vec![0.0; n]);
+            let mut layout = Layout::new(&record, &[true; 2]);
+            let all =
+                [3.0, 0.2].map(|noise| vec![Complex64::default(), Complex64::new(0.6, 0.8) * fundamental * noise]);
+            let blocks =
+                Blocks { all: all.to_vec(), single: vec![], centres: vec![], rest: vec![], noise: vec![3.0, 0.2] };
+            let mut findings = vec![];
+            silent(&record, &mut layout, &blocks, (omega, n), &mut findings);
+            assert_eq!((layout.force.is_none(), layout.drive.is_none()), (left_out, left_out));
+            assert_eq!(findings.len(), if left_out { 2 } else { 0 });
+        }
+    }
+}

@@ -86,3 +86,33 @@ impl Default for Tolerances {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What users read beside each of them.
+    #[test]
+    fn tolerances_are_those_that_their_words_say() {
+        let words = include_str!("settings.rs");
+        let said = |name: &str| -> f64 {
+            let before = words.split(&format!("pub {name}: f64,")).next().unwrap().trim_end();
+            let number = before.lines().last().unwrap().trim_end_matches('.').rsplit(": ").next().unwrap();
+            number.replace('−', "-").parse().unwrap()
+        };
+        let found = Tolerances::default();
+        let all = [
+            ("frequency_drift", found.frequency_drift),
+            ("amplitude_drift", found.amplitude_drift),
+            ("aperiodic", found.aperiodic),
+            ("skew", found.skew),
+            ("lag_deg", found.lag_deg),
+            ("sample_rate", found.sample_rate),
+            ("quadrature", found.quadrature),
+            ("reversed", found.reversed),
+        ];
+        for (name, value) in all {
+            assert_eq!(said(name), value, "{name}");
+        }
+    }
+}

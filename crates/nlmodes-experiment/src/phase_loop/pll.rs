@@ -119,3 +119,18 @@ impl PhaseLockedLoop {
 fn wrap(angle: f64) -> f64 {
     PI - (PI - angle).rem_euclid(TAU)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::phase_loop::Resonance;
+
+    #[test]
+    fn a_loop_begins_at_phase_zero_with_the_frequency_asked_for_and_no_error() {
+        let resonance = Resonance { omega: 250.0, damping_ratio: 0.01 };
+        let start = PhaseLockedLoop::new(LoopSettings::new(resonance, 240.0, 1e-4)).unwrap().start();
+        assert_eq!((start.drive_phase(), start.omega(), start.lag()), (0.0, 240.0, 0.5 * PI));
+        assert_eq!(start.fundamentals(), [Complex64::default(); 2]);
+        assert!(start.error().is_none() && !start.is_locked() && !start.is_held() && !start.is_at_limit());
+    }
+}

@@ -42,7 +42,8 @@ pub fn read_uff(source: impl Read) -> Result<RecordTable, RecordError> {
 
 fn column(dataset: Dataset58) -> Result<Column, RecordError> {
     let mut names = dataset.names();
-    let name = if names.is_empty() { String::new() } else { names.remove(0) };
+    // At least its node and direction name a dataset.
+    let name = names.remove(0);
     let Ordinates::Real(values) = dataset.ordinates else {
         return Err(UffError::NotATimeRecord { name, reason: "its ordinates are complex" }.into());
     };

@@ -220,7 +220,8 @@ mod tests {
             let said = finding.to_string();
             assert!(said.contains(expected), "{said}");
         }
-        assert!(!scale(50.0, 0.5).to_string().contains("reversed"));
+        assert!([50.0, 0.05, 1e-3].iter().all(|factor| !scale(*factor, 0.5).to_string().contains("reversed")));
+        assert!(scale(-0.05, 1e-3).to_string().contains("reversed"));
         assert!(!scale(50.0, 0.5).to_string().contains("(or it is"));
     }
 }
