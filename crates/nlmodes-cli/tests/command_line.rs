@@ -189,3 +189,23 @@ fn results_that_give_no_answer_give_a_status_and_say_so() -> Outcome {
     assert_eq!(String::from_utf8(missing.stderr)?.trim(), "error: there is no no/such/results");
     Ok(())
 }
+
+/// Between any two titles there is a blank, and each stands over its column.
+#[test]
+fn titles_of_linear_modes_stand_apart_with_each_rule() -> Outcome {
+    for rule in ["drop", "move", "conserve"] {
+        let set = format!("method.mass_redistribution={rule}");
+        let output = call(&["modes", "configs/beam.toml", "--set", &set])?;
+        let text = String::from_utf8(output.stdout)?;
+        let head = text.lines().find(|line| line.contains("contact mass kept")).ok_or("no head")?;
+        let titles: Vec<&str> = head.split("  ").map(str::trim).filter(|title| !title.is_empty()).collect();
+        let own = format!("contact mass: {rule}");
+        assert_eq!(titles[..4], ["mode", "contact mass kept", own.as_str(), "contacts held"], "{head}");
+        let row = text.lines().find(|line| line.trim_start().starts_with("1 ")).ok_or("no row")?;
+        for title in [own.as_str(), "contacts held"] {
+            let end = head.find(title).ok_or("no title")? + title.len();
+            assert!(row[..end].ends_with(|c: char| c.is_ascii_digit()) && row[end..].starts_with("  "), "{row}");
+        }
+    }
+    Ok(())
+}

@@ -105,6 +105,6 @@ pub use output::write_file;
 pub use stop::StopLine;
 pub use style::FigureStyle;
 pub use table::{
-    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, BranchWriter, PointHistories, RESPONSE_COLUMNS, write_branch,
+    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, BranchWriter, PointHistories, RESPONSE_COLUMNS, hertz, write_branch,
     write_contacts, write_harmonics, write_histories, write_matlab, write_participation, write_starts, write_summary,
 };

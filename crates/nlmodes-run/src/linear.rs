@@ -2,8 +2,6 @@
 
 mod table;
 
-use std::f64::consts::TAU;
-
 use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
@@ -107,7 +105,7 @@ fn of_the_elements(scene: &Scene, has_contacts: bool) -> Result<Option<Vec<f64>>
 
 /// The frequencies of the table, Hz.
 fn hertz(omega: &[f64]) -> Vec<f64> {
-    omega.iter().take(LISTED).map(|omega| omega / TAU).collect()
+    omega.iter().take(LISTED).map(|omega| nlmodes::report::hertz(*omega)).collect()
 }
 
 /// What a structure with imposed frequencies is, in a line: nobody should take it for that of the elements.

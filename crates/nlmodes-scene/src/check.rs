@@ -57,6 +57,7 @@ pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnost
     let subject = Subject { places, contact_tables: tables.len() };
     let scene = rest(&raw.analysis, (stem, base), structure, contacts, &subject, diagnostics)?;
     plausible::warn(&scene, diagnostics);
+    plausible::stops(&scene, diagnostics);
     Some(scene)
 }
 
@@ -84,6 +85,7 @@ pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, diagnostics: 
         plausible::structure(structure, diagnostics);
     }
     diagnostics.about_structure(None);
+    plausible::stops(&scene, diagnostics);
     Some(scene)
 }
 
@@ -92,7 +94,9 @@ pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, diagnostics: 
     let matrices = matrices::check(raw, base, diagnostics).map(SceneStructure::Matrices);
     let contact_tables = raw.contact.as_ref().map_or(0, Vec::len);
     let subject = Subject { places: Places::Nodes, contact_tables };
-    rest(&raw.analysis, (stem, base), matrices, Vec::new(), &subject, diagnostics)
+    let scene = rest(&raw.analysis, (stem, base), matrices, Vec::new(), &subject, diagnostics)?;
+    plausible::stops(&scene, diagnostics);
+    Some(scene)
 }
 
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.

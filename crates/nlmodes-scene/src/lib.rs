@@ -76,6 +76,7 @@ mod scene_file;
 mod schema;
 mod set;
 mod sources;
+mod syntax;
 mod text;
 mod units;
 

@@ -26,9 +26,7 @@ impl SceneError {
 
     /// What the checks of a scene found, with a last line that sums it up.
     pub(crate) fn of_checks(document: Document, diagnostics: Vec<Diagnostic>) -> Self {
-        let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count();
-        let count = if errors == 1 { "1 error".into() } else { format!("{errors} errors") };
-        let last = format!("{count} in {}: nothing was computed or written", document.sources().file().name);
+        let last = format!("{}: nothing was computed or written", count(&document, &diagnostics));
         Self { content: Box::new(Content { document, diagnostics, last: Some(last) }) }
     }
 
@@ -75,6 +73,24 @@ impl SceneError {
         let text = self.document().render(self.diagnostics(), colours);
         self.content.last.as_ref().map_or_else(|| text.clone(), |line| format!("{text}\n\n{line}"))
     }
+}
+
+/// How many errors there are, in the file and in which `--set`: `2 errors in rod.toml, 1 in --set method.mode=a`.
+fn count(document: &Document, diagnostics: &[Diagnostic]) -> String {
+    let (sources, mut places) = (document.sources(), Vec::<(String, usize)>::new());
+    for error in diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error) {
+        let source = error.place.as_ref().map_or(sources.file(), |place| sources.locate(&place.range).0);
+        let is_file = std::ptr::eq(source, sources.file());
+        let name = if is_file { &source.name } else { &source.text };
+        match places.iter_mut().find(|(known, _)| known == name) {
+            Some((_, count)) => *count += 1,
+            None => places.push((name.clone(), 1)),
+        }
+    }
+    let first = places.first().map_or(0, |(_, count)| *count);
+    let word = if first == 1 { "error " } else { "errors " };
+    let places: Vec<String> = places.iter().map(|(name, count)| format!("{count} in {name}")).collect();
+    places.join(", ").replacen(' ', &format!(" {word}"), 1)
 }
 
 impl fmt::Display for SceneError {

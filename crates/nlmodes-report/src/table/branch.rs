@@ -1,8 +1,8 @@
+use super::hertz;
 use crate::ReportError;
 use crate::columns::Column;
 use crate::output::{replace_file, temporary_name};
 use nlmodes_modal::{Event, ModalBranch, ModalPoint};
-use std::f64::consts::TAU;
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ pub const BRANCH_COLUMNS: [&str; BRANCH_MEANINGS.len()] = {
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
 ///
-/// Numbers are the shortest that read back as the same double; events are joined by spaces. The stability is empty where it was not
+/// Numbers are the shortest that read back as the same double, frequencies have 15 digits; events are joined by spaces. The stability is empty where it was not
 /// found out, the angle of the multiplier where the motion is stable. A file of that name is
 /// replaced at once, never half.
 ///
@@ -187,7 +187,7 @@ impl BranchWriter {
 fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
     [
         index.to_string(),
-        number(point.omega / TAU),
+        number(hertz(point.omega)),
         number(point.kinetic_energy),
         number(point.total_energy),
         number(point.modal_amplitude),

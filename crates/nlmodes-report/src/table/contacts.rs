@@ -1,6 +1,6 @@
-use std::f64::consts::TAU;
 use std::path::Path;
 
+use super::hertz;
 use crate::ReportError;
 use crate::columns::Column;
 use crate::output::replace_file;
@@ -33,7 +33,7 @@ pub const CONTACT_COLUMNS: [Column; 9] = [
 
 /// Writes what each contact does at each point as CSV: a header with the columns of `columns::FILES` and a row a point and contact.
 ///
-/// Numbers are the shortest that read back as the same double. A file of that name is replaced at once, never half.
+/// Numbers are the shortest that read back as the same double, frequencies have 15 digits. A file of that name is replaced at once, never half.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
@@ -43,7 +43,7 @@ pub fn write_contacts(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<()
         table.write_record(CONTACT_COLUMNS.map(|column| column.name))?;
         for (index, point) in branch.points.iter().enumerate() {
             for (number, contact) in point.contacts.iter().enumerate() {
-                table.write_record(row(index, number, contact, point.omega / TAU))?;
+                table.write_record(row(index, number, contact, hertz(point.omega)))?;
             }
         }
         table.flush()

@@ -1,8 +1,8 @@
-use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::Path;
 
 use super::harmonics::{all_coefficients, common_width};
+use super::hertz;
 use super::histories::{PointHistories, SERIES};
 use super::mat5::{Value, file};
 use crate::ReportError;
@@ -53,7 +53,7 @@ fn columns(points: &[ModalPoint]) -> Value {
     let truth = |value: bool| f64::from(u8::from(value));
     Value::Structure(vec![
         ("point", Value::column((0..points.len()).map(|k| k as f64))),
-        ("frequency_hz", of(&|p| p.omega / TAU)),
+        ("frequency_hz", of(&|p| hertz(p.omega))),
         ("energy_j", of(&|p| p.kinetic_energy)),
         ("total_energy_j", of(&|p| p.total_energy)),
         ("modal_amplitude", of(&|p| p.modal_amplitude)),

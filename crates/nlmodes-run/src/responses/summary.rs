@@ -1,6 +1,5 @@
 //! `summary.json` of responses.
 
-use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Instant;
 
@@ -22,7 +21,8 @@ pub fn write(
     (curves, certificate): (&[ComputedResponse], &Certificate),
     began: Instant,
 ) -> Result<(), Failure> {
-    let hertz: Vec<f64> = model.open_modes().omega_squared().iter().map(|w| w.max(0.0).sqrt() / TAU).collect();
+    let hertz: Vec<f64> =
+        model.open_modes().omega_squared().iter().map(|w| nlmodes::report::hertz(w.max(0.0).sqrt())).collect();
     let structure = model.response().structure();
     let ratio = |k: usize| structure.damping().entry(k, k) / (2.0 * structure.omega_squared()[k].max(0.0).sqrt());
     let mut first = 0;
@@ -60,7 +60,7 @@ pub fn imbalance(curves: &[ComputedResponse]) -> f64 {
 fn curve(computed: &ComputedResponse, first: usize) -> Value {
     let at = |point: &ResponsePoint| {
         json!({
-            "frequency_hz": point.omega / TAU,
+            "frequency_hz": nlmodes::report::hertz(point.omega),
             "level": point.level,
             "drive_fundamental_m": point.drive.norm(),
         })

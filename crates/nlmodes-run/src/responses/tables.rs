@@ -6,7 +6,9 @@ use std::path::Path;
 
 use nlmodes::hbm::ContactMotion;
 use nlmodes::modal::ModalBranch;
-use nlmodes::report::{BRANCH_COLUMNS, RESPONSE_COLUMNS, ReportError, write_contacts, write_file, write_harmonics};
+use nlmodes::report::{
+    BRANCH_COLUMNS, RESPONSE_COLUMNS, ReportError, hertz, write_contacts, write_file, write_harmonics,
+};
 use nlmodes::response::{Appropriation, ResponseModel, ResponsePoint};
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
@@ -80,7 +82,7 @@ impl Row<'_> {
         let impulse: f64 = motion.contacts.iter().map(|c| c.mean_force * TAU / motion.at.omega).sum();
         Ok(vec![
             self.number.to_string(),
-            cell(point.omega / TAU),
+            cell(hertz(point.omega)),
             cell(motion.kinetic_energy),
             cell(motion.total_energy),
             cell(motion.modal_amplitude()),

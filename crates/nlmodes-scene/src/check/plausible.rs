@@ -8,12 +8,27 @@ mod window;
 
 pub use test::{damping, warn as warn_of_test};
 
+use nlmodes_io::GapChoice;
+
 use crate::rule::number;
 use crate::scene::{Scene, Section, SpringDirection, Structure, StructureKind, Support};
 use crate::{Diagnostic, Diagnostics};
 
 /// Structures that are longer are rare, m.
 const LONG: f64 = 100.0;
+
+/// What is to be said of stops of any structure.
+pub fn stops(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
+    let files = scene.structure.matrices().map(|files| files.contacts.as_slice()).unwrap_or_default();
+    let given = files.iter().map(|contact| match contact.gap {
+        Some(GapChoice::Same(gap)) => gap,
+        Some(GapChoice::WallPoint(_)) | None => 0.0,
+    });
+    let gaps = scene.contacts.iter().map(|contact| contact.gap).chain(given);
+    for (i, gap) in gaps.enumerate() {
+        stop::pressed(&format!("contact.{i}.gap_m"), gap, diagnostics);
+    }
+}
 
 pub fn warn(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     let Some(straight) = scene.structure.straight() else { return };

@@ -72,6 +72,10 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Diagnostic
         (Kind::Number | Kind::Integer | Kind::Integers | Kind::Numbers, DeValue::String(text)) => {
             numeric_help(diagnostic, path, text, rule)
         }
+        (Kind::Array, DeValue::String(text)) if is_numbers(rule) => match listed(text, rule) {
+            Some(list) => diagnostic.help(in_brackets(path, &list)),
+            None => diagnostic,
+        },
         (Kind::Integer | Kind::Integers, DeValue::Float(x)) => match x.as_str().parse::<f64>() {
             Ok(x) if x.fract() == 0.0 && x.abs() < 1e9 => diagnostic.help(format!("write {x:.0}")),
             _ => diagnostic,
@@ -90,6 +94,13 @@ fn numeric_help(diagnostic: Diagnostic, path: &str, text: &str, rule: Rule<'_>) 
     if text.parse::<f64>().is_ok() {
         return diagnostic.help(format!("write it without quotes: {text}"));
     }
+    if let Some(list) = listed(text, rule) {
+        let diagnostic = diagnostic.help(in_brackets(path, &list));
+        return match text.replacen(',', ".", 1).parse::<f64>() {
+            Ok(x) if rule.kind() == Kind::Numbers => diagnostic.help(format!("one number has a decimal point: {x:?}")),
+            _ => diagnostic,
+        };
+    }
     let with_point = text.replacen(',', ".", 1);
     if with_point.parse::<f64>().is_ok() {
         return diagnostic.help(format!("numbers have a decimal point, not a comma: write {with_point}"));
@@ -102,6 +113,23 @@ fn numeric_help(diagnostic: Diagnostic, path: &str, text: &str, rule: Rule<'_>) 
         return diagnostic;
     }
     diagnostic.help(format!("write the number alone; the unit, {unit}, is part of the key"))
+}
+
+/// The numbers of a text as a list in brackets, where the key takes a list of them.
+fn listed(text: &str, rule: Rule<'_>) -> Option<String> {
+    let is_whole = rule.kind() == Kind::Integers || rule.items().is_some_and(|items| items.kind() == Kind::Integer);
+    let takes_a_list = matches!(rule.kind(), Kind::Integers | Kind::Numbers) || is_numbers(rule);
+    let parts: Vec<&str> = text.split([',', ';', ' ']).map(str::trim).filter(|part| !part.is_empty()).collect();
+    let is_number = |part: &&str| if is_whole { part.parse::<i64>().is_ok() } else { part.parse::<f64>().is_ok() };
+    (takes_a_list && parts.len() > 1 && parts.iter().all(is_number)).then(|| format!("[{}]", parts.join(",")))
+}
+
+fn in_brackets(path: &str, list: &str) -> String {
+    format!("several numbers stand in square brackets: {path}={list}, in a shell between quotation marks")
+}
+
+fn is_numbers(rule: Rule<'_>) -> bool {
+    rule.kind() == Kind::Array && rule.items().is_some_and(|i| matches!(i.kind(), Kind::Number | Kind::Integer))
 }
 
 fn is_tables(rule: Rule<'_>) -> bool {

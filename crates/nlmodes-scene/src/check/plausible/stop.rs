@@ -20,6 +20,17 @@ pub fn gap(path: &str, gap: f64, structure: &Structure, diagnostics: &mut Diagno
     diagnostics.put(path, Diagnostic::warning(format!("`{path}` is {size}")).help(meant(gap, "mm", 1e-3)), label);
 }
 
+/// A negative gap: it is legal, and has another meaning than a clearance on the other side.
+pub fn pressed(path: &str, gap: f64, diagnostics: &mut Diagnostics<'_>) {
+    if gap >= 0.0 {
+        return;
+    }
+    let title = format!("`{path}` is negative: at rest the structure is pressed against this stop");
+    let label = format!("the stop stands {} m beyond where it would just touch", number(-gap));
+    let help = "so it is computed, with the force of rest in the mean; a clearance is positive on either side";
+    diagnostics.put(path, Diagnostic::warning(title).help(help), label);
+}
+
 pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     let Some(stiffness) = contact.stiffness.filter(|_| !is_dimensionless(structure)) else { return };
     let (length, modulus) = (structure.length, structure.youngs_modulus);

@@ -16,6 +16,7 @@ pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     damping("virtual_test.damping_ratios", &scene.damping_ratios, diagnostics);
     if let Some(own) = &scene.stop {
         stop::gap("virtual_test.stop.gap_m", own.gap, &scene.structure, diagnostics);
+        stop::pressed("virtual_test.stop.gap_m", own.gap, diagnostics);
     }
     frequencies(scene, diagnostics);
     sampling(scene, diagnostics);
