@@ -1,5 +1,5 @@
 use nlmodes_linalg::{Mat, max_norm};
-use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
+use nlmodes_modal::{ContactPeriod, HarmonicCoefficients, ModalPoint};
 use num_complex::Complex64;
 
 use crate::contact_statistics::largest;
@@ -23,7 +23,8 @@ impl MixedShooting<'_> {
         let modal_amplitude = self.modal_amplitude(&held);
         let first = self.structure().model().contacts()[0];
         let contacts = self.sweep.contact_periods(omega);
-        let fraction = contacts.first().map_or(0.0, |contact| contact.closed_share);
+        // A structure has a contact at least: that of `first`.
+        let ContactPeriod { closed_share: fraction, peak_force: first_force, .. } = contacts[0];
         Ok(ModalPoint {
             omega,
             fundamental: self
@@ -35,7 +36,7 @@ impl MixedShooting<'_> {
             stability: None,
             total_energy: kinetic + strain,
             modal_amplitude,
-            peak: self.peak(fraction > 0.0, contacts.first().map_or(0.0, |contact| contact.peak_force)),
+            peak: self.peak(fraction > 0.0, first_force),
             contact_fraction: fraction,
             contact_intervals: contacts.iter().map(|contact| contact.touches).sum(),
             peak_contact_force: max_norm(contacts.iter().map(|contact| contact.peak_force)),
@@ -162,7 +163,8 @@ impl MixedShooting<'_> {
     fn signed_fundamental(&self, q: Complex64) -> f64 {
         match self.series().symmetry {
             Symmetry::Even => q.re,
-            Symmetry::None => q.norm().copysign(if q.re == 0.0 { 1.0 } else { q.re }),
+            Symmetry::None if q.re < 0.0 => -q.norm(),
+            Symmetry::None => q.norm(),
         }
     }
 

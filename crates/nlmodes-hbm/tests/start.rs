@@ -39,6 +39,29 @@ fn a_stop_at_a_node_of_the_mode_is_never_touched() {
     }
 }
 
+/// The mode touches the stop that it meets first once a period and comes no further at any other; nothing stands back.
+#[test]
+fn a_mode_at_grazing_just_touches_the_stop_that_it_meets_first() {
+    let stops = [(6, Side::Positive, 0.05), (3, Side::Negative, 0.01), (4, Side::Positive, 0.2)];
+    let model = rod(6, 2.0, 3.0, 1.0, &stops);
+    let structure = condense(&model);
+    for mode in [1, 2, 3] {
+        let found = grazing(&structure, mode).unwrap();
+        let closest = |(i, (node, side, gap)): (usize, &(usize, Side, f64))| {
+            let d = structure.model().contact_dofs().iter().position(|dof| dof + 1 == *node).unwrap();
+            // Toward its stop: the motion at τ = 0 of the one that grazes, either way of the others.
+            let [mean, swing] = [found.mean[d], found.fundamental[d]].map(|q| side.sign() * q);
+            gap - mean - if i == found.contact { swing } else { swing.abs() }
+        };
+        let gaps: Vec<f64> = stops.iter().enumerate().map(closest).collect();
+        assert!(gaps[found.contact].abs() < 1e-15 && gaps.iter().all(|gap| *gap > -1e-15), "{mode}: {gaps:?}");
+        let largest = found.fundamental.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+        assert_eq!(found.amplitude(), largest);
+        assert!(largest > 0.0 && largest < 0.2, "{largest}");
+        assert!(found.opening == [0.0; 3] && !found.touches_at_rest(), "{:?}", found.opening);
+    }
+}
+
 #[test]
 fn an_axial_mode_never_touches_a_transverse_stop() {
     let beam = Beam {

@@ -8,9 +8,9 @@ use nlmodes_hbm::{
     Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, RealSeries, Scales, Switching,
     Symmetry, grazing_opened, modal_grazing,
 };
-use nlmodes_model::{DofContact, Side};
+use nlmodes_model::{DofContact, Side, StructuralModel};
 use support::modal::{Open, newton, settings, solver};
-use support::{condense, problem, rod};
+use support::{condense, on_springs, problem, rod};
 
 const SYMMETRIES: [Symmetry; 2] = [Symmetry::Even, Symmetry::None];
 
@@ -312,13 +312,17 @@ fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is
 #[test]
 fn figures_of_a_motion_are_the_same_in_open_and_in_held_modes() {
     let model = rod(5, 2e8, 40.0, 3.0, &[(5, Side::Positive, 1e-3)]);
-    let (structure, p) = (condense(&model), 1.6_f64.ln());
+    [f64::INFINITY, 3e7].into_iter().for_each(|spring| same_figures(&on_springs(&model, &[spring])));
+}
+
+fn same_figures(model: &StructuralModel) {
+    let (structure, p) = (condense(model), 1.6_f64.ln());
     let (mut held, start) = problem(&structure, 1, 6, Symmetry::Even, Switching::Exact);
     let branch = support::follow(&mut held, &start, 1.6);
     let (x, residual) = support::settle(&mut held, branch.points.last().unwrap().x.clone(), p);
     assert!(residual < 1e-12, "{residual:e}");
     let expected = held.modal_point(&x, 0.0).unwrap();
-    let open = Open::massless(&model);
+    let open = Open::massless(model);
     let modal = open.structure(ModalDamping::none(open.n_modes()));
     let start = modal_grazing(&modal, 1).unwrap();
     let settings = settings(6, Coordinates::Contact);

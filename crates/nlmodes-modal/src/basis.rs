@@ -146,6 +146,7 @@ mod tests {
             let mut q: Vec<Complex64> = parts.iter().map(|&(re, im)| Complex64::new(re, im)).collect();
             q[0].im = 0.0;
             let mut basis = HarmonicBasis::new(h, n).unwrap();
+            prop_assert_eq!((basis.n_harmonics(), basis.n_samples()), (h, n));
             let (mut s, mut d, mut only) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
             basis.synthesize_with_slope(&q, &mut s, &mut d);
             basis.synthesize(&q, &mut only);

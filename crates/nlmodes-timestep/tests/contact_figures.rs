@@ -53,6 +53,21 @@ fn figures_of_a_contact_are_those_of_the_closed_form() {
 }
 
 #[test]
+fn instants_of_contact_are_those_of_the_closed_form_right_after_the_beginning_too() {
+    let (mut rod, closed) = (rod_in_a_wide_slot(), ClosedForm::new(2.0));
+    let half = closed.half[0];
+    for early in [0.3, 0.05, 1e-3] {
+        let (t, h) = (closed.period() - half - early, 1e-6);
+        let [before, at, after] = [-h, 0.0, h].map(|h| closed.position(t + h));
+        let state = rod.state(&at, &[(after[0] - before[0]) / (2.0 * h), 0.0]).unwrap();
+        let instants = rod.propagate(&state, 1.1 * (early + 2.0 * half)).unwrap().contact_instants(0);
+        let found: Vec<(f64, bool)> = instants.iter().map(|instant| (instant.time, instant.touching)).collect();
+        let [(touching, true), (leaving, false)] = found[..] else { panic!("{found:?}") };
+        assert!((touching - early).abs() < 1e-8 && (leaving - early - 2.0 * half).abs() < 1e-8, "{found:?}");
+    }
+}
+
+#[test]
 fn a_stretch_without_contact_has_the_smallest_gap_of_its_own() {
     // Only while it is free, on its way out and back.
     let (mut rod, closed) = (rod_in_a_wide_slot(), ClosedForm::new(2.0));

@@ -262,7 +262,11 @@ fn power_that_goes_in_is_lost_in_the_structure_and_in_the_stop() {
 fn what_is_no_problem_is_refused() {
     let mut structure = two_contacts();
     assert!(matches!(structure.push_damped_stop(5, 1.0, 1.0), Err(TimestepError::Dimension { .. })));
-    assert!(matches!(structure.push_damped_stop(1, 1.0, 0.0), Err(TimestepError::NotPositive { .. })));
+    for (stiffness, damper) in [(1.0, 0.0), (0.0, 1.0), (1e-3, -1e-9), (-1e-9, 1e-3), (f64::NAN, 1.0)] {
+        let refused = structure.push_damped_stop(1, stiffness, damper);
+        assert!(matches!(refused, Err(TimestepError::NotPositive { .. })), "{stiffness} {damper}");
+    }
+    two_contacts().push_damped_stop(1, 1e-3, 1e-6).unwrap();
     assert!(matches!(structure.periodic(1.0, 1.0, 1, &[0.0]), Err(TimestepError::Dimension { .. })));
     assert!(matches!(structure.periodic(1.0, -1.0, 1, &[0.0; 5]), Err(TimestepError::NotPositive { .. })));
     assert!(matches!(structure.periodic(1.0, 1.0, 1, &[f64::NAN; 5]), Err(TimestepError::NotFinite { .. })));

@@ -175,6 +175,7 @@ fn the_peak_is_the_largest_displacement_of_the_first_contact_toward_its_stop() {
         let largest = history.displacement.iter().map(|q| side.sign() * q).fold(f64::NEG_INFINITY, f64::max);
         assert_eq!(history.force.iter().any(|force| *force > 0.0), touched);
         assert_eq!(point.contacts[0].touches > 0, touched);
+        assert_eq!((shooting.n_contacts(), point.contacts.len()), (2, 2));
         // Instants are 1/4000 of a period apart, and the curvature there is that of a few modes.
         assert!((point.peak - largest).abs() < 1e-5, "{} and {largest}", point.peak);
         assert_eq!(shooting.scaling().map(|scaling| scaling.unknowns), Some(vec![1.0; x.len() + 1]));

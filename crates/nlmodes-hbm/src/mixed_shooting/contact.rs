@@ -57,16 +57,17 @@ impl MixedShooting<'_> {
 
     /// Gaps of the contacts where the motion is zero, m, c.
     pub(super) fn gaps_at_rest(&self) -> Vec<f64> {
-        self.structure.body.gaps().iter().zip(&self.standing_back).map(|(gap, back)| gap + back).collect()
+        opened(self.structure.body.gaps(), &self.standing_back).collect()
     }
 
     /// Gaps without contact forces, `y = Wᵀ b + g₀`, of each contact.
     fn form_gaps(&mut self) {
         let (series, w) = (self.sweep.series, self.structure.model.w());
         let (width, mut of_dof) = (series.width(), vec![Complex64::default(); series.n_harmonics + 1]);
-        for (i, y) in self.sweep.y.iter_mut().enumerate() {
+        let at_rest = opened(self.structure.body.gaps(), &self.standing_back);
+        for ((i, y), gap) in self.sweep.y.iter_mut().enumerate().zip(at_rest) {
             y.fill(Complex64::default());
-            y[0].re = self.structure.body.gaps()[i] + self.standing_back[i];
+            y[0].re = gap;
             for d in (0..w.nrows()).filter(|&d| w[(d, i)] != 0.0) {
                 series.to_complex(&self.b[d * width..(d + 1) * width], &mut of_dof);
                 y.iter_mut().zip(&of_dof).for_each(|(y, b)| *y += b * w[(d, i)]);
@@ -107,4 +108,9 @@ impl Gaps {
         self.series.to_complex(&real, &mut sum.z);
         sum
     }
+}
+
+/// Gaps of contacts that stand back.
+fn opened<'a>(gaps: &'a [f64], standing_back: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    gaps.iter().zip(standing_back).map(|(gap, back)| gap + back)
 }

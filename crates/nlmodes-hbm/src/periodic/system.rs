@@ -235,10 +235,9 @@ impl PeriodicSystem {
             let map = self.maps[*set].get_or_insert_with(|| {
                 let (set, p) = (self.operator.sets.get(*set), &self.gap_map);
                 let mut map = vec![0.0; d * d];
-                let mut pressed = vec![0.0; d];
                 for &i in &set.active {
                     // Row i of S P.
-                    pressed.fill(0.0);
+                    let mut pressed = vec![0.0; d];
                     for (j, s) in set.force_row(i) {
                         pressed.iter_mut().zip(&p[j * d..(j + 1) * d]).for_each(|(to, p)| *to += s * p);
                     }
