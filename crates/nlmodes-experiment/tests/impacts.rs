@@ -4,7 +4,7 @@ mod support;
 
 use std::sync::LazyLock;
 
-use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, Stop, extract};
+use nlmodes_experiment::extraction::{ExtractionSettings, Finding, RecordExtraction, Stop, extract};
 use nlmodes_experiment::records::Record;
 use support::autoresonance::Rig;
 use support::{POSITIONS, modes};
@@ -40,6 +40,32 @@ fn the_delay_of_the_force_at_the_stop_is_taken_out() {
     let n = before.force.len();
     // The last three samples are gone.
     assert!(before.force.iter().zip(&after.force).take(n - 3).all(|(a, b)| (a - b).abs() < 1e-9));
+}
+
+/// A gap in another unit than the displacements: the stop that the forces tell is elsewhere.
+#[test]
+fn a_gap_that_is_not_where_the_contact_closes_is_said_with_its_factor() {
+    let said = |gap: f64, positive: bool| {
+        let settings = ExtractionSettings {
+            linear_modes: Some(modes()),
+            stop: Some(Stop { position: POSITIONS[3], gap, positive }),
+            ..ExtractionSettings::default()
+        };
+        let found = extract(&PRESSED, &settings).unwrap();
+        found.findings.into_iter().find_map(|finding| match finding {
+            Finding::WrongScale { channel, factor, against, likely, .. } if against.contains("gap") => {
+                Some((channel, factor, against, likely))
+            }
+            _ => None,
+        })
+    };
+    // A displacement in mm that is called one in m is a thousand times too large; one that is half as much again is in no unit.
+    for (gap, unit) in [(1e-6, Some("mm")), (1.25e-6, Some("mm")), (6.7e-7, None), (1.0, None)] {
+        let (channel, factor, against, likely) = said(gap, true).unwrap();
+        assert_eq!((channel.as_str(), against, likely), ("x_tip_m", format!("the gap of the stop, {gap} m"), unit));
+        assert!((factor / (1e-3 / gap) - 1.0).abs() < 1e-3, "{factor}");
+    }
+    assert!(said(1e-3, true).is_none() && said(1.1e-3, true).is_none());
 }
 
 /// Without a displacement at the stop it is the integral of the velocity, which goes with the period: 1 % in the sampling rate is 1 %/√3 in the stiffness.

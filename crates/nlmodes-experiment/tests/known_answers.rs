@@ -85,6 +85,14 @@ fn modal_amplitude_participation_and_damping_are_those_of_the_modal_coordinates(
         assert!((modal.participation.factors[k] - v / q).abs() < 1e-8, "{k}");
     }
     assert_eq!(modal.participation.harmonics, 1..=20);
+    // ½ m v² of unit modal masses, over a period half of its largest.
+    let energy =
+        |n: usize| made.eta.iter().map(|eta| 0.25 * (n as f64 * omega()).powi(2) * eta[n].norm_sqr()).sum::<f64>();
+    for (n, found) in modal.harmonic_energy.iter().enumerate() {
+        assert!((found - energy(n)).abs() <= 1e-7 * energy(1), "{n}: {found} {}", energy(n));
+    }
+    let all: f64 = (0..=20).map(energy).sum();
+    assert!((modal.kinetic_energy.value / all - 1.0).abs() < 1e-7, "{:?} {all}", modal.kinetic_energy);
     let excitation = found.excitation.unwrap();
     assert!((excitation.lag.value - (made.force[1] / drive[1]).arg()).abs() < 1e-9);
     assert!((excitation.force.value - made.force[1].norm()).abs() < 1e-8);

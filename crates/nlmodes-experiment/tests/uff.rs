@@ -206,7 +206,8 @@ fn the_wrong_byte_order_is_recognised() {
         file[at..at + 7].copy_from_slice(b"b     2");
         assert!(matches!(read_uff58(&file), Err(UffError::ByteOrder { declared: "big-endian", .. })));
         file[at..at + 7].copy_from_slice(b"b     3");
-        assert!(matches!(read_uff58(&file), Err(UffError::Field { .. })));
+        // The order of the bytes stands in the field of columns 8 to 13.
+        assert!(matches!(read_uff58(&file), Err(UffError::Field { line: 2, first: 8, last: 13, .. })));
     }
 }
 

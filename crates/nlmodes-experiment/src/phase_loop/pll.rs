@@ -123,7 +123,46 @@ fn wrap(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase_loop::Resonance;
+    use crate::phase_loop::{LockSettings, Resonance};
+
+    fn made(range: [f64; 2], lock: LockSettings) -> PhaseLockedLoop {
+        let resonance = Resonance { omega: 250.0, damping_ratio: 0.01 };
+        PhaseLockedLoop::new(LoopSettings { range, lock, ..LoopSettings::new(resonance, 250.0, 1e-4) }).unwrap()
+    }
+
+    /// The integral would wind up under an error that presses against the end, however small, and falls under one that leads away from it.
+    #[test]
+    fn at_an_end_of_the_range_the_integral_only_goes_back() {
+        let pll = made([249.0, 251.0], Default::default());
+        for (integral, sign) in [(5.0, 1.0), (-5.0, -1.0)] {
+            for error in [0.5, 0.05, 1e-6] {
+                let mut state = LoopState { integral, ..pll.start() };
+                pll.control(&mut state, sign * error);
+                assert!(state.at_limit && state.omega == 250.0 + sign && state.integral == integral, "{error}");
+                let mut state = LoopState { integral, ..pll.start() };
+                pll.control(&mut state, -sign * error);
+                assert!((state.integral - integral) * sign < 0.0, "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_loop_is_locked_after_the_time_asked_for_however_short() {
+        for duration in [0.5, 0.05, 1e-3] {
+            let pll = made([200.0, 300.0], LockSettings { tolerance: 0.01, duration });
+            let mut state = pll.start();
+            let (mut first, mut k) = (None, 0);
+            while first.is_none() && k < 100_000 {
+                // A response that lags by a quarter of a period: no error from the first sample on that has a phase.
+                let theta = state.drive_phase();
+                state = pll.step(&state, theta.cos(), theta.sin());
+                k += 1;
+                first = state.locked.then_some((state.within, pll.settings.step));
+            }
+            let (within, step) = first.unwrap();
+            assert!(within >= duration && within < duration + 1.5 * step, "{duration}: {within}");
+        }
+    }
 
     #[test]
     fn a_loop_begins_at_phase_zero_with_the_frequency_asked_for_and_no_error() {

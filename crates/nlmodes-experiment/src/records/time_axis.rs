@@ -185,6 +185,26 @@ mod tests {
         assert!(sample.abs_diff(777) <= 5 && (deviation - 20.0).abs() < 1.0, "{sample} {deviation}");
     }
 
+    /// Two neighbours in the middle that are rounded up and down by as much as there is: half of that more is no rounding.
+    #[test]
+    fn stamps_may_be_off_by_their_rounding_and_no_more() {
+        for (unit, rounding) in [(1.0, 0.9), (1e-3, 2.0), (50.0, 1.0)] {
+            let off = |j: usize, by: f64| {
+                if j == 500 {
+                    by
+                } else if j == 501 {
+                    -by
+                } else {
+                    0.0
+                }
+            };
+            let with = |by: f64| -> Vec<f64> { (0..1000).map(|j| unit * (j as f64 + off(j, by * rounding))).collect() };
+            assert!(interval(&with(0.95), unit * rounding).is_ok());
+            let refused = interval(&with(1.15), unit * rounding);
+            assert!(matches!(refused, Err(RecordError::UnevenTime { .. })), "{rounding}: {refused:?}");
+        }
+    }
+
     #[test]
     fn clocks_that_stand_or_run_back_are_refused_at_their_place() {
         let place = |times: &[f64]| match interval(times, 0.0) {
