@@ -136,6 +136,23 @@ fn repeated_eigenvalues_are_all_found() {
     }
 }
 
+/// Masses of elements that move with the mean of their ends: what goes to and fro from node to node has none, though every node has.
+#[test]
+fn a_mass_matrix_without_a_zero_on_its_diagonal_may_be_singular() {
+    for n in [4, 21, 60] {
+        let (k, _) = chain(n, true, |_| 1.0);
+        let entries = (1..n).flat_map(|i| [(i - 1, i - 1), (i - 1, i), (i, i - 1), (i, i)]).map(|(i, j)| (i, j, 0.25));
+        let m = sparse_from_triplets(n, n, &entries.collect::<Vec<_>>()).unwrap();
+        let modes = lowest_modes(&k, &m, n).unwrap();
+        // λ = 4 tan²(r π / 2 (n − 1)) of the rod of n − 1 such elements.
+        for r in 1..n - 1 {
+            let expected = 4.0 * (r as f64 * std::f64::consts::FRAC_PI_2 / (n - 1) as f64).tan().powi(2);
+            let off = modes.eigenvalues[r] / expected - 1.0;
+            assert!(off.abs() < 1e-10, "n = {n}, r = {r}: {off:e}");
+        }
+    }
+}
+
 #[test]
 fn results_are_the_same_in_every_run() {
     let (k, m) = chain(800, false, |i| 1.0 + (i % 5) as f64);
