@@ -259,3 +259,34 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         self.system.accepted(&self.z[..n], self.z[n]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounded_sizes_are_the_nearest_powers_of_two_whose_inverse_is_a_number() {
+        let sizes = vec![1.0, 3.0, 2.8, 0.3, 5e-324, f64::MAX];
+        let rounded = Scaling { unknowns: sizes, equations: vec![1e300, 1e-300] }.rounded();
+        assert_eq!(rounded.unknowns, [1.0, 4.0, 2.0, 0.25, 2f64.powi(-1000), 2f64.powi(1000)]);
+        assert_eq!(rounded.equations, [2f64.powi(997), 2f64.powi(-997)]);
+        let back = rounded.inverse();
+        let all = rounded.unknowns.iter().chain(&rounded.equations).zip(back.unknowns.iter().chain(&back.equations));
+        assert!(all.clone().count() == 8 && all.into_iter().all(|(size, inverse)| size * inverse == 1.0));
+    }
+
+    #[test]
+    fn bounds_and_parameters_come_back_in_their_own_units() {
+        let scales = Scaling { unknowns: vec![8.0, 0.5], equations: vec![2.0] };
+        for (coordinate, value) in [(0, 24.0), (1, 1.5)] {
+            let stop = scales.stop_in_units(StopReason::Bound { coordinate, value: 3.0 });
+            assert_eq!(stop, StopReason::Bound { coordinate, value });
+        }
+        assert_eq!(scales.stop_in_units(StopReason::MaxPoints), StopReason::MaxPoints);
+        let mut z = [3.0, 5.0];
+        scales.to_units(&mut z);
+        assert_eq!(z, [24.0, 2.5]);
+        scales.to_scaled(&mut z);
+        assert_eq!((z, scales.parameter()), ([3.0, 5.0], 0.5));
+    }
+}

@@ -279,6 +279,23 @@ mod tests {
         assert_eq!(falls_below_zero(&f, NOISE, 0.051, 0.098), None);
     }
 
+    /// `cos τ` about its minimum, raised by less and more than one, in any unit; from a place where it falls and from one where it is flat.
+    #[test]
+    fn a_dip_is_found_in_gaps_of_any_size() {
+        for unit in [1.0, 1e-6, 1e6] {
+            for (height, found) in [(1.0 - 1e-4, true), (1.0 + 1e-4, false)] {
+                let f = Trigonometric { z: [height, 1.0].map(|z| Complex64::from(z * unit)).to_vec() };
+                for width in [0.05, 0.1, 0.3] {
+                    let (from, to) = (std::f64::consts::PI - width, std::f64::consts::PI + 0.7 * width);
+                    let dip = falls_below_zero(&f, NOISE * unit, from, to);
+                    let expected = found.then(|| (-height.min(1.0)).acos());
+                    assert_eq!(dip.is_some(), found, "{unit} {height} {width}");
+                    assert!(dip.zip(expected).is_none_or(|(a, b)| (a - b).abs() < 1e-9), "{dip:?} {expected:?}");
+                }
+            }
+        }
+    }
+
     /// Whether the stretch of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts that stay open.
     fn quiet(height: f64, middle: f64, width: f64, others: usize) -> bool {
         let c = 1 + others;

@@ -5,11 +5,13 @@ mod support;
 use std::f64::consts::FRAC_PI_2;
 
 use nlmodes_continuation::ParametricSystem;
-use nlmodes_hbm::{Coordinates, LoadTerm, ModalDamping, PeriodicSystem, PhaseLag, Scales, Symmetry};
+use nlmodes_hbm::{
+    Coordinates, LoadTerm, ModalDamping, PeriodicSystem, PhaseLag, RealSeries, Scales, Switching, Symmetry,
+};
 use nlmodes_model::Side;
 use num_complex::Complex64;
 use support::modal::{Open, settings, solver};
-use support::rod;
+use support::{condense, problem, rod};
 
 /// Points of a segment on which changes are looked for.
 const POINTS: usize = 150;
@@ -29,24 +31,25 @@ fn between(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
 }
 
 /// Unknowns with a large fundamental, a frequency and damping of the right size, and a parameter.
-fn point(system: &PeriodicSystem, draw: &mut Draw) -> Vec<f64> {
-    let (width, n) = (system.series().width(), system.n_coefficients());
+fn point(series: RealSeries, n: usize, dim: usize, draw: &mut Draw) -> Vec<f64> {
+    let width = series.width();
     let mut z: Vec<f64> = (0..n)
         .map(|i| {
-            let (harmonic, _) = system.series().harmonic(i % width);
+            let (harmonic, _) = series.harmonic(i % width);
             (if i % width == 1 { 1.6 } else { 0.0 }) + 0.5 * draw.next() / (1.0 + harmonic as f64)
         })
         .collect();
-    (n..=system.dim()).for_each(|_| z.push(1.0 + 0.3 * draw.next()));
+    (n..=dim).for_each(|_| z.push(1.0 + 0.3 * draw.next()));
     z
 }
 
 /// Changes whose boundary is known, and all that are seen, on segments between points drawn by lot. Each that is known is where halving finds it.
-fn changes(system: &mut PeriodicSystem, seeds: u64) -> (usize, usize) {
+fn changes<S: ParametricSystem>(system: &mut S, (series, n): (RealSeries, usize), seeds: u64) -> (usize, usize) {
+    let dim = system.dim();
     let (mut known, mut all) = (0, 0);
     for seed in 1..=seeds {
         let mut draw = Draw(seed);
-        let [a, b] = [(); 2].map(|()| point(system, &mut draw));
+        let [a, b] = [(); 2].map(|()| point(series, n, dim, &mut draw));
         let mut before = (a.clone(), system.pattern_at(&a).unwrap());
         for k in 1..=POINTS {
             let z = between(&a, &b, k as f64 / POINTS as f64);
@@ -108,10 +111,28 @@ fn the_function_of_a_boundary_vanishes_where_the_pattern_of_a_damped_or_forced_m
                 PeriodicSystem::phase_resonance(&structure, load.clone(), drive.clone(), 0.5, settings, scales, solver),
             ];
             for (kind, system) in systems.into_iter().enumerate() {
-                let (known, all) = changes(&mut system.unwrap(), 40);
+                let mut system = system.unwrap();
+                let unknowns = (system.series(), system.n_coefficients());
+                let (known, all) = changes(&mut system, unknowns, 40);
                 // The others are two changes within one step.
                 assert!(all > 8 && 4 * known > 3 * all, "kind {kind}, {coordinates:?}: {known} of {all}");
             }
+        }
+    }
+}
+
+#[test]
+fn the_function_of_a_boundary_vanishes_where_the_pattern_of_a_mode_changes() {
+    let stops = [(6, Side::Positive, 1.0), (2, Side::Negative, 0.45)];
+    for (ea, rho_a, length, unit) in [(1.0, 1.0, 1.0, 1.0), (2e8, 40.0, 3.0, 1e-3)] {
+        let structure = condense(&rod(6, ea, rho_a, length, &stops.map(|(node, side, gap)| (node, side, unit * gap))));
+        for symmetry in [Symmetry::Even, Symmetry::None] {
+            let (mut system, _) = problem(&structure, 1, 5, symmetry, Switching::Exact);
+            assert_eq!(system.contact_iterations(), 0);
+            let unknowns = (system.series(), system.frequency_index());
+            let (known, all) = changes(&mut system, unknowns, 150);
+            assert!(all > 8 && 4 * known > 3 * all, "{symmetry:?}: {known} of {all}");
+            assert!(system.contact_iterations() > 0);
         }
     }
 }

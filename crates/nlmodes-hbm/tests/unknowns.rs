@@ -352,6 +352,7 @@ fn same_figures(model: &StructuralModel) {
         assert!((a / b - 1.0).abs() < 1e-8, "{what}: {a} {b}");
     }
     assert_eq!((found.contact_intervals, expected.contact_intervals), (1, 1));
+    assert_eq!(found.coefficients.n_coordinates(), open.n_modes() + 1);
     for (n, (a, b)) in found.harmonic_energy.iter().zip(&expected.harmonic_energy).enumerate() {
         assert!((a - b).abs() < 1e-8 * expected.kinetic_energy, "{n}: {a} {b}");
     }

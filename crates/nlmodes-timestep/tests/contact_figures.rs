@@ -2,14 +2,16 @@
 
 mod support;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes_modal::{HarmonicCoefficients, shifted};
 use nlmodes_model::Side;
 use nlmodes_timestep::{
     ContactDynamics, GalerkinReduction, GlobalContactProblem, Shooting, ShootingScales, TimestepError, Verification,
 };
+use num_complex::Complex64;
 use support::{ClosedForm, OMEGA_CONTACT, OMEGA_FREE, massless, rod_with, settle, unit_rod};
 
 /// The rod of two elements in the closed form; a second stop, behind the tip, is out of reach of the amplitude 2.
@@ -81,6 +83,38 @@ fn a_stretch_without_contact_has_the_smallest_gap_of_its_own() {
         let mean = trajectory.impulse(0);
         let half = 2.0 * (closed.b * (OMEGA_CONTACT * closed.half[0]).sin() / OMEGA_CONTACT - 0.5 * closed.half[0]);
         assert!((mean - half).abs() < 1e-12, "half of the contact");
+    }
+}
+
+#[test]
+fn a_stop_that_touches_at_rest_is_not_grazed_and_one_at_any_distance_is() {
+    for (gap, fine) in [(1.0, true), (1e-3, true), (0.0, false)] {
+        let model = rod_with(6, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, gap)]);
+        let found = ContactDynamics::new(massless(&model)).unwrap().grazing(1.6);
+        match found {
+            Ok(start) => assert!(fine && start.energy > 0.0),
+            Err(TimestepError::NoGrazing { mode: 1, why }) => {
+                assert!(!fine && why.contains("touches at rest"), "{why}")
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+/// Sines have as much energy as cosines: a motion that begins at another instant has the same.
+#[test]
+fn the_averaged_kinetic_energy_does_not_depend_on_where_the_motion_begins() {
+    let rod = ContactDynamics::new(massless(&unit_rod(6))).unwrap();
+    let mut motion = HarmonicCoefficients::zeros(6, 3);
+    for (d, n) in (0..6).flat_map(|d| (0..=3).map(move |n| (d, n))) {
+        motion.of_mut(d)[n] =
+            Complex64::new((1.3 * d as f64 + n as f64).sin(), if n == 0 { 0.0 } else { (d * n) as f64 });
+    }
+    let energy = rod.averaged_kinetic_energy(&motion, 1.3).unwrap();
+    assert!(energy > 0.0);
+    for phase in [0.3, 0.5 * PI, -2.0] {
+        let later = rod.averaged_kinetic_energy(&shifted(&motion, phase), 1.3).unwrap();
+        assert!((later / energy - 1.0).abs() < 1e-13, "{later} {energy}");
     }
 }
 

@@ -78,6 +78,36 @@ fn the_peak_of_two_masses_is_the_one_known_and_its_multiplier_too() {
     assert!((product.re / expected - 1.0).abs() < 1e-9 && product.im.abs() < 1e-9 * expected);
 }
 
+/// Two masses without damping and without contact at twice the first frequency: after a period the first is where it was with the other sign, and its disturbance
+/// is a sine of half the frequency. The second, at 2.5 times the first frequency, turns by 5/4.
+#[test]
+fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
+    for unit in [1.0, 250.0] {
+        let matrix = |values: [f64; 2]| {
+            nlmodes_linalg::sparse_from_triplets(2, 2, &[(0, 0, values[0]), (1, 1, values[1])]).unwrap()
+        };
+        let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
+        let (m, k) = (matrix([1.0; 2]), matrix([unit * unit, 6.25 * unit * unit]));
+        let stop = Contact { law: ContactLaw::Elastic { stiffness: 1.0 }, ..Contact::rigid(0, Side::Positive, 1.0) };
+        let open = Open::lowest(&StructuralModel::new(m, k, vec![dof(0), dof(1)], vec![stop]).unwrap(), 2);
+        let structure = open.structure(ModalDamping::none(2));
+        let load = open.load(&structure, vec![open.force(1, 1, Complex64::new(0.1, 0.0))]);
+        let (settings, scales) = (settings(5, AUTO), Scales::new(1.0, unit, unit * unit));
+        let mut system =
+            PeriodicSystem::frequency_response(&structure, load, 1.0, unit, settings, scales, solver().as_ref())
+                .unwrap();
+        let x = vec![0.0; system.dim()];
+        let found = system.doubling_disturbance(&x, 2.0, 7).unwrap();
+        assert_eq!(found.len(), 8);
+        for (k, eta) in found.iter().enumerate() {
+            // Simpson's rule with 24 samples for each of eight harmonics of a turn.
+            let [first, second] = [eta[0].norm(), eta[1].norm()];
+            let expected = if k == 1 { 1.0 } else { 0.0 };
+            assert!((first - expected).abs() < 1e-6 && second < 1e-6, "{k}: {eta:?}");
+        }
+    }
+}
+
 /// Largest multipliers, with their errors, of the two responses of the rod at 0.42 Hz whose amplitudes are known to `within`, and the known ones.
 fn multipliers_of_the_rod(harmonics: usize, within: f64) -> Vec<(Floquet, Complex64)> {
     let (_, structure, load) = rod_of_two();

@@ -15,9 +15,14 @@ pub fn unit_rod(elements: usize) -> StructuralModel {
 }
 
 pub fn rod_with(elements: usize, stops: &[Stop]) -> StructuralModel {
+    rod_of(1.0, elements, stops)
+}
+
+/// The same with another cross-section.
+pub fn rod_of(area: f64, elements: usize, stops: &[Stop]) -> StructuralModel {
     let rod = Rod {
         material: Material::new(1.0, 1.0).unwrap(),
-        area: 1.0,
+        area,
         mesh: Mesh::uniform(1.0, elements).unwrap(),
         mass_matrix: MassMatrix::Consistent,
         start: Support::Clamped,
