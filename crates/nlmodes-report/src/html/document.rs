@@ -16,7 +16,7 @@ pub(super) fn tree(value: &Value) -> String {
                     Value::Array(values) if name == "contacts" => list(values, 0),
                     value => tree(value),
                 };
-                format!("<dt>{}</dt><dd>{content}{unit}</dd>\n", escape(&plain(name)))
+                format!("<dt>{}</dt>{}\n", escape(&plain(name)), described(&format!("{content}{unit}")))
             };
             let entries: String = entries.iter().filter(|(_, value)| !value.is_null()).map(entry).collect();
             format!("<dl class=\"tree\">{entries}</dl>")
@@ -33,9 +33,15 @@ pub(super) fn tree(value: &Value) -> String {
     }
 }
 
+/// What stands beside a name; what has parts takes lines of its own where there is little room.
+fn described(content: &str) -> String {
+    let class = if content.starts_with("<dl") { " class=\"parts\"" } else { "" };
+    format!("<dd{class}>{content}</dd>")
+}
+
 /// Entries with their numbers, from `first` on.
 fn list(values: &[Value], first: usize) -> String {
-    let entry = |(k, value): (usize, &Value)| format!("<dt>{}</dt><dd>{}</dd>\n", k + first, tree(value));
+    let entry = |(k, value): (usize, &Value)| format!("<dt>{}</dt>{}\n", k + first, described(&tree(value)));
     let entries: String = values.iter().enumerate().map(entry).collect();
     format!("<dl class=\"tree\">{entries}</dl>")
 }
@@ -151,7 +157,7 @@ mod tests {
         let html = tree(&value);
         assert!(html.contains("<dt>a b</dt><dd>&lt;b&gt;</dd>"), "{html}");
         assert!(html.contains("<dt>&lt;i&gt;</dt><dd>1, 2.5</dd>"), "{html}");
-        assert!(html.contains("<dt>2</dt><dd><dl class=\"tree\"><dt>x</dt><dd>no</dd>"), "{html}");
+        assert!(html.contains("<dt>2</dt><dd class=\"parts\"><dl class=\"tree\"><dt>x</dt><dd>no</dd>"), "{html}");
         assert!(!html.contains("none"));
         assert!(roxmltree::Document::parse(&html).is_ok());
     }

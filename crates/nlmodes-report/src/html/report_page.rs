@@ -22,6 +22,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/motion.js"),
     include_str!("page/wire.js"),
     include_str!("page/start.js"),
+    include_str!("page/rows.js"),
 );
 
 pub(super) fn page(title: &str, sections: &[Section], data: &Data) -> String {

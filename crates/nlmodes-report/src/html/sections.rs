@@ -182,20 +182,23 @@ impl HtmlReport<'_> {
     }
 
     fn key_points(&self) -> String {
+        let mut points = self.branches.iter().flat_map(|branch| &branch.points);
+        let are_several = points.any(|point| point.contacts.len() > 1);
         let row = |(branch, point, name): &(usize, usize, String)| {
             let found = &self.branches[*branch].points[*point];
             let cells = [cell("", &escape(name)), point_cell(*branch, *point)].into_iter().chain(quantities(found));
             let more = [significant(100.0 * found.contact_fraction, 4), significant(found.peak_contact_force, 5)];
-            let cells = cells.chain(more.map(|text| cell(&text, &text)));
+            let whose =
+                are_several.then(|| strongest(found).map_or_else(|| "–".to_owned(), |stop| format!("stop {stop}")));
+            let cells = cells.chain(more.into_iter().chain(whose).map(|text| cell(&text, &text)));
             self.branch_cells(*branch).into_iter().chain(cells).collect()
         };
-        let mut points = self.branches.iter().flat_map(|branch| &branch.points);
-        let closed = match points.any(|point| point.contacts.len() > 1) {
-            true => "stop 0 closed, % of period",
-            false => "contact, % of period",
+        let first = ["name", "point", "frequency, Hz", "energy, J", "amplitude, m√kg"];
+        let forces: &[&str] = match are_several {
+            true => &["stop 0 closed, % of period", "largest force*, N", "at"],
+            false => &["contact, % of period", "largest force*, N"],
         };
-        let head = ["name", "point", "frequency, Hz", "energy, J", "amplitude, m√kg", closed, "largest force*, N"];
-        self.own_table("Key points", &head, self.marks.iter().map(row).collect())
+        self.own_table("Key points", &[&first, forces].concat(), self.marks.iter().map(row).collect())
     }
 
     fn events(&self) -> String {
@@ -260,6 +263,12 @@ impl HtmlReport<'_> {
         let all: String = self.documents.iter().map(one).collect();
         if all.is_empty() { all } else { format!("<div class=\"pair\">{all}</div>\n") }
     }
+}
+
+/// The stop with the largest force, if any is touched.
+fn strongest(point: &ModalPoint) -> Option<usize> {
+    let forces = point.contacts.iter().map(|contact| contact.peak_force).enumerate();
+    forces.filter(|(_, force)| *force > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
 }
 
 /// Frequency, energy and amplitude of a point.

@@ -66,6 +66,12 @@ fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
     browser.point_at(at(90));
     let said = browser.text("return document.querySelector('#main .tip').innerText");
     assert!(said.contains("point 90") && said.contains("level: 45.000 m/s²"), "{said}");
+    // The values stand above or below the pointer, near it.
+    let [tip, near] = ["top", "bottom"].map(|side| {
+        browser.number(&format!("return document.querySelector('#main .tip').getBoundingClientRect().{side}"))
+    });
+    let (_, pointer) = at(90);
+    assert!((near - pointer).abs().min((tip - pointer).abs()) < 25.0, "{tip} to {near} beside {pointer}");
     assert!(!browser.text("return document.querySelector('.axes').innerText").contains("too short"));
     browser.click(at(70));
     assert_eq!(browser.text("return document.querySelector('#details h3').textContent"), "Point 70");

@@ -156,6 +156,8 @@ fn post(address: &str, body: &Value) -> Value {
 }
 
 fn move_to(x: f64, y: f64) -> Value {
+    // Of fractions of pixels the browser would drop the rest, up to a whole one.
+    let (x, y) = (x.round(), y.round());
     json!({ "type": "pointerMove", "duration": 0, "x": x, "y": y, "origin": "viewport" })
 }
 

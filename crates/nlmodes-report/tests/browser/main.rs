@@ -4,6 +4,7 @@
 
 mod axes;
 mod driver;
+mod layout;
 #[allow(dead_code, reason = "samples of all kinds, of which the page needs some")]
 #[path = "../report/samples.rs"]
 mod samples;

@@ -267,3 +267,30 @@ fn empty_branch_makes_a_page_and_a_missing_point_an_error() {
     let missing = HtmlReport::new("nothing", &[&branch]).mark(0, 0, "P1").render();
     assert!(matches!(missing, Err(ReportError::NoSuchPoint { point: 0, n_points: 0, .. })));
 }
+
+/// Whose the largest force is, where there are several stops: not always that of the first one, whose share of closure stands beside it.
+#[test]
+fn key_points_say_at_which_stop_the_largest_force_is() {
+    let contact = |peak_force| ContactPeriod {
+        closed_share: 0.1,
+        peak_force,
+        mean_force: 1.0,
+        impulse: 1.0,
+        touches: 1,
+        approach_velocity: 1.0,
+    };
+    let page = |forces: [&[f64]; 2]| {
+        let mut branch = samples::rod(20, 3);
+        for (point, forces) in [3, 7].into_iter().zip(forces) {
+            branch.points[point].contacts = forces.iter().map(|force| contact(*force)).collect();
+        }
+        let all = [&branch];
+        let page = HtmlReport::new("Stops", &all).mark(0, 3, "P1").mark(0, 7, "P2").render().unwrap();
+        page.split_once("Key points</h3>").unwrap().1.split_once("</section>").unwrap().0.to_owned()
+    };
+    let of_several = page([&[3.0, 5.0], &[0.0, 0.0]]);
+    assert!(of_several.contains("stop 0 closed, % of period") && of_several.contains(">at</th>"), "{of_several}");
+    assert!(of_several.contains("<td>stop 1</td></tr>") && of_several.contains("–</td></tr>"), "{of_several}");
+    let of_one = page([&[3.0], &[5.0]]);
+    assert!(of_one.contains("contact, % of period") && !of_one.contains(">at</th>"), "{of_one}");
+}

@@ -236,7 +236,7 @@ class Chart {
     this.said.textContent = lines.join(", ");
     // At the pointer, or at the point where the keyboard chose it.
     const [x, y] = found.at || this.at(found.panel || 0, curve, found.index);
-    const offset = this.svg.offsetTop, room = this.tip.offsetWidth + 18, tall = this.tip.offsetHeight;
+    const offset = this.svg.getBoundingClientRect().top - this.box.getBoundingClientRect().top, room = this.tip.offsetWidth + 18, tall = this.tip.offsetHeight;
     this.tip.style.left = (x + room > this.size.width ? Math.max(0, x - room) : x + 16) + "px";
     // Above the pointer, below it, or beside it: wherever it is in view.
     const top = this.svg.getBoundingClientRect().top, above = y - tall - 12, below = y + 18;
