@@ -239,6 +239,24 @@ mod tests {
         assert!(all.held_modes_error(&start, start.omega, 1) < 1e-12, "none is left out");
     }
 
+    /// The mean over a period, from samples of it.
+    #[test]
+    fn the_size_of_a_motion_is_its_mean_square() {
+        let (structure, samples) = (chain(5), 64);
+        let (start, symmetry) = (grazing(&structure, 1).unwrap(), crate::Symmetry::Even);
+        let settings = MixedShootingSettings { harmonics: 3, symmetry, switching: crate::Switching::Exact };
+        let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
+        let estimator =
+            TruncationEstimator::reaching(&structure, settings, 0, start.scales(), solver.as_ref()).unwrap();
+        let b: Vec<f64> = (0..estimator.fine.series().width()).map(|n| (1.3 * n as f64 + 0.4).cos()).collect();
+        let value = |j: usize| {
+            let tau = std::f64::consts::TAU * j as f64 / samples as f64;
+            b.iter().enumerate().map(|(n, b)| b * (n as f64 * tau).cos()).sum::<f64>()
+        };
+        let expected = (0..samples).map(|j| value(j).powi(2)).sum::<f64>() / samples as f64;
+        assert!((estimator.mean_square(&b) / expected - 1.0).abs() < 1e-13);
+    }
+
     /// A step along the branch is no error, whatever else there is.
     #[test]
     fn the_distance_from_the_branch_does_not_see_what_lies_along_it() {

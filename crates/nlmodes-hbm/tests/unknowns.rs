@@ -8,7 +8,7 @@ use nlmodes_hbm::{
     Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, RealSeries, Scales, Switching,
     Symmetry, grazing_opened, modal_grazing,
 };
-use nlmodes_model::{DofContact, Side, StructuralModel};
+use nlmodes_model::{Contact, Dof, DofContact, DofKind, Side, StructuralModel};
 use support::modal::{Open, newton, settings, solver};
 use support::{condense, on_springs, problem, rod};
 
@@ -220,6 +220,80 @@ fn forced(open: &Open, coordinates: Coordinates) -> PeriodicSystem {
     let omega = 1.06 * first.sqrt();
     PeriodicSystem::force_response(&structure, load, omega, 1.0, settings(6, coordinates), scales, solver().as_ref())
         .unwrap()
+}
+
+/// Two rods side by side, each before its stop. Where they are alike every mode is there twice, and motions of the contacts do not tell both.
+#[test]
+fn of_modes_with_the_same_frequency_all_are_unknowns() {
+    for (ratio, coordinates) in [(1.3, Coordinates::Contact), (1.0, Coordinates::Modal)] {
+        let mut k = Vec::new();
+        let mut m = Vec::new();
+        for (rod, mass) in [(0, 1.0), (1, ratio)] {
+            for i in (0..3).map(|i| 3 * rod + i) {
+                k.push((i, i, if i % 3 == 2 { 1.0 } else { 2.0 }));
+                m.push((i, i, mass));
+                if i % 3 > 0 {
+                    k.extend([(i, i - 1, -1.0), (i - 1, i, -1.0)]);
+                }
+            }
+        }
+        let matrix = |entries: &[_]| nlmodes_linalg::sparse_from_triplets(6, 6, entries).unwrap();
+        let dofs = (0..6).map(|node| Dof { node, position: node as f64, kind: DofKind::Axial }).collect();
+        let stops = vec![Contact::rigid(2, Side::Positive, 1.0), Contact::rigid(5, Side::Positive, 0.8)];
+        let open = Open::massless(&StructuralModel::new(matrix(&m), matrix(&k), dofs, stops).unwrap());
+        let structure = open.structure(ModalDamping::none(open.n_modes()));
+        let [own, expected] = [Coordinates::Automatic, coordinates].map(|coordinates| {
+            let (settings, scales) = (settings(3, coordinates), Scales::new(1.0, 1.0, 1.0));
+            PeriodicSystem::conservative_mode(&structure, Symmetry::Even, settings, scales, solver().as_ref()).unwrap()
+        });
+        assert_eq!(own.n_coefficients(), expected.n_coefficients(), "{ratio}");
+    }
+}
+
+/// A linear response with damping that couples modes: `(K − ω² M + iωC) q = f`, solved for real and imaginary part at once.
+#[test]
+fn a_response_before_it_touches_is_that_of_the_matrices_with_any_damping() {
+    let model = on_springs(&rod(4, 1.0, 1.0, 1.0, &[(4, Side::Positive, 1e6)]), &[5.0]);
+    let open = Open::lowest(&model, 4);
+    let (k, m, n) = (open.stiffness(), support::dense(model.mass()), 4);
+    let c: Vec<Vec<f64>> =
+        (0..n).map(|i| (0..n).map(|j| if i == j { 0.3 * i as f64 } else { -0.02 }).collect()).collect();
+    let structure = open.structure(open.viscous(&c));
+    for (omega, unit) in [(1.3, 1.0), (2.9, 1e3)] {
+        let load = open.load(&structure, vec![open.force(1, 1, num_complex::Complex64::new(0.2, -0.1) * unit)]);
+        for coordinates in [Coordinates::Contact, Coordinates::Modal] {
+            let (settings, scales) = (settings(2, coordinates), Scales::new(unit, 1.0, unit * unit));
+            let mut system = PeriodicSystem::frequency_response(
+                &structure,
+                load.clone(),
+                1.0,
+                1.0,
+                settings,
+                scales,
+                solver().as_ref(),
+            )
+            .unwrap();
+            let zero = vec![0.0; system.dim()];
+            let (x, residual) = newton(&mut system, zero, omega);
+            assert!(residual < 1e-13, "{residual:e}");
+            let motion = system.motion(&x, omega).unwrap();
+            // [S, −ωC; ωC, S] [Re q; Im q] = [Re f; Im f], with S = K − ω² M.
+            let entry = |i: usize, j: usize| match (i < n, j < n) {
+                (true, true) | (false, false) => k[i % n][j % n] - omega * omega * m[i % n][j % n],
+                (true, false) => -omega * c[i][j - n],
+                (false, true) => omega * c[i - n][j],
+            };
+            let matrix = (0..2 * n).map(|i| (0..2 * n).map(|j| entry(i, j)).collect()).collect();
+            let mut force = vec![0.0; 2 * n];
+            (force[1], force[1 + n]) = (0.2 * unit, -0.1 * unit);
+            let q = support::solve_dense(matrix, force);
+            for d in 0..n {
+                let found = motion.displacement(&open.row(d, false))[1];
+                let off = (found.re - q[d]).hypot(found.im - q[d + n]);
+                assert!(off < 1e-11 * unit, "{coordinates:?} {d}: {found} {} {}", q[d], q[d + n]);
+            }
+        }
+    }
 }
 
 /// Refined across a direction, a disturbed solution comes back to rounding, and has moved by nothing along that direction.

@@ -294,3 +294,14 @@ pub(crate) fn contact_body(model: &MasslessContactModel) -> Result<ContactBody, 
 pub(crate) fn energy_norm_squared(omega: &[f64], z: &[f64], v: &[f64]) -> f64 {
     0.5 * (dot(v, v) + omega.iter().zip(z).map(|(ω, z)| (ω * z).powi(2)).sum::<f64>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_energy_norm_is_half_of_the_squares_of_speeds_and_of_displacements_times_their_frequencies() {
+        let found = energy_norm_squared(&[2.0, 0.0, 10.0], &[0.5, 7.0, 0.1], &[3.0, 1.0, -2.0]);
+        assert!((found - 0.5 * (9.0 + 1.0 + 4.0 + 1.0 + 0.0 + 1.0)).abs() < 1e-15, "{found}");
+    }
+}

@@ -200,6 +200,40 @@ mod tests {
         assert_eq!(first(&[1.0], &[-1.0], &[0.0], 1.0, 6.0), None);
     }
 
+    /// Convex and concave cells, drifts, grazes and two modes: in any unit there is the same root or none.
+    #[test]
+    fn roots_do_not_depend_on_the_unit_of_the_function() {
+        type Case = ([f64; 2], [f64; 2], [f64; 2], f64);
+        let cases: [Case; 7] = [
+            ([1.0, 4.0], [1.0, 0.0], [0.0; 2], 0.5),
+            ([1.0, 4.0], [1.0, 0.0], [0.0; 2], 1.0 - 1e-6),
+            ([1.0, 4.0], [1.0, 0.0], [0.0; 2], 1.0 + 1e-6),
+            ([0.0, 900.0], [0.0, 0.3], [-1.0, 2.0], 1.5),
+            ([1.0, 49.0], [0.3, 0.2], [0.5, -0.7], 0.4),
+            ([1.0, 49.0], [0.3, 0.2], [0.5, -0.7], 0.75),
+            ([0.01, 1e4], [-0.5, 1e-3], [0.0, 0.1], 0.51),
+        ];
+        for (lambda, a, b, constant) in cases {
+            let expected = first(&lambda, &a, &b, constant, 40.0);
+            for unit in [1e-9, 1e-3, 1e6] {
+                let found = first(&lambda, &a.map(|a| a * unit), &b.map(|b| b * unit), constant * unit, 40.0);
+                assert_eq!(found.is_some(), expected.is_some(), "{lambda:?} {constant} in {unit}");
+                assert!(found.zip(expected).is_none_or(|(f, e)| (f - e).abs() < 1e-9), "{found:?} {expected:?}");
+            }
+            // Nothing before it is below zero.
+            let f = |t: f64| {
+                let terms = (0..2).map(|k| {
+                    let (cos, sin) = cosine_and_sine(lambda[k].sqrt(), t);
+                    a[k] * cos + b[k] * sin
+                });
+                constant + terms.sum::<f64>()
+            };
+            let end = expected.unwrap_or(40.0) - 1e-6;
+            assert!((0..=20_000).all(|j| f(end * f64::from(j) / 2e4) > -1e-12), "{lambda:?} {constant}");
+            assert!(expected.is_none_or(|t| f(t + 1e-6) < 0.0));
+        }
+    }
+
     #[test]
     fn what_is_zero_all_the_time_has_no_root() {
         assert_eq!(first(&[1.0, 30.0], &[0.0; 2], &[0.0; 2], 0.0, 1e3), None);

@@ -86,3 +86,18 @@ fn conformance_tells_a_right_jacobian_from_a_wrong_one() {
     let wrong = |x: f64, p: f64| [x * x + p * p - 1.0, 2.0 * x, 1.9 * p];
     assert!(conformance::jacobian_defect(&mut smooth(wrong), &[0.3], 0.4, 1e-5).unwrap() > 0.01);
 }
+
+/// At the top of the circle the parameter rests: which way it moves from there is no turn, whichever way that is.
+#[test]
+fn a_curve_that_begins_where_it_turns_has_no_fold_before_it_moves() {
+    for (top, along) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        let branch = trace(&Continuation::default(), smooth(circle), [0.0, top], [along, 0.0]);
+        let folds = events(&branch, |event| matches!(event, EventKind::ParameterFold));
+        assert!(folds.iter().any(|q| (q.p + top).abs() < 1e-9), "the other side is one");
+        let beyond = branch.points.iter().take_while(|q| q.p * top > -0.9);
+        assert!(
+            beyond.flat_map(|q| &q.events).all(|event| !matches!(event, EventKind::ParameterFold)),
+            "{top} {along}"
+        );
+    }
+}
