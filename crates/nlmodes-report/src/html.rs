@@ -114,9 +114,13 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take for granted.
+    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take for granted. It begins
+    /// with a capital letter, as sentences do.
     pub fn warning(mut self, text: impl Into<String>) -> Self {
-        self.warnings.push(text.into());
+        let text = text.into();
+        let mut letters = text.chars();
+        let first = letters.next().map(|letter| letter.to_uppercase().to_string());
+        self.warnings.push(first.unwrap_or_default() + letters.as_str());
         self
     }
 

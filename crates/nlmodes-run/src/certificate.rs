@@ -258,7 +258,7 @@ impl Certificate {
     /// The numbers not to use; nothing where there are none.
     fn warning(&self, name: Option<&str>) -> Option<String> {
         let refused = self.numbers.iter().filter(|number| number.usable == Use::No);
-        let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.name(), n.words)).collect();
+        let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.meaning(), n.words)).collect();
         let of = name.map_or_else(String::new, |name| format!(" of {name}"));
         let why = "the certificate at the foot of the page says more";
         (!refused.is_empty()).then(|| format!("Do not use{of}: {}; {why}.", refused.join("; ")))
@@ -266,7 +266,7 @@ impl Certificate {
 
     /// The numbers for which nothing speaks, and how that can be had; nothing where there are none.
     fn open(&self, name: Option<&str>) -> Option<String> {
-        let open = names(&self.numbers, Use::NotShown);
+        let open = named_so(&self.numbers, Use::NotShown, Number::meaning);
         let of = name.map_or_else(String::new, |name| format!(" of {name}"));
         let certify = self.checks.iter().any(|check| check.how == Some(CERTIFY));
         let how = if certify { format!("; {CERTIFY} looks at them") } else { String::new() };
@@ -288,7 +288,7 @@ fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
     let doubtful = checks.iter().filter(|check| check.outcome == CheckOutcome::Doubtful).count();
     let mut text = format!("{looked} of {} checks made, {doubtful} of them doubtful", checks.len());
     for (wanted, said) in [(Use::No, "do not use"), (Use::NotShown, "nothing speaks for"), (Use::Yes, "to be used")] {
-        let names = names(numbers, wanted);
+        let names = named_so(numbers, wanted, Number::name);
         if !names.is_empty() {
             text += &format!("; {said}: {names}");
         }
@@ -296,9 +296,9 @@ fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
     text
 }
 
-/// The numbers that are to be used so.
-fn names(numbers: &[NumberUse], wanted: Use) -> String {
-    let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| n.number.name());
+/// The numbers that are to be used so, by what tells their name.
+fn named_so(numbers: &[NumberUse], wanted: Use, name: fn(Number) -> &'static str) -> String {
+    let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| name(n.number));
     names.collect::<Vec<_>>().join(", ")
 }
 

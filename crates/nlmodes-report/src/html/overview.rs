@@ -8,7 +8,7 @@ use nlmodes_modal::{Event, ModalBranch, ModalPoint, tongues};
 
 impl HtmlReport<'_> {
     pub(super) fn overview(&self) -> String {
-        let warnings = self.warnings.iter().map(|text| format!("<p class=\"outcome early\">⚠ {}</p>\n", escape(text)));
+        let warnings = self.warnings.iter().map(|text| format!("<p class=\"warning\">⚠ {}</p>\n", escape(text)));
         let lines = self.lines.iter().map(|line| format!("<p class=\"quiet\">{}</p>\n", escape(line)));
         let lines: String = warnings.chain(lines).collect();
         let Some(branch) = self.branches.first() else { return lines };

@@ -206,13 +206,13 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     assert!(poor.verdict.contains(&said) && poor.verdict.contains("did not pass"), "{}", poor.verdict);
     // The head of the page says the same of the numbers, and nothing where none is refused.
     let warning = poor.warning(Some("the coarse one")).unwrap();
-    assert!(warning.starts_with("Do not use of the coarse one: ") && warning.contains(force.name()), "{warning}");
+    assert!(warning.starts_with("Do not use of the coarse one: ") && warning.contains(force.meaning()), "{warning}");
     assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.warning(None), None);
     // Of what nothing speaks for it says how that can be had, where it can.
     let quick = Certificate::of(&computed, Sources { thorough: false, ..sources }, &mut |_, _, _| true);
     let open = quick.open(None).unwrap();
     let number = quick.numbers.iter().find(|number| number.usable == Use::NotShown).unwrap();
-    assert!(open.contains(number.number.name()) && open.ends_with("; `run --certify` looks at them."), "{open}");
+    assert!(open.contains(number.number.meaning()) && open.ends_with("; `run --certify` looks at them."), "{open}");
     assert!(poor.open(None).is_none_or(|open| !open.contains("--certify")), "{:?}", poor.open(None));
     // Whoever looks on may end it: what was not looked at says so.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
