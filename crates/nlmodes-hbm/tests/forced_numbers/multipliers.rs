@@ -78,7 +78,7 @@ fn the_peak_of_two_masses_is_the_one_known_and_its_multiplier_too() {
     assert!((product.re / expected - 1.0).abs() < 1e-9 && product.im.abs() < 1e-9 * expected);
 }
 
-/// Two masses without damping and without contact at twice the first frequency: after a period the first is where it was with the other sign, and its disturbance
+/// Two masses without damping and all but without contact, a spring of 1e-12 of their own, at twice the first frequency: after a period the first is where it was with the other sign, and its disturbance
 /// is a sine of half the frequency. The second, at 2.5 times the first frequency, turns by 5/4.
 #[test]
 fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
@@ -88,7 +88,10 @@ fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
         };
         let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
         let (m, k) = (matrix([1.0; 2]), matrix([unit * unit, 6.25 * unit * unit]));
-        let stop = Contact { law: ContactLaw::Elastic { stiffness: 1.0 }, ..Contact::rigid(0, Side::Positive, 1.0) };
+        let stop = Contact {
+            law: ContactLaw::Elastic { stiffness: 1e-12 * unit * unit },
+            ..Contact::rigid(0, Side::Positive, 1.0)
+        };
         let open = Open::lowest(&StructuralModel::new(m, k, vec![dof(0), dof(1)], vec![stop]).unwrap(), 2);
         let structure = open.structure(ModalDamping::none(2));
         let load = open.load(&structure, vec![open.force(1, 1, Complex64::new(0.1, 0.0))]);
@@ -96,10 +99,15 @@ fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
         let mut system =
             PeriodicSystem::frequency_response(&structure, load, 1.0, unit, settings, scales, solver().as_ref())
                 .unwrap();
-        let x = vec![0.0; system.dim()];
-        let found = system.doubling_disturbance(&x, 2.0, 7).unwrap();
-        assert_eq!(found.len(), 8);
-        for (k, eta) in found.iter().enumerate() {
+        let still = vec![0.0; system.dim()];
+        // One that comes to the spring for a part of the period.
+        let mut pressed = still.clone();
+        pressed[1] = 3.0;
+        let share = |system: &mut PeriodicSystem, x: &[f64]| system.motion(x, 2.0).unwrap().contacts[0].closed_share;
+        assert!(share(&mut system, &still) == 0.0 && share(&mut system, &pressed) > 0.1);
+        let found = [still, pressed].map(|x| system.doubling_disturbance(&x, 2.0, 7).unwrap());
+        assert!(found.iter().all(|found| found.len() == 8));
+        for (k, eta) in found.iter().flat_map(|found| found.iter().enumerate()) {
             // Simpson's rule with 24 samples for each of eight harmonics of a turn.
             let [first, second] = [eta[0].norm(), eta[1].norm()];
             let expected = if k == 1 { 1.0 } else { 0.0 };
