@@ -21,7 +21,7 @@ const ALLOWED: f64 = 0.003;
 const STARTS: u32 = 20;
 
 /// Evaluations, points and refused steps of each.
-const KNOWN: [(&str, [usize; 3]); 23] = [
+const KNOWN: [(&str, [usize; 3]); 24] = [
     ("circle", [7936, 1420, 0]),
     ("circle in units", [24054, 8920, 184]),
     ("circle, watched and bounded", [2441, 687, 0]),
@@ -30,6 +30,7 @@ const KNOWN: [(&str, [usize; 3]); 23] = [
     ("two folds, long steps", [3587, 777, 75]),
     ("two circles", [16277, 1460, 0]),
     ("figure eight", [16666, 1765, 74]),
+    ("bound between zero and the branch", [782, 284, 0]),
     ("cusp", [87787, 1200, 443]),
     ("kink", [45034, 1480, 404]),
     ("kink among many unknowns", [45309, 1693, 390]),
@@ -66,6 +67,10 @@ where
 
 fn circle(x: f64, p: f64) -> [f64; 3] {
     [x * x + p * p - 1.0, 2.0 * x, 2.0 * p]
+}
+
+fn sine(x: f64, p: f64) -> [f64; 3] {
+    [x - p.sin(), 1.0, -p.cos()]
 }
 
 fn transcritical(x: f64, p: f64) -> [f64; 3] {
@@ -188,6 +193,10 @@ fn planar() -> Vec<(&'static str, [usize; 3])> {
                 let x = 1.0 - a;
                 trace(&everywhere, smooth(eight), [x, x * (1.0 - x * x).sqrt()], [-x, 1.0])
             }),
+        ),
+        (
+            "bound between zero and the branch",
+            starts(|a| trace(&window(1, 0.3, 9.0), smooth(sine), [f64::sin(0.8 + a), 0.8 + a], [0.0, -1.0])),
         ),
         ("cusp", starts(|a| trace(&cut, smooth(cusp), [1.0 + (0.9 - a).powi(3).sqrt(), 0.1 + a], [-1.0, 1.0]))),
     ]

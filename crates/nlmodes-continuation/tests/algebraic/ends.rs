@@ -151,3 +151,16 @@ fn what_does_not_fit_is_refused() {
     let long = default.run(&mut smooth(line), &[0.0, 0.0], 0.0, &[1.0, 1.0], |_| ControlFlow::Continue(()));
     assert!(matches!(long, Err(ContinuationError::Dimension { expected: 1, found: 2, .. })));
 }
+
+/// Steps of any length end on a bound of any sign, reached from above or from below.
+#[test]
+fn bounds_on_either_side_of_zero_are_met_from_both_sides() {
+    let curve = |x: f64, p: f64| [x - p.sin(), 1.0, -p.cos()];
+    for (from, bound) in [(0.8, 0.3), (0.8, -0.3), (-0.8, -0.3), (-0.8, 0.3), (0.2, 0.9), (-0.2, -0.9), (3.0, 1.0)] {
+        let (min, max) = if bound < from { (bound, 9.0) } else { (-9.0, bound) };
+        let branch = trace(&window(1, min, max), smooth(curve), [f64::sin(from), from], [0.0, bound - from]);
+        assert_eq!(branch.stop, StopReason::Bound { coordinate: 1, value: bound }, "{from}");
+        let last = branch.points.last().unwrap();
+        assert!((last.p - bound).abs() < 1e-15 && (last.x[0] - bound.sin()).abs() < 1e-10, "{from} {bound}: {last:?}");
+    }
+}
