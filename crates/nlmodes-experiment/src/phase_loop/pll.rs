@@ -167,7 +167,12 @@ mod tests {
     #[test]
     fn a_loop_begins_at_phase_zero_with_the_frequency_asked_for_and_no_error() {
         let resonance = Resonance { omega: 250.0, damping_ratio: 0.01 };
-        let start = PhaseLockedLoop::new(LoopSettings::new(resonance, 240.0, 1e-4)).unwrap().start();
+        let pll = PhaseLockedLoop::new(LoopSettings::new(resonance, 240.0, 1e-4)).unwrap();
+        let start = pll.start();
+        // Without an error it stays where it is.
+        let mut later = start;
+        pll.control(&mut later, 0.0);
+        assert_eq!((later, start.within), (start, 0.0));
         assert_eq!((start.drive_phase(), start.omega(), start.lag()), (0.0, 240.0, 0.5 * PI));
         assert_eq!(start.fundamentals(), [Complex64::default(); 2]);
         assert!(start.error().is_none() && !start.is_locked() && !start.is_held() && !start.is_at_limit());
