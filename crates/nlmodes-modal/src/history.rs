@@ -32,6 +32,8 @@ pub struct TimeHistory {
 
 /// Fewest equidistant instants beside those of contact.
 const FEWEST: usize = 64;
+/// Instants within the shortest stretch: an odd number, so that its middle is one.
+const WITHIN: usize = 15;
 
 impl TimeHistory {
     /// A history without instants, before a stop at this signed position (m).
@@ -60,28 +62,40 @@ impl TimeHistory {
 
     /// Instants that do justice to motions which are smooth within each of `stretches` (their ends, one after the other) and change between
     /// them: each with the number of its stretch, in whose formulas it is meant. Both ends of each stretch are among them, and equidistant
-    /// ones, so that there are `samples + 1` in all, or as many more as it takes for 64 of these.
+    /// ones within it: some in the shortest too, of which a blow may be one, and in others by their lengths, so that there are `samples + 1` in
+    /// all, or as many more as it takes for 65 beside the changes.
     pub fn exact_instants(stretches: &[[f64; 2]], samples: usize) -> Vec<(f64, usize)> {
-        let (Some(first), Some(last)) = (stretches.first(), stretches.last()) else { return Vec::new() };
-        let (from, to) = (first[0], last[1]);
-        let cells = samples.saturating_sub(2 * (stretches.len() - 1)).max(FEWEST);
-        let at = |j: usize| if j == cells { to } else { from + (to - from) * j as f64 / cells as f64 };
-        let (mut found, mut next) = (Vec::with_capacity(cells + 2 * stretches.len()), 0);
-        for (number, [begin, end]) in stretches.iter().enumerate() {
-            let is_last = number + 1 == stretches.len();
-            if number > 0 {
-                found.push((*begin, number));
-            }
-            while next <= cells && (at(next) <= *end || is_last) {
-                found.push((at(next), number));
-                next += 1;
-            }
-            if !is_last {
-                found.push((*end, number));
-            }
+        let n = stretches.len();
+        if n == 0 {
+            return Vec::new();
+        }
+        let within = (samples + 1).saturating_sub(2 * n).max(FEWEST - 1);
+        let counts = shares(stretches, within, WITHIN.min(within / (2 * n)));
+        let mut found = Vec::with_capacity(within + 2 * n);
+        for (number, ([from, to], count)) in stretches.iter().zip(counts).enumerate() {
+            let at = |j: usize| from + (to - from) * j as f64 / (count + 1) as f64;
+            found.push((*from, number));
+            found.extend((1..=count).map(|j| (at(j), number)));
+            found.push((*to, number));
         }
         found
     }
+}
+
+/// `count` divided among stretches: `least` for each, the rest by their lengths.
+fn shares(stretches: &[[f64; 2]], count: usize, least: usize) -> Vec<usize> {
+    let length = |stretch: &[f64; 2]| (stretch[1] - stretch[0]).max(0.0);
+    let whole: f64 = stretches.iter().map(length).sum();
+    let rest = count - least * stretches.len();
+    let (mut so_far, mut given) = (0.0, 0);
+    let mut share = |stretch: &[f64; 2]| {
+        so_far += length(stretch);
+        let up_to = if whole > 0.0 { (rest as f64 * so_far / whole).round() as usize } else { rest };
+        let own = up_to.min(rest) - given;
+        given += own;
+        least + own
+    };
+    stretches.iter().map(&mut share).collect()
 }
 
 #[cfg(test)]
@@ -112,6 +126,14 @@ mod tests {
             assert_eq!((found[0], found[200]), ((0.0, 0), (scale, 3)));
             assert!(found.iter().all(|(t, k)| (stretches[*k][0]..=stretches[*k][1]).contains(t)));
         }
+        // A blow of a thousandth of the period has its largest force between its ends: its middle is among the instants.
+        let short: Vec<[f64; 2]> = [0.0, 0.3, 0.301, 1.0].windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        let found = TimeHistory::exact_instants(&short, 200);
+        let blow: Vec<f64> = found.iter().filter(|(_, k)| *k == 1).map(|(t, _)| *t).collect();
+        assert_eq!((found.len(), blow.len()), (201, WITHIN + 2));
+        assert!(blow.iter().any(|t| (t - 0.3005).abs() < 1e-12));
+        let widest = found.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0.0, f64::max);
+        assert!(widest < 1.2 / 200.0 * 1.1, "{widest}");
         // Many changes do not leave the motion without instants between them.
         let many: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), f64::from(k + 1)]).collect();
         assert_eq!(TimeHistory::exact_instants(&many, 100).len(), 65 + 2 * 99);

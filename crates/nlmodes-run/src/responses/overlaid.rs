@@ -15,6 +15,8 @@ use super::curves::ComputedResponse;
 use crate::overlay::{by, percent};
 use crate::{Event, Observer, RunError, refusal};
 
+/// Relative difference that the digits of a table make of a frequency: the ends of a curve stay within it.
+const TABLE_DIGITS: f64 = 1e-14;
 /// Relative difference up to which two levels are one.
 const SAME_LEVEL: f64 = 1e-6;
 
@@ -110,7 +112,9 @@ fn nearest(point: &LaidPoint, curves: &[Vec<LaidPoint>]) -> Option<LaidPoint> {
     let pairs = curves.iter().filter(is_of_level).flat_map(|curve| curve.windows(2));
     let crossings = pairs.filter_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
-        let within = (a.frequency.min(b.frequency)..=a.frequency.max(b.frequency)).contains(&point.frequency);
+        let digits = TABLE_DIGITS * point.frequency;
+        let within =
+            (a.frequency.min(b.frequency) - digits..=a.frequency.max(b.frequency) + digits).contains(&point.frequency);
         let share = if a.frequency == b.frequency {
             0.0
         } else {
