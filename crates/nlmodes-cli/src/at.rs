@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use nlmodes_run::chain;
-use nlmodes_run::passages::{Abscissa, Answer, json, passages, text};
+use nlmodes_run::overlay::{OverlayError, SheetError};
+use nlmodes_run::passages::{Abscissa, Answer, PassageError, json, passages, text};
 
 use crate::Status;
 use crate::terminal::print;
@@ -60,6 +61,9 @@ pub fn run(arguments: &Arguments) -> Status {
         }
         Err(error) => {
             say!("error: {}", chain(&error));
+            if matches!(error, PassageError::Table(OverlayError::Sheet(SheetError::NoColumn { .. }))) {
+                say!("  expected a directory that `run` has written, or the branch.csv in it");
+            }
             Status::Wrong
         }
     }

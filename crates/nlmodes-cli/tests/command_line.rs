@@ -185,6 +185,11 @@ fn results_that_give_no_answer_give_a_status_and_say_so() -> Outcome {
         "{text}"
     );
     assert!(said(&["--energy", "6"])?.contains("'--energy-j'"));
+    let other = call(&["at", "configs/rod.toml", "--energy-j", "1"])?;
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        String::from_utf8(other.stderr)?.contains("expected a directory that `run` has written, or the branch.csv")
+    );
     let missing = call(&["at", "no/such/results", "--energy-j", "1"])?;
     assert_eq!(String::from_utf8(missing.stderr)?.trim(), "error: there is no no/such/results");
     Ok(())

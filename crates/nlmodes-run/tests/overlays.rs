@@ -66,7 +66,11 @@ fn a_run_laid_over_itself_differs_by_nothing_and_a_measurement_by_what_it_was_ch
     let n = chosen.len();
     let wanted =
         format!("rig: at equal frequency its fundamental at the first contact differs by +10.0 % at {n} points");
-    assert!(page.contains(&wanted), "{wanted}");
+    assert!(
+        page.contains(&wanted),
+        "{wanted}, not {}",
+        page.split("rig: ").nth(1).unwrap_or_default().chars().take(200).collect::<String>()
+    );
     let figure = fs::read_to_string(second.join("responses.svg")).unwrap();
     assert_eq!(figure.matches("class=\"measured\"").count(), chosen.len());
 }

@@ -63,7 +63,9 @@ pub(super) fn signed(percent: f64) -> String {
     if percent.abs() < NOTHING {
         return "0".to_owned();
     }
-    let whole = percent.abs().log10().floor().clamp(-5.0, 2.0) as i32;
+    // Of the rounded number: 9.9996 is 10.0.
+    let rounded: f64 = format!("{:.2e}", percent.abs()).parse().unwrap_or(percent);
+    let whole = rounded.log10().floor().clamp(-5.0, 2.0) as i32;
     format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
 }
 
@@ -237,7 +239,7 @@ mod tests {
 
     #[test]
     fn differences_are_said_to_three_digits() {
-        let said = [-1.0, 0.0, 1843.869, 12.345, -0.0192, 130.8, 1e-7].map(signed);
-        assert_eq!(said, ["−1.00", "0", "+1844", "+12.3", "−0.0192", "+131", "0"]);
+        let said = [-1.0, 0.0, 1843.869, 12.345, -0.0192, 130.8, 1e-7, 9.999_999].map(signed);
+        assert_eq!(said, ["−1.00", "0", "+1844", "+12.3", "−0.0192", "+131", "0", "+10.0"]);
     }
 }
