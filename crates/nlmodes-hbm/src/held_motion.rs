@@ -1,6 +1,6 @@
 use num_complex::Complex64;
 
-/// Complex coefficients of `b`, `q_N` and `η`, each `[coordinate][harmonic]`.
+/// Complex coefficients of `b`, `q_N` and `η`, each `[harmonic][coordinate]`.
 pub(crate) struct HeldMotion {
     pub b: Vec<Vec<Complex64>>,
     pub q: Vec<Vec<Complex64>>,
@@ -25,17 +25,13 @@ impl Part {
 
 impl HeldMotion {
     pub fn new(n_contact_dofs: usize, n_modes: usize, harmonics: usize) -> Self {
-        let zeros = |n: usize| vec![vec![Complex64::default(); harmonics + 1]; n];
+        let zeros = |n: usize| vec![vec![Complex64::default(); n]; harmonics + 1];
         Self { b: zeros(n_contact_dofs), q: zeros(n_contact_dofs), eta: zeros(n_modes) }
     }
 
     pub fn add(&mut self, n: usize, unit: Complex64, b: &[f64], q: &[f64], eta: &[f64]) {
-        for (to, from) in [(&mut self.b, b), (&mut self.q, q), (&mut self.eta, eta)] {
-            to.iter_mut().zip(from).for_each(|(to, from)| to[n] += unit * *from);
+        for (to, from) in [(&mut self.b[n], b), (&mut self.q[n], q), (&mut self.eta[n], eta)] {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += unit * *from);
         }
-    }
-
-    pub fn eta_1(&self) -> impl Iterator<Item = &Complex64> {
-        self.eta.iter().map(|η| &η[1])
     }
 }

@@ -78,7 +78,7 @@ impl MixedShooting<'_> {
         let h = self.series().n_harmonics;
         let mut all = HarmonicCoefficients::zeros(recording.dofs().len(), h);
         for (d, &place) in recording.contacts.iter().enumerate() {
-            all.of_mut(place).copy_from_slice(&held.q[d]);
+            all.of_mut(place).iter_mut().zip(&held.q).for_each(|(to, q)| *to = q[d]);
         }
         for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
             if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
@@ -97,13 +97,13 @@ impl MixedShooting<'_> {
     /// `q_L,n = Σ_k φ_k (ν²/λ_k) η_k,n + Ψ q_N,n + X ν² q_N,n` is made from.
     pub(crate) fn amplitudes(&self, held: &HeldMotion, omega: f64, part: Part) -> Mat<f64> {
         let modes = self.structure().modes();
-        let (k, n_n) = (modes.len(), held.q.len());
+        let (k, n_n) = (modes.len(), self.structure().n_contact_dofs());
         Mat::from_fn(k + 2 * n_n, self.series().n_harmonics + 1, |i, n| {
             let nu2 = (n as f64 * omega).powi(2);
             match i {
-                i if i < k => nu2 / modes[i].lambda * part.of(held.eta[i][n]),
-                i if i < k + n_n => part.of(held.q[i - k][n]),
-                i => nu2 * part.of(held.q[i - k - n_n][n]),
+                i if i < k => nu2 / modes[i].lambda * part.of(held.eta[n][i]),
+                i if i < k + n_n => part.of(held.q[n][i - k]),
+                i => nu2 * part.of(held.q[n][i - k - n_n]),
             }
         })
     }
@@ -121,24 +121,25 @@ impl MixedShooting<'_> {
             let mut kinetic = 0.0;
             let nu2 = (n as f64 * omega).powi(2);
             let mean = if n == 0 { 1.0 } else { 0.5 };
-            for (mode, eta) in structure.modes().iter().zip(&held.eta) {
-                let coupling: Complex64 = mode.g.iter().zip(&held.q).map(|(g, q)| q[n] * *g).sum();
+            let (b, q) = (&held.b[n], &held.q[n]);
+            for (mode, eta) in structure.modes().iter().zip(&held.eta[n]) {
+                let coupling: Complex64 = mode.g.iter().zip(q).map(|(g, q)| q * *g).sum();
                 let share = nu2 / mode.lambda;
-                kinetic += 0.5 * mean * nu2 * eta[n].norm_sqr();
-                strain += 0.5 * mean * (share * nu2 * eta[n].norm_sqr() - 2.0 * share * (coupling.conj() * eta[n]).re);
+                kinetic += 0.5 * mean * nu2 * eta.norm_sqr();
+                strain += 0.5 * mean * (share * nu2 * eta.norm_sqr() - 2.0 * share * (coupling.conj() * eta).re);
             }
             for i in 0..n_n {
                 for j in 0..n_n {
                     let k = k_nn[(i, j)];
                     // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts twice.
-                    let residual = structure.residual.mass[(i, j)] * (held.q[i][n].conj() * held.q[j][n]).re;
+                    let residual = structure.residual.mass[(i, j)] * (q[i].conj() * q[j]).re;
                     kinetic += 0.5 * mean * nu2 * residual;
                     strain += mean * nu2 * residual;
-                    let static_q: Complex64 = (0..n_n).map(|e| held.q[e][n] * structure.t0[(j, e)]).sum();
-                    let force: Complex64 = held.q[j][n] - held.b[j][n];
-                    strain += 0.5 * mean * k * (held.q[i][n].conj() * static_q).re;
-                    strain -= 0.5 * mean * k * (held.b[i][n].conj() * held.b[j][n]).re;
-                    strain -= 0.5 * mean * k * (held.b[i][n].conj() * force).re;
+                    let static_q: Complex64 = (0..n_n).map(|e| q[e] * structure.t0[(j, e)]).sum();
+                    let force: Complex64 = q[j] - b[j];
+                    strain += 0.5 * mean * k * (q[i].conj() * static_q).re;
+                    strain -= 0.5 * mean * k * (b[i].conj() * b[j]).re;
+                    strain -= 0.5 * mean * k * (b[i].conj() * force).re;
                 }
             }
             harmonic_energy.push(kinetic);
@@ -149,10 +150,10 @@ impl MixedShooting<'_> {
 
     /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).
     fn modal_amplitude(&self, held: &HeldMotion) -> f64 {
-        let (mass, n) = (&self.structure().residual.mass, held.q.len());
-        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let residual: f64 = pairs.map(|(i, j)| mass[(i, j)] * (held.q[i][1].conj() * held.q[j][1]).re).sum();
-        (held.eta_1().map(|η| η.norm_sqr()).sum::<f64>() + residual).sqrt()
+        let (mass, q) = (&self.structure().residual.mass, &held.q[1]);
+        let pairs = (0..q.len()).flat_map(|i| (0..q.len()).map(move |j| (i, j)));
+        let residual: f64 = pairs.map(|(i, j)| mass[(i, j)] * (q[i].conj() * q[j]).re).sum();
+        (held.eta[1].iter().map(|η| η.norm_sqr()).sum::<f64>() + residual).sqrt()
     }
 
     /// Mean contact forces over a period, N.

@@ -45,8 +45,8 @@ impl Projection {
         }
         let mut modal = HarmonicCoefficients::zeros(self.inertia.ncols(), motion.n_harmonics());
         for k in 0..self.inertia.ncols() {
-            for (n, eta) in modal.of_mut(k).iter_mut().enumerate() {
-                *eta = self.inertia.col(k).iter().enumerate().map(|(d, m)| motion.of(d)[n] * *m).sum::<Complex64>();
+            for (d, mass) in self.inertia.col(k).iter().enumerate() {
+                modal.of_mut(k).iter_mut().zip(motion.of(d)).for_each(|(eta, q)| *eta += q * *mass);
             }
         }
         Some(modal)
