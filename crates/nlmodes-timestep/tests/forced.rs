@@ -225,6 +225,9 @@ fn the_largest_force_and_the_smallest_gap_of_a_period_are_those_of_many_instants
         for (i, least) in least.into_iter().enumerate() {
             assert!((motion.smallest_gap(i) - least).abs() < 1e-6, "{level} {i}: {} {least}", motion.smallest_gap(i));
             assert_eq!(motion.touches(i) == 0, least > 1e-6, "{level} {i}");
+            let presses = |j: usize| motion.contact_at(i, motion.period() * j as f64 / INSTANTS as f64)[1] > 0.0;
+            let begins = (0..INSTANTS).filter(|&j| presses(j) && !presses((j + INSTANTS - 1) % INSTANTS)).count();
+            assert_eq!(motion.touches(i), begins, "{level} {i}");
         }
     }
 }
