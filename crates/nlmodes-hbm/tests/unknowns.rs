@@ -408,6 +408,13 @@ fn same_figures(model: &StructuralModel) {
     let branch = to_the_end.run(&mut system, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(())).unwrap();
     let (x, residual) = newton(&mut system, branch.points.last().unwrap().x.clone(), p);
     assert!(residual < 1e-12, "{residual:e}");
+    // Nothing is lost: the multipliers of a motion that is even in time have the product one, and two of them are one.
+    let floquet = system.floquet(&x, p, solver().as_ref()).unwrap();
+    let product: num_complex::Complex64 = floquet.multipliers.iter().product();
+    assert!((product - 1.0).norm() < 1e-9, "{product}");
+    let mut from_one: Vec<f64> = floquet.multipliers.iter().map(|z| (z - 1.0).norm()).collect();
+    from_one.sort_by(f64::total_cmp);
+    assert!(from_one[1] < floquet.error, "{from_one:?} {}", floquet.error);
     let contact = DofContact { dof: open.n_modes(), ..open.contacts[0] };
     let found = system.modal_point(&x, &[contact], 0.0).unwrap();
     let pairs = [
