@@ -108,6 +108,8 @@ fn what_is_no_result_is_refused_with_the_reason() -> Outcome {
     expect("0", "there is no harmonics.npz here")?;
     fs::remove_file(out.path().join("summary.json"))?;
     expect("0", "there is no summary.json here")?;
+    let (status, _, error) = verify(&out.path().join("branch.csv"), "0")?;
+    assert!(status == Some(2) && error.contains("this is a file; expected the directory"), "{error}");
     let (status, _, error) = verify(&out.path().join("nowhere"), "0")?;
     assert!(status == Some(2) && error.contains("there is no such directory"), "{error}");
     Ok(())

@@ -77,7 +77,7 @@ pub enum LcpError {
         ray: Vec<f64>,
     },
     /// The backend ended without a solution that the judge accepts.
-    #[error("contact solver `{solver}` did not converge: violation {violation:e} after {iterations} iterations")]
+    #[error("contact solver `{solver}` did not converge: violation {violation:.1e} after {iterations} iterations")]
     NotConverged {
         /// Name of the backend.
         solver: &'static str,

@@ -80,7 +80,7 @@ pub enum TimestepError {
     #[error("it was asked to end")]
     Ended,
     /// Newton's method found no periodic motion.
-    #[error("no periodic motion was found: residual {residual:e} after {iterations} iterations")]
+    #[error("no periodic motion was found: residual {residual:.1e} after {iterations} iterations")]
     NotConverged {
         /// Largest entry of the scaled residual.
         residual: f64,

@@ -152,9 +152,10 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
             true => "common".to_owned(),
             false => format!("P{}", number + 1),
         };
+        let size = stops::short(amplitude);
         let title = match amplitude < points[point].modal_amplitude {
-            true => format!("largest modal amplitude of all branches, {amplitude:.4e} m √kg"),
-            false => format!("{name}: equal modal amplitude, {amplitude:.4e} m √kg"),
+            true => format!("largest modal amplitude of all branches, {size} m √kg"),
+            false => format!("{name}: equal modal amplitude, {size} m √kg"),
         };
         found.push(Reference { name, amplitude, point: near.unwrap_or(point), title, motions });
     }

@@ -41,8 +41,8 @@ pub fn names(computed: &ComputedBranch) -> Vec<String> {
     all.iter().enumerate().map(name).collect()
 }
 
-/// A position with six digits at most.
-fn short(position: f64) -> String {
+/// A position, or another size, with six digits at most.
+pub fn short(position: f64) -> String {
     let text = format!("{position:.5e}");
     nlmodes_scene::number(text.parse().unwrap_or(position))
 }

@@ -14,6 +14,9 @@ pub enum VerifyError {
     /// There is no such directory.
     #[error("there is no such directory")]
     NoDirectory,
+    /// It is a file.
+    #[error("this is a file; expected the directory that `nlmodes-cli run` has written")]
+    File,
     /// Something that is needed is not there.
     #[error("there is no {name} here; expected a directory that `nlmodes-cli run` has written to its end")]
     Missing {

@@ -58,7 +58,7 @@ impl Point {
     /// [`VerifyError`] if they are not there, or not those of a run.
     pub fn read(directory: &Path, number: usize) -> Result<Self, VerifyError> {
         if !directory.is_dir() {
-            return Err(VerifyError::NoDirectory);
+            return Err(if directory.is_file() { VerifyError::File } else { VerifyError::NoDirectory });
         }
         let summary = read_summary(directory)?;
         let path = directory.join(HARMONICS);
