@@ -3,7 +3,7 @@
     cargo build --release
     python3 docs/scripts/figures.py [NAME ...] [--cli target/release/nlmodes-cli] [--to docs/images]
 
-Without names all of them but those of the work-precision study, which measures times for half an hour and is drawn by
+Without names all of them but those of the work-precision study, which measures times for some minutes and is drawn by
 `cargo run --release -p nlmodes-benchmarks --example work_precision -- docs/images`.
 """
 
