@@ -83,14 +83,15 @@ pub fn run(arguments: &Arguments) -> Status {
     status
 }
 
-/// The figures of a directory by name, or the figure itself.
+/// The figures of a directory by name, or the figure itself; none where that is no SVG.
 fn figures_of(place: &Path) -> io::Result<Vec<PathBuf>> {
-    if !fs::metadata(place)?.is_dir() {
-        return Ok(vec![place.to_path_buf()]);
-    }
     let mut figures = Vec::new();
-    for entry in fs::read_dir(place)? {
-        figures.push(entry?.path());
+    if fs::metadata(place)?.is_dir() {
+        for entry in fs::read_dir(place)? {
+            figures.push(entry?.path());
+        }
+    } else {
+        figures.push(place.to_path_buf());
     }
     figures.retain(|path| path.extension().is_some_and(|ending| ending == "svg"));
     figures.sort();

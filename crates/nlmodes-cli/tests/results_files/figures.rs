@@ -84,6 +84,9 @@ fn figures_come_as_pdf_and_png_too() -> Outcome {
     let figures = with_ending(".svg")?;
     assert!(figures.len() > 5, "{figures:?}");
     assert_eq!((with_ending(".pdf")?, with_ending(".png")?), (figures.clone(), figures));
+    let table = Command::cargo_bin("nlmodes-cli")?.arg("figures").arg(out.join("branch.csv")).output()?;
+    let said = String::from_utf8_lossy(&table.stderr);
+    assert!(table.status.code() == Some(2) && said.contains("branch.csv: no figures; expected .svg"), "{said}");
     let scene = folder.path().join("scene.toml");
     let again = Command::cargo_bin("nlmodes-cli")?
         .arg("run")
