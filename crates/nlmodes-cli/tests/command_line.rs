@@ -61,6 +61,26 @@ fn mass_that_is_left_out_is_told_with_both_frequencies_and_what_helps() -> Outco
     Ok(())
 }
 
+/// A gap in another unit, which is possible: what is warned of is not called sound below that.
+#[test]
+fn a_scene_that_is_warned_of_is_not_called_sound() -> Outcome {
+    let output = call(&["check", "configs/beam_updated.toml", "--set", "contact.0.gap_m=400.0"])?;
+    let (said, verdict) = (String::from_utf8(output.stderr)?, String::from_utf8(output.stdout)?);
+    assert!(said.contains("warning") && verdict.contains("but see the warning"), "{said}\n{verdict}");
+    Ok(())
+}
+
+/// What a plain run knows against its numbers stands in the terminal too.
+#[test]
+fn a_plain_run_says_which_numbers_not_to_use() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("out").display().to_string();
+    let output = call(&["run", "configs/beam_two_stops.toml", "--set", "output.figures=false", "--out", &out])?;
+    let text = String::from_utf8(output.stdout)? + &String::from_utf8(output.stderr)?;
+    assert!(text.contains("Do not use: frequency (contact mass: 1.7 %"), "{text}");
+    Ok(())
+}
+
 #[test]
 fn commands_that_do_not_exist_are_told_only_what_is_near() -> Outcome {
     for (typed, meant) in [("rnu", "run"), ("chek", "check"), ("mode", "modes")] {

@@ -245,7 +245,7 @@ impl Certificate {
 
     /// The numbers not to use as a warning at the head of a page, and those of which nothing is known as a line there. `name` is that of the branch among several.
     pub(crate) fn on_the_head<'a>(&self, page: HtmlReport<'a>, name: Option<&str>) -> HtmlReport<'a> {
-        let page = match self.warning(name) {
+        let page = match self.not_to_use(name) {
             Some(text) => page.warning(text),
             None => page,
         };
@@ -255,12 +255,12 @@ impl Certificate {
         }
     }
 
-    /// The numbers not to use; nothing where there are none.
-    fn warning(&self, name: Option<&str>) -> Option<String> {
+    /// The numbers not to use in a sentence; nothing where there are none. `name` is that of the branch among several.
+    pub fn not_to_use(&self, name: Option<&str>) -> Option<String> {
         let refused = self.numbers.iter().filter(|number| number.usable == Use::No);
         let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.meaning(), n.words)).collect();
         let of = name.map_or_else(String::new, |name| format!(" of {name}"));
-        let why = "the certificate at the foot of the page says more";
+        let why = "the certificate, at the foot of the page and in summary.json, says more";
         (!refused.is_empty()).then(|| format!("Do not use{of}: {}; {why}.", refused.join("; ")))
     }
 

@@ -18,7 +18,8 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
     let warning = mass::warning_of(&updated)?;
     warning.iter().for_each(|text| observer.event(Event::Warning(text)));
     let open = branches::check(&updated, observer)?;
-    Ok(Outline::of_structure(&file.scene, open.as_ref(), warning.is_some()))
+    let warned = warning.is_some() || !file.warnings.is_empty();
+    Ok(Outline::of_structure(&file.scene, open.as_ref(), warned))
 }
 
 /// What would be extracted from records, where all of them are there.
@@ -26,7 +27,7 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
 /// # Errors
 /// [`RunError::Scene`] with each that is not, at its place in the scene.
 pub fn check_records(file: &SceneFile<RecordScene>) -> Result<Outline, RunError> {
-    records::files_are_there(file).map(|()| Outline::of_records(&file.scene))
+    records::files_are_there(file).map(|()| Outline::of_records(&file.scene, !file.warnings.is_empty()))
 }
 
 /// What a virtual test would record, where it would come to its first sample.
@@ -34,5 +35,5 @@ pub fn check_records(file: &SceneFile<RecordScene>) -> Result<Outline, RunError>
 /// # Errors
 /// [`RunError`] that says why it would not.
 pub fn check_test(file: &SceneFile<TestScene>) -> Result<Outline, RunError> {
-    virtual_test::check(file).map(|()| Outline::of_test(&file.scene))
+    virtual_test::check(file).map(|()| Outline::of_test(&file.scene, !file.warnings.is_empty()))
 }

@@ -49,6 +49,14 @@ impl PartOutcome {
         branches.map(|(number, computed)| Ending::new(computed, &name(number), self.points_time)).collect()
     }
 
+    /// The numbers that the certificates say not to use, a sentence for each branch that has some.
+    pub fn not_to_use(&self) -> Vec<String> {
+        let several = self.certificates.len() > 1;
+        let name = |number: usize| several.then(|| format!("branch {number}"));
+        let certificates = self.certificates.iter().enumerate();
+        certificates.filter_map(|(number, certificate)| certificate.not_to_use(name(number).as_deref())).collect()
+    }
+
     /// What the certificates say: a sentence a branch, and why each number is to be used or not.
     pub fn certificates_text(&self) -> String {
         let several = self.certificates.len() > 1;

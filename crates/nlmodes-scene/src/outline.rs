@@ -31,28 +31,29 @@ pub struct Row {
     pub text: String,
 }
 
+/// What a scene comes to above which there is a warning that is to be read first.
+const WARNED: &str = "The scene can be computed, but see the warning; nothing was computed.";
+
 impl Outline {
     /// Of a structure; `open` is known of structures in open modes. `warned` says that a warning stands above it which is to be read first.
     pub fn of_structure(scene: &Scene, open: Option<&crate::assemble::OpenStructure>, warned: bool) -> Self {
-        let verdict = if warned {
-            "The scene can be computed, but see the warning; nothing was computed."
-        } else {
-            "The scene is sound; nothing was computed."
-        };
-        Self { title: scene.title.clone(), rows: structure::rows(scene, open), verdict }
+        Self { title: scene.title.clone(), rows: structure::rows(scene, open), verdict: verdict(warned) }
     }
 
     /// Of records, whose files are there.
-    pub fn of_records(scene: &RecordScene) -> Self {
-        let verdict = "The scene is sound and its files are there; nothing was read or computed.";
-        Self { title: scene.title.clone(), rows: records::rows(scene), verdict }
+    pub fn of_records(scene: &RecordScene, warned: bool) -> Self {
+        let sound = "The scene is sound and its files are there; nothing was read or computed.";
+        Self { title: scene.title.clone(), rows: records::rows(scene), verdict: if warned { WARNED } else { sound } }
     }
 
     /// Of a virtual test.
-    pub fn of_test(scene: &TestScene) -> Self {
-        let verdict = "The scene is sound; nothing was computed.";
-        Self { title: scene.title.clone(), rows: test::rows(scene), verdict }
+    pub fn of_test(scene: &TestScene, warned: bool) -> Self {
+        Self { title: scene.title.clone(), rows: test::rows(scene), verdict: verdict(warned) }
     }
+}
+
+fn verdict(warned: bool) -> &'static str {
+    if warned { WARNED } else { "The scene is sound; nothing was computed." }
 }
 
 impl fmt::Display for Outline {

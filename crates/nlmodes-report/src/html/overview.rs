@@ -100,9 +100,14 @@ impl HtmlReport<'_> {
             all => {
                 let line = |(k, branch): (usize, &&ModalBranch)| {
                     let (label, n, range) = (escape(&branch.label), branch.points.len(), range(branch));
-                    let points = if self.scattered.contains(&k) { "measured points" } else { "points" };
-                    let early = if branch.end.complete { "" } else { "⚠ " };
-                    format!("<br/>{early}{label}: {n} {points}{range}; {}", said(branch))
+                    let is_measured = self.scattered.contains(&k);
+                    let points = if is_measured { "measured points" } else { "points" };
+                    let (class, early) = match branch.end.complete {
+                        false => ("early", "⚠ "),
+                        true if is_measured && !is_test => ("beside", ""),
+                        true => ("done", ""),
+                    };
+                    format!("<br/><span class=\"{class}\">{early}{label}: {n} {points}{range}; {}</span>", said(branch))
                 };
                 all.iter().enumerate().map(line).collect::<String>()
             }

@@ -27,13 +27,16 @@ struct Compared {
     at_size: Vec<Difference>,
     at_frequency: Vec<Difference>,
     changes: Vec<Vec<StopChange>>,
+    /// Softer or stiffer.
+    sentence: String,
 }
 
 impl Compared {
     fn new(laid: &Laid, first: &ModalBranch) -> Self {
         let (at_size, at_frequency) = (differences(laid, first), at_equal_frequency(laid, first));
         let changes = vec![changes(&at_size), changes(&at_frequency)];
-        Self { laid: laid.clone(), at_size, at_frequency, changes }
+        let sentence = sentence(laid, &at_size, first);
+        Self { laid: laid.clone(), at_size, at_frequency, changes, sentence }
     }
 }
 
@@ -92,16 +95,15 @@ impl Overlaid {
                 true => text,
                 false => format!("{text}; stop by stop: table \"Impulse of each stop\""),
             });
-            [sentence(&one.laid, &one.at_size, &self.first)].into_iter().chain(at_frequency)
+            [one.sentence.clone()].into_iter().chain(at_frequency)
         })
     }
 
     /// The sentences, and a line for each stop below each.
     pub fn lines(&self) -> Vec<String> {
         let of = |one: &Compared| {
-            let sentence = sentence(&one.laid, &one.at_size, &self.first);
             let stops = lines(&one.changes, &self.stops).into_iter().map(|line| format!("  {line}"));
-            [sentence].into_iter().chain(stops).collect::<Vec<_>>()
+            [one.sentence.clone()].into_iter().chain(stops).collect::<Vec<_>>()
         };
         self.compared.iter().flat_map(of).collect()
     }

@@ -205,9 +205,9 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     let said = if looked == all { format!("all {all} points") } else { format!("{looked} of {all} points") };
     assert!(poor.verdict.contains(&said) && poor.verdict.contains("did not pass"), "{}", poor.verdict);
     // The head of the page says the same of the numbers, and nothing where none is refused.
-    let warning = poor.warning(Some("the coarse one")).unwrap();
+    let warning = poor.not_to_use(Some("the coarse one")).unwrap();
     assert!(warning.starts_with("Do not use of the coarse one: ") && warning.contains(force.meaning()), "{warning}");
-    assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.warning(None), None);
+    assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.not_to_use(None), None);
     // Of what nothing speaks for it says how that can be had, where it can.
     let quick = Certificate::of(&computed, Sources { thorough: false, ..sources }, &mut |_, _, _| true);
     let open = quick.open(None).unwrap();

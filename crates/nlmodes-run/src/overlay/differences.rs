@@ -169,9 +169,12 @@ fn motions(points: &[ModalPoint], equal: Equal, wanted: f64) -> Vec<There> {
 }
 
 /// Numbers of the points from grazing on, as long as what is equal grows: on these two branches of a mode go the same way, whatever their tongues do
-/// behind them. Empty for a branch that does not begin or end at grazing.
+/// behind them. A tongue that is left out between two points of one size does not end that. Empty for a branch that does not begin or end at grazing.
 fn first_arm(points: &[ModalPoint], equal: Equal) -> Range<usize> {
-    let grows = |pair: &[ModalPoint]| equal.value(&pair[1]) > equal.value(&pair[0]);
+    let grows = |pair: &[ModalPoint]| {
+        let [a, b] = [0, 1].map(|k| equal.value(&pair[k]));
+        b > a || (pair[1].has_event(Event::Resumed) && (b - a).abs() <= SAME * a)
+    };
     let grazes = |point: Option<&ModalPoint>| point.is_some_and(|point| point.has_event(Event::Grazing));
     if grazes(points.first()) {
         0..1 + points.windows(2).take_while(|pair| grows(pair)).count()
@@ -305,7 +308,7 @@ mod tests {
                 assert!((difference.relative() + 0.02).abs() < 1e-12);
             }
             assert_eq!(found[1].force, 7.0);
-            let said = sentence(&test, &found, &own.branch.label);
+            let said = sentence(&test, &found, &own.branch);
             assert!(said.contains("softer than test") && said.contains("−2.00 %"), "{said}");
         }
     }
@@ -324,7 +327,7 @@ mod tests {
         let found = differences(&other, &own.branch);
         // Half-way between 3 and 6 N s, and between 300 and 500 N.
         assert!((found[0].impulse - 5.1).abs() < 1e-12 && (found[0].own_impulse - 4.5).abs() < 1e-12);
-        let said = sentence(&other, &found, &own.branch.label);
+        let said = sentence(&other, &found, &own.branch);
         assert!(said.contains("impulse a period by +13.3 %") && said.contains("largest force by +100 %"), "{said}");
     }
 
@@ -369,7 +372,7 @@ mod tests {
                 point.peak_contact_force *= share;
             }
         }
-        let said = sentence(&other, &differences(&other, &own.branch), &own.branch.label);
+        let said = sentence(&other, &differences(&other, &own.branch), &own.branch);
         assert!(said.contains("impulse a period by +100 % at 2 points, those that touch a stop in both; "), "{said}");
         assert!(said.contains("largest force by +100 % at 2 points") && said.contains("by 0 % at 5 points"), "{said}");
     }
@@ -383,7 +386,7 @@ mod tests {
         other.is_scattered = false;
         let found = differences(&other, &own.branch);
         assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 2, 2, 1, 2, 2, 1]);
-        let said = sentence(&other, &found, &own.branch.label);
+        let said = sentence(&other, &found, &own.branch);
         assert!(said.contains("at 4 points; ") && said.contains("4 points are left out"), "{said}");
         // Points of a test are no curve: what counts is how many motions the branch has.
         other.is_scattered = true;
@@ -427,9 +430,9 @@ mod tests {
             let last = &found[4];
             assert!(last.is_matched && last.motions == 3 && (last.own_frequency - hz).abs() < 1e-12, "{hz}: {last:?}");
             assert!(found[..4].iter().all(|difference| !difference.is_matched && difference.is_clear()));
-            let said = sentence(&test, &found, "");
+            let said = sentence(&test, &found, &own.branch);
             assert!(
-                said.contains("softer than this branch;") && said.contains("by −8.00 % at 5 points, of which 1 with"),
+                said.contains("softer than test;") && said.contains("by −8.00 % at 5 points, of which 1 with"),
                 "{said}"
             );
         }
@@ -437,7 +440,33 @@ mod tests {
         let test = laid("frequency_hz,modal_amplitude\n12.9,2.5\n");
         let found = differences(&test, &own.branch);
         assert!(!found[0].is_clear() && found[0].motions == 3);
-        assert!(sentence(&test, &found, "").contains("nothing to compare"));
+        assert!(sentence(&test, &found, &own.branch).contains("nothing to compare"));
+    }
+
+    #[test]
+    fn a_tongue_that_is_left_out_at_one_frequency_does_not_end_the_way_from_grazing() {
+        let mut own = laid("frequency_hz,modal_amplitude\n10,1\n11,2\n11,2.2\n13,4\n");
+        let mut other = laid("frequency_hz,modal_amplitude\n10,1\n12,3\n12.5,3.5\n");
+        own.branch.points[2].events.push(Event::Resumed);
+        for branch in [&mut own.branch, &mut other.branch] {
+            branch.points[0].events.push(Event::Grazing);
+        }
+        other.is_scattered = false;
+        assert!(at_equal_frequency(&other, &own.branch).iter().all(Difference::is_clear));
+        // Where the branch goes on at a lower frequency, some are passed twice.
+        own.branch.points[2].omega *= 0.9;
+        assert!(!at_equal_frequency(&other, &own.branch).iter().all(Difference::is_clear));
+    }
+
+    #[test]
+    fn where_nothing_lies_within_the_branch_both_ranges_are_said() {
+        for (size, unit) in [("modal_amplitude", "m√kg"), ("energy_j", "J")] {
+            let own = laid(&format!("frequency_hz,{size}\n10,5e-4\n12,2e-3\n"));
+            let test = laid(&format!("frequency_hz,{size}\n10,2.0\n11,0.5\n12,\n"));
+            let said = sentence(&test, &differences(&test, &own.branch), &own.branch);
+            let ranges = format!(": 5.000e-1 to 2.000e0 {unit} beside 5.000e-4 to 2.000e-3 {unit}");
+            assert!(said.contains("no point within the ") && said.ends_with(&ranges), "{said}");
+        }
     }
 
     #[test]

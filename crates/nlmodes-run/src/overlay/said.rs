@@ -1,5 +1,6 @@
 //! Differences in words, and as a table of the page.
 
+use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::report::DataTable;
 
 use super::stops::ROUNDING;
@@ -114,10 +115,10 @@ fn verdict(percent: &[f64], own: &str) -> String {
 }
 
 /// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points of which it is known which motion of the branch is theirs.
-pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
-    let name = &laid.branch.label;
-    let own = if own.is_empty() { "this branch" } else { own };
-    let Some(first) = found.first() else { return format!("{name}: no point within the amplitudes of {own}") };
+pub fn sentence(laid: &Laid, found: &[Difference], branch: &ModalBranch) -> String {
+    let (name, own) = (&laid.branch.label, branch);
+    let own = if own.label.is_empty() { "this branch" } else { &own.label };
+    let Some(first) = found.first() else { return format!("{name}: {}", apart(&laid.branch, branch)) };
     let what = first.equal.name();
     let clear: Vec<&Difference> = found.iter().filter(|difference| difference.is_clear()).collect();
     let others = left_out(found.len() - clear.len(), what);
@@ -133,6 +134,25 @@ pub fn sentence(laid: &Laid, found: &[Difference], own: &str) -> String {
         matched(&clear),
         of_forces(&clear)
     )
+}
+
+/// That no point lies within the amplitudes of a branch, or its energies where there are none, and where both lie.
+fn apart(laid: &ModalBranch, own: &ModalBranch) -> String {
+    let sizes = |branch: &ModalBranch, of: fn(&ModalPoint) -> f64| {
+        let all = || branch.points.iter().map(of).filter(|size| size.is_finite());
+        let ends = all().reduce(f64::min).zip(all().reduce(f64::max));
+        ends.map(|(least, most)| format!("{least:.3e} to {most:.3e}"))
+    };
+    let amplitudes = [laid, own].map(|branch| sizes(branch, |point| point.modal_amplitude));
+    let energies = [laid, own].map(|branch| sizes(branch, |point| point.kinetic_energy));
+    let own = if own.label.is_empty() { "this branch" } else { &own.label };
+    match (amplitudes, energies) {
+        ([Some(its), Some(here)], _) => {
+            format!("no point within the amplitudes of {own}: {its} m√kg beside {here} m√kg")
+        }
+        (_, [Some(its), Some(here)]) => format!("no point within the energies of {own}: {its} J beside {here} J"),
+        _ => format!("no point to compare with {own}"),
+    }
 }
 
 /// Points of a test that have several motions of the branch to choose from.

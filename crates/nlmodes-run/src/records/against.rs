@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use super::{RecordOutcome, figures};
 use crate::overlay::{Difference, Laid, differences, sentence, table, write};
 
-/// The points, and their differences from each branch beside them.
-pub struct Against(Vec<(Laid, Vec<Difference>)>);
+/// The points, their differences from each branch beside them, and what these come to in a sentence.
+pub struct Against(Vec<(Laid, Vec<Difference>, String)>);
 
 impl Against {
     /// Compares the points that records gave.
@@ -23,7 +23,9 @@ impl Against {
             let label = format!("test over {}", other.branch.label.trim_start_matches("computed: "));
             let laid = Laid { branch: ModalBranch { label, ..test.clone() }, is_scattered: true };
             let found = differences(&laid, &other.branch);
-            (laid, found)
+            // The name of the points says already what they lie over.
+            let said = sentence(&laid, &found, &ModalBranch { label: String::new(), ..other.branch.clone() });
+            (laid, found, said)
         };
         Self(beside.iter().map(one).collect())
     }
@@ -33,24 +35,24 @@ impl Against {
     /// # Errors
     /// [`ReportError::Io`].
     pub fn write(&self, directory: &Path) -> Result<(), ReportError> {
-        let all = self.0.iter().map(|(laid, found)| (laid, found.as_slice()));
+        let all = self.0.iter().map(|(laid, found, _)| (laid, found.as_slice()));
         if self.0.is_empty() { Ok(()) } else { write(&directory.join("overlay.csv"), all) }
     }
 
     /// Softer or stiffer, a sentence for each branch.
     pub fn sentences(&self) -> impl Iterator<Item = String> {
-        self.0.iter().map(|(laid, found)| sentence(laid, found, ""))
+        self.0.iter().map(|(_, _, said)| said.clone())
     }
 
     /// The differences, a table for each branch.
     pub fn tables(&self) -> Vec<DataTable> {
-        self.0.iter().map(|(laid, found)| table(laid, found)).collect()
+        self.0.iter().map(|(laid, found, _)| table(laid, found)).collect()
     }
 
     /// Number of points and largest difference in Hz, for each branch.
     pub fn in_numbers(&self) -> Value {
         let off = |d: &Difference| (d.frequency - d.own_frequency).abs();
-        let one = |(laid, found): &(Laid, Vec<Difference>)| {
+        let one = |(laid, found, _): &(Laid, Vec<Difference>, String)| {
             json!({
                 "label": laid.branch.label,
                 "points": found.len(),

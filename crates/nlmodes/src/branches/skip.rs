@@ -131,7 +131,7 @@ fn resume(
 ) -> Result<Behind, BranchError> {
     let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
     let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
-    let mut why = "the backbone was not found behind it".to_owned();
+    let (mut why, mut least) = ("the backbone was not found behind it".to_owned(), f64::INFINITY);
     while distance < FURTHEST {
         let hz = near.omega * (1.0 + sense * distance) / TAU;
         distance = (distance * BEYOND.1).min(distance + FURTHER);
@@ -148,7 +148,11 @@ fn resume(
             Err(error) => return Err(error),
         };
         if seed.p > highest {
-            why = "behind it the energy exceeds the largest one".to_owned();
+            least = least.min(seed.p.exp());
+            why = format!(
+                "behind it, up to {:.6} Hz, all motions that were found have more than the largest energy, {least:.1} times that at grazing or more",
+                hz
+            );
             continue;
         }
         let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };

@@ -81,7 +81,8 @@ function difference(laid, own) {
     const [start, step] = grazes(0) ? [0, 1] : grazes(last) ? [last, -1] : [0, 0];
     if (!step) return [0, -1];
     let end = start;
-    while (branch[id][end + step] !== undefined && branch[id][end + step] > branch[id][end]) end += step;
+    const goesOn = k => branch[id][k + step] > branch[id][k] || (branch.resumed.includes(Math.max(k, k + step)) && Math.abs(branch[id][k + step] - branch[id][k]) <= 1e-9 * branch[id][k]);
+    while (goesOn(end)) end += step;
     return [Math.min(start, end), Math.max(start, end)];
   };
   const part = (branch, [from, to]) => ({ [id]: branch[id].slice(from, to + 1), frequency: branch.frequency.slice(from, to + 1), resumed: branch.resumed.map(k => k - from) });
