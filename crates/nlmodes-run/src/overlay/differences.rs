@@ -253,7 +253,7 @@ fn impulse(point: &ModalPoint) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{read, sentence};
+    use super::super::{read, sentence, table};
     use super::*;
     use nlmodes::modal::ContactPeriod;
     use nlmodes_scene::scene::Overlay;
@@ -308,6 +308,10 @@ mod tests {
                 assert!((difference.relative() + 0.02).abs() < 1e-12);
             }
             assert_eq!(found[1].force, 7.0);
+            let table = table(&test, &found);
+            let columns = ["point", "amplitude, m√kg", "frequency, Hz", "this branch, Hz", "frequency off by, %"];
+            assert_eq!(table.head[..5], columns.map(String::from), "nothing is known of energies and impulses");
+            assert_eq!((table.head.len(), table.rows[1][5].as_str()), (8, "7.0000e0"));
             let said = sentence(&test, &found, &own.branch);
             assert!(said.contains("softer than test") && said.contains("−2.00 %"), "{said}");
         }

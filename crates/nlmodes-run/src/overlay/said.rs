@@ -181,13 +181,13 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
         "energy, J",
         "frequency, Hz",
         "this branch, Hz",
-        "difference, %",
+        "frequency off by, %",
         "impulse, N s",
         "this branch, N s",
-        "difference, %",
+        "impulse off by, %",
         "force, N",
         "this branch, N",
-        "difference, %",
+        "force off by, %",
     ];
     let mut table = DataTable::new(title, &head);
     let n = found.len();
@@ -217,7 +217,18 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
             off(difference, difference.force, difference.own_force),
         ]);
     }
+    without_unknown(&mut table);
     table
+}
+
+/// Takes away the amplitude, the energy, or what stands of impulse and force where no row knows it of what is laid over.
+fn without_unknown(table: &mut DataTable) {
+    let known = |column: usize| table.rows.iter().any(|row| row[column] != "–");
+    let unknown = [1..2, 2..3, 6..9, 9..12].into_iter().filter(|group| !known(group.start)).flatten();
+    for column in unknown.collect::<Vec<_>>().into_iter().rev() {
+        table.head.remove(column);
+        table.rows.iter_mut().for_each(|row| _ = row.remove(column));
+    }
 }
 
 #[cfg(test)]
