@@ -141,12 +141,11 @@ fn check(scene: AnyScene) -> Status {
         Ok(outline) => print(&outline.to_string()),
         Err(error) => refuse_run(&error),
     };
+    // A warning of one method says nothing about another: each has an observer of its own.
+    let observer = || TerminalObserver::new(RunOptions::default());
     match scene {
-        // A warning of one method says nothing about another: each has an observer of its own.
-        AnyScene::Structure(files) => {
-            each(files, |file| say(nlmodes_run::check(&file, &mut TerminalObserver::new(RunOptions::default()))))
-        }
-        AnyScene::Records(file) => say(nlmodes_run::check_records(&file)),
-        AnyScene::Test(file) => say(nlmodes_run::check_test(&file)),
+        AnyScene::Structure(files) => each(files, |file| say(nlmodes_run::check(&file, &mut observer()))),
+        AnyScene::Records(file) => say(nlmodes_run::check_records(&file, &mut observer())),
+        AnyScene::Test(file) => say(nlmodes_run::check_test(&file, &mut observer())),
     }
 }

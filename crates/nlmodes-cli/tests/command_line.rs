@@ -70,6 +70,21 @@ fn a_scene_that_is_warned_of_is_not_called_sound() -> Outcome {
     Ok(())
 }
 
+/// Of records and virtual tests as of structures, before anything is computed.
+#[test]
+fn rows_of_what_is_laid_over_that_are_not_used_are_counted_by_check() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let table = folder.path().join("rig.csv");
+    std::fs::write(&table, "frequency_hz,energy_j\n40,1e-3\n,2e-3\n")?;
+    let overlay = format!("overlay=[{{path='{}'}}]", table.display());
+    for scene in ["beam", "measured_record", "virtual_test"] {
+        let output = call(&["check", &format!("configs/{scene}.toml"), "--set", &overlay])?;
+        let said = String::from_utf8(output.stderr)?;
+        assert!(output.status.success() && said.contains("1 of 2 rows is not used"), "{scene}: {said}");
+    }
+    Ok(())
+}
+
 /// What a plain run knows against its numbers stands in the terminal too.
 #[test]
 fn a_plain_run_says_which_numbers_not_to_use() -> Outcome {

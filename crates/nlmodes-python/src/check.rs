@@ -19,8 +19,8 @@ pub fn check(py: Python<'_>, source: Source, overrides: Vec<String>) -> PyResult
         AnyScene::Structure(files) => {
             files.iter().try_for_each(|file| nlmodes_run::check(file, &mut onlooker).map(drop))
         }
-        AnyScene::Records(file) => nlmodes_run::check_records(file).map(drop),
-        AnyScene::Test(file) => nlmodes_run::check_test(file).map(drop),
+        AnyScene::Records(file) => nlmodes_run::check_records(file, &mut onlooker).map(drop),
+        AnyScene::Test(file) => nlmodes_run::check_test(file, &mut onlooker).map(drop),
     })?;
     checked.map_err(|error| errors::of_run(py, &error))?;
     Ok(onlooker.warnings)

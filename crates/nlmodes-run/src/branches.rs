@@ -31,7 +31,7 @@ use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::overlay;
+use crate::overlay::{self, Laid};
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
@@ -70,7 +70,8 @@ pub fn run_sharing(
         links::refuse(&file.scene.output_directory)?;
     }
     // Of a scene with several methods all lay the same over.
-    scenes.first().map_or(Ok(()), |file| overlay::say_unused(file, &file.scene.overlays, observer))?;
+    let first = scenes.first().ok_or(RunError::NoScene)?;
+    let laid = overlay::laid_over(first, &first.scene.overlays, observer)?;
     let claim = claim(&scenes, over, observer)?;
     let of = scenes.len();
     let mut files = Vec::new();
@@ -86,10 +87,10 @@ pub fn run_sharing(
     }
     match several::parts(&files).as_slice() {
         [only] => {
-            let part = one_branch(&only.file, &claim, observer, structures)?;
+            let part = one_branch(&only.file, &claim, &laid, observer, structures)?;
             Ok(RunOutcome { parts: vec![part], compared: Vec::new(), failure: None, is_cut_off: false })
         }
-        parts => several::run(&files, parts, &claim, observer, structures),
+        parts => several::run(&files, parts, (&claim, &laid), observer, structures),
     }
 }
 
@@ -105,6 +106,7 @@ fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result
 fn one_branch(
     file: &SceneFile,
     claim: &Claim,
+    laid: &[Laid],
     observer: &mut dyn Observer,
     structures: &Structures,
 ) -> Result<PartOutcome, RunError> {
@@ -112,7 +114,6 @@ fn one_branch(
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
-    let laid = overlay::laid_over(file, &file.scene.overlays)?;
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     let modes = mass::open_modes(file, &model, &massless)?;
@@ -141,7 +142,7 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let certificate_time = began.elapsed().saturating_sub(points_time);
-    let laid = tree.branches.first().map(|first| Overlaid::new(&laid, first));
+    let laid = tree.branches.first().map(|first| Overlaid::new(laid, first));
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((linear, participation)) => {
             let is_shown = scene.files.figures || scene.files.page;
@@ -194,7 +195,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     if !file.scene.responses.is_empty() {
         return crate::responses::check(file, observer);
     }
-    overlay::say_unused(file, &file.scene.overlays, observer)?;
+    overlay::laid_over(file, &file.scene.overlays, observer)?;
     let Models { massless, open, .. } = models(file)?;
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.

@@ -26,14 +26,14 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
 ///
 /// # Errors
 /// [`RunError::Scene`] with each that is not, at its place in the scene.
-pub fn check_records(file: &SceneFile<RecordScene>) -> Result<Outline, RunError> {
-    records::files_are_there(file).map(|()| Outline::of_records(&file.scene, !file.warnings.is_empty()))
+pub fn check_records(file: &SceneFile<RecordScene>, observer: &mut dyn Observer) -> Result<Outline, RunError> {
+    records::check(file, observer).map(|()| Outline::of_records(&file.scene, !file.warnings.is_empty()))
 }
 
 /// What a virtual test would record, where it would come to its first sample.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check_test(file: &SceneFile<TestScene>) -> Result<Outline, RunError> {
-    virtual_test::check(file).map(|()| Outline::of_test(&file.scene, !file.warnings.is_empty()))
+pub fn check_test(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result<Outline, RunError> {
+    virtual_test::check(file, observer).map(|()| Outline::of_test(&file.scene, !file.warnings.is_empty()))
 }

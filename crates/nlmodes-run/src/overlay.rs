@@ -24,24 +24,21 @@ use nlmodes_scene::scene::Overlay;
 
 use crate::{Event, Observer, RunError, refusal};
 
-/// What is laid over the results of a scene.
-pub(crate) fn laid_over<S>(file: &SceneFile<S>, overlays: &[Overlay]) -> Result<Vec<Laid>, RunError> {
-    let read = |(k, found): (usize, &Overlay)| {
-        read(found).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))
-    };
-    overlays.iter().enumerate().map(read).collect()
-}
-
-/// Refuses what cannot be laid over, and says of how many rows of the rest nothing is used.
-pub(crate) fn say_unused<S>(
+/// What is laid over the results of a scene; of how many rows nothing is used, goes to the observer.
+///
+/// # Errors
+/// [`RunError`] at the overlay that cannot be read.
+pub(crate) fn laid_over<S>(
     file: &SceneFile<S>,
     overlays: &[Overlay],
     observer: &mut dyn Observer,
-) -> Result<(), RunError> {
+) -> Result<Vec<Laid>, RunError> {
+    let mut all = Vec::new();
     for (k, overlay) in overlays.iter().enumerate() {
-        let (_, unused) =
+        let (laid, unused) =
             read::read_with_unused(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
         unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
+        all.push(laid);
     }
-    Ok(())
+    Ok(all)
 }

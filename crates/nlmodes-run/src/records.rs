@@ -59,8 +59,7 @@ pub fn extract(
     // Before anything else: earlier results say nothing about files that are not there.
     files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
-    overlay::say_unused(file, &file.scene.overlays, observer)?;
-    let laid = overlay::laid_over(file, &file.scene.overlays)?;
+    let laid = overlay::laid_over(file, &file.scene.overlays, observer)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
     let extracted = |(name, record): (String, Record)| RecordOutcome {
@@ -125,6 +124,15 @@ fn with_modes(file: &SceneFile<RecordScene>) -> Result<RecordScene, RunError> {
         .map_err(|error| refusal::at(file, "structure", error.as_ref()))?;
     scene.settings.linear_modes = Some(modes);
     Ok(scene)
+}
+
+/// Whether an extraction would begin: all files are there, and what is laid over can be read.
+///
+/// # Errors
+/// [`RunError::Scene`] with each that is not, at its place in the scene.
+pub(crate) fn check(file: &SceneFile<RecordScene>, observer: &mut dyn Observer) -> Result<(), RunError> {
+    files_are_there(file)?;
+    overlay::laid_over(file, &file.scene.overlays, observer).map(drop)
 }
 
 /// Whether all files of the scene are there, of kinds that can be read.

@@ -1,4 +1,7 @@
 //! Tables of text with named columns, as a run writes them and as others do: a row that is damaged is refused with its line.
+//!
+//! The crate `csv`, which writes tables here, reads the rest of a file as one cell where a quotation mark is not closed, and does not tell a last line without an end: what is cut
+//! would be taken for whole. So lines are read here, one row each.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};

@@ -49,8 +49,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     let (scene, began) = (&file.scene, Instant::now());
     let directory = &scene.output_directory;
     links::refuse(directory)?;
-    overlay::say_unused(file, &scene.overlays, observer)?;
-    let laid = overlay::laid_over(file, &scene.overlays)?;
+    let laid = overlay::laid_over(file, &scene.overlays, observer)?;
     let claim = claim(file, over, observer)?;
     let (rig, test) = prepared(file)?;
     if over == Over::Resumed {
@@ -92,8 +91,8 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check(file: &SceneFile<TestScene>) -> Result<(), RunError> {
-    overlay::laid_over(file, &file.scene.overlays)?;
+pub fn check(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result<(), RunError> {
+    overlay::laid_over(file, &file.scene.overlays, observer)?;
     prepared(file).map(drop)
 }
 

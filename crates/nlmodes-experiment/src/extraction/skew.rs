@@ -158,6 +158,12 @@ impl Comparison<'_> {
 mod tests {
     use super::*;
 
+    /// Of half a second at 17.5 Hz.
+    fn of_blocks(blocks: &Blocks) -> Comparison<'_> {
+        let (omega, sample_rate, n_samples, tolerances) = (110.0, 1e4, 5000, Tolerances::default());
+        Comparison { blocks, names: vec![], omega, sample_rate, n_samples, tolerances }
+    }
+
     /// Of as few harmonics as there are, and with the weights of their phases: twice the harmonic has twice the phase.
     #[test]
     fn a_delay_is_told_by_the_phase_of_every_harmonic_that_is_there() {
@@ -167,30 +173,14 @@ mod tests {
             let of = |more: f64| vec![(0..=highest).map(|n| late(n, more)).collect::<Vec<_>>()];
             let single = (0..8).map(|k| of(1e-6 * (f64::from(k) - 3.5))).collect();
             let blocks = Blocks { all: of(0.0), single, centres: vec![], rest: vec![], noise: vec![] };
-            let comparison = Comparison {
-                blocks: &blocks,
-                names: vec![],
-                omega: 110.0,
-                sample_rate: 1e4,
-                n_samples: 5000,
-                tolerances: Tolerances::default(),
-            };
-            let (found, error) = comparison.delay(|q, n| q[0][n]).unwrap();
+            let (found, error) = of_blocks(&blocks).delay(|q, n| q[0][n]).unwrap();
             assert!((found - delay).abs() < 1e-12, "{highest}: {found}");
             // Each harmonic has the same delay of the blocks: with as many it is not better known than by the square root of their number.
             let one = 1e-6 * (42.0_f64 / 7.0 / 8.0).sqrt();
             assert!((error / (one / (highest as f64).sqrt()) - 1.0).abs() < 1e-6, "{highest}: {error}");
         }
         let blocks = Blocks { all: vec![], single: vec![], centres: vec![], rest: vec![], noise: vec![] };
-        let none = Comparison {
-            blocks: &blocks,
-            names: vec![],
-            omega: 110.0,
-            sample_rate: 1e4,
-            n_samples: 5000,
-            tolerances: Tolerances::default(),
-        };
-        assert!(none.delay(|_, _| Complex64::new(1.0, 0.0)).is_none());
+        assert!(of_blocks(&blocks).delay(|_, _| Complex64::new(1.0, 0.0)).is_none());
     }
 
     /// Two modes at six places with noise of different sizes, many times: the mean square of the misfit is one.

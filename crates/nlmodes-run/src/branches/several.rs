@@ -13,8 +13,9 @@ use crate::certificate::Certificate;
 use crate::claim::Claim;
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
+use crate::overlay::Laid;
 use crate::style::style_of;
-use crate::{Event, Failure, Observer, RunError, overlay};
+use crate::{Event, Failure, Observer, RunError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::Scene;
@@ -78,7 +79,7 @@ pub fn parts(files: &[SceneFile]) -> Vec<Part> {
 pub fn run(
     files: &[SceneFile],
     parts: &[Part],
-    claim: &Claim,
+    (claim, laid): (&Claim, &[Laid]),
     observer: &mut dyn Observer,
     structures: &Structures,
 ) -> Result<RunOutcome, RunError> {
@@ -90,7 +91,7 @@ pub fn run(
             break;
         }
         observer.event(Event::Part { number, of: parts.len(), folder: &part.folder });
-        let done = one_branch(&part.file, claim, observer, structures);
+        let done = one_branch(&part.file, claim, laid, observer, structures);
         if matches!(done, Err(RunError::Ended)) && !outcome.parts.is_empty() {
             outcome.is_cut_off = true;
             break;
@@ -105,7 +106,7 @@ pub fn run(
         outcome.parts.push(done);
     }
     if !outcome.parts.is_empty() {
-        match write(files, &outcome.parts, rows) {
+        match write(files, &outcome.parts, rows, laid) {
             Ok(compared) => outcome.compared = compared,
             Err(failure) => outcome.failure = Some(failure),
         }
@@ -140,7 +141,7 @@ impl Branch {
 }
 
 /// Writes the common files; the differences from the first part in lines.
-fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Result<Vec<String>, Failure> {
+fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>, laid: &[Laid]) -> Result<Vec<String>, Failure> {
     let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
     let (Some(file), Some(first), Some(own)) = (files.first(), parts.first(), branches.first()) else {
         return Ok(Vec::new());
@@ -148,7 +149,7 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>) -> Resul
     let scene = &file.scene;
     let directory = &scene.output_directory;
     remove_figures(directory);
-    let laid = Overlaid::new(&overlay::laid_over(file, &scene.overlays)?, own);
+    let laid = Overlaid::new(laid, own);
     laid.write(directory, "overlay")?;
     let methods = Overlaid::others(&branches);
     methods.write(directory, "methods")?;

@@ -19,7 +19,12 @@ const NOTHING: f64 = 1e-5;
 /// points on steep parts of a curve lead, the median says what most points have.
 pub fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
     let all = percentages(pairs);
-    Some(([median(&all)?, *all.first()?, *all.last()?], all.len()))
+    Some((range(&all)?, all.len()))
+}
+
+/// Median, least and largest of these sorted ones.
+fn range(sorted: &[f64]) -> Option<[f64; 3]> {
+    Some([median(sorted)?, *sorted.first()?, *sorted.last()?])
 }
 
 /// All of them, from the least to the largest.
@@ -122,36 +127,35 @@ pub fn sentence(laid: &Laid, found: &[Difference], branch: &ModalBranch) -> Stri
     let what = first.equal.name();
     let clear: Vec<&Difference> = found.iter().filter(|difference| difference.is_clear()).collect();
     let others = left_out(found.len() - clear.len(), what);
-    let frequencies = || clear.iter().map(|difference| (difference.frequency, difference.own_frequency));
-    let Some((range, _)) = percent(frequencies()) else {
+    let off = percentages(clear.iter().map(|difference| (difference.frequency, difference.own_frequency)));
+    let Some(range) = range(&off) else {
         let apart = found.len() - clear.len();
         return format!("{name} and {own}: {}{others}", nothing_to_compare(apart));
     };
     format!(
         "{name}: {}; its frequency at equal {what} differs {}{}{}{others}",
-        verdict(&percentages(frequencies()), own),
+        verdict(&off, own),
         by(range, clear.len()),
         matched(&clear),
         of_forces(&clear)
     )
 }
 
-/// That no point lies within the amplitudes of a branch, or its energies where there are none, and where both lie.
+/// That no point meets a motion of the branch, and the amplitudes of both, or the energies where there are none.
 fn apart(laid: &ModalBranch, own: &ModalBranch) -> String {
     let sizes = |branch: &ModalBranch, of: fn(&ModalPoint) -> f64| {
         let all = || branch.points.iter().map(of).filter(|size| size.is_finite());
         let ends = all().reduce(f64::min).zip(all().reduce(f64::max));
         ends.map(|(least, most)| format!("{least:.3e} to {most:.3e}"))
     };
-    let amplitudes = [laid, own].map(|branch| sizes(branch, |point| point.modal_amplitude));
-    let energies = [laid, own].map(|branch| sizes(branch, |point| point.kinetic_energy));
-    let own = if own.label.is_empty() { "this branch" } else { &own.label };
-    match (amplitudes, energies) {
-        ([Some(its), Some(here)], _) => {
-            format!("no point within the amplitudes of {own}: {its} m√kg beside {here} m√kg")
+    let both = |of| Some((sizes(laid, of)?, sizes(own, of)?));
+    let name = if own.label.is_empty() { "this branch" } else { &own.label };
+    let said = both(|point| point.modal_amplitude).map(|(its, here)| ("modal amplitudes", its, here, "m√kg"));
+    match said.or_else(|| both(|point| point.kinetic_energy).map(|(its, here)| ("energies", its, here, "J"))) {
+        Some((what, its, here, unit)) => {
+            format!("no point to compare with {name}: its {what} are {its} {unit}, those of {name} {here} {unit}")
         }
-        (_, [Some(its), Some(here)]) => format!("no point within the energies of {own}: {its} J beside {here} J"),
-        _ => format!("no point to compare with {own}"),
+        None => format!("no point to compare with {name}"),
     }
 }
 
