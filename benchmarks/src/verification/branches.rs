@@ -115,7 +115,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "buckling",
-        problem: "`y″ + p sin y = 0`, `y(0) = y(1) = 0`, by differences on 12 intervals, along `y = 0` to `p = 100`.\nAll branch points.",
+        problem: "`y″ + p sin y = 0`, `y(0) = y(1) = 0`, by differences on 12 intervals, along `y = 0` to `p = 100`.\nAll branch points, and the arms of each but that from which it is come to.",
         kind: Kind::Exact,
         reference: "`p = 4 · 144 sin²(kπ/24)`, three of them",
         remark: "",
@@ -202,12 +202,9 @@ fn ab() -> Result<Vec<Check>, Failure> {
     let exact = [level(0.5 * (1.0 - root)), level(0.5 * (1.0 + root))];
     let mut checks = folds(&branch, &exact, 1e-9, LOCATED);
     let published = [0.105739, 0.0889318];
-    checks.extend(
-        published
-            .iter()
-            .zip(&exact)
-            .map(|(p, e)| Check::relative("the closed form beside AUTO's", *e, *p, 1e-5, "six digits are published")),
-    );
+    checks.extend(published.iter().zip(&exact).map(|(p, e)| {
+        Check::relative("p at a fold, closed form beside the digits of AUTO", *e, *p, 1e-5, "six digits are published")
+    }));
     Ok(checks)
 }
 

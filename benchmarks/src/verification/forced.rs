@@ -21,7 +21,7 @@ const ROUNDING: &str = "an identity at any number of harmonics: rounding, over t
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "forced-rod-upper",
-        problem: "Rod of two elements, `EA = ρA = L = g₀ = 1`, tip massless, 1 % damping with the stop open, 0.2 cos Ωt at its middle, 0.42 Hz, 40 harmonics.\nUpper response: fundamental, share of contact, lag, largest multiplier.",
+        problem: "Rod of two elements, `EA = ρA = L = g₀ = 1`, tip massless, 1 % modal damping with the stop open, 0.2 cos Ωt at its middle, 0.42 Hz, 40 harmonics.\nUpper response: fundamental, share of contact, lag, largest multiplier.",
         kind: Kind::Exact,
         reference: "damped harmonic arcs, joined by Newton's method; the multiplier from the product of their matrix exponentials",
         remark: "",
@@ -45,7 +45,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "damped-mode-of-the-rod",
-        problem: "The damped nonlinear mode of the same rod (extended periodic motion concept), 40 harmonics, to eight times the energy at which it just touches.\nFrequency and damping ratio at the end.",
+        problem: "The damped nonlinear mode of the same rod (extended periodic motion concept), 40 harmonics, to eight times the mean kinetic energy at which it just touches.\nFrequency and damping ratio at the end.",
         kind: Kind::Exact,
         reference: "one mass: `ξ = c/m` takes all damping out, so that the motion is that of the undamped bilinear oscillator, and `D = ζω₁/ω`",
         remark: "",
@@ -53,7 +53,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "damped-mode-mass-proportional",
-        problem: "Three masses on springs before a rigid stop at a massless node, `C = 0.04 M`, 9 harmonics.\nLargest deviation of the damping ratio along the damped nonlinear mode.",
+        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from it, `C = 0.04 M`, 9 harmonics.\nLargest deviation of the damping ratio along the damped nonlinear mode.",
         kind: Kind::Exact,
         reference: "`ξ = 0.04` takes all damping out: `D = 0.04/2ω` at every point, whatever the contact does",
         remark: "",
@@ -69,7 +69,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "linear-response",
-        problem: "The two masses of NLvib's example with so small a force that nothing touches.\nComplex amplitude of mass 2 at two frequencies.",
+        problem: "The two masses of NLvib's example with a thousandth of a newton at mass 2, so that nothing touches.\nComplex amplitude of mass 2 at two frequencies.",
         kind: Kind::Exact,
         reference: "`(K + iΩC − Ω²M) q = f`, two equations by Cramer's rule",
         remark: "",

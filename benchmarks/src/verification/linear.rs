@@ -64,7 +64,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-pinned-slender",
-        problem: "Slender pinned beam, `L = 2 m`, 1 mm square, `E = 70 GPa`, `ρ = 2700 kg/m³`, 32 elements.\nFirst three bending frequencies.",
+        problem: "Slender pinned beam in its plane, `L = 2 m`, 1 mm square, `E = 70 GPa`, `ρ = 2700 kg/m³`, 32 elements.\nFirst three bending frequencies.",
         kind: Kind::Exact,
         reference: "Euler-Bernoulli, `ω = (kπ/L)² √(EI/ρA)`",
         remark: "",
@@ -88,7 +88,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-tip-load",
-        problem: "Thick cantilever of the same section, a force of 1 kN at its tip, three elements of unequal length.\nDeflection and rotation of the tip.",
+        problem: "Thick cantilever of the same section and material, 1.5 m long, a force of 1 kN at its tip, three elements of unequal length.\nDeflection and rotation of the tip.",
         kind: Kind::Exact,
         reference: "`FL³/3EI + FL/κGA` and `FL²/2EI`: the element is exact for loads at nodes",
         remark: "",
@@ -96,7 +96,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-of-the-paper",
-        problem: "The beam of Section 4 of the paper with `E = 181.36 GPa`, the mass of its tip dropped; 21 graded elements.\nFirst frequency.",
+        problem: "The beam of Section 4 of the paper with `E = 181.36 GPa`, the mass of its tip dropped; 21 graded elements (`configs/beam.toml`).\nFirst frequency.",
         kind: Kind::Measured,
         reference: "40.10 Hz, Table 1 of Peter, Schreyer, Leine 2019, measured on the beam",
         remark: "length and mesh are not in the paper; they are those with which both moduli of Table 1 hold. The higher frequencies of the table are not those of an ideal cantilever",

@@ -98,7 +98,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "rod-of-two-elements",
-        problem: "The rod of two elements (`EA = ρA = L = g₀ = 1`, tip massless) has one mass: mixed shooting with all its harmonics gives a bilinear oscillator.\nFrequency at three energies with 80 harmonics, without evenness assumed.",
+        problem: "The rod of two elements (`EA = ρA = L = g₀ = 1`, tip massless) has one mass: mixed shooting with all its harmonics gives a bilinear oscillator.\nFrequency where the mass goes 1.2, 2 and 5 m far toward the stop, with 80 harmonics, without evenness assumed.",
         kind: Kind::Exact,
         reference: "`m = ⅓`, `k = 2`, and the massless half of the rod as a stop of 2 at 1",
         remark: "",

@@ -48,7 +48,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "runge-kutta",
-        problem: "Three masses and a massless node before a rigid stop, thrown at it; 20 s with some ten contacts.\nDisplacements and velocities at the end.",
+        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from it; from (0.02, −0.05, 0.03) m with (0.1, 0.2, 0.35) m/s.\nTwenty seconds with some ten contacts. Displacements and velocities at the end.",
         kind: Kind::Independent,
         reference: "the equations with the contact force `λ = k max(q₃ − g, 0)` of the massless node, by the classical method of Runge and Kutta, 100 000 and 200 000 steps",
         remark: "",
