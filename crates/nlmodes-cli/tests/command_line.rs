@@ -81,6 +81,7 @@ fn rows_of_what_is_laid_over_that_are_not_used_are_counted_by_check() -> Outcome
         let output = call(&["check", &format!("configs/{scene}.toml"), "--set", &overlay])?;
         let said = String::from_utf8(output.stderr)?;
         assert!(output.status.success() && said.contains("1 of 2 rows is not used"), "{scene}: {said}");
+        assert!(String::from_utf8(output.stdout)?.contains("but see the warning"), "{scene}");
     }
     Ok(())
 }

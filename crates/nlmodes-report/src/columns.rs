@@ -76,7 +76,7 @@ pub const DIFFERENCE_COLUMNS: [Column; 12] = [
     Column::new(
         "motions",
         "",
-        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is not in the median; of measured points the one whose difference is most like that of points with one motion, and it is",
+        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is not in the median; of measured points the one whose difference is most like that of points with one motion, which is in the median",
     ),
 ];
 

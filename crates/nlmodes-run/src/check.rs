@@ -6,6 +6,26 @@ use nlmodes_scene::{RecordScene, SceneFile, TestScene};
 use crate::updating::updated;
 use crate::{Event, Observer, RunError, branches, mass, no_contact, records, virtual_test};
 
+/// Whether anything was warned of, to somebody who is told all the same.
+struct Warned<'a> {
+    observer: &'a mut dyn Observer,
+    /// Whether there was a warning, those of the scene itself included.
+    any: bool,
+}
+
+impl<'a> Warned<'a> {
+    fn of<S>(file: &SceneFile<S>, observer: &'a mut dyn Observer) -> Self {
+        Self { observer, any: !file.warnings.is_empty() }
+    }
+}
+
+impl Observer for Warned<'_> {
+    fn event(&mut self, event: Event<'_>) {
+        self.any |= matches!(event, Event::Warning(_));
+        self.observer.event(event);
+    }
+}
+
 /// What the scene of a structure would compute, where a run of it would begin; what a user should know before, goes to the observer.
 ///
 /// # Errors
@@ -14,12 +34,10 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
     if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
     }
-    let updated = updated(file.clone())?;
-    let warning = mass::warning_of(&updated)?;
-    warning.iter().for_each(|text| observer.event(Event::Warning(text)));
-    let open = branches::check(&updated, observer)?;
-    let warned = warning.is_some() || !file.warnings.is_empty();
-    Ok(Outline::of_structure(&file.scene, open.as_ref(), warned))
+    let (updated, mut told) = (updated(file.clone())?, Warned::of(file, observer));
+    mass::warning_of(&updated)?.iter().for_each(|text| told.event(Event::Warning(text)));
+    let open = branches::check(&updated, &mut told)?;
+    Ok(Outline::of_structure(&file.scene, open.as_ref(), told.any))
 }
 
 /// What would be extracted from records, where all of them are there.
@@ -27,7 +45,8 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
 /// # Errors
 /// [`RunError::Scene`] with each that is not, at its place in the scene.
 pub fn check_records(file: &SceneFile<RecordScene>, observer: &mut dyn Observer) -> Result<Outline, RunError> {
-    records::check(file, observer).map(|()| Outline::of_records(&file.scene, !file.warnings.is_empty()))
+    let mut told = Warned::of(file, observer);
+    records::check(file, &mut told).map(|()| Outline::of_records(&file.scene, told.any))
 }
 
 /// What a virtual test would record, where it would come to its first sample.
@@ -35,5 +54,6 @@ pub fn check_records(file: &SceneFile<RecordScene>, observer: &mut dyn Observer)
 /// # Errors
 /// [`RunError`] that says why it would not.
 pub fn check_test(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result<Outline, RunError> {
-    virtual_test::check(file, observer).map(|()| Outline::of_test(&file.scene, !file.warnings.is_empty()))
+    let mut told = Warned::of(file, observer);
+    virtual_test::check(file, &mut told).map(|()| Outline::of_test(&file.scene, told.any))
 }
