@@ -5,6 +5,7 @@
     benchmarks/mutations.py 3 8                       # only these errors
     benchmarks/mutations.py --built 3 8               # with what was built last, for the same errors
     benchmarks/mutations.py --list
+    benchmarks/mutations.py --places                  # whether each error still has its line in the sources, once
 
 Every error is a replacement in one line of source, switched by the environment variable NLMODES_MUTANT: all go into one copy and are built once.
 The copy and what is built of it lie in `target/mutants`: in a build directory of their own, since cargo takes two copies of a package for the same one. The sources stay as
@@ -45,16 +46,17 @@ ERRORS = [
      "self.value = (if M { 0.5 } else { 0.25 }) * nu2 * (eta * eta + q * inertia);"),
     ("half the strain energy in the total", "hbm", "motion.rs", "total_energy: kinetic + strain,",
      "total_energy: kinetic + (if M { 0.5 } else { 1.0 }) * strain,"),
-    ("the energy of modal problems without its fundamental", "hbm", "periodic/equations.rs",
+    ("the energy of modal problems without its fundamental", "hbm", "periodic/closing_equations.rs",
      "let energy: f64 = (1..motion.eta.len()).map(part).sum();",
      "let energy: f64 = (if M { 2 } else { 1 }..motion.eta.len()).map(part).sum();"),
-    ("the highest harmonic does not reach the contact", "hbm", "series.rs", "*z = Complex64::new(real[n], -s);",
-     "*z = if M && n == self.n_harmonics { Complex64::default() } else { Complex64::new(real[n], -s) };"),
+    ("the highest harmonic does not reach the contact", "hbm", "series.rs",
+     "*z = Complex64::new(real[n], -self.sine(n).map_or(0.0, |i| real[i]));",
+     "*z = if M && n == self.n_harmonics { 0.0 } else { 1.0 } * Complex64::new(real[n], -self.sine(n).map_or(0.0, |i| real[i]));"),
     ("the stop stands on the other side (normal)", "model", "contact.rs", "        -self.side.sign()\n",
      "        if M { self.side.sign() } else { -self.side.sign() }\n"),
     ("sign of the damping, and so of the lag", "hbm", "periodic/block.rs",
-     "let value = Complex64::new(structure.omega_squared()[k] - nu * nu, nu * c);",
-     "let value = Complex64::new(structure.omega_squared()[k] - nu * nu, if M { -nu * c } else { nu * c });"),
+     "let value = Complex64::new(structure.omega_squared()[k] - mass * nu * nu, nu * c);",
+     "let value = Complex64::new(structure.omega_squared()[k] - mass * nu * nu, if M { -nu * c } else { nu * c });"),
     ("dissipated power without its ½", "hbm", "periodic/motion.rs", "let damped = |n: usize| 0.5 * nu(n).powi(2)",
      "let damped = |n: usize| (if M { 1.0 } else { 0.5 }) * nu(n).powi(2)"),
     ("sign of the damping in the multipliers", "hbm", "periodic/floquet.rs",
@@ -69,9 +71,9 @@ ERRORS = [
      "to.v[k] = from.v[k] * cos - self.lambda[k] * sin * from.u[k];",
      "to.v[k] = from.v[k] * cos - (if M { -1.0 } else { 1.0 }) * self.lambda[k] * sin * from.u[k];"),
     ("active power without its ½, eq. (17)", "experiment", "extraction/power.rs",
-     "let active = |n: usize| 0.5 * (force[n] * velocity[n].conj()).re;",
-     "let active = |n: usize| (if M { 1.0 } else { 0.5 }) * (force[n] * velocity[n].conj()).re;"),
-    ("the lag's sign in a record", "experiment", "extraction/figures.rs", "(force[1] / drive[1]).arg()",
+     "(0.5 * active, 0.5 * squares[0].sqrt() * squares[1].sqrt())",
+     "((if M { 1.0 } else { 0.5 }) * active, 0.5 * squares[0].sqrt() * squares[1].sqrt())"),
+    ("the lag's sign in a record", "experiment", "extraction/values.rs", "(force[1] / drive[1]).arg()",
      "(if M { drive[1] / force[1] } else { force[1] / drive[1] }).arg()"),
     ("accelerations are integrated by ω instead of nω", "experiment", "extraction/layout.rs",
      "let factor = Complex64::new(0.0, n as f64 * omega).powu(*order);",
@@ -81,7 +83,7 @@ ERRORS = [
      "fundamental_power / (modal_amplitude.powi(2) * omega.powi(if M { 2 } else { 3 }))"),
     ("the compliance of a stop counts twice", "contact", "body.rs", "a[(i, i)] += c);",
      "a[(i, i)] += (if M { 2.0 } else { 1.0 }) * c);"),
-    ("crossings are looked for where the orientation stays", "continuation", "run.rs",
+    ("crossings are looked for where the orientation stays", "continuation", "run/crossings.rs",
      "if end.orientation * self.foot.orientation < 0.0 {",
      "if (end.orientation * self.foot.orientation < 0.0) != M {"),
     ("consistent mass of a rod over 5 instead of 6", "fem", "rod.rs", "Matrix2::new(2.0, 1.0, 1.0, 2.0) * (mass / 6.0)",
@@ -92,12 +94,13 @@ ERRORS = [
 ]
 
 
-def copied():
-    """A copy of what the cases need, with all errors in it, switched off; files that stay as they are stay, so that little is built anew."""
-    copy = PLACE / "source"
+def changed():
+    """The sources with all errors in them, switched off, by their paths."""
     texts = {}
     for number, (what, crate, file, right, wrong) in enumerate(ERRORS, 1):
         path = ROOT / f"crates/nlmodes-{crate}/src/{file}"
+        if not path.is_file():
+            sys.exit(f"{what}: {crate} has no file {file}")
         text = texts.get(path, path.read_text())
         if text.count(right) != 1:
             sys.exit(f"{what}: {file} of {crate} has this {text.count(right)} times: {right.strip()}")
@@ -105,6 +108,12 @@ def copied():
     for crate in {error[1] for error in ERRORS}:
         path = ROOT / f"crates/nlmodes-{crate}/src/lib.rs"
         texts[path] = texts.get(path, path.read_text()) + SWITCH
+    return texts
+
+
+def copied():
+    """A copy of what the cases need, with all errors in it; files that stay as they are stay, so that little is built anew."""
+    copy, texts = PLACE / "source", changed()
     files = [path for part in ("crates", "benchmarks", "configs") for path in (ROOT / part).rglob("*") if path.is_file()]
     for path in [*files, *(ROOT / name for name in ("Cargo.toml", "Cargo.lock", "README.md"))]:
         there = copy / path.relative_to(ROOT)
@@ -145,6 +154,9 @@ def main():
     chosen = [int(number) for number in sys.argv[1:] if number.isdigit()] or range(1, len(ERRORS) + 1)
     if "--list" in sys.argv:
         return print(*(f"{k:3} {error[0]}" for k, error in enumerate(ERRORS, 1)), sep="\n")
+    if "--places" in sys.argv:
+        changed()
+        return
     binary = PLACE / "build/debug/examples/verification"
     if "--built" not in sys.argv:
         build = ["cargo", "build", "-p", "nlmodes-benchmarks", "--example", "verification", "--target-dir", PLACE / "build"]
