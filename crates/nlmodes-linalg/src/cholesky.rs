@@ -5,9 +5,11 @@ use std::sync::Arc;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky, supernodal,
 };
+use faer::sparse::linalg::triangular_solve;
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::ordering::nested_dissection;
@@ -186,6 +188,41 @@ impl SparseCholesky {
         self.symbolic.nrows()
     }
 
+    /// Overwrites `x` with `L⁻¹ x`; its rows are in the order of elimination.
+    pub(crate) fn forward(&self, x: MatMut<'_, f64>) {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                let l = SparseColMatRef::new(s.factor(), &self.values);
+                triangular_solve::solve_lower_triangular_in_place(l, Conj::No, x, Par::Seq);
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let mut memory = MemBuffer::new(s.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
+                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
+                factor.l_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
+            }
+        }
+    }
+
+    /// Overwrites `x` with `L⁻ᵀ x`; its rows are in the order of elimination.
+    pub(crate) fn backward(&self, x: MatMut<'_, f64>) {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(s) => {
+                let l = SparseColMatRef::new(s.factor(), &self.values);
+                triangular_solve::solve_lower_triangular_transpose_in_place(l, Conj::No, x, Par::Seq);
+            }
+            SymbolicCholeskyRaw::Supernodal(s) => {
+                let mut memory = MemBuffer::new(s.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
+                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
+                factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
+            }
+        }
+    }
+
+    /// The column of `A` that is eliminated at each step.
+    pub(crate) fn order(&self) -> Vec<usize> {
+        (0..self.dim()).map(|k| column(&self.symbolic, k)).collect()
+    }
+
     fn solve(&self, x: MatMut<'_, f64>) {
         let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
         let factor = LltRef::<usize, f64>::new(&self.symbolic, &self.values);
@@ -244,7 +281,19 @@ fn check_square(a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{multiply, sparse_from_triplets};
+    use crate::{max_norm, multiply, sparse_from_triplets};
+
+    /// Springs between all nodes of a cube of `n`³ that are next to each other, held weakly: dense blocks.
+    fn solid(n: usize) -> SparseMatrix {
+        let near = |x: usize| x.saturating_sub(1)..(x + 2).min(n);
+        let mut entries = Vec::new();
+        for (x, y, z) in (0..n.pow(3)).map(|i| (i / n / n, i / n % n, i % n)) {
+            let around = near(x).flat_map(|u| near(y).flat_map(move |v| near(z).map(move |w| (u * n + v) * n + w)));
+            let own = (x * n + y) * n + z;
+            entries.extend(around.map(|other| (own, other, if own == other { 26.5 } else { -1.0 })));
+        }
+        sparse_from_triplets(n.pow(3), n.pow(3), &entries).unwrap()
+    }
 
     /// Stiffness of `n` unit springs in a row; the first end is held if `ground` is one.
     fn chain(n: usize, ground: f64) -> SparseMatrix {
@@ -283,6 +332,26 @@ mod tests {
             let mut both = Mat::from_fn(n, 2, |i, j| b[i] * (1 + j) as f64);
             factor.solve_many(&mut both);
             assert!((0..n).all(|i| (both[(i, 1)] - 2.0 * x[i]).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn two_half_solutions_in_the_order_of_elimination_make_a_whole_one() {
+        for (a, blocks) in [(chain(37, 1.0), false), (grid(30), false), (solid(9), true)] {
+            let n = a.nrows();
+            let factor = SparseCholesky::factor(&a, "test matrix").unwrap();
+            assert_eq!(factor.has_dense_blocks(), blocks);
+            let (order, b) = (factor.order(), Mat::from_fn(n, 3, |i, j| ((7 * i + j) % 11) as f64 - 5.0));
+            let mut half = Mat::from_fn(n, 3, |k, j| b[(order[k], j)]);
+            factor.forward(half.as_mut());
+            // bᵀ A⁻¹ b, from the half and from the whole.
+            let mut x = b.clone();
+            factor.solve_many(&mut x);
+            let (form, expected) = (half.transpose() * &half, b.transpose() * &x);
+            assert!((0..9).all(|i| (form[(i / 3, i % 3)] - expected[(i / 3, i % 3)]).abs() < 1e-11 * expected[(0, 0)]));
+            factor.backward(half.as_mut());
+            let size = max_norm(x.col(0).iter().copied());
+            assert!((0..n).all(|k| (0..3).all(|j| (half[(k, j)] - x[(order[k], j)]).abs() < 1e-12 * size)));
         }
     }
 

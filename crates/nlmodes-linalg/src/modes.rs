@@ -3,8 +3,11 @@ use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetr
 mod basis;
 mod full;
 mod lanczos;
+mod operator;
 mod orthonormal;
 mod refine;
+
+use operator::Operator;
 
 /// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors that Lanczos' method needs
 /// would fill half of the space.
@@ -28,7 +31,7 @@ pub struct Modes {
 /// `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
 ///
 /// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes is wanted, else
-/// by Lanczos steps in the inner product of `M`, with blocks of vectors where the factor is one of dense blocks, and repeated in the complement of what was found
+/// by Lanczos steps with `L⁻¹ M L⁻ᵀ` of the factor, with blocks of vectors where it is one of dense blocks, and repeated in the complement of what was found
 /// until nothing is missing: multiple λ come with all their modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
 /// so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate ones.
 /// Uniform chains come out to some 1e-12 of the closed form at any size. With rigid-body modes the rounding of the entries of
@@ -169,12 +172,14 @@ impl<'a> Pencil<'a> {
     /// Lowest modes, M-orthonormal, of those degrees of freedom that have mass.
     fn solve(&self, count: usize) -> Result<Modes, LinalgError> {
         let n = self.mass.nrows();
+        let operator = Operator::new(self);
         let vectors = if n <= DENSE[0] + DENSE[1] * count {
-            full::invariant_subspace(self, count)?
+            operator.permuted(&full::invariant_subspace(self, count)?)
         } else {
-            lanczos::invariant_subspace(self, count)?
+            lanczos::invariant_subspace(self, &operator, count)?
         };
-        refine::rayleigh_ritz(self, vectors, count)
+        let (eigenvalues, vectors) = refine::rayleigh_ritz(&operator, vectors, count, self.shift);
+        Ok(Modes { eigenvalues, vectors: operator.restored(&vectors) })
     }
 }
 

@@ -1,11 +1,10 @@
 //! `Bᵀ A⁻¹ B` from half a solution, `L⁻¹ P B`, which of a sparse `B` is zero in most rows.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-use faer::{Accum, Conj, MatRef, Par};
+use faer::{Accum, MatRef, Par};
 
 use super::{SparseCholesky, column};
 use crate::{Mat, SparseMatrix};
@@ -31,7 +30,8 @@ impl SparseCholesky {
         assert!(coefficients.nrows() == m && coefficients.ncols() == c, "coefficients of {m} columns in {c}");
         let form = match self.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let z = self.forward(dense);
+                let mut z = Mat::from_fn(dense.nrows(), m, |i, j| dense[(column(&self.symbolic, i), j)]);
+                self.forward(z.as_mut());
                 let (form, cross) = Tree::new(self, SupernodalLltRef::new(symbolic, &self.values), sparse).products(&z);
                 let mixed = cross * coefficients;
                 form - &mixed - mixed.transpose() + coefficients.transpose() * (z.transpose() * &z) * coefficients
@@ -39,16 +39,6 @@ impl SparseCholesky {
             SymbolicCholeskyRaw::Simplicial(_) => self.form_by_solutions(sparse, dense, coefficients),
         };
         Mat::from_fn(c, c, |i, j| 0.5 * (form[(i, j)] + form[(j, i)]))
-    }
-
-    /// `L⁻¹ P X`.
-    fn forward(&self, x: &Mat<f64>) -> Mat<f64> {
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return x.clone() };
-        let mut z = Mat::from_fn(x.nrows(), x.ncols(), |i, j| x[(column(&self.symbolic, i), j)]);
-        let mut memory = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
-        let factor = SupernodalLltRef::<usize, f64>::new(symbolic, &self.values);
-        factor.l_solve_with_conj(Conj::No, z.as_mut(), Par::Seq, MemStack::new(&mut memory));
-        z
     }
 
     fn form_by_solutions(&self, sparse: &SparseMatrix, dense: &Mat<f64>, coefficients: &Mat<f64>) -> Mat<f64> {

@@ -1,6 +1,7 @@
-//! Large pencils: block Lanczos steps with `(K + sM)⁻¹ M`, which is symmetric in the inner product of `M`.
+//! Large pencils: block Lanczos steps with `L⁻¹ M L⁻ᵀ`, whose vectors are orthogonal without a product with `M`.
 
 use super::basis::Basis;
+use super::operator::Operator;
 use super::orthonormal::{Orthonormal, orthonormalise};
 use super::{Pencil, diagonal};
 use crate::{LinalgError, Mat, max_norm, symmetric_eigen};
@@ -18,18 +19,18 @@ const WIDTH: usize = 8;
 /// basis once.
 const MANY: usize = 64;
 
-/// M-orthonormal Ritz vectors of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there are no more.
+/// `L⁻ᵀ u` of the orthonormal Ritz vectors `u` of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there are no more.
 ///
 /// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the complement of what was found,
 /// until it finds nothing that belongs to the first `count`.
-pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
+pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
     let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
     let width = if pencil.factor.has_dense_blocks() || count > MANY { WIDTH } else { 1 };
     let (mut theta, mut found) = (Vec::<f64>::new(), Basis::new(n));
     for seed in 1.. {
         let floor = descending(&theta).get(count - 1).map_or(0.0, |&worst| theta[worst] * (1.0 + 1e-10));
-        let Some(run) = Run::start(pencil, &found, seed, width, rank) else { break };
+        let Some(run) = Run::start(operator, &found, seed, [n, width, rank]) else { break };
         let wanted = if floor > 0.0 { width } else { count.saturating_sub(theta.len()).max(1) };
         let batch = run.complete(wanted, floor)?;
         if batch.0.is_empty() {
@@ -40,7 +41,10 @@ pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f6
     }
     let mut order = descending(&theta);
     order.truncate(count);
-    Ok(Mat::from_fn(n, order.len(), |i, j| found.column(order[j])[i]))
+    let mut vectors = Mat::zeros(n, order.len());
+    order.iter().enumerate().for_each(|(j, &from)| vectors.col_mut(j).copy_from(found.column(from)));
+    drop(found);
+    Ok(operator.shapes(vectors))
 }
 
 /// Indices of the values, largest first.
@@ -50,9 +54,9 @@ fn descending(values: &[f64]) -> Vec<usize> {
     order
 }
 
-/// A Lanczos process in the M-orthogonal complement of the vectors found before.
+/// A Lanczos process in the orthogonal complement of the vectors found before.
 struct Run<'a> {
-    pencil: &'a Pencil<'a>,
+    operator: &'a Operator<'a>,
     found: &'a Basis,
     width: usize,
     most: usize,
@@ -60,29 +64,25 @@ struct Run<'a> {
     basis: Basis,
     previous: Mat<f64>,
     current: Mat<f64>,
-    mass_current: Mat<f64>,
     /// Diagonal blocks of the projected operator, and those below them.
     alpha: Vec<Mat<f64>>,
     beta: Vec<Mat<f64>>,
 }
 
 impl<'a> Run<'a> {
-    /// Starts from `K⁻¹ M r`, which has no part in the null space of `M`. None if everything has been found.
-    fn start(pencil: &'a Pencil<'a>, found: &'a Basis, seed: u64, width: usize, rank: usize) -> Option<Self> {
-        let n = pencil.mass.nrows();
+    /// Starts from `L⁻¹ M r`, which is in the range of the operator. None if everything has been found.
+    fn start(operator: &'a Operator<'a>, found: &'a Basis, seed: u64, [n, width, rank]: [usize; 3]) -> Option<Self> {
         let most = rank.saturating_sub(found.len());
         let width = width.min(most);
         let mut random = noise(seed);
         let mut start = Mat::zeros(n, width);
         (0..width).for_each(|j| start.col_mut(j).iter_mut().for_each(|v| *v = random()));
+        operator.press(&mut start);
         let basis = Basis::new(n);
-        let mut image = orthonormalise(pencil.mass, [found, &basis], start, 0.0, most).mass_q;
-        pencil.factor.solve_many(&mut image);
-        let first = orthonormalise(pencil.mass, [found, &basis], image, 0.0, most);
+        let first = orthonormalise([found, &basis], start, 0.0, most);
         let none = Mat::zeros(n, 0);
-        let (current, mass_current) = (none.clone(), none.clone());
         let (alpha, beta) = (Vec::new(), Vec::new());
-        let mut run = Self { pencil, found, width, most, basis, previous: none, current, mass_current, alpha, beta };
+        let mut run = Self { operator, found, width, most, basis, previous: none.clone(), current: none, alpha, beta };
         (first.q.ncols() > 0).then(|| run.append(first))?;
         Some(run)
     }
@@ -90,7 +90,6 @@ impl<'a> Run<'a> {
     fn append(&mut self, block: Orthonormal) {
         self.basis.extend(block.q.as_ref());
         self.previous = std::mem::replace(&mut self.current, block.q);
-        self.mass_current = block.mass_q;
     }
 
     /// Columns of the projected operator.
@@ -100,10 +99,10 @@ impl<'a> Run<'a> {
 
     /// One more block of columns of the projected operator. False if the space is exhausted.
     fn step(&mut self) -> bool {
-        let mut w = self.mass_current.clone();
-        self.pencil.factor.solve_many(&mut w);
+        let mut w = self.current.clone();
+        self.operator.apply(&mut w);
         // The three-term recurrence takes most of it; one pass through the basis is then enough nearly always.
-        let alpha = self.mass_current.transpose() * &w;
+        let alpha = self.current.transpose() * &w;
         w -= &self.current * &alpha;
         if let Some(beta) = self.beta.last() {
             w -= &self.previous * beta.transpose();
@@ -111,7 +110,7 @@ impl<'a> Run<'a> {
         self.alpha.push(alpha);
         let scale = max_norm(self.alpha.iter().flat_map(|a| (0..a.ncols()).map(|i| a[(i, i)])));
         let left = self.most.saturating_sub(self.basis.len());
-        let next = orthonormalise(self.pencil.mass, [self.found, &self.basis], w, 1e-15 * scale, left);
+        let next = orthonormalise([self.found, &self.basis], w, 1e-15 * scale, left);
         self.beta.push(next.r.clone());
         let more = next.q.ncols() > 0;
         if more {
@@ -130,17 +129,18 @@ impl<'a> Run<'a> {
             (false, 1) => 2 * wanted + 10,
             (false, _) => wanted + wide,
         };
+        let mut before = None;
         loop {
             let more = self.step();
             let size = self.size();
             if more && size < next_look {
                 continue;
             }
-            next_look = size + (size / 6).max(5);
             let (theta, s) = self.projected()?;
             let noise = 16.0 * f64::EPSILON * theta[0];
             let residual = |i: usize| self.residual(&s, i);
-            let open = |i: usize| residual(i) > TOLERANCE * theta[i] + noise;
+            let excess = |i: usize| residual(i) / (TOLERANCE * theta[i] + noise);
+            let open = |i: usize| excess(i) > 1.0;
             let above = theta.iter().take(wanted).filter(|&&t| t > floor.max(noise * 1e-12)).count();
             let converged = (0..above).filter(|&i| !open(i)).count();
             // What is below the floor is only known to be so once it is known.
@@ -152,6 +152,9 @@ impl<'a> Run<'a> {
                 let kept = if above == 0 { 0 } else { above + aside };
                 return Ok((theta[..kept].to_vec(), self.basis.combine(s.subcols(0, kept))));
             }
+            let far = (0..above).map(excess).fold(1.0, f64::max).ln();
+            next_look = size + to_next_look(size, far, before);
+            before = Some((size, far));
             if size >= limit {
                 let (wanted, converged) = (self.found.len() + wanted, self.found.len() + converged);
                 return Err(LinalgError::ModesNotConverged { wanted, converged, iterations: size });
@@ -189,6 +192,19 @@ impl<'a> Run<'a> {
     }
 }
 
+/// After how many vectors more it is worth looking again, from the logarithm by which the worst residual stood above its limit at two looks: the way that is left
+/// at the pace so far, less a tenth, as convergence becomes faster; a sixth of the space at most.
+fn to_next_look(size: usize, far: f64, before: Option<(usize, f64)>) -> usize {
+    let most = (size / 6).max(5);
+    match before {
+        Some((earlier, farther)) if far > 0.0 && farther > far => {
+            let left = 0.9 * far * (size - earlier) as f64 / (farther - far);
+            (left as usize).clamp(1, most)
+        }
+        _ => most,
+    }
+}
+
 /// Values in −½ … ½, the same in every run.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -197,5 +213,21 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
         state ^= state >> 7;
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_look_is_where_the_residuals_are_expected_to_have_fallen() {
+        // Ten orders in forty vectors, and five left: twenty vectors more, less a tenth. Never more than a sixth of the space.
+        let ln = |orders: f64| orders * std::f64::consts::LN_10;
+        assert_eq!(to_next_look(240, ln(5.0), Some((200, ln(15.0)))), 18);
+        assert_eq!(to_next_look(240, ln(5.0), Some((200, ln(5.5)))), 40);
+        assert_eq!(to_next_look(240, ln(5.0), Some((200, ln(4.0)))), 40);
+        assert_eq!(to_next_look(240, ln(1e-3), Some((200, ln(15.0)))), 1);
+        assert_eq!(to_next_look(12, ln(5.0), None), 5);
     }
 }

@@ -1,43 +1,85 @@
 //! Last digits: modes from a nearly invariant subspace, by the quotient of the inverse.
 
-use super::{Modes, Pencil};
-use crate::{LinalgError, Mat, multiply, multiply_many};
+use faer::linalg::solvers::LltError;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Par, Side};
+
+use super::operator::Operator;
+use crate::Mat;
 
 /// Off-diagonal entries below this share of their diagonal are rounding.
 const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
 
 const MOST_SWEEPS: usize = 40;
 
-/// The lowest `count` modes of the pencil in the space of the columns of `x`, which come in the order of ascending λ.
+/// A vector of which less than this share is left beside the others is orthogonalised column by column.
+const DEPENDENT: f64 = 1e-3;
+/// So is one of which `φᵀMφ` is below this share of the largest that its length allows: it may be rounding.
+const WEIGHTLESS: f64 = 1e-10;
+
+/// The lowest `count` λ of the pencil in the space of the columns of `x`, which come in the order of ascending λ, and their modes; rows in the order of
+/// elimination.
 ///
-/// `G = (MX)ᵀ (K + sM)⁻¹ (MX)` with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations
+/// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations
 /// respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
-pub(super) fn rayleigh_ritz(pencil: &Pencil, mut x: Mat<f64>, count: usize) -> Result<Modes, LinalgError> {
-    orthonormalise(pencil, &mut x);
-    let mass_x = multiply_many(pencil.mass, &x);
-    let mut y = mass_x.clone();
-    pencil.factor.solve_many(&mut y);
-    let mut g = mass_x.transpose() * &y;
+pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, shift: f64) -> (Vec<f64>, Mat<f64>) {
+    let mut z = orthonormalise(operator, &mut x);
+    operator.forward(&mut z);
+    let mut g = z.transpose() * &z;
+    drop(z);
     let rotation = diagonalise(&mut g);
-    let rotated = &x * &rotation;
     let mut order: Vec<usize> = (0..g.nrows()).filter(|&i| g[(i, i)] > 0.0).collect();
     order.sort_by(|&i, &j| g[(j, j)].total_cmp(&g[(i, i)]));
     order.truncate(count);
-    let eigenvalues = order.iter().map(|&i| (1.0 / g[(i, i)] - pencil.shift).max(0.0)).collect();
-    let vectors = Mat::from_fn(rotated.nrows(), order.len(), |i, j| rotated[(i, order[j])]);
-    Ok(Modes { eigenvalues, vectors })
+    let eigenvalues = order.iter().map(|&i| (1.0 / g[(i, i)] - shift).max(0.0)).collect();
+    let rotation = Mat::from_fn(rotation.nrows(), order.len(), |i, j| rotation[(i, order[j])]);
+    (eigenvalues, x * rotation)
 }
 
-/// Gram-Schmidt in the inner product of `M`, twice, from the lowest mode on: it is the high ones that carry traces of the low.
-fn orthonormalise(pencil: &Pencil, x: &mut Mat<f64>) {
+/// Makes the columns M-orthonormal, from the lowest mode on: it is the high ones that carry traces of the low. Returns `M X`.
+fn orthonormalise(operator: &Operator, x: &mut Mat<f64>) -> Mat<f64> {
+    let (mut mass_x, heaviest) = (x.clone(), operator.heaviest());
+    operator.multiply(mass_x.as_mut());
+    // The first time takes away what is there, the second what rounding left.
+    for _ in 0..2 {
+        let Some(r) = triangular(&*x, &mass_x, heaviest) else {
+            one_by_one(operator, x);
+            mass_x.copy_from(&*x);
+            operator.multiply(mass_x.as_mut());
+            return mass_x;
+        };
+        for columns in [&mut *x, &mut mass_x] {
+            solve_lower_triangular_in_place(r.as_ref(), columns.as_mut().transpose_mut(), Par::Seq);
+        }
+    }
+    mass_x
+}
+
+/// `Rᵀ` of `Xᵀ M X = Rᵀ R`; none where a column is nearly a combination of those before it, or has hardly any mass.
+fn triangular(x: &Mat<f64>, mass_x: &Mat<f64>, heaviest: f64) -> Option<Mat<f64>> {
+    let gram = x.transpose() * mass_x;
+    let heavy = |j: usize| gram[(j, j)] > WEIGHTLESS * heaviest * x.col(j).squared_norm_l2();
+    if !(0..x.ncols()).all(heavy) {
+        return None;
+    }
+    let length: Vec<f64> = (0..gram.nrows()).map(|j| gram[(j, j)].sqrt()).collect();
+    let scaled = Mat::from_fn(gram.nrows(), gram.ncols(), |i, j| gram[(i, j)] / (length[i] * length[j]));
+    let factor = scaled.llt(Side::Lower).map_err(|LltError::NonPositivePivot { .. }| ()).ok()?;
+    let l = factor.L();
+    let independent = (0..l.nrows()).all(|j| l[(j, j)] > DEPENDENT);
+    independent.then(|| Mat::from_fn(l.nrows(), l.ncols(), |i, j| if i < j { 0.0 } else { length[i] * l[(i, j)] }))
+}
+
+/// Gram-Schmidt in the inner product of `M`, twice.
+fn one_by_one(operator: &Operator, x: &mut Mat<f64>) {
     for j in 0..x.ncols() {
         for _ in 0..2 {
             let (done, mut rest) = x.as_mut().split_at_col_mut(j);
             let mut v = rest.as_mut().col_mut(0);
-            let current: Vec<f64> = v.as_ref().iter().copied().collect();
-            let mv = multiply(pencil.mass, &current);
-            let norm = current.iter().zip(&mv).map(|(v, mv)| v * mv).sum::<f64>().sqrt();
-            let overlap = done.as_ref().transpose() * faer::ColRef::from_slice(&mv);
+            let mut mv = v.as_ref().as_mat().to_owned();
+            operator.multiply(mv.as_mut());
+            let norm = (v.as_ref().transpose() * mv.col(0)).sqrt();
+            let overlap = done.as_ref().transpose() * mv.col(0);
             v -= done.as_ref() * overlap;
             v *= if norm > 0.0 { 1.0 / norm } else { 0.0 };
         }
