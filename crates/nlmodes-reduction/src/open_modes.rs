@@ -133,10 +133,10 @@ impl OpenModes {
             self.flexibility = flexibility;
             return;
         }
-        let mut flexibility = Mat::zeros(c, c);
+        let (mut flexibility, beside) = (Mat::zeros(c, c), self.residual.beside(&self.shapes));
         for block in blocks(c) {
             let (first, count) = (block.start, block.len());
-            let shapes = self.residual.answer(&self.shapes, dense_columns(&self.directions, block));
+            let shapes = beside.answer(dense_columns(&self.directions, block));
             flexibility.subcols_mut(first, count).copy_from(&multiply_transposed(&self.directions, &shapes));
             if let Some(kept) = &mut kept {
                 kept.subcols_mut(first, count).copy_from(&shapes);

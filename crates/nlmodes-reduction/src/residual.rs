@@ -22,24 +22,49 @@ pub(crate) struct Residual {
 }
 
 impl Residual {
+    /// What answers beside the modes `shapes`. Their product with `M` is computed here, once for any number of loads.
+    pub fn beside<'a>(&'a self, shapes: &'a Mat<f64>) -> Beside<'a> {
+        Beside { residual: self, shapes, modal_mass: multiply_many(&self.mass, shapes) }
+    }
+
+    /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is `Bᵀ K⁻¹ B`. None of a
+    /// floating structure.
+    pub fn form(&self, shapes: &Mat<f64>, rows: &Mat<f64>, directions: &SparseMatrix) -> Option<Mat<f64>> {
+        let modal_mass = (self.shift == 0.0).then(|| multiply_many(&self.mass, shapes))?;
+        Some(self.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
+    }
+}
+
+/// `G = K⁻¹ − Φ Ω⁻² Φᵀ` of certain modes.
+pub(crate) struct Beside<'a> {
+    residual: &'a Residual,
+    shapes: &'a Mat<f64>,
+    /// `M Φ`.
+    modal_mass: Mat<f64>,
+}
+
+impl Beside<'_> {
     /// `G P` for the columns of `loads` (n × any).
     ///
     /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is taken out of the load, not out of the answer, where it would leave the
     /// rounding of the larger part behind. A floating structure has no `K⁻¹`, but such loads are in balance, and
     /// `x ← (K + sM)⁻¹ (P + s M x)` converges by `s/(ω² + s)` a time, ω that of the first mode left out.
-    pub fn answer(&self, shapes: &Mat<f64>, loads: Mat<f64>) -> Mat<f64> {
-        let modal = shapes.transpose() * &loads;
-        let balanced = loads - multiply_many(&self.mass, &(shapes * modal));
-        let mut x = balanced.clone();
-        self.factor.solve_many(&mut x);
-        self.take_out(shapes, &mut x);
-        if self.shift == 0.0 {
-            return x;
+    pub fn answer(&self, mut loads: Mat<f64>) -> Mat<f64> {
+        let modal = self.shapes.transpose() * &loads;
+        loads -= &self.modal_mass * modal;
+        if self.residual.shift == 0.0 {
+            self.residual.factor.solve_many(&mut loads);
+            self.take_out(&mut loads);
+            return loads;
         }
+        let balanced = loads;
+        let mut x = balanced.clone();
+        self.residual.factor.solve_many(&mut x);
+        self.take_out(&mut x);
         for _ in 0..MOST_ITERATIONS {
-            let mut next = &balanced + scaled(multiply_many(&self.mass, &x), self.shift);
-            self.factor.solve_many(&mut next);
-            self.take_out(shapes, &mut next);
+            let mut next = &balanced + scaled(multiply_many(&self.residual.mass, &x), self.residual.shift);
+            self.residual.factor.solve_many(&mut next);
+            self.take_out(&mut next);
             let settled = (0..x.ncols()).all(|j| largest(&next, j, Some(&x)) <= SETTLED * largest(&next, j, None));
             x = next;
             if settled {
@@ -49,17 +74,10 @@ impl Residual {
         x
     }
 
-    /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is `Bᵀ K⁻¹ B`. None of a
-    /// floating structure.
-    pub fn form(&self, shapes: &Mat<f64>, rows: &Mat<f64>, directions: &SparseMatrix) -> Option<Mat<f64>> {
-        let modal_mass = (self.shift == 0.0).then(|| multiply_many(&self.mass, shapes))?;
-        Some(self.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
-    }
-
     /// Makes the columns of `x` M-orthogonal to the modes.
-    fn take_out(&self, shapes: &Mat<f64>, x: &mut Mat<f64>) {
-        let overlap = shapes.transpose() * multiply_many(&self.mass, x);
-        *x -= shapes * overlap;
+    fn take_out(&self, x: &mut Mat<f64>) {
+        let overlap = self.modal_mass.transpose() * &*x;
+        *x -= self.shapes * overlap;
     }
 }
 
@@ -117,7 +135,7 @@ mod tests {
                 continue;
             };
             assert!(held);
-            let expected = multiply_transposed(&w, &residual.answer(&shapes, dense_columns(&w, 0..3)));
+            let expected = multiply_transposed(&w, &residual.beside(&shapes).answer(dense_columns(&w, 0..3)));
             assert!((0..9).all(|i| (form[(i / 3, i % 3)] - expected[(i / 3, i % 3)]).abs() < 1e-11 * expected[(0, 0)]));
         }
     }

@@ -1,4 +1,4 @@
-use nlmodes_linalg::{LinalgError, Mat, SparseMatrix, multiply_transposed, sparse_from_triplets};
+use nlmodes_linalg::{LinalgError, Mat, SparseMatrix, multiply_many, multiply_transposed, sparse_from_triplets};
 
 use crate::residual::{blocks, dense_columns};
 use crate::{OpenModes, ReductionError};
@@ -54,7 +54,7 @@ impl OpenModes {
         }
         let column = Mat::from_fn(expected, 1, |i, _| force[i]);
         let modal = self.shapes.transpose() * &column;
-        let residual = self.residual.answer(&self.shapes, column);
+        let residual = self.residual.beside(&self.shapes).answer(column);
         let gaps = multiply_transposed(&self.directions, &residual);
         let list = |a: &Mat<f64>| a.col(0).iter().copied().collect();
         Ok(ModalLoad { modal: list(&modal), gaps: list(&gaps), residual: list(&residual) })
@@ -92,20 +92,48 @@ impl OpenModes {
         self.rows(&sparse_from_triplets(self.n_dofs(), dofs.len(), &entries).map_err(failed)?)
     }
 
+    /// Displacements (m, one row for each of `dofs`) where the modal coordinates are the columns of `eta` (m × k) and the contact forces those of
+    /// `lambda` (c × k, N): `q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ`.
+    ///
+    /// One solution for each column: for many contacts and places but few instants this takes far less than [`OpenModes::rows_of_dofs`].
+    ///
+    /// # Panics
+    /// If `eta` and `lambda` have other sizes, or there is no such degree of freedom.
+    pub fn displacements(&self, dofs: &[usize], eta: &Mat<f64>, lambda: &Mat<f64>) -> Mat<f64> {
+        assert!(eta.nrows() == self.n_modes() && lambda.nrows() == self.n_contacts(), "modes and contacts of a motion");
+        assert_eq!(eta.ncols(), lambda.ncols(), "instants of a motion");
+        let mut seen = Mat::zeros(dofs.len(), eta.ncols());
+        let beside = self.residual_shapes.is_none().then(|| self.residual.beside(&self.shapes));
+        for block in blocks(eta.ncols()) {
+            let (first, count) = (block.start, block.len());
+            let forces = lambda.subcols(first, count).to_owned();
+            let mut q = match (&beside, &self.residual_shapes) {
+                (Some(beside), _) => beside.answer(multiply_many(&self.directions, &forces)),
+                (None, Some(shapes)) => shapes * &forces,
+                (None, None) => Mat::zeros(self.n_dofs(), count),
+            };
+            q += &self.shapes * eta.subcols(first, count);
+            for (row, &dof) in dofs.iter().enumerate() {
+                (0..count).for_each(|j| seen[(row, first + j)] = q[(dof, j)]);
+            }
+        }
+        seen
+    }
+
     /// What answers statically to these loads (n × any, N) beside the retained modes, m: `(K⁻¹ − Φ Ω⁻² Φᵀ) P`.
     ///
     /// # Panics
     /// If the loads have another size than the structure.
     pub fn residual_answer(&self, loads: Mat<f64>) -> Mat<f64> {
-        self.residual.answer(&self.shapes, loads)
+        self.residual.beside(&self.shapes).answer(loads)
     }
 
     /// `Bᵀ G A`, with solutions for the columns of `a`: columns of `b` × columns of `a`.
     fn seen_by(&self, a: &SparseMatrix, b: &SparseMatrix) -> Mat<f64> {
-        let mut seen = Mat::zeros(b.ncols(), a.ncols());
+        let (mut seen, beside) = (Mat::zeros(b.ncols(), a.ncols()), self.residual.beside(&self.shapes));
         for block in blocks(a.ncols()) {
             let (first, count) = (block.start, block.len());
-            let answer = self.residual.answer(&self.shapes, dense_columns(a, block));
+            let answer = beside.answer(dense_columns(a, block));
             seen.subcols_mut(first, count).copy_from(&multiply_transposed(b, &answer));
         }
         seen
@@ -115,7 +143,7 @@ impl OpenModes {
 #[cfg(test)]
 mod tests {
     use crate::{ModeCount, OpenModes};
-    use nlmodes_linalg::sparse_from_triplets;
+    use nlmodes_linalg::{Mat, sparse_from_triplets};
 
     #[test]
     fn rows_that_are_solved_for_are_those_that_are_kept() {
@@ -137,6 +165,16 @@ mod tests {
             assert_eq!((a.nrows(), a.ncols()), (dofs.len(), 3));
             let off = (0..dofs.len()).flat_map(|i| (0..3).map(move |j| (i, j)));
             assert!(off.map(|at| (a[at] - b[at]).abs()).fold(0.0, f64::max) < 1e-13);
+            // Displacements at once, more instants than are solved for at a time.
+            let eta = Mat::from_fn(5, 40, |r, k| ((2 * r + 3 * k) % 7) as f64 - 3.0);
+            let lambda = Mat::from_fn(3, 40, |i, k| ((5 * i + k) % 4) as f64);
+            let expected = &kept.rows_of_dofs(dofs).unwrap();
+            let expected = &expected.modes * &eta + &expected.forces * &lambda;
+            for open in [&kept, &solved] {
+                let found = open.displacements(dofs, &eta, &lambda);
+                assert_eq!((found.nrows(), found.ncols()), (dofs.len(), 40));
+                assert!((0..40).all(|k| (0..dofs.len()).all(|i| (found[(i, k)] - expected[(i, k)]).abs() < 1e-12)));
+            }
         }
     }
 }

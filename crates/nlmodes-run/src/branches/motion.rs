@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use nlmodes::branches::{ComputedBranch, ComputedTree, Histories, figure_points};
+use nlmodes::linalg::Mat;
 use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, PointField, Skin, Surface};
@@ -112,13 +113,12 @@ fn wireframe(
 /// What makes the frames.
 struct Motion<'a> {
     open: &'a OpenStructure,
-    computed: &'a ComputedBranch,
-    point: usize,
     period: f64,
     histories: Vec<TimeHistory>,
-    /// For each point of the surface, the row of each of its displacements among `rows`.
+    /// For each point of the surface, the row of each of its displacements among `displacements`.
     places: Vec<[Option<usize>; 3]>,
-    rows: nlmodes_reduction::ResponseRows,
+    /// One column a frame.
+    displacements: Mat<f64>,
     /// The point of the surface, sign and contact of each end of a contact.
     ends: Vec<(usize, f64, usize)>,
 }
@@ -146,7 +146,7 @@ impl<'a> Motion<'a> {
         model: &FeModel,
         mesh: &Mesh,
         surface: &Surface,
-        computed: &'a ComputedBranch,
+        computed: &ComputedBranch,
         point: usize,
     ) -> Result<Self, Failure> {
         let mut dofs = Vec::new();
@@ -165,29 +165,27 @@ impl<'a> Motion<'a> {
             let both = std::iter::once((contact.node, -1.0)).chain(contact.against.map(|node| (node, 1.0)));
             ends.extend(both.filter_map(|(node, sign)| Some((*at.get(&node)?, sign, i))));
         }
+        let histories = Histories::of(computed).equidistant(point, FRAMES, "")?;
+        let forces = Mat::from_fn(histories.len(), FRAMES, |i, k| histories[i].force[k]);
+        let coefficients = &computed.branch.points[point].coefficients;
+        let eta = Mat::from_fn(open.modes.n_modes(), FRAMES, |r, k| {
+            let tau = TAU * k as f64 / FRAMES as f64;
+            let harmonics = coefficients.of(r).iter().enumerate();
+            harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
+        });
         Ok(Self {
-            rows: open.modes.rows_of_dofs(&dofs)?,
+            displacements: open.modes.displacements(&dofs, &eta, &forces),
             period: TAU / computed.branch.points[point].omega,
-            histories: Histories::of(computed).equidistant(point, FRAMES, "")?,
+            histories,
             open,
-            computed,
-            point,
             places,
             ends,
         })
     }
 
     fn frame(&self, k: usize) -> Frame {
-        let tau = TAU * k as f64 / FRAMES as f64;
         let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k]).collect();
-        let coefficients = &self.computed.branch.points[self.point].coefficients;
-        let eta: Vec<f64> = (0..self.open.modes.n_modes())
-            .map(|r| {
-                let harmonics = coefficients.of(r).iter().enumerate();
-                harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
-            })
-            .collect();
-        let value = |row: &Option<usize>| row.map_or(0.0, |row| self.rows.value(row, &eta, &forces));
+        let value = |row: &Option<usize>| row.map_or(0.0, |row| self.displacements[(row, k)]);
         let displacement: Vec<f64> = self.places.iter().flat_map(|rows| rows.each_ref().map(value)).collect();
         let (mut force, mut gap) = (vec![0.0; displacement.len()], vec![f64::NAN; self.places.len()]);
         let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
