@@ -6,7 +6,10 @@ use faer::{Accum, ColRef, MatRef, Par};
 use crate::Mat;
 
 /// Columns of one piece of memory: pieces are never moved, so that nothing is in memory twice while the basis grows.
-const PIECE: usize = 32;
+const PIECE: usize = 16;
+
+/// Rows that are turned at a time.
+const ROWS: usize = 2048;
 
 /// Columns of length `n`, M-orthonormal where those who add them see to it.
 #[derive(Debug)]
@@ -62,15 +65,40 @@ impl Basis {
         }
     }
 
-    /// `Q C`, with as many of the columns of `Q` as `C` has rows.
-    pub fn combine(&self, coefficients: MatRef<'_, f64>) -> Mat<f64> {
-        let mut sum = Mat::zeros(self.n, coefficients.ncols());
-        for (first, piece) in self.filled() {
-            let count = piece.ncols().min(coefficients.nrows().saturating_sub(first));
-            let share = coefficients.subrows(first.min(coefficients.nrows()), count);
-            matmul(sum.as_mut(), Accum::Add, piece.subcols(0, count), share, 1.0, Par::Seq);
+    /// `Q C`, with as many of the columns of `Q` as `C` has rows, in the place of `Q`: no second table is in memory.
+    pub fn turned(mut self, c: MatRef<'_, f64>) -> Self {
+        let kept = c.ncols();
+        self.len = c.nrows();
+        self.pieces.truncate(self.len.div_ceil(PIECE));
+        for first in (0..self.n).step_by(ROWS) {
+            let count = ROWS.min(self.n - first);
+            let mut sum = Mat::<f64>::zeros(count, kept);
+            for (column, piece) in self.filled() {
+                let share = c.subrows(column, piece.ncols());
+                matmul(sum.as_mut(), Accum::Add, piece.subrows(first, count), share, 1.0, Par::Seq);
+            }
+            for j in 0..kept {
+                self.pieces[j / PIECE].col_mut(j % PIECE).subrows_mut(first, count).copy_from(sum.col(j));
+            }
         }
-        sum
+        self.len = kept;
+        self.pieces.truncate(kept.div_ceil(PIECE));
+        self
+    }
+
+    /// Appends the columns of `other`.
+    pub fn join(&mut self, other: Self) {
+        if self.len.is_multiple_of(PIECE) {
+            self.len += other.len;
+            self.pieces.extend(other.pieces);
+            return;
+        }
+        let mut left = other.len;
+        for piece in other.pieces {
+            let count = PIECE.min(left);
+            self.extend(piece.subcols(0, count));
+            left -= count;
+        }
     }
 
     /// Index of the first column of each piece, and its columns.
@@ -102,9 +130,38 @@ mod tests {
         let mut rest = x.clone();
         basis.take_out(&overlap, &mut rest);
         assert_eq!(rest, &x - &whole * &overlap);
-        for rows in [1, PIECE, PIECE + 4, count] {
-            let part = overlap.subrows(0, rows);
-            assert_eq!(basis.combine(part), whole.subcols(0, rows) * part);
+    }
+
+    /// The first `count` columns of what the pieces hold.
+    fn filled(n: usize, count: usize, value: impl Fn(usize, usize) -> f64) -> Basis {
+        let mut basis = Basis::new(n);
+        basis.extend(Mat::from_fn(n, count, value).as_ref());
+        basis
+    }
+
+    #[test]
+    fn combinations_take_the_place_of_the_columns_in_any_number_of_rows_and_pieces() {
+        for (n, rows, kept) in [(7, 1, 1), (ROWS + 9, PIECE + 4, PIECE + 2), (2 * ROWS, 2 * PIECE + 3, 2), (40, 9, 0)] {
+            let value = |i: usize, j: usize| ((3 * i + 5 * j) % 7) as f64 - 3.0;
+            let c = Mat::from_fn(rows, kept, |i, j| ((i + 2 * j) % 3) as f64 - 1.0);
+            // One column more than there are coefficients stays out.
+            let turned = filled(n, rows + 1, value).turned(c.as_ref());
+            let expected = Mat::from_fn(n, rows, value) * &c;
+            assert_eq!(turned.len(), kept);
+            assert!((0..kept).all(|j| (0..n).all(|i| turned.column(j)[i] == expected[(i, j)])));
+        }
+    }
+
+    #[test]
+    fn joined_bases_have_the_columns_of_both_in_order() {
+        for (first, second) in [(0, 5), (PIECE, PIECE + 3), (3, 2 * PIECE + 1), (4, 0)] {
+            let value = |i: usize, j: usize| (i + 10 * j) as f64;
+            let mut both = filled(6, first, value);
+            both.join(filled(6, second, |i, j| value(i, first + j)));
+            assert_eq!(both.len(), first + second);
+            assert!((0..first + second).all(|j| (0..6).all(|i| both.column(j)[i] == value(i, j))));
+            both.extend(Mat::from_fn(6, 1, |_, _| -1.0).as_ref());
+            assert_eq!(both.column(first + second)[3], -1.0);
         }
     }
 }

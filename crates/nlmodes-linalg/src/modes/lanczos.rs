@@ -12,10 +12,11 @@ const TOLERANCE: f64 = 1e-12;
 /// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own largest `θ`, will not find it later.
 const VERIFICATION: usize = 30;
 
-/// Vectors of a step where the factor has dense blocks: a solution for eight costs little more than one for one.
-const WIDTH: usize = 8;
+/// Vectors of a step where the factor has dense blocks: a solution for six costs little more than one for one. Twenty modes of a solid took as long with four and with
+/// eight, but with more vectors the wider the blocks.
+const WIDTH: usize = 6;
 
-/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and eight at a time read the
+/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and several at a time read the
 /// basis once.
 const MANY: usize = 64;
 
@@ -37,7 +38,7 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
             break;
         }
         theta.extend(batch.0);
-        found.extend(batch.1.as_ref());
+        found.join(batch.1);
     }
     let mut order = descending(&theta);
     order.truncate(count);
@@ -121,7 +122,7 @@ impl<'a> Run<'a> {
 
     /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with their vectors, and with those beyond that
     /// are known as well.
-    fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+    fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Basis), LinalgError> {
         let limit = 20 * wanted + 600;
         let wide = 4 * self.width;
         let mut next_look = match (floor > 0.0, self.width) {
@@ -150,7 +151,7 @@ impl<'a> Run<'a> {
                 let known = |i: &usize| residual(*i) <= TOLERANCE * theta[*i];
                 let aside = (above..theta.len()).take(self.width).take_while(known).count();
                 let kept = if above == 0 { 0 } else { above + aside };
-                return Ok((theta[..kept].to_vec(), self.basis.combine(s.subcols(0, kept))));
+                return Ok((theta[..kept].to_vec(), self.basis.turned(s.subcols(0, kept))));
             }
             let far = (0..above).map(excess).fold(1.0, f64::max).ln();
             next_look = size + to_next_look(size, far, before);
