@@ -40,8 +40,8 @@ const DENSE: [f64; 2] = [600.0, 400.0];
 
 /// Degrees of freedom of a reduced structure, where these are not known yet.
 const REDUCED_DOFS: f64 = 200.0;
-/// Bytes of an entry of a matrix in a text file and in a packed one, and of both matrices in memory.
-const BYTES_OF_AN_ENTRY: f64 = 32.0;
+/// Bytes of an entry of a matrix in a text file beside its two indices, in a packed file, and of both matrices in memory.
+const BYTES_OF_A_VALUE: f64 = 23.0;
 const BYTES_OF_A_PACKED_ENTRY: f64 = 8.0;
 const BYTES_OF_A_READ_ENTRY: f64 = 80.0;
 /// Entries in a row of the lower triangle of a stiffness of tetrahedra, and bytes of its factor over the 4/3rd power of its size.
@@ -154,10 +154,17 @@ pub(crate) fn of_files(files: &FeFiles) -> f64 {
     let path = &files.stiffness.path;
     let size = fs::metadata(path).map_or(0.0, |data| data.len() as f64);
     let packed = path.extension().is_some_and(|ending| ending == "gz" || ending == "npz" || ending == "mat");
-    let entries = size / if packed { BYTES_OF_A_PACKED_ENTRY } else { BYTES_OF_AN_ENTRY };
+    let entries = if packed { size / BYTES_OF_A_PACKED_ENTRY } else { entries_of_text(size) };
     // A factor of a solid grows with the 4/3rd power of its size.
     let unknowns = entries / ENTRIES_OF_A_ROW;
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
+}
+
+/// Entries of a matrix in a text file of so many bytes: the larger the matrix, the more digits its indices have, on average a tenth of a digit less than the logarithm
+/// of the number of rows.
+fn entries_of_text(size: f64) -> f64 {
+    let rows = (size / (BYTES_OF_A_VALUE + 10.0) / ENTRIES_OF_A_ROW).max(10.0);
+    size / (BYTES_OF_A_VALUE + 2.0 * (rows.log10() - 0.1))
 }
 
 /// What reducing a solid takes on one core of a usual machine: factorisation, modes, and one solution for each contact, after figures of tetrahedra with
@@ -311,6 +318,15 @@ mod tests {
             assert!(wrong.parse::<Limit>().is_err(), "{wrong}");
         }
         assert_eq!(total("MemTotal:       16318712 kB\nMemFree: 1 kB\n"), Some(16318712.0 * 1024.0));
+    }
+
+    #[test]
+    fn the_entries_of_a_text_are_estimated_from_its_size() {
+        // Files of CalculiX: bytes and lines of the bracket of configs/structures as it is there and finer ones.
+        for (size, entries) in [(1_079_121.0, 36_957.0), (127_725_282.0, 3_889_089.0), (1_435_292_556.0, 41_217_432.0)]
+        {
+            assert!((entries_of_text(size) / entries - 1.0).abs() < 0.05, "{size} {}", entries_of_text(size));
+        }
     }
 
     #[test]
