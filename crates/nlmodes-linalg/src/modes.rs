@@ -11,7 +11,7 @@ use operator::Operator;
 
 /// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors that Lanczos' method needs
 /// would fill half of the space.
-const DENSE: [usize; 2] = [100, 4];
+const DENSE: [usize; 2] = [20, 4];
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
 #[derive(Debug, Clone)]

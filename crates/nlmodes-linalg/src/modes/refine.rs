@@ -10,6 +10,10 @@ use crate::Mat;
 /// Off-diagonal entries below this share of their diagonal are rounding.
 const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
 
+/// Off-diagonal entries below this share of their diagonal, and of its difference, are taken away by one correction of first order for all of
+/// them: what that leaves is the square of it.
+const SMALL: f64 = 1e-8;
+
 const MOST_SWEEPS: usize = 40;
 
 /// A vector of which less than this share is left beside the others is orthogonalised column by column.
@@ -20,8 +24,8 @@ const WEIGHTLESS: f64 = 1e-10;
 /// The lowest `count` λ of the pencil in the space of the columns of `x`, which come in the order of ascending λ, and their modes; rows in the order of
 /// elimination.
 ///
-/// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations
-/// respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
+/// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations,
+/// and corrections of first order where their angles are small, respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
 pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, shift: f64) -> (Vec<f64>, Mat<f64>) {
     let mut z = orthonormalise(operator, &mut x);
     operator.forward(&mut z);
@@ -87,29 +91,48 @@ fn one_by_one(operator: &Operator, x: &mut Mat<f64>) {
     // What was taken away shortened the vectors by rounding only; the second pass has normalised them.
 }
 
-/// Cyclic Jacobi iteration: makes the symmetric `g` diagonal and returns the product of the rotations.
+/// Makes the symmetric `g` diagonal and returns the matrix of its eigenvectors.
 fn diagonalise(matrix: &mut Mat<f64>) -> Mat<f64> {
     let n = matrix.nrows();
     let mut g: Vec<Vec<f64>> = (0..n).map(|j| matrix.col(j).iter().copied().collect()).collect();
     let mut product: Vec<Vec<f64>> = (0..n).map(|j| (0..n).map(|i| f64::from(i == j)).collect()).collect();
-    for _ in 0..MOST_SWEEPS {
+    let turned = rotate(&mut g, &mut product);
+    let diagonal: Vec<f64> = (0..n).map(|i| g[i][i]).collect();
+    let mut values = diagonal.clone();
+    let mut correction = Mat::identity(n, n);
+    for (p, q) in (0..n).flat_map(|p| (p + 1..n).map(move |q| (p, q))) {
+        let off = 0.5 * (g[q][p] + g[p][q]);
+        if off.abs() > NEGLIGIBLE * (diagonal[p] * diagonal[q]).abs().sqrt() {
+            let angle = off / (diagonal[q] - diagonal[p]);
+            (correction[(p, q)], correction[(q, p)]) = (angle, -angle);
+            (values[p], values[q]) = (values[p] - angle * off, values[q] + angle * off);
+        }
+    }
+    *matrix = Mat::from_fn(n, n, |i, j| if i == j { values[i] } else { 0.0 });
+    if turned { Mat::from_fn(n, n, |i, j| product[j][i]) * correction } else { correction }
+}
+
+/// Cyclic Jacobi iteration, until all entries beside the diagonal are small; the rotations are added to `product`. Whether there were any.
+fn rotate(g: &mut [Vec<f64>], product: &mut [Vec<f64>]) -> bool {
+    let n = g.len();
+    for sweep in 0..MOST_SWEEPS {
         let mut quiet = true;
         for (p, q) in (0..n).flat_map(|p| (p + 1..n).map(move |q| (p, q))) {
             let off = 0.5 * (g[q][p] + g[p][q]);
-            if off.abs() > NEGLIGIBLE * (g[p][p] * g[q][q]).abs().sqrt() {
+            let size = (g[p][p] * g[q][q]).abs().sqrt();
+            if off.abs() > (SMALL * size.min((g[p][p] - g[q][q]).abs())).max(NEGLIGIBLE * size) {
                 let (cos, sin) = rotation(g[p][p], off, g[q][q]);
-                rotate_columns(&mut g, p, q, cos, sin);
-                rotate_rows(&mut g, p, q, cos, sin);
-                rotate_columns(&mut product, p, q, cos, sin);
+                rotate_columns(g, p, q, cos, sin);
+                rotate_rows(g, p, q, cos, sin);
+                rotate_columns(product, p, q, cos, sin);
                 quiet = false;
             }
         }
         if quiet {
-            break;
+            return sweep > 0;
         }
     }
-    *matrix = Mat::from_fn(n, n, |i, j| g[j][i]);
-    Mat::from_fn(n, n, |i, j| product[j][i])
+    true
 }
 
 /// Cosine and sine that make `[a b; b d]` diagonal, of the smaller of the two angles.
