@@ -120,13 +120,14 @@ impl ContactOperator {
 
 /// Largest value of `f` in `[from, to]`: samples, then the zero of the slope beside the best one.
 pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
-    let cells = 16 + 8 * f.z.len();
+    // As many as the shortest wave asks for on this stretch.
+    let cells = 8 + (8.0 * f.z.len() as f64 * (to - from) / TAU).ceil() as usize;
     let width = (to - from) / cells as f64;
     let at = |j: usize| from + width * j as f64;
     let best = (0..=cells).map(|j| (j, f.evaluate(at(j))[0])).max_by(|a, b| a.1.total_cmp(&b.1));
     let Some((j, value)) = best else { return f64::NEG_INFINITY };
-    let (low, high) = (at(j.saturating_sub(1)), at((j + 1).min(cells)));
-    if f.evaluate(low)[1] > 0.0 && f.evaluate(high)[1] < 0.0 {
+    let [low, high] = [j.saturating_sub(1), (j + 1).min(cells)].map(|j| f.at(at(j)));
+    if low.f[1] > 0.0 && high.f[1] < 0.0 {
         return value.max(f.evaluate(f.root(1, low, high))[0]);
     }
     value

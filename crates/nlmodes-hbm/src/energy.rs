@@ -113,12 +113,10 @@ pub(crate) fn held_coordinates(
     q: &[f64],
     eta: &mut [f64],
 ) {
-    for (k, (mode, eta)) in structure.modes.iter().zip(eta).enumerate() {
-        *eta = if plane.poles.contains(&k) {
-            resonant_coordinate(structure, plane, k, nu2, b, q)
-        } else {
-            -inner(&mode.g, q) / (mode.lambda - nu2)
-        };
+    structure.sums.couple(q, eta);
+    eta.iter_mut().zip(&structure.sums.lambda).for_each(|(eta, lambda)| *eta /= nu2 - lambda);
+    for p in plane.poles.clone() {
+        eta[p] = resonant_coordinate(structure, plane, p, nu2, b, q);
     }
 }
 

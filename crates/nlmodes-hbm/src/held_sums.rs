@@ -16,8 +16,10 @@ use crate::condensed::ResidualMass;
 /// `q_N` and needs no second pass over the modes.
 #[derive(Debug, Clone)]
 pub(crate) struct HeldSums {
-    lambda: Vec<f64>,
-    inverse_lambda: Vec<f64>,
+    pub lambda: Vec<f64>,
+    pub inverse_lambda: Vec<f64>,
+    /// `g_k` of all modes for one contact coordinate after the other.
+    couplings: Vec<f64>,
     /// `(i, j)`, i ≥ j, and `g_i g_j` of all modes.
     pairs: Vec<(usize, usize, Vec<f64>)>,
     /// `K_NN⁻¹`, row-major.
@@ -62,6 +64,7 @@ impl HeldSums {
         Self {
             lambda: modes.iter().map(|m| m.lambda).collect(),
             inverse_lambda: modes.iter().map(|m| 1.0 / m.lambda).collect(),
+            couplings: (0..n).flat_map(|d| modes.iter().map(move |m| m.g[d])).collect(),
             pairs: (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| (i, j, products(i, j))).collect(),
             k_nn_inverse: row_major(k_nn_inverse),
             t0: row_major(t0),
@@ -102,6 +105,14 @@ impl HeldSums {
             w3[k] = w2[k] * inverse;
         }
         [w1, w2, w3].into_iter().for_each(|w| w[without.clone()].fill(0.0));
+    }
+
+    /// `g_k q` of all modes.
+    pub fn couple(&self, q: &[f64], to: &mut [f64]) {
+        to.fill(0.0);
+        for (column, q) in self.couplings.chunks_exact(to.len().max(1)).zip(q) {
+            to.iter_mut().zip(column).for_each(|(to, g)| *to += g * q);
+        }
     }
 
     /// `to += factor K_NN⁻¹ S`, row-major.

@@ -3,8 +3,8 @@ use nlmodes_modal::{ContactPeriod, HarmonicCoefficients, ModalPoint};
 use num_complex::Complex64;
 
 use crate::contact_statistics::largest;
-use crate::energy::held_coordinates;
-use crate::held_motion::{HeldMotion, Part};
+use crate::energy::{held_coordinates, inner};
+use crate::held_motion::{HeldMotion, HeldPart};
 use crate::transfer::Plane;
 use crate::{HbmError, MixedShooting, Symmetry};
 
@@ -47,14 +47,15 @@ impl MixedShooting<'_> {
         })
     }
 
-    /// Complex `b_n`, `q_N,n` and `η_k,n` of all harmonics.
+    /// `b_n`, `q_N,n` and `η_k,n` of all harmonics.
     pub(crate) fn held_motion(&self, omega: f64) -> HeldMotion {
         let (structure, series) = (self.structure(), self.series());
-        let (n_n, h) = (structure.n_contact_dofs(), series.n_harmonics);
-        let mut motion = HeldMotion::new(n_n, structure.modes().len(), h);
-        let mut plane = Plane::new(n_n);
-        let mut eta = vec![0.0; structure.modes().len()];
-        let (mut b, mut q) = (vec![0.0; n_n], vec![0.0; n_n]);
+        let h = series.n_harmonics;
+        let units = [Complex64::ONE, -Complex64::I].into_iter();
+        let units = units.take(if series.symmetry == Symmetry::Even { 1 } else { 2 });
+        let part = |unit| HeldPart::new(unit, structure.n_contact_dofs(), structure.modes().len(), h);
+        let mut parts: Vec<HeldPart> = units.map(part).collect();
+        let mut plane = Plane::new(structure.n_contact_dofs());
         for n in 0..=h {
             let nu2 = (n as f64 * omega).powi(2);
             if n == 0 {
@@ -62,14 +63,13 @@ impl MixedShooting<'_> {
             } else {
                 plane.set(structure, nu2)
             }
-            let sine = series.sine(n);
-            for (m, unit) in std::iter::once((n, Complex64::ONE)).chain(sine.map(|m| (m, -Complex64::I))) {
-                self.coefficients(m, &mut b, &mut q);
-                held_coordinates(structure, &plane, nu2, &b, &q, &mut eta);
-                motion.add(n, unit, &b, &q, &eta);
+            for (m, part) in std::iter::once(n).chain(series.sine(n)).zip(&mut parts) {
+                let [b, q, eta] = part.of_mut(n);
+                self.coefficients(m, b, q);
+                held_coordinates(structure, &plane, nu2, b, q, eta);
             }
         }
-        motion
+        HeldMotion { parts }
     }
 
     /// The coefficients of the recorded degrees of freedom.
@@ -77,17 +77,15 @@ impl MixedShooting<'_> {
         let recording = &self.structure().recording;
         let h = self.series().n_harmonics;
         let mut all = HarmonicCoefficients::zeros(recording.dofs().len(), h);
-        for (d, &place) in recording.contacts.iter().enumerate() {
-            all.of_mut(place).iter_mut().zip(&held.q).for_each(|(to, q)| *to = q[d]);
-        }
-        for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
-            if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
-                continue;
+        for part in &held.parts {
+            for n in 0..=h {
+                let [_, q, _] = part.of(n);
+                recording.contacts.iter().zip(q).for_each(|(&place, q)| all.of_mut(place)[n] += part.unit * *q);
             }
-            let values = &recording.basis * self.amplitudes(held, omega, part);
-            for (row, &place) in recording.linear.iter().enumerate() {
-                let target = all.of_mut(place).iter_mut().enumerate();
-                target.for_each(|(n, q)| *q += unit * values[(row, n)]);
+            let values = &recording.basis * self.amplitudes(part, omega);
+            for n in 0..=h {
+                let values = recording.linear.iter().zip(values.col(n).iter());
+                values.for_each(|(&place, q)| all.of_mut(place)[n] += part.unit * *q);
             }
         }
         all
@@ -95,17 +93,18 @@ impl MixedShooting<'_> {
 
     /// `ν²/λ_k η_k,n`, `q_N,n` and `ν² q_N,n`, one below the other, a column a harmonic: what
     /// `q_L,n = Σ_k φ_k (ν²/λ_k) η_k,n + Ψ q_N,n + X ν² q_N,n` is made from.
-    pub(crate) fn amplitudes(&self, held: &HeldMotion, omega: f64, part: Part) -> Mat<f64> {
-        let modes = self.structure().modes();
-        let (k, n_n) = (modes.len(), self.structure().n_contact_dofs());
-        Mat::from_fn(k + 2 * n_n, self.series().n_harmonics + 1, |i, n| {
+    pub(crate) fn amplitudes(&self, part: &HeldPart, omega: f64) -> Mat<f64> {
+        let inverse_lambda = &self.structure().sums.inverse_lambda;
+        let (k, n_n) = (inverse_lambda.len(), self.structure().n_contact_dofs());
+        let mut amplitudes = Mat::zeros(k + 2 * n_n, self.series().n_harmonics + 1);
+        for n in 0..=self.series().n_harmonics {
             let nu2 = (n as f64 * omega).powi(2);
-            match i {
-                i if i < k => nu2 / modes[i].lambda * part.of(held.eta[n][i]),
-                i if i < k + n_n => part.of(held.q[n][i - k]),
-                i => nu2 * part.of(held.q[n][i - k - n_n]),
-            }
-        })
+            let [_, q, eta] = part.of(n);
+            let modal = eta.iter().zip(inverse_lambda).map(|(eta, inverse)| nu2 * inverse * eta);
+            let values = modal.chain(q.iter().copied()).chain(q.iter().map(|q| nu2 * q));
+            amplitudes.col_mut(n).iter_mut().zip(values).for_each(|(to, value)| *to = value);
+        }
+        amplitudes
     }
 
     /// Averaged kinetic energy of each harmonic, and averaged strain energy, that of elastic stops included.
@@ -114,35 +113,31 @@ impl MixedShooting<'_> {
     /// the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`.
     fn energies(&self, held: &HeldMotion, omega: f64) -> (Vec<f64>, f64) {
         let structure = self.structure();
-        let k_nn = structure.model().k_nn();
-        let n_n = structure.n_contact_dofs();
-        let (mut harmonic_energy, mut strain) = (Vec::new(), 0.0);
-        for n in 0..=self.series().n_harmonics {
-            let mut kinetic = 0.0;
+        let (n_n, k_nn) = (structure.n_contact_dofs(), structure.model().k_nn());
+        let (mut harmonic_energy, mut strain) = (vec![0.0; self.series().n_harmonics + 1], 0.0);
+        let mut coupling = vec![0.0; structure.modes().len()];
+        for (n, kinetic) in harmonic_energy.iter_mut().enumerate() {
             let nu2 = (n as f64 * omega).powi(2);
-            let mean = if n == 0 { 1.0 } else { 0.5 };
-            let (b, q) = (&held.b[n], &held.q[n]);
-            for (mode, eta) in structure.modes().iter().zip(&held.eta[n]) {
-                let coupling: Complex64 = mode.g.iter().zip(q).map(|(g, q)| q * *g).sum();
-                let share = nu2 / mode.lambda;
-                kinetic += 0.5 * mean * nu2 * eta.norm_sqr();
-                strain += 0.5 * mean * (share * nu2 * eta.norm_sqr() - 2.0 * share * (coupling.conj() * eta).re);
-            }
-            for i in 0..n_n {
+            let half = if n == 0 { 0.5 } else { 0.25 };
+            for part in &held.parts {
+                let [b, q, eta] = part.of(n);
+                structure.sums.couple(q, &mut coupling);
+                for ((inverse, coupling), eta) in structure.sums.inverse_lambda.iter().zip(&coupling).zip(eta) {
+                    let share = nu2 * inverse;
+                    *kinetic += half * nu2 * eta * eta;
+                    strain += half * share * eta * (nu2 * eta - 2.0 * coupling);
+                }
                 for j in 0..n_n {
-                    let k = k_nn[(i, j)];
-                    // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts twice.
-                    let residual = structure.residual.mass[(i, j)] * (q[i].conj() * q[j]).re;
-                    kinetic += 0.5 * mean * nu2 * residual;
-                    strain += mean * nu2 * residual;
-                    let static_q: Complex64 = (0..n_n).map(|e| q[e] * structure.t0[(j, e)]).sum();
-                    let force: Complex64 = q[j] - b[j];
-                    strain += 0.5 * mean * k * (q[i].conj() * static_q).re;
-                    strain -= 0.5 * mean * k * (b[i].conj() * b[j]).re;
-                    strain -= 0.5 * mean * k * (b[i].conj() * force).re;
+                    let static_q: f64 = (0..n_n).map(|e| q[e] * structure.t0[(j, e)]).sum();
+                    for i in 0..n_n {
+                        // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts twice.
+                        let residual = structure.residual.mass[(i, j)] * q[i] * q[j];
+                        *kinetic += half * nu2 * residual;
+                        strain += 2.0 * half * nu2 * residual;
+                        strain += half * k_nn[(i, j)] * (q[i] * static_q - b[i] * q[j]);
+                    }
                 }
             }
-            harmonic_energy.push(kinetic);
         }
         let preload: f64 = self.mean_forces().iter().zip(structure.body.gaps()).map(|(λ, g)| λ * g).sum();
         (harmonic_energy, strain - 0.5 * preload)
@@ -150,10 +145,13 @@ impl MixedShooting<'_> {
 
     /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).
     fn modal_amplitude(&self, held: &HeldMotion) -> f64 {
-        let (mass, q) = (&self.structure().residual.mass, &held.q[1]);
-        let pairs = (0..q.len()).flat_map(|i| (0..q.len()).map(move |j| (i, j)));
-        let residual: f64 = pairs.map(|(i, j)| mass[(i, j)] * (q[i].conj() * q[j]).re).sum();
-        (held.eta[1].iter().map(|η| η.norm_sqr()).sum::<f64>() + residual).sqrt()
+        let mass = &self.structure().residual.mass;
+        let squares = held.parts.iter().map(|part| {
+            let [_, q, eta] = part.of(1);
+            let pairs = (0..q.len()).flat_map(|i| (0..q.len()).map(move |j| (i, j)));
+            inner(eta, eta) + pairs.map(|(i, j)| mass[(i, j)] * q[i] * q[j]).sum::<f64>()
+        });
+        squares.sum::<f64>().sqrt()
     }
 
     /// Mean contact forces over a period, N.

@@ -1,10 +1,8 @@
 use nlmodes_linalg::{Mat, multiply_many};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::LinearModes;
-use num_complex::Complex64;
 
-use crate::held_motion::Part;
-use crate::{CondensedStructure, HbmError, MixedShooting, Symmetry};
+use crate::{CondensedStructure, HbmError, MixedShooting};
 
 /// Modal coordinates `Φᵀ M q_n` of linear modes, of motions of all degrees of freedom or of the reduced coordinates, for which the sum
 /// over the degrees of freedom is done once.
@@ -45,8 +43,9 @@ impl Projection {
         }
         let mut modal = HarmonicCoefficients::zeros(self.inertia.ncols(), motion.n_harmonics());
         for k in 0..self.inertia.ncols() {
-            for (d, mass) in self.inertia.col(k).iter().enumerate() {
-                modal.of_mut(k).iter_mut().zip(motion.of(d)).for_each(|(eta, q)| *eta += q * *mass);
+            let modal = modal.of_mut(k);
+            for (d, mass) in self.inertia.col(k).iter().enumerate().filter(|(_, mass)| **mass != 0.0) {
+                modal.iter_mut().zip(motion.of(d)).for_each(|(eta, q)| *eta += q * *mass);
             }
         }
         Some(modal)
@@ -63,13 +62,10 @@ impl MixedShooting<'_> {
         let omega = self.omega(x);
         let held = self.held_motion(omega);
         let mut modal = HarmonicCoefficients::zeros(onto.reduced.nrows(), self.series().n_harmonics);
-        for (part, unit) in [(Part::Real, Complex64::ONE), (Part::Imaginary, Complex64::I)] {
-            if part == Part::Imaginary && self.series().symmetry == Symmetry::Even {
-                continue;
-            }
-            let values = &onto.reduced * self.amplitudes(&held, omega, part);
+        for part in &held.parts {
+            let values = &onto.reduced * self.amplitudes(part, omega);
             for k in 0..values.nrows() {
-                modal.of_mut(k).iter_mut().enumerate().for_each(|(n, eta)| *eta += unit * values[(k, n)]);
+                modal.of_mut(k).iter_mut().enumerate().for_each(|(n, eta)| *eta += part.unit * values[(k, n)]);
             }
         }
         Ok(modal)

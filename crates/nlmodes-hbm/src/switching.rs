@@ -3,7 +3,7 @@ use num_complex::Complex64;
 use crate::HbmError;
 use crate::closed_set::{ClosedSet, SetTable};
 use crate::contact_operator::PatternInterval;
-use crate::trigonometric::{Trigonometric, bound};
+use crate::trigonometric::{Instant, Trigonometric, bound};
 
 /// Samples of `y` and of `dy/dτ`, and the sample that is meant.
 type Sample<'a> = (&'a Vec<Vec<f64>>, &'a Vec<Vec<f64>>, usize);
@@ -193,20 +193,7 @@ fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option
     if f.bound(0) <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
         return None;
     }
-    search(f, noise, bounds, Instant::of(f, from), Instant::of(f, to))
-}
-
-/// An instant with the value of a function there and its first two derivatives.
-#[derive(Clone, Copy)]
-struct Instant {
-    tau: f64,
-    f: [f64; 3],
-}
-
-impl Instant {
-    fn of(f: &Trigonometric, tau: f64) -> Self {
-        Self { tau, f: f.evaluate(tau) }
-    }
+    search(f, noise, bounds, f.at(from), f.at(to))
 }
 
 /// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
@@ -219,7 +206,7 @@ fn search(f: &Trigonometric, noise: f64, bounds: [f64; 2], from: Instant, to: In
     if width < SHORTEST {
         return falls_below_zero_once(f, noise, from, to);
     }
-    let middle = Instant::of(f, 0.5 * (from.tau + to.tau));
+    let middle = f.at(0.5 * (from.tau + to.tau));
     if middle.f[2].abs() > 0.5 * width * bounds[1] {
         return falls_below_zero_once(f, noise, from, to);
     }
@@ -239,22 +226,21 @@ fn falls_below_zero_once(f: &Trigonometric, noise: f64, from: Instant, to: Insta
         if left[0] <= noise && !rises_first {
             return Some(from.tau);
         }
-        let low = if rises_first { peak(f, from, to)? } else { from.tau };
-        return Some(f.root(0, low, to.tau));
+        let low = if rises_first { peak(f, from, to)? } else { from };
+        return Some(f.root(0, low, to));
     }
     if !dips {
         return None;
     }
-    let bottom = f.root(1, from.tau, to.tau);
-    let value = f.evaluate(bottom)[0];
-    (value < -noise).then(|| if left[0] > noise { f.root(0, from.tau, bottom) } else { from.tau })
+    let bottom = f.at(f.root(1, from, to));
+    (bottom.f[0] < -noise).then(|| if left[0] > noise { f.root(0, from, bottom) } else { from.tau })
 }
 
 /// A point at which `f`, zero and rising at `from`, is positive before it falls to `to`.
-fn peak(f: &Trigonometric, from: Instant, to: Instant) -> Option<f64> {
+fn peak(f: &Trigonometric, from: Instant, to: Instant) -> Option<Instant> {
     if to.f[1] < 0.0 && from.f[1] > 0.0 {
-        let top = f.root(1, from.tau, to.tau);
-        return (f.evaluate(top)[0] > 0.0).then_some(top);
+        let top = f.at(f.root(1, from, to));
+        return (top.f[0] > 0.0).then_some(top);
     }
     None
 }
