@@ -8,6 +8,7 @@ mod suppression;
 mod triangle;
 mod working;
 
+pub(crate) use begin::{MANY, factor_in_place};
 pub(crate) use set::ClosedSet;
 pub(crate) use working::WorkingFactor;
 

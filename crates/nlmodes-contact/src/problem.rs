@@ -126,19 +126,24 @@ impl LcpMatrix {
     }
 }
 
+/// Rows and columns that are looked at together: entries far apart in memory are met again soon.
+const TILE: usize = 32;
+
 /// The mean of `a` and its transpose, if both agree within rounding.
 fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, LcpError> {
     let c = a.nrows();
     let mut mean = a.clone();
     let root: Vec<f64> = (0..c).map(|i| a[(i, i)].abs().sqrt()).collect();
-    for column in 0..c {
-        for row in 0..column {
-            let (value, transposed) = (a[(row, column)], a[(column, row)]);
-            if (value - transposed).abs() > 1e-10 * root[row] * root[column] {
-                return Err(LcpError::NotSymmetric { row, column, value, transposed });
+    for (first, second) in (0..c).step_by(TILE).flat_map(|i| (0..=i).step_by(TILE).map(move |j| (i, j))) {
+        for column in first..c.min(first + TILE) {
+            for row in second..column.min(second + TILE) {
+                let (value, transposed) = (a[(row, column)], a[(column, row)]);
+                if (value - transposed).abs() > 1e-10 * root[row] * root[column] {
+                    return Err(LcpError::NotSymmetric { row, column, value, transposed });
+                }
+                mean[(row, column)] = 0.5 * value + 0.5 * transposed;
+                mean[(column, row)] = mean[(row, column)];
             }
-            mean[(row, column)] = 0.5 * value + 0.5 * transposed;
-            mean[(column, row)] = mean[(row, column)];
         }
     }
     Ok(mean)
