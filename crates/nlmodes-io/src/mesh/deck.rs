@@ -70,6 +70,8 @@ struct Deck {
     by_number: HashMap<u64, usize>,
     element_sets: BTreeMap<String, Vec<u64>>,
     mentions: Vec<(u64, Mention)>,
+    /// Numbers that the lines of sets have named so far.
+    in_sets: u64,
 }
 
 impl Deck {

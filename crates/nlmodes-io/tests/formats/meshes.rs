@@ -133,6 +133,30 @@ fn included_decks_are_read_where_they_stand() {
     assert!(circle.contains("number of decks that include each other: found 17, expected at most 16"), "{circle}");
 }
 
+/// A set that names itself twice a line doubles with each, and a range may have any length.
+#[test]
+fn sets_that_name_more_than_fits_into_memory_are_refused_at_their_line() {
+    let doubling = format!("{TWO_BRICKS}*NSET, NSET=SOME\n{}", "SOME, SOME\n".repeat(60));
+    let first = doubling.lines().position(|line| line == "SOME, SOME").unwrap() + 1;
+    let refused = mesh("x.inp", &doubling).unwrap_err().to_string();
+    // Seven numbers are three times as many after each line: the fourteenth names 2 · 7 · 3^13 = 2.2e7.
+    assert!(refused.contains("sets that name at most 50000000 numbers in all"), "{refused}");
+    assert!((first..first + 20).any(|line| refused.contains(&format!(":{line}"))), "{refused}");
+    for range in ["1, 18446744073709551615", "0, 18446744073709551615, 1", "1, 60000000"] {
+        for keyword in ["*NSET, NSET=LONG, GENERATE", "*ELSET, ELSET=LONG, GENERATE"] {
+            let refused = mesh("x.inp", &format!("{TWO_BRICKS}{keyword}\n{range}\n")).unwrap_err().to_string();
+            assert!(refused.contains("at most 50000000"), "{range}: {refused}");
+        }
+    }
+    let falling = mesh("x.inp", &format!("{TWO_BRICKS}*NSET, NSET=LONG, GENERATE\n9, 2\n")).unwrap_err().to_string();
+    assert!(falling.contains("a range that ascends"), "{falling}");
+    // Several long ranges whose numbers no node has are no mistake.
+    let sparse =
+        format!("{TWO_BRICKS}*NSET, NSET=LONG, GENERATE\n1, 9000000\n1, 9000000, 3\n*NSET, NSET=AGAIN\nLONG\n");
+    let mesh = mesh("x.inp", &sparse).unwrap();
+    assert_eq!(mesh.node_set("AGAIN").map(<[u64]>::len), mesh.node_set("LONG").map(<[u64]>::len));
+}
+
 #[test]
 fn both_versions_of_gmsh_give_the_same_mesh() {
     let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 1 \"BODY\"\n$EndPhysicalNames\n$Entities\n0 0 1 1\n\

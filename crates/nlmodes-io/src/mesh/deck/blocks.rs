@@ -58,7 +58,7 @@ impl Deck {
             }
             State::NodeSet { name, generate } => self.node_set(source, name, *generate),
             State::ElementSet { name, generate } => {
-                let elements = members(source, *generate, &self.element_sets)?;
+                let elements = members(source, *generate, &self.element_sets, &mut self.in_sets)?;
                 self.element_sets.entry(name.clone()).or_default().extend(elements);
                 Ok(())
             }
@@ -94,10 +94,11 @@ impl Deck {
     }
 
     fn node_set(&mut self, source: &Source, name: &str, generate: bool) -> Result<()> {
-        let nodes = members(source, generate, &self.mesh.node_sets)?;
-        // A range may pass numbers that no node has.
+        let nodes = members(source, generate, &self.mesh.node_sets, &mut self.in_sets)?;
+        // A range may pass numbers that no node has, also where its set is named.
         if !generate {
-            self.mentions.extend(nodes.iter().map(|node| (*node, source.mention())));
+            let named = commas(source.line()).filter_map(unsigned);
+            self.mentions.extend(named.map(|node| (node, source.mention())));
         }
         self.mesh.add_to_set(name, nodes);
         Ok(())
@@ -132,20 +133,35 @@ impl Deck {
     }
 }
 
-/// Numbers of a set: those of a line, of other sets, or a range.
-fn members(source: &Source, generate: bool, known: &BTreeMap<String, Vec<u64>>) -> Result<Vec<u64>> {
+/// Most numbers that the sets of a deck name, those of ranges and of sets within sets included: a few lines could name more than fit into memory.
+const MOST_IN_SETS: u64 = 50_000_000;
+
+/// Numbers of a set: those of a line, of other sets, or a range. They are counted before they are made.
+fn members(source: &Source, generate: bool, known: &BTreeMap<String, Vec<u64>>, in_sets: &mut u64) -> Result<Vec<u64>> {
+    let mut count = |more: u64| {
+        *in_sets = in_sets.saturating_add(more);
+        let all = || source.expected(&format!("sets that name at most {MOST_IN_SETS} numbers in all"));
+        if *in_sets > MOST_IN_SETS { Err(all()) } else { Ok(()) }
+    };
     if generate {
-        return range(source);
+        let (first, last, step) = range(source)?;
+        count(((last - first) / step).saturating_add(1))?;
+        return Ok((first..=last).step_by(step as usize).collect());
     }
     let mut found = Vec::new();
     for field in commas(source.line()).filter(|field| !field.is_empty()) {
         match unsigned(field) {
-            Some(number) => found.push(number),
+            Some(number) => {
+                count(1)?;
+                found.push(number);
+            }
             None => {
                 let name = keyword::name(field);
                 let missing =
                     || Problem::Missing { what: "set", name: name.clone(), known: known.keys().cloned().collect() };
-                found.extend(known.get(&name).ok_or_else(|| source.error(missing()))?);
+                let set = known.get(&name).ok_or_else(|| source.error(missing()))?;
+                count(set.len() as u64)?;
+                found.extend(set);
             }
         }
     }
@@ -153,17 +169,13 @@ fn members(source: &Source, generate: bool, known: &BTreeMap<String, Vec<u64>>) 
 }
 
 /// `first, last[, step]`.
-fn range(source: &Source) -> Result<Vec<u64>> {
-    const MOST: u64 = 20_000_000;
+fn range(source: &Source) -> Result<(u64, u64, u64)> {
     let number = |field| source.unsigned(field, "end or step of a range");
     let numbers: Vec<u64> = commas(source.line()).map(number).collect::<Result<_>>()?;
-    let (first, last, step) = match numbers[..] {
-        [first, last] => (first, last, 1),
-        [first, last, step] => (first, last, step),
-        _ => return Err(source.expected("a range: first, last[, step]")),
-    };
-    if step == 0 || first > last || (last - first) / step >= MOST {
-        return Err(source.expected(&format!("a range that ascends, of at most {MOST} numbers")));
+    match numbers[..] {
+        [first, last] if first <= last => Ok((first, last, 1)),
+        [first, last, step] if first <= last && step > 0 => Ok((first, last, step)),
+        [_, _] | [_, _, _] => Err(source.expected("a range that ascends")),
+        _ => Err(source.expected("a range: first, last[, step]")),
     }
-    Ok((first..=last).step_by(step as usize).collect())
 }
