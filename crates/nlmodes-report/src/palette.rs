@@ -50,5 +50,10 @@ pub(crate) fn viridis(share: f64) -> String {
     let index = (place as usize).min(last - 1);
     let weight = place - index as f64;
     let channel = |c: usize| VIRIDIS[index][c] + weight * (VIRIDIS[index + 1][c] - VIRIDIS[index][c]);
-    format!("#{:02x}{:02x}{:02x}", channel(0).round() as u8, channel(1).round() as u8, channel(2).round() as u8)
+    let digit = |value: u8| char::from_digit(u32::from(value), 16).unwrap_or('0');
+    let mut text = String::from("#");
+    for value in [0, 1, 2].map(|c| channel(c).round() as u8) {
+        text.extend([digit(value / 16), digit(value % 16)]);
+    }
+    text
 }

@@ -27,8 +27,11 @@ impl Stroke {
     }
 
     fn attributes(&self) -> String {
-        let dash = self.dash.map(|dash| format!(r#" stroke-dasharray="{dash}""#)).unwrap_or_default();
-        format!(r#"stroke="{}" stroke-width="{}"{dash}"#, self.color, self.width)
+        let mut text = format!(r#"stroke="{}" stroke-width=""#, self.color);
+        push_px(&mut text, self.width);
+        text.push('"');
+        self.dash.into_iter().for_each(|dash| text.extend([r#" stroke-dasharray=""#, dash, "\""]));
+        text
     }
 }
 
@@ -89,8 +92,10 @@ impl Svg {
     }
 
     pub fn polygon(&mut self, class: &str, points: &[(f64, f64)], fill: &str, stroke: &Stroke) {
-        let (class, points, stroke) = (escape(class), joined(points), stroke.attributes());
-        self.push(&format!(r#"<polygon class="{class}" points="{points}" fill="{fill}" {stroke}/>"#));
+        // Surfaces have tens of thousands of them, for which the general formatting takes its time.
+        self.body.extend([r#"<polygon class=""#, &escape(class), r#"" points=""#]);
+        push_points(&mut self.body, points);
+        self.body.extend([r#"" fill=""#, fill, r#"" "#, &stroke.attributes(), "/>\n"]);
     }
 
     pub fn circle(&mut self, class: &str, center: (f64, f64), radius: f64, fill: &str, stroke: &Stroke) {
@@ -162,15 +167,20 @@ pub(crate) fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
 }
 
 fn joined(points: &[(f64, f64)]) -> String {
-    points.iter().fold(String::with_capacity(14 * points.len()), |mut text, (x, y)| {
-        if !text.is_empty() {
+    let mut text = String::with_capacity(14 * points.len());
+    push_points(&mut text, points);
+    text
+}
+
+fn push_points(text: &mut String, points: &[(f64, f64)]) {
+    for (i, (x, y)) in points.iter().enumerate() {
+        if i > 0 {
             text.push(' ');
         }
-        push_px(&mut text, *x);
+        push_px(text, *x);
         text.push(',');
-        push_px(&mut text, *y);
-        text
-    })
+        push_px(text, *y);
+    }
 }
 
 /// A length to a hundredth of a pixel, without needless zeros.
@@ -180,7 +190,7 @@ fn px(value: f64) -> String {
     text
 }
 
-/// Appends it; surfaces have tens of thousands of them, for which the general formatting of numbers takes its time.
+/// Appends it, digit by digit.
 fn push_px(text: &mut String, value: f64) {
     let hundredths = (100.0 * value).round();
     if !hundredths.is_finite() || hundredths.abs() >= 1e12 {
@@ -189,28 +199,33 @@ fn push_px(text: &mut String, value: f64) {
         return;
     }
     let whole = hundredths.abs() as u64;
-    if hundredths < 0.0 {
-        text.push('-');
-    }
-    let mut digits = [0u8; 20];
-    let (mut rest, mut at) = (whole / 100, digits.len());
-    loop {
+    let mut digits = [0u8; 24];
+    let mut at = digits.len();
+    let mut put = |digit: u8| {
         at -= 1;
-        digits[at] = b'0' + (rest % 10) as u8;
+        digits[at] = digit;
+    };
+    let (tenth, hundredth) = ((whole / 10 % 10) as u8, (whole % 10) as u8);
+    if hundredth != 0 {
+        put(b'0' + hundredth);
+    }
+    if tenth != 0 || hundredth != 0 {
+        put(b'0' + tenth);
+        put(b'.');
+    }
+    let mut rest = whole / 100;
+    loop {
+        put(b'0' + (rest % 10) as u8);
         rest /= 10;
         if rest == 0 {
             break;
         }
     }
-    digits[at..].iter().for_each(|digit| text.push(char::from(*digit)));
-    let (tenth, hundredth) = ((whole / 10 % 10) as u8, (whole % 10) as u8);
-    if tenth != 0 || hundredth != 0 {
-        text.push('.');
-        text.push(char::from(b'0' + tenth));
-        if hundredth != 0 {
-            text.push(char::from(b'0' + hundredth));
-        }
+    if hundredths < 0.0 {
+        put(b'-');
     }
+    // Digits are text.
+    text.push_str(str::from_utf8(&digits[at..]).unwrap_or_default());
 }
 
 /// Text for elements and attributes; control characters, which XML does not allow, become spaces.

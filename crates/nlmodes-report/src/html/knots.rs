@@ -7,31 +7,30 @@
 pub(super) fn knots(time: &[f64], series: &[&[f64]], tolerance: f64) -> Vec<usize> {
     let Some(last) = time.len().checked_sub(1) else { return Vec::new() };
     let sizes: Vec<f64> = series.iter().map(|values| largest(values)).collect();
-    let mut kept = vec![false; time.len()];
+    let (mut kept, mut distances) = (vec![false; time.len()], vec![0.0; time.len()]);
     (kept[0], kept[last]) = (true, true);
     let mut pieces = vec![(0, last)];
     while let Some((from, to)) = pieces.pop() {
-        let farthest = (from + 1..to)
-            .map(|k| (k, deviation(time, series, &sizes, (from, k, to))))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            // NaN counts as far away.
-            .filter(|(_, distance)| *distance > tolerance || distance.is_nan());
-        if let Some((k, _)) = farthest {
+        let inner = from + 1..to;
+        let distances = &mut distances[inner.clone()];
+        distances.fill(0.0);
+        let length = time[to] - time[from];
+        for (values, size) in series.iter().zip(&sizes) {
+            let (start, slope) = (values[from], (values[to] - values[from]) / length);
+            let samples = time[inner.clone()].iter().zip(&values[inner.clone()]);
+            for (most, (t, value)) in distances.iter_mut().zip(samples) {
+                let distance = (value - start - slope * (t - time[from])).abs() / size;
+                // NaN counts as far away.
+                *most = if distance > *most || distance.is_nan() { distance } else { *most };
+            }
+        }
+        let farthest = inner.zip(&*distances).max_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((k, _)) = farthest.filter(|(_, distance)| **distance > tolerance || distance.is_nan()) {
             kept[k] = true;
             pieces.extend([(from, k), (k, to)]);
         }
     }
     (0..=last).filter(|k| kept[*k]).collect()
-}
-
-/// Distance of sample `k` from the line between two others, over the size of its series; the largest of all series.
-fn deviation(time: &[f64], series: &[&[f64]], sizes: &[f64], (from, k, to): (usize, usize, usize)) -> f64 {
-    let share = (time[k] - time[from]) / (time[to] - time[from]);
-    let distances = series.iter().zip(sizes).map(|(values, size)| {
-        let line = values[from] + share * (values[to] - values[from]);
-        ((values[k] - line) / size).abs()
-    });
-    distances.fold(0.0, |most, distance| if distance.is_nan() || distance > most { distance } else { most })
 }
 
 /// Largest magnitude, 1 where there is none.
