@@ -1,5 +1,8 @@
 //! Large pencils: block Lanczos steps with `L⁻¹ M L⁻ᵀ`, whose vectors are orthogonal without a product with `M`.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
+
 use super::basis::Basis;
 use super::operator::Operator;
 use super::orthonormal::{Orthonormal, orthonormalise};
@@ -12,9 +15,9 @@ const TOLERANCE: f64 = 1e-12;
 /// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own largest `θ`, will not find it later.
 const VERIFICATION: usize = 30;
 
-/// Vectors of a step where the factor has dense blocks: a solution for six costs little more than one for one. Twenty modes of a solid took as long with four and with
+/// Vectors of a step where the factor has dense blocks: a solution for four costs little more than one for one. Twenty modes of a solid took as long with six and with
 /// eight, but with more vectors the wider the blocks.
-const WIDTH: usize = 6;
+const WIDTH: usize = 4;
 
 /// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and several at a time read the
 /// basis once.
@@ -104,10 +107,11 @@ impl<'a> Run<'a> {
         self.operator.apply(&mut w);
         // The three-term recurrence takes most of it; one pass through the basis is then enough nearly always.
         let alpha = self.current.transpose() * &w;
-        w -= &self.current * &alpha;
+        matmul(w.as_mut(), Accum::Add, &self.current, &alpha, -1.0, Par::Seq);
         if let Some(beta) = self.beta.last() {
-            w -= &self.previous * beta.transpose();
+            matmul(w.as_mut(), Accum::Add, &self.previous, beta.transpose(), -1.0, Par::Seq);
         }
+        self.previous = Mat::zeros(w.nrows(), 0);
         self.alpha.push(alpha);
         let scale = max_norm(self.alpha.iter().flat_map(|a| (0..a.ncols()).map(|i| a[(i, i)])));
         let left = self.most.saturating_sub(self.basis.len());
