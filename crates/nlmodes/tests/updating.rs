@@ -38,7 +38,9 @@ fn both_moduli_of_table_1_follow_from_40_10_hertz() {
             let model = |p: &[f64]| hertz(&beam(p[0], 7730.0, 0.629_755_20), without_tip_mass);
             let found = update_parameters(&[start], &[target(1, 40.10)], model).unwrap();
             assert!((found.values[0] / expected - 1.0).abs() < 5e-6, "{start}: {}", found.values[0]);
-            assert!((found.after[0] - 40.10).abs() < 1e-9, "{}", found.after[0]);
+            // Twelve moduli that differ in the 13th digit have frequencies up to 4e-11 of themselves apart from √E: the rounding of the
+            // entries of K. No search comes nearer.
+            assert!((found.after[0] / 40.10 - 1.0).abs() < 1e-10, "{}", found.after[0]);
             // ω ~ √E: in logarithms one step leads there, and long ones are cut.
             assert!(found.iterations <= 8, "{}", found.iterations);
         }
