@@ -128,7 +128,7 @@ pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
     let Some((j, value)) = best else { return f64::NEG_INFINITY };
     let [low, high] = [j.saturating_sub(1), (j + 1).min(cells)].map(|j| f.at(at(j)));
     if low.f[1] > 0.0 && high.f[1] < 0.0 {
-        return value.max(f.evaluate(f.root(1, low, high))[0]);
+        return value.max(f.turn(f64::EPSILON * f.bounds()[0], low, high, |_| false).f[0]);
     }
     value
 }

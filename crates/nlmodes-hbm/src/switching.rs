@@ -3,7 +3,7 @@ use num_complex::Complex64;
 use crate::HbmError;
 use crate::closed_set::{ClosedSet, SetTable};
 use crate::contact_operator::PatternInterval;
-use crate::trigonometric::{Instant, Trigonometric, bound};
+use crate::trigonometric::{Instant, Trigonometric, bound, bound_of_curvature};
 
 /// Samples of `y` and of `dy/dτ`, and the sample that is meant.
 type Sample<'a> = (&'a Vec<Vec<f64>>, &'a Vec<Vec<f64>>, usize);
@@ -38,8 +38,8 @@ const NOISE: f64 = 64.0 * f64::EPSILON;
 
 impl<'a> Tracer<'a> {
     pub fn new(y: &'a [Vec<Complex64>]) -> Self {
-        let curvature = y.iter().map(|z| bound(z, 2)).collect();
-        let sizes = y.iter().map(|z| bound(z, 0)).collect();
+        let curvature = y.iter().map(|z| bound_of_curvature(z)).collect();
+        let sizes = y.iter().map(|z| bound(z)).collect();
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature, sizes }
     }
 
@@ -187,62 +187,92 @@ impl<'a> Tracer<'a> {
 
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option<f64> {
-    // A gap that stays zero while another contact is closed is rounding and nothing else.
-    let bounds = [f.bound(2), f.bound(3)];
-    // Without finite numbers nothing would end the search before its shortest stretch, everywhere.
-    if f.bound(0) <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
+    let bounds = f.bounds();
+    // A gap that stays zero while another contact is closed is rounding and nothing else. Without finite numbers nothing would end the search
+    // before its shortest stretch, everywhere.
+    if bounds[0] <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
         return None;
     }
-    search(f, noise, bounds, f.at(from), f.at(to))
+    Guard { f, noise, bounds }.search(f.at(from), f.at(to))
 }
 
-/// Divides the stretch until `f` cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
-/// in which it rises, falls and rises again would otherwise hide a short contact.
-fn search(f: &Trigonometric, noise: f64, bounds: [f64; 2], from: Instant, to: Instant) -> Option<f64> {
-    let width = to.tau - from.tau;
-    if from.f[0].min(to.f[0]) > width * width / 8.0 * bounds[0] {
-        return None;
-    }
-    if width < SHORTEST {
-        return falls_below_zero_once(f, noise, from, to);
-    }
-    let middle = f.at(0.5 * (from.tau + to.tau));
-    if middle.f[2].abs() > 0.5 * width * bounds[1] {
-        return falls_below_zero_once(f, noise, from, to);
-    }
-    search(f, noise, bounds, from, middle).or_else(|| search(f, noise, bounds, middle, to))
+/// A gap or a force that must not become negative.
+struct Guard<'a> {
+    f: &'a Trigonometric,
+    noise: f64,
+    /// Of the function and of its first three derivatives.
+    bounds: [f64; 4],
 }
 
-/// [`falls_below_zero`] where `f` is convex or concave.
-fn falls_below_zero_once(f: &Trigonometric, noise: f64, from: Instant, to: Instant) -> Option<f64> {
-    let (left, right) = (from.f, to.f);
-    if left[0] < -noise {
-        // The caller's set does not fit at its own beginning: leave it to bisection.
-        return None;
-    }
-    let dips = left[1] < 0.0 && right[1] > 0.0;
-    if right[0] < -noise {
-        let rises_first = left[0] <= noise && left[1] >= 0.0;
-        if left[0] <= noise && !rises_first {
-            return Some(from.tau);
+impl Guard<'_> {
+    /// Divides the stretch until the function cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
+    /// in which it rises, falls and rises again would otherwise hide a short contact.
+    fn search(&self, from: Instant, to: Instant) -> Option<f64> {
+        let width = to.tau - from.tau;
+        if from.f[0].min(to.f[0]) > width * width / 8.0 * self.bounds[2] {
+            return None;
         }
-        let low = if rises_first { peak(f, from, to)? } else { from };
-        return Some(f.root(0, low, to));
+        if width < SHORTEST {
+            return self.falls_once(from, to);
+        }
+        let middle = self.f.at(0.5 * (from.tau + to.tau));
+        if middle.f[2].abs() > 0.5 * width * self.bounds[3] {
+            return self.falls_once(from, to);
+        }
+        self.search(from, middle).or_else(|| self.search(middle, to))
     }
-    if !dips {
-        return None;
-    }
-    let bottom = f.at(f.root(1, from, to));
-    (bottom.f[0] < -noise).then(|| if left[0] > noise { f.root(0, from, bottom) } else { from.tau })
-}
 
-/// A point at which `f`, zero and rising at `from`, is positive before it falls to `to`.
-fn peak(f: &Trigonometric, from: Instant, to: Instant) -> Option<Instant> {
-    if to.f[1] < 0.0 && from.f[1] > 0.0 {
-        let top = f.at(f.root(1, from, to));
-        return (top.f[0] > 0.0).then_some(top);
+    /// [`falls_below_zero`] where the function is convex or concave.
+    fn falls_once(&self, from: Instant, to: Instant) -> Option<f64> {
+        let (left, right) = (from.f, to.f);
+        if left[0] < -self.noise {
+            // The caller's set does not fit at its own beginning: leave it to bisection.
+            return None;
+        }
+        if right[0] < -self.noise {
+            let rises_first = left[0] <= self.noise && left[1] >= 0.0;
+            if left[0] <= self.noise && !rises_first {
+                return Some(from.tau);
+            }
+            let low = if rises_first { self.peak(from, to)? } else { from };
+            return Some(self.root(low, to));
+        }
+        let below = self.dip(from, to)?;
+        Some(if left[0] > self.noise { self.root(from, below) } else { from.tau })
     }
-    None
+
+    /// A point at which the function, zero and rising at `from`, is positive before it falls to `to`.
+    fn peak(&self, from: Instant, to: Instant) -> Option<Instant> {
+        if to.f[1] < 0.0 && from.f[1] > 0.0 {
+            let top = self.f.turn(self.rounding(), from, to, |value| value > 0.0);
+            return (top.f[0] > 0.0).then_some(top);
+        }
+        None
+    }
+
+    /// A point at which the function, convex and not negative at both ends, is negative between them.
+    fn dip(&self, from: Instant, to: Instant) -> Option<Instant> {
+        if !(from.f[1] < 0.0 && to.f[1] > 0.0) {
+            return None;
+        }
+        // Convex, it lies above its tangents at both ends, which meet in between.
+        let width = to.tau - from.tau;
+        let share = (from.f[0] - to.f[0] + width * to.f[1]) / (width * (to.f[1] - from.f[1]));
+        if from.f[0] + share * width * from.f[1] > 0.0 {
+            return None;
+        }
+        let below = self.f.turn(self.rounding(), from, to, |value| value < -self.noise);
+        (below.f[0] < -self.noise).then_some(below)
+    }
+
+    fn root(&self, low: Instant, high: Instant) -> f64 {
+        self.f.root(self.rounding(), low, high)
+    }
+
+    /// A value that is zero but for rounding.
+    fn rounding(&self) -> f64 {
+        f64::EPSILON * self.bounds[0]
+    }
 }
 
 #[cfg(test)]

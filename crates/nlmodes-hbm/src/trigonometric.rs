@@ -12,9 +12,17 @@ impl Trigonometric {
         evaluate(&self.z, tau)
     }
 
-    /// Bound of a derivative.
-    pub fn bound(&self, order: i32) -> f64 {
-        bound(&self.z, order)
+    /// Bounds of the function and of its first three derivatives.
+    pub fn bounds(&self) -> [f64; 4] {
+        let mut bounds = [0.0; 4];
+        for (n, z) in self.z.iter().enumerate() {
+            let (n, mut bound) = (n as f64, magnitude(z));
+            for sum in &mut bounds {
+                *sum += bound;
+                bound *= n;
+            }
+        }
+        bounds
     }
 
     /// Value and derivatives at `tau`.
@@ -22,38 +30,32 @@ impl Trigonometric {
         Instant { tau, f: self.evaluate(tau) }
     }
 
-    /// The zero of derivative `order` (0 or 1) between two instants at which it has different signs.
+    /// The zero between two instants at which the function has different signs; a value up to `rounding` is one, for no further step makes it any better.
     ///
-    /// From where the cubic through both ends with their slopes puts it, by Halley's method for the function, by Newton's for its slope, kept in the bracket
-    /// by bisection.
-    pub fn root(&self, order: usize, low: Instant, high: Instant) -> f64 {
-        let falls = low.f[order] >= 0.0;
-        let mut tau = expected_root(order, &low, &high);
+    /// From where the cubic through both ends with their slopes puts it, by Halley's method, kept in the bracket by bisection.
+    pub fn root(&self, rounding: f64, low: Instant, high: Instant) -> f64 {
+        let falls = low.f[0] >= 0.0;
+        let mut tau = expected_root(0, &low, &high);
         let (mut low, mut high) = (low.tau, high.tau);
-        // A value below this is rounding, of which no further step makes anything better.
-        let rounding = f64::EPSILON * self.bound(order as i32);
-        for _ in 0..80 {
+        for _ in 0..MOST_STEPS {
             let f = self.evaluate(tau);
-            if f[order].abs() <= rounding {
+            if f[0].abs() <= rounding {
                 return tau;
             }
-            if (f[order] > 0.0) == falls {
+            if (f[0] > 0.0) == falls {
                 low = tau
             } else {
                 high = tau
             }
-            let newton = -f[order] / f[order + 1];
+            let newton = -f[0] / f[1];
             // Curvature of the function over its slope.
-            let bend = if order == 0 { f[2] / f[1] } else { 0.0 };
+            let bend = f[2] / f[1];
             let expected = tau + newton / (1.0 + 0.5 * newton * bend).max(0.5);
             let is_within = expected > low && expected < high;
             let next = if is_within { expected } else { 0.5 * (low + high) };
             let step = (next - tau).abs();
             // What Halley's method leaves is the third power of its step, times the square of what the function and its harmonics bend by.
-            let left = match order == 0 && is_within {
-                true => step * (step * bend.abs().max(self.z.len() as f64)).powi(2),
-                false => step,
-            };
+            let left = if is_within { step * (step * bend.abs().max(self.z.len() as f64)).powi(2) } else { step };
             if left <= 4.0 * f64::EPSILON * tau.abs().max(f64::EPSILON) {
                 return next;
             }
@@ -61,7 +63,37 @@ impl Trigonometric {
         }
         tau
     }
+
+    /// Where the function is lowest or highest between two instants at which its slope has different signs, or a place on the way there that is `enough`.
+    ///
+    /// By Newton's method for the slope, kept in the bracket by bisection, until no step would change the value by more than `rounding`; the instant itself is known to
+    /// the root of that.
+    pub fn turn(&self, rounding: f64, low: Instant, high: Instant, enough: impl Fn(f64) -> bool) -> Instant {
+        let falls = low.f[1] >= 0.0;
+        let mut at = self.at(expected_root(1, &low, &high));
+        let (mut low, mut high) = (low.tau, high.tau);
+        for _ in 0..MOST_STEPS {
+            let [value, slope, curvature] = at.f;
+            // What Newton's method would gain, twice.
+            let gain = slope * slope / curvature.abs();
+            if enough(value) || gain <= rounding || high - low <= f64::EPSILON * high.abs() {
+                return at;
+            }
+            if (slope > 0.0) == falls {
+                low = at.tau
+            } else {
+                high = at.tau
+            }
+            let expected = at.tau - slope / curvature;
+            let is_within = expected > low && expected < high;
+            at = self.at(if is_within { expected } else { 0.5 * (low + high) });
+        }
+        at
+    }
 }
+
+/// Most steps that bracket a zero.
+const MOST_STEPS: usize = 80;
 
 /// An instant with the value of a function there and its first two derivatives.
 #[derive(Debug, Clone, Copy)]
@@ -95,10 +127,19 @@ pub(crate) fn evaluate(z: &[Complex64], tau: f64) -> [f64; 3] {
     sum
 }
 
-/// Bound of a derivative of `Re Σ z_n e^{inτ}`.
-pub(crate) fn bound(z: &[Complex64], order: i32) -> f64 {
-    // The root of the square is a fraction of the cost of `norm`, which guards against overflow.
-    z.iter().enumerate().map(|(n, z)| (n as f64).powi(order) * z.norm_sqr().sqrt()).sum()
+/// Bound of the second derivative of `Re Σ z_n e^{inτ}`.
+pub(crate) fn bound_of_curvature(z: &[Complex64]) -> f64 {
+    z.iter().enumerate().map(|(n, z)| (n * n) as f64 * magnitude(z)).sum()
+}
+
+/// Bound of `Re Σ z_n e^{inτ}`.
+pub(crate) fn bound(z: &[Complex64]) -> f64 {
+    z.iter().map(magnitude).sum()
+}
+
+/// The root of the square is a fraction of the cost of `norm`, which guards against overflow.
+fn magnitude(z: &Complex64) -> f64 {
+    z.norm_sqr().sqrt()
 }
 
 #[cfg(test)]
@@ -109,12 +150,11 @@ mod tests {
     fn roots_of_a_cosine_and_of_its_slope() {
         let f = Trigonometric { z: vec![Complex64::new(-0.5, 0.0), Complex64::new(1.0, 0.0)] };
         let third = std::f64::consts::FRAC_PI_3;
-        let root = |order, low, high| f.root(order, f.at(low), f.at(high));
-        assert!((root(0, 0.1, 2.0) - third).abs() < 1e-15);
-        // The search ends where a step is below four units of rounding.
-        assert!((root(1, 2.0, 4.0) - std::f64::consts::PI).abs() < 4.0 * f64::EPSILON * std::f64::consts::PI);
+        assert!((f.root(1e-16, f.at(0.1), f.at(2.0)) - third).abs() < 1e-15);
+        let bottom = f.turn(1e-16, f.at(2.0), f.at(4.0), |_| false);
+        assert!((bottom.f[0] + 1.5).abs() < 4e-16 && (bottom.tau - std::f64::consts::PI).abs() < 1e-8);
         assert!((f.evaluate(0.7)[2] + 0.7f64.cos()).abs() < 1e-15);
-        assert!(f.bound(2) >= 1.0);
+        assert_eq!(f.bounds(), [1.5, 1.0, 1.0, 1.0]);
     }
 
     /// `sin τ − s` in any unit, between ends of which one may lie beside the crest or on the other side of it, and the same with time reversed.
@@ -132,13 +172,28 @@ mod tests {
                     if to <= root {
                         continue;
                     }
-                    let found = rising.root(0, rising.at(from), rising.at(to));
-                    let mirrored = falling.root(0, falling.at(-to), falling.at(-from));
+                    let found = rising.root(1e-16 * unit, rising.at(from), rising.at(to));
+                    let mirrored = falling.root(1e-16 * unit, falling.at(-to), falling.at(-from));
                     // A value of 1e-16 is rounding, and what it is worth in time depends on the slope.
                     let rounding = 2e-15 / root.cos();
                     assert!((found - root).abs() < rounding, "{s} {unit} {before}: {:e}", found - root);
                     assert!((mirrored + root).abs() < rounding, "{s} {unit} {before}: {:e}", mirrored + root);
                 }
+            }
+        }
+    }
+
+    /// The crest of a wave whose curvature turns on the way there, in any unit: its height to rounding, or whatever is high enough before.
+    #[test]
+    fn turning_points_are_known_by_their_height() {
+        for unit in [1e-9, 1.0, 1e7] {
+            let z = [(0.0, 0.0), (1.0, 0.0), (0.0, 0.0), (0.3, 0.0)].map(|(re, im)| Complex64::new(re, im) * unit);
+            let f = Trigonometric { z: z.to_vec() };
+            for (from, to) in [(-0.2, 0.3), (-1e-3, 0.4), (-0.45, 1e-7)] {
+                let crest = f.turn(2e-16 * unit, f.at(from), f.at(to), |_| false);
+                assert!((crest.f[0] / (1.3 * unit) - 1.0).abs() < 1e-15, "{unit} {from}: {:e}", crest.f[0] / unit - 1.3);
+                let high_enough = f.turn(2e-16 * unit, f.at(from), f.at(to), |value| value > 1.1 * unit);
+                assert!(high_enough.f[0] > 1.1 * unit && high_enough.tau > from && high_enough.tau < to);
             }
         }
     }
