@@ -83,9 +83,8 @@ impl MixedShooting<'_> {
                 recording.contacts.iter().zip(q).for_each(|(&place, q)| all.of_mut(place)[n] += part.unit * *q);
             }
             let values = &recording.basis * self.amplitudes(part, omega);
-            for n in 0..=h {
-                let values = recording.linear.iter().zip(values.col(n).iter());
-                values.for_each(|(&place, q)| all.of_mut(place)[n] += part.unit * *q);
+            for (row, &place) in recording.linear.iter().enumerate() {
+                all.of_mut(place).iter_mut().zip(values.row(row).iter()).for_each(|(to, q)| *to += part.unit * *q);
             }
         }
         all
