@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, compute_branch};
+use nlmodes::branches::{BranchSettings, StabilityRule, compute_branch};
 use nlmodes::contact::{LcpMatrix, Mat, SeriesSolution, Start, solver_by_name};
 use nlmodes::continuation::{Linearization, ParametricSystem};
 use nlmodes::fem::MassMatrix;
@@ -11,7 +11,7 @@ use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Swi
 use nlmodes::linalg::{DenseLu, lowest_modes};
 use nlmodes::model::MasslessContactModel;
 
-use crate::{Failure, beam, rig, rod};
+use crate::{Failure, beam, rig, rod, rod_before_a_spring};
 
 /// Samples of a period of contact problems.
 pub const SAMPLES: usize = 1024;
@@ -23,7 +23,7 @@ pub type Kernel = Box<dyn FnMut()>;
 pub type Prepare = fn() -> Result<Kernel, Failure>;
 
 /// All kernels by name.
-pub const KERNELS: [(&str, Prepare); 10] = [
+pub const KERNELS: [(&str, Prepare); 11] = [
     ("residual and Jacobian, rod of 100 elements, 20 harmonics", || residual(99, 20)),
     ("residual and Jacobian, beam, 5 harmonics", || residual_of(beam()?, 5)),
     ("corrector step, rod of 100 elements, 20 harmonics", || corrector_step(99, 20)),
@@ -32,6 +32,7 @@ pub const KERNELS: [(&str, Prepare); 10] = [
     ("LCP series, 100 contacts, 1024 samples", || lcp_series(100)),
     ("branch, rod, 3 harmonics, the whole loop", || branch(rod(100, MassMatrix::Consistent)?, loop_of_the_rod())),
     ("branch, beam, 5 harmonics, to 6 grazing energies", || branch(beam()?, backbone_of_the_beam())),
+    ("branch with its modes, rod before a spring, 2 harmonics", branch_with_its_modes),
     ("linear modes, rod of 20 000 elements, 20 modes", linear_modes),
     ("virtual test, one second", virtual_test),
 ];
@@ -40,6 +41,18 @@ pub const KERNELS: [(&str, Prepare); 10] = [
 pub fn loop_of_the_rod() -> BranchSettings {
     let frequency_hz = Some([50.0, 66.5]);
     BranchSettings { harmonics: 3, max_energy_ratio: Some(20.0), frequency_hz, ..BranchSettings::default() }
+}
+
+/// The backbone of the rod by conventional harmonic balance, which other programs compute too: 256 samples a period, to 15 grazing energies.
+pub fn backbone_of_the_rod(harmonics: usize) -> BranchSettings {
+    BranchSettings {
+        harmonics,
+        switching: Switching::Sampled { samples: 256 },
+        max_energy_ratio: Some(15.0),
+        frequency_hz: Some([50.0, 90.0]),
+        stability: StabilityRule::Never,
+        ..BranchSettings::default()
+    }
 }
 
 /// The backbone of Fig. 8.
@@ -105,6 +118,16 @@ fn modal_point() -> Result<Kernel, Failure> {
 fn branch(model: MasslessContactModel, settings: BranchSettings) -> Result<Kernel, Failure> {
     Ok(Box::new(move || {
         let found = compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()));
+        black_box(found.unwrap_or_else(|e| panic!("{e}")).branch);
+    }))
+}
+
+/// From the numbers of the rod on: a model and its clones keep their modes.
+fn branch_with_its_modes() -> Result<Kernel, Failure> {
+    let settings = backbone_of_the_rod(2);
+    Ok(Box::new(move || {
+        let model = rod_before_a_spring(100, 1e11).unwrap_or_else(|e| panic!("{e}"));
+        let found = compute_branch(model, &settings, |_| ControlFlow::Continue(()));
         black_box(found.unwrap_or_else(|e| panic!("{e}")).branch);
     }))
 }

@@ -22,6 +22,21 @@ pub type Failure = Box<dyn std::error::Error>;
 /// # Errors
 /// None, with positive `elements`.
 pub fn rod(elements: usize, mass_matrix: MassMatrix) -> Result<MasslessContactModel, Failure> {
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
+    Ok(MasslessContactModel::new(&rod_before(stop, elements, mass_matrix)?, &Drop)?)
+}
+
+/// The same rod with the mass of its tip, before a spring of `stiffness`, N/m, in the place of the rigid stop: for conventional harmonic balance.
+///
+/// # Errors
+/// Without elements.
+pub fn rod_before_a_spring(elements: usize, stiffness: f64) -> Result<MasslessContactModel, Failure> {
+    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5).on_spring(stiffness);
+    let model = rod_before(stop, elements, MassMatrix::Consistent)?;
+    Ok(MasslessContactModel::with_spring_tips(&model, None)?)
+}
+
+fn rod_before(stop: Stop, elements: usize, mass_matrix: MassMatrix) -> Result<StructuralModel, Failure> {
     let rod = Rod {
         material: Material::new(210e9, 9000.0)?,
         area: 1.0,
@@ -30,8 +45,7 @@ pub fn rod(elements: usize, mass_matrix: MassMatrix) -> Result<MasslessContactMo
         start: Support::Clamped,
         end: Support::Free,
     };
-    let stop = Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5);
-    Ok(MasslessContactModel::new(&rod.assemble(&[stop])?, &Drop)?)
+    Ok(rod.assemble(&[stop])?)
 }
 
 /// Clamped-free rod with `EA = ρA = L = 1` and a rigid stop at a distance of 1 from its tip, consistent mass.

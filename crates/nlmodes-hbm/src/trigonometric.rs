@@ -191,7 +191,11 @@ mod tests {
             let f = Trigonometric { z: z.to_vec() };
             for (from, to) in [(-0.2, 0.3), (-1e-3, 0.4), (-0.45, 1e-7)] {
                 let crest = f.turn(2e-16 * unit, f.at(from), f.at(to), |_| false);
-                assert!((crest.f[0] / (1.3 * unit) - 1.0).abs() < 1e-15, "{unit} {from}: {:e}", crest.f[0] / unit - 1.3);
+                assert!(
+                    (crest.f[0] / (1.3 * unit) - 1.0).abs() < 1e-15,
+                    "{unit} {from}: {:e}",
+                    crest.f[0] / unit - 1.3
+                );
                 let high_enough = f.turn(2e-16 * unit, f.at(from), f.at(to), |value| value > 1.1 * unit);
                 assert!(high_enough.f[0] > 1.1 * unit && high_enough.tau > from && high_enough.tau < to);
             }
