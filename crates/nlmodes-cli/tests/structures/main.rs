@@ -1,6 +1,13 @@
 //! Structures from files and in open modes, against closed relations between structures and against CalculiX.
 
+mod formats;
 mod said;
+// The sample of the readers, in every format as the programs write it.
+#[path = "../../../nlmodes-io/tests/formats/sample.rs"]
+mod sample;
+#[allow(dead_code, reason = "what the tests of the readers need beside")]
+#[path = "../../../nlmodes-io/tests/formats/writers.rs"]
+mod writers;
 
 use std::error::Error;
 use std::fmt::Write as _;
