@@ -4,6 +4,7 @@ mod deck;
 mod gmsh;
 mod kind;
 mod skin;
+mod tributary;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;

@@ -54,6 +54,10 @@ fn the_plate_runs_and_its_motion_is_there_for_paraview() -> Outcome {
     assert_eq!(collection.matches("<DataSet").count(), 24);
     let frame = fs::read_to_string(folder.path().join("motion_000.vtu"))?;
     assert!(["displacement", "contact_force", "gap"].iter().all(|name| frame.contains(&format!("Name=\"{name}\""))));
+    // One node covers no face; the tips of the rotor's blades do.
+    assert!(!frame.contains("contact_pressure"));
+    run(&configs("structures/rotor.toml"), folder.path(), &["continuation.max_energy_ratio=1.05"])?;
+    assert!(fs::read_to_string(folder.path().join("motion_000.vtu"))?.contains("Name=\"contact_pressure\""));
     Ok(())
 }
 

@@ -156,7 +156,7 @@ fn turned(mut cell: SkinCell) -> SkinCell {
 }
 
 /// Outward normal of a face times its area.
-fn cell_area(cell: &SkinCell, mesh: &Mesh) -> [f64; 3] {
+pub(super) fn cell_area(cell: &SkinCell, mesh: &Mesh) -> [f64; 3] {
     let corners = &cell.nodes[..cell.kind.corners()];
     let count = corners.len() as f64;
     let mean = |axis: usize| corners.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / count;

@@ -119,6 +119,67 @@ fn normals_of_a_set_do_not_tilt_at_its_edges() {
 }
 
 #[test]
+fn the_area_of_a_face_is_that_of_its_nodes_together_as_seen_along_their_direction() {
+    let mesh = mesh("x.inp", TWO_BRICKS).unwrap();
+    let skin = Skin::of(&mesh);
+    let areas = |numbers: &[u64], direction: [f64; 3]| {
+        let nodes: Vec<_> = numbers.iter().map(|n| (mesh.index_of(*n).unwrap() as u32, direction)).collect();
+        skin.tributary_areas(&mesh, &nodes)
+    };
+    let end = mesh.node_set("END").unwrap();
+    assert_eq!(areas(end, [1.0, 0.0, 0.0]), [0.25; 4]);
+    // A wall that stands oblique before it sees less of it, one behind it nothing; an edge is no face.
+    assert_eq!(areas(end, [0.6, 0.8, 0.0]), [0.6 * 0.25; 4]);
+    assert_eq!(areas(end, [-1.0, 0.0, 0.0]), [0.0; 4]);
+    assert_eq!(areas(&end[..2], [1.0, 0.0, 0.0]), [0.0; 2]);
+    // All around the box: along x its two ends, along z top and bottom, of which each has two unit squares.
+    let all: Vec<u64> = (1..=12).collect();
+    let sum = |direction| areas(&all, direction).iter().sum::<f64>();
+    assert_eq!([sum([1.0, 0.0, 0.0]), sum([0.0, 0.0, 1.0])], [1.0, 2.0]);
+}
+
+/// A tetrahedron with ten nodes and a brick with twenty, each over a face in the plane z = 0, of area 1/2 and 1, that looks down.
+#[test]
+fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
+    let triangle = "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0.5, 0, 0\n6, 0.5, 0.5, 0\n7, 0, 0.5, 0\n\
+                    8, 0, 0, 0.5\n9, 0.5, 0, 0.5\n10, 0, 0.5, 0.5\n*ELEMENT, TYPE=C3D10, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10\n";
+    let corners = ["0, 0, 0", "1, 0, 0", "1, 1, 0", "0, 1, 0", "0, 0, 1", "1, 0, 1", "1, 1, 1", "0, 1, 1"];
+    let middles = [
+        "0.5, 0, 0",
+        "1, 0.5, 0",
+        "0.5, 1, 0",
+        "0, 0.5, 0",
+        "0.5, 0, 1",
+        "1, 0.5, 1",
+        "0.5, 1, 1",
+        "0, 0.5, 1",
+        "0, 0, 0.5",
+        "1, 0, 0.5",
+        "1, 1, 0.5",
+        "0, 1, 0.5",
+    ];
+    let places = corners.iter().chain(&middles).enumerate();
+    let square = places.map(|(k, place)| format!("{}, {place}\n", k + 1)).collect::<String>()
+        + "*ELEMENT, TYPE=C3D20, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,\n16, 17, 18, 19, 20\n";
+    let cases = [
+        (triangle.to_owned(), vec![1, 2, 3], vec![5, 6, 7], [0.5 / 12.0, 0.5 / 4.0]),
+        (square, vec![1, 2, 3, 4], vec![9, 10, 11, 12], [1.0 / 24.0, 5.0 / 24.0]),
+    ];
+    for (text, corners, middles, [corner, middle]) in cases {
+        let mesh = mesh("x.inp", &format!("*NODE\n{text}")).unwrap();
+        let index = |number: &u64| (mesh.index_of(*number).unwrap() as u32, [0.0, 0.0, -1.0]);
+        let nodes: Vec<_> = corners.iter().chain(&middles).map(index).collect();
+        let areas = Skin::of(&mesh).tributary_areas(&mesh, &nodes);
+        let (at_corners, at_middles) = areas.split_at(corners.len());
+        assert!(at_corners.iter().all(|area| (area - corner).abs() < 1e-15), "{areas:?}");
+        assert!(at_middles.iter().all(|area| (area - middle).abs() < 1e-15), "{areas:?}");
+        // Corners alone: their pieces stay theirs.
+        let alone = Skin::of(&mesh).tributary_areas(&mesh, &nodes[..corners.len()]);
+        assert_eq!(alone, at_corners);
+    }
+}
+
+#[test]
 fn included_decks_are_read_where_they_stand() {
     let directory = tempfile::tempdir().unwrap();
     fs::create_dir(directory.path().join("parts")).unwrap();

@@ -96,7 +96,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "motion.pvd",
-        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, displacement in m, contact_force in N, gap in m",
+        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, displacement in m, contact_force in N, gap in m, and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is larger there than at corners, as the forces of nodes are)",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },

@@ -7,7 +7,7 @@ use nlmodes::branches::{ComputedBranch, ComputedTree, Histories, figure_points};
 use nlmodes::linalg::Mat;
 use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
-use nlmodes_io::{Component, FeModel, Mesh, PointField, Skin, Surface};
+use nlmodes_io::{Component, FeModel, Mesh, NodeContact, PointField, Skin, Surface};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
@@ -43,10 +43,10 @@ impl Period {
             .flat_map(|c| std::iter::once(c.node).chain(c.against))
             .filter_map(|n| mesh.index_of(n))
             .collect();
-        let surface = Surface::new(mesh, &touching);
-        let motion = Motion::new(open, model, mesh, &surface, computed, point)?;
+        let (surface, skin) = (Surface::new(mesh, &touching), Skin::of(mesh));
+        let motion = Motion::new(open, model, (mesh, &skin), &surface, computed, point)?;
         let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
-        let wireframe = wireframe(format!("Point {point}"), mesh, &surface, &frames, &motion.ends);
+        let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
         Ok(Some(Self { surface, frames, duration: motion.period, wireframe }))
     }
 
@@ -57,7 +57,8 @@ impl Period {
 
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
     ///
-    /// Fields: displacement (m), contact force on the structure (N), gap (m, NaN where there is no contact).
+    /// Fields: displacement (m), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
+    /// no contact, or no face.
     ///
     /// # Errors
     /// [`Failure`] if a file cannot be written.
@@ -73,17 +74,16 @@ impl Period {
 /// The edges of the surface, or those at which it bends, with the corners that they join.
 fn wireframe(
     name: String,
-    mesh: &Mesh,
+    (mesh, skin): (&Mesh, &Skin),
     surface: &Surface,
     frames: &[Frame],
-    ends: &[(usize, f64, usize)],
+    ends: &[End],
 ) -> Option<Wireframe> {
-    let skin = Skin::of(mesh);
     let all = skin.edges();
     let edges = if all.len() > MOST[0] { skin.sharp_edges(mesh, SHARP) } else { all };
     // Points of the surface that are joined, and those that touch something.
     let row: HashMap<u32, usize> = surface.points().iter().enumerate().map(|(row, index)| (*index, row)).collect();
-    let mut touching: Vec<usize> = ends.iter().map(|(row, ..)| *row).collect();
+    let mut touching: Vec<usize> = ends.iter().map(|end| end.place).collect();
     touching.sort_unstable();
     touching.dedup();
     let mut rows: Vec<usize> = edges.iter().flatten().filter_map(|index| row.get(index).copied()).collect();
@@ -119,8 +119,19 @@ struct Motion<'a> {
     places: Vec<[Option<usize>; 3]>,
     /// One column a frame.
     displacements: Mat<f64>,
-    /// The point of the surface, sign and contact of each end of a contact.
-    ends: Vec<(usize, f64, usize)>,
+    ends: Vec<End>,
+}
+
+/// An end of a contact.
+struct End {
+    /// The point of the surface.
+    place: usize,
+    /// The contact.
+    contact: usize,
+    /// −1 at the node, 1 at the one that it touches: the force there is so many times the normal.
+    sign: f64,
+    /// The area that belongs to it, m²; zero where the contacts cover no face.
+    area: f64,
 }
 
 /// Values at the points of the surface at one phase.
@@ -128,15 +139,21 @@ struct Frame {
     displacement: Vec<f64>,
     force: Vec<f64>,
     gap: Vec<f64>,
+    /// Empty where no area is known.
+    pressure: Vec<f64>,
 }
 
 impl Frame {
     fn fields(&self) -> Vec<PointField<'_>> {
-        vec![
+        let mut fields = vec![
             PointField { name: "displacement", components: 3, values: &self.displacement },
             PointField { name: "contact_force", components: 3, values: &self.force },
             PointField { name: "gap", components: 1, values: &self.gap },
-        ]
+        ];
+        if !self.pressure.is_empty() {
+            fields.push(PointField { name: "contact_pressure", components: 1, values: &self.pressure });
+        }
+        fields
     }
 }
 
@@ -144,7 +161,7 @@ impl<'a> Motion<'a> {
     fn new(
         open: &'a OpenStructure,
         model: &FeModel,
-        mesh: &Mesh,
+        (mesh, skin): (&Mesh, &Skin),
         surface: &Surface,
         computed: &ComputedBranch,
         point: usize,
@@ -161,10 +178,11 @@ impl<'a> Motion<'a> {
         let at: HashMap<u64, usize> = numbers.iter().enumerate().map(|(place, node)| (*node, place)).collect();
         let contacts = open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         let mut ends = Vec::new();
-        for (i, contact) in contacts.iter().enumerate() {
-            let both = std::iter::once((contact.node, -1.0)).chain(contact.against.map(|node| (node, 1.0)));
-            ends.extend(both.filter_map(|(node, sign)| Some((*at.get(&node)?, sign, i))));
+        for (contact, node_contact) in contacts.iter().enumerate() {
+            let both = std::iter::once((node_contact.node, -1.0)).chain(node_contact.against.map(|node| (node, 1.0)));
+            ends.extend(both.filter_map(|(node, sign)| Some(End { place: *at.get(&node)?, contact, sign, area: 0.0 })));
         }
+        find_areas(&mut ends, contacts, surface, (mesh, skin));
         let histories = Histories::of(computed).equidistant(point, FRAMES, "")?;
         let forces = Mat::from_fn(histories.len(), FRAMES, |i, k| histories[i].force[k]);
         let coefficients = &computed.branch.points[point].coefficients;
@@ -188,14 +206,34 @@ impl<'a> Motion<'a> {
         let value = |row: &Option<usize>| row.map_or(0.0, |row| self.displacements[(row, k)]);
         let displacement: Vec<f64> = self.places.iter().flat_map(|rows| rows.each_ref().map(value)).collect();
         let (mut force, mut gap) = (vec![0.0; displacement.len()], vec![f64::NAN; self.places.len()]);
+        let mut pressure = vec![f64::NAN; if self.ends.iter().any(|end| end.area > 0.0) { gap.len() } else { 0 }];
         let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
-        for &(place, sign, i) in &self.ends {
+        for &End { place, contact: i, sign, area } in &self.ends {
             let history = &self.histories[i];
+            if area > 0.0 {
+                // A node before two walls presses against both.
+                pressure[place] = forces[i] / area + if pressure[place].is_nan() { 0.0 } else { pressure[place] };
+            }
             (0..3).for_each(|axis| force[3 * place + axis] += sign * forces[i] * contacts[i].normal[axis]);
             let (_, toward) = self.open.reduced.direction_of()[i];
             let left = contacts[i].gap - toward * history.displacement[k];
             gap[place] = if gap[place].is_nan() { left } else { gap[place].min(left) };
         }
-        Frame { displacement, force, gap }
+        Frame { displacement, force, gap, pressure }
+    }
+}
+
+/// The areas of ends of contacts: those of one choice cover a face together, on either side.
+fn find_areas(ends: &mut [End], contacts: &[NodeContact], surface: &Surface, (mesh, skin): (&Mesh, &Skin)) {
+    let mut groups: HashMap<(usize, bool), Vec<usize>> = HashMap::new();
+    for (k, end) in ends.iter().enumerate() {
+        groups.entry((contacts[end.contact].origin, end.sign > 0.0)).or_default().push(k);
+    }
+    for group in groups.into_values() {
+        let outward = |end: &End| contacts[end.contact].normal.map(|n| -end.sign * n);
+        let nodes: Vec<(u32, [f64; 3])> =
+            group.iter().map(|k| (surface.points()[ends[*k].place], outward(&ends[*k]))).collect();
+        let areas = skin.tributary_areas(mesh, &nodes);
+        group.into_iter().zip(areas).for_each(|(k, area)| ends[k].area = area);
     }
 }
