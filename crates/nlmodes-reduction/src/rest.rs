@@ -6,6 +6,9 @@ use crate::{ModalLoad, OpenModes, ReductionError};
 /// Modes that move the closed contacts by less than this share of the others leave them at rest.
 const PRESSES: f64 = 1e-6;
 
+/// Scalar product of two unit vectors above which there is no other of an orthonormal set that is more alike.
+const ALIKE: f64 = 0.8;
+
 /// A structure at rest against its stops, pressed by interference or by static loads.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -28,6 +31,16 @@ pub struct ClosedModes {
     pub omega_squared: Vec<f64>,
     /// Orthonormal columns `η`, m × m.
     pub eta: Mat<f64>,
+}
+
+impl ClosedModes {
+    /// The mode of these, in fewer of the same coordinates, that is mode `mode` of `other`; none where it is made of several.
+    fn most_alike(&self, other: &Self, mode: usize) -> Option<usize> {
+        let overlap =
+            |r: usize| (0..self.eta.nrows()).map(|s| self.eta[(s, r)] * other.eta[(s, mode)]).sum::<f64>().abs();
+        let overlaps = (0..self.omega_squared.len()).map(|r| (r, overlap(r)));
+        overlaps.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, overlap)| *overlap > ALIKE).map(|(r, _)| r)
+    }
 }
 
 impl OpenModes {
@@ -120,19 +133,18 @@ impl OpenModes {
     /// # Errors
     /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do not reach `mode`.
     pub fn truncation_error(&self, closed: &[bool], mode: usize) -> Result<f64, ReductionError> {
-        let frequency = |open: &Self| {
-            let modes = open.closed_modes(closed)?;
-            let pressing = open.pressing(&modes, closed);
-            // Modes that leave the contacts at rest, as two equal bodies have, know nothing of what is left out.
-            let largest = pressing.iter().copied().fold(0.0, f64::max);
-            let found = (mode..pressing.len()).find(|r| pressing[*r] > PRESSES * largest);
-            found.map(|r| modes.omega_squared[r].sqrt()).ok_or(ReductionError::NoMode { wanted: mode + 1 })
-        };
         if self.has_all_modes() {
             return Ok(0.0);
         }
-        let (half, whole) = (frequency(&self.truncated(self.n_modes() / 2)?)?, frequency(self)?);
-        Ok((half / whole - 1.0).abs())
+        let modes = self.closed_modes(closed)?;
+        let pressing = self.pressing(&modes, closed);
+        // Modes that leave the contacts at rest, as two equal bodies have, know nothing of what is left out.
+        let largest = pressing.iter().copied().fold(0.0, f64::max);
+        let missing = ReductionError::NoMode { wanted: mode + 1 };
+        let found = (mode..pressing.len()).find(|r| pressing[*r] > PRESSES * largest).ok_or(missing.clone())?;
+        let half = self.truncated(self.n_modes() / 2)?.closed_modes(closed)?;
+        let alike = half.most_alike(&modes, found).ok_or(missing)?;
+        Ok((half.omega_squared[alike].sqrt() / modes.omega_squared[found].sqrt() - 1.0).abs())
     }
 
     /// How far each of the modes with closed contacts would move these if they were open, `|Y_S η_r|`.

@@ -138,3 +138,27 @@ fn the_estimate_for_two_equal_bodies_is_that_of_one_before_a_wall() {
     let two = estimate(twice(model.mass()), twice(model.stiffness()), pair, 16);
     assert!(one > 1e-6 && (two / one - 1.0).abs() < 1e-5, "{one:e} {two:e}");
 }
+
+/// Two rods side by side, one a little softer, joined by a spring that ranges from nothing to a hundredth of them: their modes come in pairs of hardly
+/// different frequency, of which one moves the contact hardly at all.
+#[test]
+fn the_estimate_compares_a_mode_with_itself_however_little_bodies_are_joined() {
+    let (model, n) = (rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0), ELEMENTS);
+    let twice = |a: &nlmodes_linalg::SparseMatrix, factor: f64, spring: f64| {
+        let both = nlmodes_linalg::triplets(a).flat_map(|(i, j, v)| [(i, j, v), (n + i, n + j, factor * v)]);
+        let (i, j) = (n / 3, n + n / 3);
+        let joined = [(i, i, spring), (j, j, spring), (i, j, -spring), (j, i, -spring)];
+        nlmodes_linalg::sparse_from_triplets(2 * n, 2 * n, &both.chain(joined).collect::<Vec<_>>()).unwrap()
+    };
+    let wall = || nlmodes_linalg::sparse_from_triplets(2 * n, 1, &[(n - 1, 0, -1.0)]).unwrap();
+    for exponent in -28..-3 {
+        let spring = 10.0_f64.powf(0.5 * f64::from(exponent));
+        let (mass, stiffness) = (twice(model.mass(), 1.0, 0.0), twice(model.stiffness(), 0.8, spring));
+        let of = |count| OpenModes::new(mass.clone(), stiffness.clone(), wall(), vec![0.1], vec![0.0], count).unwrap();
+        let reduced = of(ModeCount::Lowest(16));
+        for mode in 0..4 {
+            let estimate = reduced.truncation_error(&[true], mode).unwrap();
+            assert!(estimate < 0.02, "{spring:e} {mode}: {estimate:e}");
+        }
+    }
+}

@@ -20,6 +20,7 @@ mod prepare;
 mod refined;
 mod refuse;
 mod resonances;
+mod returned;
 mod settings;
 mod skip;
 mod stability;

@@ -166,6 +166,7 @@ fn computed(
     };
     computed.review_accuracy();
     computed.review_departure();
+    computed.review_return();
     computed
 }
 
