@@ -54,10 +54,10 @@ impl<'a> Operator<'a> {
             let left = x.ncols() - first;
             let count = if left <= 2 { 1 } else { AT_ONCE.min(left) };
             let columns = x.as_mut().subcols_mut(first, count);
-            if count == 1 {
-                self.columns::<1>(columns)
-            } else {
-                self.columns::<AT_ONCE>(columns)
+            match count {
+                1 => self.columns::<1>(columns),
+                2..=4 => self.columns::<4>(columns),
+                _ => self.columns::<AT_ONCE>(columns),
             };
             first += count;
         }
