@@ -5,6 +5,7 @@ mod inverse_form;
 mod numeric;
 mod panels;
 mod subtrees;
+mod thin;
 
 use std::sync::Arc;
 
