@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn factor_and_solutions_are_the_same_to_the_last_bit_with_any_number_of_threads() {
-        let a = solid(21);
+        let a = solid(26);
         let plan = CholeskyPlan::new(&a, "test matrix").unwrap();
         let Kind::Blocks(blocks) = &plan.kind else { panic!("dense blocks") };
         assert!(blocks.panels.subtrees.parts.len() > 1);
@@ -388,8 +388,8 @@ mod tests {
 
     #[test]
     fn of_several_bad_pivots_the_first_is_named_with_any_number_of_threads() {
-        let n = 21;
-        let bad = |i: usize| [400, 3000, 4630, 9000].contains(&i);
+        let n = 26;
+        let bad = |i: usize| [400, 3000, 8700, 17_000].contains(&i);
         let entries: Vec<_> =
             crate::triplets(&solid(n)).map(|(i, j, v)| (i, j, if i == j && bad(i) { -v } else { v })).collect();
         let a = sparse_from_triplets(n.pow(3), n.pow(3), &entries).unwrap();

@@ -1,5 +1,7 @@
 //! How many threads compute.
 
+use std::cell::Cell;
+use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -19,13 +21,30 @@ static HELPERS: AtomicUsize = AtomicUsize::new(0);
 ///
 /// Results do not depend on it, to the last bit.
 #[derive(Debug)]
-pub struct Worker(());
+pub struct Worker {
+    /// It belongs to the thread that made it.
+    own: PhantomData<*const ()>,
+}
+
+thread_local! {
+    /// [`Worker`]s of this thread that are counted.
+    static COUNTED: Cell<usize> = const { Cell::new(0) };
+}
 
 impl Worker {
     /// The calling thread works from now on.
     pub fn new() -> Self {
-        WORKERS.fetch_add(1, Ordering::Relaxed);
-        Self(())
+        count(1);
+        Self { own: PhantomData }
+    }
+
+    /// Waits by `wait` for what another thread does, which may take the core of this one meanwhile.
+    pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
+        let counted = COUNTED.get();
+        uncount(counted);
+        let result = wait();
+        count(counted);
+        result
     }
 }
 
@@ -37,8 +56,18 @@ impl Default for Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        WORKERS.fetch_sub(1, Ordering::Relaxed);
+        uncount(1);
     }
+}
+
+fn count(workers: usize) {
+    COUNTED.set(COUNTED.get() + workers);
+    WORKERS.fetch_add(workers, Ordering::Relaxed);
+}
+
+fn uncount(workers: usize) {
+    COUNTED.set(COUNTED.get() - workers);
+    WORKERS.fetch_sub(workers, Ordering::Relaxed);
 }
 
 /// Threads that are free to help at present: one for each core beyond those of the [`Worker`]s (of one, where none is known), and of those who help others.
@@ -75,7 +104,15 @@ fn cores() -> usize {
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, NonZeroUsize::get).min(MOST))
 }
 
-/// Rows of a piece of a tall matrix that one thread works on: matrices with no more of them stay on one thread.
+/// So many multiplications take some milliseconds: fewer are not worth a thread.
+const WORTHWHILE: usize = 1 << 22;
+
+/// Whether several threads pay for so many multiplications. It depends on the problem alone, not on the machine.
+pub(crate) fn pays(multiplications: usize) -> bool {
+    multiplications >= WORTHWHILE
+}
+
+/// Rows of a piece of a tall matrix that one thread works on.
 const TALL: usize = 1 << 14;
 
 /// The rows of `x` in pieces for [`spread`], with the first row of each.
@@ -88,11 +125,6 @@ pub(crate) fn in_pieces(mut x: MatMut<'_, f64>) -> Vec<(usize, MatMut<'_, f64>)>
     }
     pieces.push((first, x));
     pieces
-}
-
-/// Whether a matrix with so many rows is in more than one piece.
-pub(crate) fn is_tall(rows: usize) -> bool {
-    rows > TALL
 }
 
 /// What `work` makes of each of the `tasks`, in their order. They are begun in their order, by this thread and those that are free to help, each with a
@@ -144,8 +176,6 @@ fn spread_over<A: Send, B: Send, W>(
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use std::cell::Cell;
-
     use super::*;
 
     thread_local! {
@@ -195,7 +225,6 @@ pub(crate) mod tests {
                 (0..piece.nrows()).for_each(|i| piece[(i, 1)] = (first + i) as f64);
             }
             assert!((0..rows).all(|i| x[(i, 1)] == i as f64));
-            assert_eq!(in_pieces(x.as_mut()).len() > 1, is_tall(rows));
         }
     }
 
@@ -203,6 +232,9 @@ pub(crate) mod tests {
     fn workers_leave_no_core_to_helpers() {
         let workers: Vec<_> = (0..MOST).map(|_| Worker::new()).collect();
         assert_eq!(Helpers::at_most(7).0, 0);
+        let beside = || WORKERS.load(Ordering::Relaxed);
+        let (working, idle) = (beside(), Worker::idle(beside));
+        assert_eq!((working - idle, beside() - idle), (MOST, MOST));
         drop(workers);
     }
 }

@@ -8,8 +8,8 @@ use super::panels::Panels;
 const LARGEST: f64 = 0.15;
 /// Parts with less than this share are not worth a task.
 const SMALLEST: f64 = 0.01;
-/// Factors with fewer numbers are not divided: eight megabytes, which a cache holds.
-const UNDIVIDED: usize = 1 << 20;
+/// Factors with fewer numbers are not divided, and stay on one thread: 32 megabytes, those of solids with some 10⁴ unknowns.
+const UNDIVIDED: usize = 1 << 22;
 
 /// Subtrees of the elimination tree, and all that stands above them: the top. They depend on the pattern alone, not on how many threads there are.
 #[derive(Debug, Clone, Default)]
@@ -61,10 +61,9 @@ impl Subtrees {
         let end = (panels.len()..panels.len(), panels.nrows()..panels.nrows());
         for part in parts.iter().map(|part| (part.panels.clone(), part.columns.clone())).chain([end]) {
             top.extend(panel..part.0.start);
-            for row in column..part.1.start {
-                place_in_top[row] = rows_of_top as u32;
-                rows_of_top += 1;
-            }
+            let places = &mut place_in_top[column..part.1.start];
+            (rows_of_top..).zip(places).for_each(|(at, place)| *place = at as u32);
+            rows_of_top += part.1.start - column;
             if column < part.1.start {
                 columns_of_top.push(column..part.1.start);
             }

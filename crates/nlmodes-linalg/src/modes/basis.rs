@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, ColRef, MatMut, MatRef, Par};
 
 use crate::Mat;
-use crate::threads::{in_pieces, is_tall, spread};
+use crate::threads::{in_pieces, pays, spread};
 
 /// Columns of one piece of memory: pieces are never moved, so that nothing is in memory twice while the basis grows.
 const PIECE: usize = 16;
@@ -61,7 +61,7 @@ impl Basis {
         let product = |(to, piece): (MatMut<'_, f64>, MatRef<'_, f64>)| {
             matmul(to, Accum::Replace, piece.transpose(), x, 1.0, Par::Seq);
         };
-        if is_tall(self.n) {
+        if pays(self.n * self.len * x.ncols()) {
             spread(shares, || (), |(), share| product(share));
         } else {
             shares.into_iter().for_each(product);
@@ -78,7 +78,11 @@ impl Basis {
                 matmul(&mut x, Accum::Add, rows, share, -1.0, Par::Seq);
             }
         };
-        spread(in_pieces(x.as_mut()), || (), |(), piece| take(piece));
+        if pays(self.n * self.len * x.ncols()) {
+            spread(in_pieces(x.as_mut()), || (), |(), piece| take(piece));
+        } else {
+            take((0, x.as_mut()));
+        }
     }
 
     /// `Q C`, with as many of the columns of `Q` as `C` has rows, in the place of `Q`: no second table is in memory.

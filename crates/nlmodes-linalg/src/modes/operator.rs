@@ -3,7 +3,7 @@
 use faer::MatMut;
 
 use super::Pencil;
-use crate::threads::{in_pieces, spread};
+use crate::threads::{in_pieces, pays, spread};
 use crate::{Mat, SparseCholesky, SparseMatrix};
 
 /// Columns that are multiplied at once: as many numbers as a line of the cache holds.
@@ -69,7 +69,11 @@ impl<'a> Operator<'a> {
         for (j, column) in x.as_ref().col_iter().enumerate() {
             self.order.iter().zip(column.iter()).for_each(|(&i, from)| rows[i][j] = *from);
         }
-        spread(in_pieces(x), || (), |(), (first, piece)| self.piece(&rows, first, piece));
+        if pays(self.mass.compute_nnz() * WIDTH) {
+            spread(in_pieces(x), || (), |(), (first, piece)| self.piece(&rows, first, piece));
+        } else {
+            self.piece(&rows, 0, x);
+        }
     }
 
     /// The rows of the product from `first` on.
