@@ -11,8 +11,8 @@ use super::thin;
 use crate::Mat;
 use crate::threads::spread;
 
-/// So many right-hand sides at most are few: all numbers of a row are in a few registers.
-const FEW: usize = 8;
+/// So many right-hand sides at most are few: the numbers of some rows are in registers. With eight a copy of the panel, as faer makes it, costs less.
+const FEW: usize = 4;
 
 /// A factor with dense blocks: `L`, panel by panel.
 ///
@@ -168,7 +168,6 @@ fn forward(panel: &Mat<f64>, own: &mut [f64], below: &mut [f64], stride: usize) 
     match stride {
         1 => thin::forward::<1>(panel, own.as_chunks_mut().0, below.as_chunks_mut().0),
         2 => thin::forward::<2>(panel, own.as_chunks_mut().0, below.as_chunks_mut().0),
-        4 => thin::forward::<4>(panel, own.as_chunks_mut().0, below.as_chunks_mut().0),
         FEW => thin::forward::<FEW>(panel, own.as_chunks_mut().0, below.as_chunks_mut().0),
         _ => {
             let (top, bottom) = panel.split_at_row(panel.ncols());
@@ -185,7 +184,6 @@ fn backward(panel: &Mat<f64>, own: &mut [f64], below: &[f64], stride: usize) {
     match stride {
         1 => thin::backward::<1>(panel, own.as_chunks_mut().0, below.as_chunks().0),
         2 => thin::backward::<2>(panel, own.as_chunks_mut().0, below.as_chunks().0),
-        4 => thin::backward::<4>(panel, own.as_chunks_mut().0, below.as_chunks().0),
         FEW => thin::backward::<FEW>(panel, own.as_chunks_mut().0, below.as_chunks().0),
         _ => {
             let (top, bottom) = panel.split_at_row(panel.ncols());
