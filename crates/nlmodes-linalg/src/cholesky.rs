@@ -1,19 +1,22 @@
+mod blocks;
+mod columns;
+mod halves;
 mod inverse_form;
+mod numeric;
+mod panels;
+mod subtrees;
+mod thin;
 
 use std::sync::Arc;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
-use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::cholesky::{
-    LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky, supernodal,
-};
-use faer::sparse::linalg::triangular_solve;
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::sparse::linalg::cholesky::{SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::{MatMut, Side};
 
 use crate::ordering::nested_dissection;
 use crate::{LinalgError, Mat, SparseMatrix};
+use blocks::Blocks;
+use columns::Columns;
 
 /// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
 const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
@@ -31,7 +34,23 @@ const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
 /// ```
 #[derive(Debug, Clone)]
 pub struct CholeskyPlan {
-    symbolic: Arc<SymbolicCholesky<usize>>,
+    kind: Kind,
+}
+
+/// Factors column by column, where there are few entries in each, and those with dense blocks.
+#[derive(Debug, Clone)]
+enum Kind {
+    Columns(Arc<Columns>),
+    Blocks(Arc<Blocks>),
+}
+
+impl Kind {
+    fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<Factor, LinalgError> {
+        Ok(match self {
+            Self::Columns(columns) => Factor::Columns(Arc::clone(columns), columns.factor(a, what)?),
+            Self::Blocks(blocks) => Factor::Blocks(Arc::clone(blocks), blocks.factor(a, what)?),
+        })
+    }
 }
 
 impl CholeskyPlan {
@@ -65,28 +84,33 @@ impl CholeskyPlan {
                 analysed(SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len())))
             }
         };
-        Ok(Self { symbolic: Arc::new(symbolic.map_err(|_| LinalgError::OutOfMemory { what })?) })
+        let symbolic = symbolic.map_err(|_| LinalgError::OutOfMemory { what })?;
+        let columns = Columns(symbolic);
+        let kind = match columns.0.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => Kind::Columns(Arc::new(columns)),
+            SymbolicCholeskyRaw::Supernodal(nodes) => {
+                Kind::Blocks(Arc::new(Blocks::new(nodes, (0..a.ncols()).map(|k| columns.column(k)).collect())))
+            }
+        };
+        Ok(Self { kind })
     }
 
     /// Memory that the factor will take, bytes.
     pub fn bytes(&self) -> usize {
-        self.symbolic.len_val().saturating_mul(size_of::<f64>())
+        let numbers = match &self.kind {
+            Kind::Columns(columns) => columns.counts().sum(),
+            Kind::Blocks(blocks) => blocks.panels.numbers(),
+        };
+        numbers.saturating_mul(size_of::<f64>())
     }
 
     /// Multiplications and additions of the numeric factorisation: two for each `l_ik l_jk`.
     pub fn flops(&self) -> f64 {
         // A column with r entries below its diagonal updates r (r + 1)/2 entries.
-        let columns = |below: usize, width: usize| (0..width).map(move |k| (below + width - 1 - k) as f64);
-        let update = |r: f64| r * (r + 1.0);
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => {
-                s.col_ptr().windows(2).map(|pair| update((pair[1] - pair[0]).saturating_sub(1) as f64)).sum()
-            }
-            SymbolicCholeskyRaw::Supernodal(s) => {
-                let (begin, end, rows) = (s.supernode_begin(), s.supernode_end(), s.col_ptr_for_row_idx());
-                let block = |i: usize| columns(rows[i + 1] - rows[i], end[i] - begin[i]);
-                (0..s.n_supernodes()).flat_map(block).map(update).sum()
-            }
+        let update = |entries: usize| (entries as f64 - 1.0).max(0.0) * entries as f64;
+        match &self.kind {
+            Kind::Columns(columns) => columns.counts().map(update).sum(),
+            Kind::Blocks(blocks) => blocks.panels.rows_of_columns().map(update).sum(),
         }
     }
 
@@ -98,8 +122,9 @@ impl CholeskyPlan {
     /// # Panics
     /// If the pattern is another one.
     pub fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<SparseCholesky, LinalgError> {
-        let mut factor = SparseCholesky { symbolic: Arc::clone(&self.symbolic), values: Vec::new() };
-        factor.refactor(a, what)?;
+        check_square(a, what)?;
+        let factor = SparseCholesky { factor: self.kind.factor(a, what)? };
+        factor.check_pivots(a, what)?;
         Ok(factor)
     }
 }
@@ -120,8 +145,14 @@ impl CholeskyPlan {
 /// ```
 #[derive(Debug, Clone)]
 pub struct SparseCholesky {
-    symbolic: Arc<SymbolicCholesky<usize>>,
-    values: Vec<f64>,
+    factor: Factor,
+}
+
+/// A factor of either kind.
+#[derive(Debug, Clone)]
+enum Factor {
+    Columns(Arc<Columns>, Vec<f64>),
+    Blocks(Arc<Blocks>, Vec<Mat<f64>>),
 }
 
 impl SparseCholesky {
@@ -143,21 +174,12 @@ impl SparseCholesky {
     /// # Panics
     /// If the pattern is another one.
     pub fn refactor(&mut self, a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
-        check_square(a, what)?;
-        let (par, params) = (Par::Seq, Spec::default());
-        let symbolic = &*self.symbolic;
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(par, params);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| LinalgError::OutOfMemory { what })?;
-        let stack = MemStack::new(&mut memory);
-        self.values.clear();
-        self.values.resize(symbolic.len_val(), 0.0);
-        symbolic
-            .factorize_numeric_llt(&mut self.values, a.as_ref(), Side::Lower, Default::default(), par, stack, params)
-            .map_err(|LltError::NonPositivePivot { index }| {
-                // faer counts from one, in its own order.
-                LinalgError::NotPositiveDefinite { what, column: column(symbolic, index.saturating_sub(1)) }
-            })?;
-        self.check_pivots(a, what)
+        let plan = match &self.factor {
+            Factor::Columns(columns, _) => CholeskyPlan { kind: Kind::Columns(Arc::clone(columns)) },
+            Factor::Blocks(blocks, _) => CholeskyPlan { kind: Kind::Blocks(Arc::clone(blocks)) },
+        };
+        *self = plan.factor(a, what)?;
+        Ok(())
     }
 
     /// Overwrites `x` with `A⁻¹ x`.
@@ -180,87 +202,65 @@ impl SparseCholesky {
 
     /// Whether the factor has dense blocks: then several right-hand sides at once cost far less than one after the other.
     pub(crate) fn has_dense_blocks(&self) -> bool {
-        matches!(self.symbolic.raw(), SymbolicCholeskyRaw::Supernodal(_))
+        matches!(self.factor, Factor::Blocks(..))
     }
 
     /// Number of rows.
     pub fn dim(&self) -> usize {
-        self.symbolic.nrows()
+        match &self.factor {
+            Factor::Columns(columns, _) => columns.dim(),
+            Factor::Blocks(blocks, _) => blocks.order.len(),
+        }
     }
 
     /// Overwrites `x` with `L⁻¹ x`; its rows are in the order of elimination.
     pub(crate) fn forward(&self, x: MatMut<'_, f64>) {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => {
-                let l = SparseColMatRef::new(s.factor(), &self.values);
-                triangular_solve::solve_lower_triangular_in_place(l, Conj::No, x, Par::Seq);
-            }
-            SymbolicCholeskyRaw::Supernodal(s) => {
-                let mut memory = MemBuffer::new(s.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
-                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
-                factor.l_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
-            }
+        match &self.factor {
+            Factor::Columns(columns, values) => columns.forward(values, x),
+            Factor::Blocks(blocks, values) => blocks.halves(values).forward(x),
         }
     }
 
     /// Overwrites `x` with `L⁻ᵀ x`; its rows are in the order of elimination.
     pub(crate) fn backward(&self, x: MatMut<'_, f64>) {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => {
-                let l = SparseColMatRef::new(s.factor(), &self.values);
-                triangular_solve::solve_lower_triangular_transpose_in_place(l, Conj::No, x, Par::Seq);
-            }
-            SymbolicCholeskyRaw::Supernodal(s) => {
-                let mut memory = MemBuffer::new(s.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
-                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
-                factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
-            }
+        match &self.factor {
+            Factor::Columns(columns, values) => columns.backward(values, x),
+            Factor::Blocks(blocks, values) => blocks.halves(values).backward(x),
         }
     }
 
     /// The column of `A` that is eliminated at each step.
     pub(crate) fn order(&self) -> Vec<usize> {
-        (0..self.dim()).map(|k| column(&self.symbolic, k)).collect()
+        match &self.factor {
+            Factor::Columns(columns, _) => (0..columns.dim()).map(|k| columns.column(k)).collect(),
+            Factor::Blocks(blocks, _) => blocks.order.clone(),
+        }
     }
 
     fn solve(&self, x: MatMut<'_, f64>) {
-        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq));
-        let factor = LltRef::<usize, f64>::new(&self.symbolic, &self.values);
-        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut memory));
+        match &self.factor {
+            Factor::Columns(columns, values) => columns.solve(values, x),
+            Factor::Blocks(blocks, values) => blocks.solve(values, x),
+        }
+    }
+
+    /// `L_kk` in the order of elimination.
+    fn diagonal(&self) -> Vec<f64> {
+        match &self.factor {
+            Factor::Columns(columns, values) => columns.diagonal(values),
+            Factor::Blocks(blocks, values) => blocks.diagonal(values),
+        }
     }
 
     /// Compares each pivot `L_kk²` with the diagonal entry that it started from.
     fn check_pivots(&self, a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
-        for (k, l) in self.diagonal().into_iter().enumerate() {
-            let column = column(&self.symbolic, k);
+        for (l, column) in self.diagonal().into_iter().zip(self.order()) {
             let start = a.get(column, column).copied().unwrap_or(0.0);
             if l * l <= SMALLEST_PIVOT * start {
                 return Err(LinalgError::NotPositiveDefinite { what, column });
             }
         }
         Ok(())
-    }
-
-    /// `L_kk` in the order of elimination.
-    fn diagonal(&self) -> Vec<f64> {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(s) => {
-                s.col_ptr()[..s.ncols()].iter().map(|&first| self.values[first]).collect()
-            }
-            SymbolicCholeskyRaw::Supernodal(s) => {
-                let factor = supernodal::SupernodalLltRef::<usize, f64>::new(s, &self.values);
-                let block = |i| factor.supernode(i).val();
-                (0..s.n_supernodes()).flat_map(|i| (0..block(i).ncols()).map(move |k| block(i)[(k, k)])).collect()
-            }
-        }
-    }
-}
-
-/// Column of `A` that is eliminated at step `k`.
-fn column(symbolic: &SymbolicCholesky<usize>, k: usize) -> usize {
-    match symbolic.perm() {
-        Some(perm) => perm.arrays().0.get(k).copied().unwrap_or(k),
-        None => k,
     }
 }
 
@@ -281,6 +281,7 @@ fn check_square(a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threads::tests::with_helpers;
     use crate::{max_norm, multiply, sparse_from_triplets};
 
     /// Springs between all nodes of a cube of `n`³ that are next to each other, held weakly: dense blocks.
@@ -353,6 +354,49 @@ mod tests {
             let size = max_norm(x.col(0).iter().copied());
             assert!((0..n).all(|k| (0..3).all(|j| (half[(k, j)] - x[(order[k], j)]).abs() < 1e-12 * size)));
         }
+    }
+
+    /// The bits of all of these numbers.
+    fn bits(x: &Mat<f64>) -> Vec<u64> {
+        x.col_iter().flat_map(|column| column.iter().map(|v| v.to_bits()).collect::<Vec<_>>()).collect()
+    }
+
+    #[test]
+    fn factor_and_solutions_are_the_same_to_the_last_bit_with_any_number_of_threads() {
+        let a = solid(26);
+        let plan = CholeskyPlan::new(&a, "test matrix").unwrap();
+        let Kind::Blocks(blocks) = &plan.kind else { panic!("dense blocks") };
+        assert!(blocks.panels.subtrees.parts.len() > 1);
+        let b = Mat::from_fn(a.nrows(), 5, |i, j| ((7 * i + j) % 11) as f64 - 5.0);
+        let s = sparse_from_triplets(a.nrows(), 2, &[(17, 0, 1.0), (5000, 1, 2.0), (40, 1, -1.0)]).unwrap();
+        let with = |helpers: usize| {
+            with_helpers(helpers, || {
+                let factor = plan.factor(&a, "test matrix").unwrap();
+                let (mut x, mut half) = (b.clone(), b.clone());
+                factor.solve_many(&mut x);
+                factor.forward(half.as_mut());
+                let form = factor.inverse_form(&s, &b, &Mat::from_fn(5, 2, |i, j| (i + j) as f64));
+                (factor.diagonal(), bits(&x), bits(&half), bits(&form))
+            })
+        };
+        let alone = with(0);
+        assert!([1, 2, 7].into_iter().all(|helpers| with(helpers) == alone));
+        let mut x = b.clone();
+        plan.factor(&a, "test matrix").unwrap().solve_many(&mut x);
+        assert!((&b - a.as_ref() * &x).norm_max() < 1e-10);
+    }
+
+    #[test]
+    fn of_several_bad_pivots_the_first_is_named_with_any_number_of_threads() {
+        let n = 26;
+        let bad = |i: usize| [400, 3000, 8700, 17_000].contains(&i);
+        let entries: Vec<_> =
+            crate::triplets(&solid(n)).map(|(i, j, v)| (i, j, if i == j && bad(i) { -v } else { v })).collect();
+        let a = sparse_from_triplets(n.pow(3), n.pow(3), &entries).unwrap();
+        let column = |helpers: usize| with_helpers(helpers, || SparseCholesky::factor(&a, "test matrix").unwrap_err());
+        let alone = column(0);
+        assert!(matches!(alone, LinalgError::NotPositiveDefinite { column, .. } if bad(column)), "{alone}");
+        assert!([1, 2, 7].into_iter().all(|helpers| column(helpers) == alone));
     }
 
     #[test]

@@ -42,6 +42,7 @@ mod ordering;
 mod sparse;
 mod sparse_lu;
 mod symmetric;
+mod threads;
 
 pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
@@ -57,3 +58,4 @@ pub use sparse::{
 };
 pub use sparse_lu::SparseLu;
 pub use symmetric::symmetric_eigen;
+pub use threads::Worker;

@@ -7,6 +7,9 @@ use std::hash::{Hash, Hasher};
 use feral_metis::{CscPattern, metis_order};
 
 use crate::SparseMatrix;
+use postorder::postordered;
+
+mod postorder;
 
 /// Below this size minimum degree is as good, and quicker.
 const SMALLEST: usize = 5_000;
@@ -26,8 +29,9 @@ fn dissect(a: &SparseMatrix) -> Option<Vec<usize>> {
     let (starts, neighbours) = graph(a, &vertex, &members)?;
     let pattern = CscPattern::new(members.len(), &starts, &neighbours)?;
     let order = metis_order(&pattern).ok()?;
-    let expanded: Vec<usize> =
-        order.iter().filter_map(|&v| members.get(usize::try_from(v).ok()?)).flatten().copied().collect();
+    let order: Vec<usize> = order.iter().filter_map(|&v| usize::try_from(v).ok()).collect();
+    let order = (order.len() == members.len()).then(|| postordered(&order, &starts, &neighbours))?;
+    let expanded: Vec<usize> = order.iter().filter_map(|&v| members.get(v)).flatten().copied().collect();
     (expanded.len() == a.ncols()).then_some(expanded)
 }
 

@@ -97,6 +97,7 @@ struct Shared<'a> {
 
 /// Takes one case after the other until none is left, an end is asked for, or the disk takes no more.
 fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
+    let _core = nlmodes::linalg::Worker::new();
     let worker = Worker {
         store: shared.store,
         settings: shared.settings,

@@ -2,11 +2,11 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-use faer::{Accum, MatRef, Par};
+use faer::{Accum, Par};
 
-use super::{SparseCholesky, column};
+use super::blocks::Blocks;
+use super::halves::Halves;
+use super::{Factor, SparseCholesky};
 use crate::{Mat, SparseMatrix};
 
 /// Right-hand sides that are solved for at once where the factor has no dense blocks.
@@ -28,15 +28,15 @@ impl SparseCholesky {
             n = self.dim()
         );
         assert!(coefficients.nrows() == m && coefficients.ncols() == c, "coefficients of {m} columns in {c}");
-        let form = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let mut z = Mat::from_fn(dense.nrows(), m, |i, j| dense[(column(&self.symbolic, i), j)]);
+        let form = match &self.factor {
+            Factor::Blocks(blocks, values) => {
+                let mut z = Mat::from_fn(dense.nrows(), m, |i, j| dense[(blocks.order[i], j)]);
                 self.forward(z.as_mut());
-                let (form, cross) = Tree::new(self, SupernodalLltRef::new(symbolic, &self.values), sparse).products(&z);
+                let (form, cross) = Tree::new(blocks, blocks.halves(values), sparse).products(&z);
                 let mixed = cross * coefficients;
                 form - &mixed - mixed.transpose() + coefficients.transpose() * (z.transpose() * &z) * coefficients
             }
-            SymbolicCholeskyRaw::Simplicial(_) => self.form_by_solutions(sparse, dense, coefficients),
+            Factor::Columns(..) => self.form_by_solutions(sparse, dense, coefficients),
         };
         Mat::from_fn(c, c, |i, j| 0.5 * (form[(i, j)] + form[(j, i)]))
     }
@@ -61,72 +61,61 @@ impl SparseCholesky {
 
 /// The part of the elimination tree that the columns of a sparse matrix reach.
 struct Tree<'a> {
-    factor: SupernodalLltRef<'a, usize, f64>,
-    /// The supernode of each row, in the order of elimination.
-    supernode: Vec<usize>,
-    /// The columns that reach each supernode, ascending.
+    factor: Halves<'a>,
+    /// The columns that reach each panel, ascending.
     reached_by: Vec<Vec<usize>>,
-    /// What stands in the rows of each supernode (its rows × the columns that reach it), where anything does.
+    /// What stands in the rows of each panel (its rows × the columns that reach it), where anything does.
     blocks: Vec<Option<Mat<f64>>>,
     columns: usize,
 }
 
 impl<'a> Tree<'a> {
-    fn new(cholesky: &SparseCholesky, factor: SupernodalLltRef<'a, usize, f64>, sparse: &SparseMatrix) -> Self {
-        let symbolic = factor.symbolic();
-        let count = symbolic.n_supernodes();
-        let mut supernode = vec![0; sparse.nrows()];
-        for (s, (&begin, &end)) in symbolic.supernode_begin().iter().zip(symbolic.supernode_end()).enumerate() {
-            supernode[begin..end].fill(s);
-        }
-        let mut place = vec![0; sparse.nrows()];
-        (0..sparse.nrows()).for_each(|k| place[column(&cholesky.symbolic, k)] = k);
+    fn new(blocks: &Blocks, factor: Halves<'a>, sparse: &SparseMatrix) -> Self {
+        let panels = factor.panels;
         let entries: Vec<(usize, usize, f64)> = (0..sparse.ncols())
             .flat_map(|j| {
                 sparse.symbolic().row_idx_of_col_raw(j).iter().zip(sparse.val_of_col(j)).map(move |(i, v)| (*i, j, *v))
             })
-            .map(|(i, j, v)| (place[i], j, v))
+            .map(|(i, j, v)| (blocks.place[i], j, v))
             .collect();
-        let mut reached_by = vec![Vec::new(); count];
-        entries.iter().for_each(|&(k, j, _)| reached_by[supernode[k]].push(j));
-        for s in 0..count {
-            let mut own = std::mem::take(&mut reached_by[s]);
+        let mut reached_by = vec![Vec::new(); panels.len()];
+        entries.iter().for_each(|&(k, j, _)| reached_by[panels.of_column(k)].push(j));
+        for p in 0..panels.len() {
+            let mut own = std::mem::take(&mut reached_by[p]);
             own.sort_unstable();
             own.dedup();
-            // All that a supernode changes lies on its way to the root, which begins with the first of them.
-            if let Some(&next) = factor.supernode(s).pattern().iter().min().filter(|_| !own.is_empty()) {
-                reached_by[supernode[next]].extend_from_slice(&own);
+            // All that a panel changes lies on its way to the root, which begins with the first of them.
+            if let Some(next) = panels.rows(p).next().filter(|_| !own.is_empty()) {
+                reached_by[panels.of_column(next)].extend_from_slice(&own);
             }
-            reached_by[s] = own;
+            reached_by[p] = own;
         }
-        let mut tree =
-            Self { factor, supernode, reached_by, blocks: (0..count).map(|_| None).collect(), columns: sparse.ncols() };
+        let blocks = (0..panels.len()).map(|_| None).collect();
+        let mut tree = Self { factor, reached_by, blocks, columns: sparse.ncols() };
         for (k, j, value) in entries {
-            let s = tree.supernode[k];
-            let (row, at) =
-                (k - tree.factor.supernode(s).start(), tree.reached_by[s].partition_point(|&other| other < j));
-            tree.block(s)[(row, at)] += value;
+            let p = panels.of_column(k);
+            let (row, at) = (k - panels.panel(p).first, tree.reached_by[p].partition_point(|&other| other < j));
+            tree.block(p)[(row, at)] += value;
         }
         tree
     }
 
-    fn block(&mut self, s: usize) -> &mut Mat<f64> {
-        let size = (self.factor.supernode(s).val().ncols(), self.reached_by[s].len());
-        self.blocks[s].get_or_insert_with(|| Mat::zeros(size.0, size.1))
+    fn block(&mut self, p: usize) -> &mut Mat<f64> {
+        let size = (self.factor.values[p].ncols(), self.reached_by[p].len());
+        self.blocks[p].get_or_insert_with(|| Mat::zeros(size.0, size.1))
     }
 
     /// `Xᵀ X` (c × c) and `Xᵀ Z` (c × m) for `X = L⁻¹ P S`.
     fn products(mut self, z: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
         let (mut form, mut cross) = (Mat::zeros(self.columns, self.columns), Mat::zeros(self.columns, z.ncols()));
-        for s in 0..self.blocks.len() {
-            let Some(mut x) = self.blocks[s].take() else { continue };
-            let node = self.factor.supernode(s);
-            let (top, bottom) = node.val().split_at_row(x.nrows());
+        for p in 0..self.blocks.len() {
+            let Some(mut x) = self.blocks[p].take() else { continue };
+            let top = self.factor.values[p].get(..x.nrows(), ..);
             solve_lower_triangular_in_place(top, x.as_mut(), Par::Seq);
-            self.pass_on(s, bottom, &x);
-            let columns = &self.reached_by[s];
+            self.pass_on(p, &x);
+            let columns = &self.reached_by[p];
             let own = x.transpose() * &x;
-            let with_z = x.transpose() * z.subrows(node.start(), x.nrows());
+            let with_z = x.transpose() * z.subrows(self.factor.panels.panel(p).first, x.nrows());
             for (b, &j) in columns.iter().enumerate() {
                 columns.iter().enumerate().for_each(|(a, &i)| form[(i, j)] += own[(a, b)]);
                 (0..z.ncols()).for_each(|r| cross[(j, r)] += with_z[(b, r)]);
@@ -135,22 +124,23 @@ impl<'a> Tree<'a> {
         (form, cross)
     }
 
-    /// Takes what the rows of supernode `s` add to those below out of them.
-    fn pass_on(&mut self, s: usize, bottom: MatRef<'_, f64>, x: &Mat<f64>) {
+    /// Takes what the rows of panel `p` add to those below out of them.
+    fn pass_on(&mut self, p: usize, x: &Mat<f64>) {
+        let Halves { panels, values } = self.factor;
+        let bottom = values[p].get(x.nrows().., ..);
         let mut change = Mat::zeros(bottom.nrows(), x.ncols());
         matmul(change.as_mut(), Accum::Replace, bottom, x.as_ref(), 1.0, Par::Seq);
         let (mut target, mut positions) = (None, Vec::new());
-        let node = self.factor.supernode(s);
-        for (k, &row) in node.pattern().iter().enumerate() {
-            let t = self.supernode[row];
+        for (k, row) in panels.rows(p).enumerate() {
+            let t = panels.of_column(row);
             if target != Some(t) {
                 let of = |j: &usize| self.reached_by[t].partition_point(|other| other < j);
-                positions = self.reached_by[s].iter().map(of).collect();
+                positions = self.reached_by[p].iter().map(of).collect();
                 target = Some(t);
             }
-            let start = self.factor.supernode(t).start();
             let block = self.block(t);
-            positions.iter().enumerate().for_each(|(j, &at)| block[(row - start, at)] -= change[(k, j)]);
+            let at_row = row - panels.panel(t).first;
+            positions.iter().enumerate().for_each(|(j, &at)| block[(at_row, at)] -= change[(k, j)]);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! Lanczos vectors: columns that grow in number.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColRef, MatRef, Par};
+use faer::{Accum, ColRef, MatMut, MatRef, Par};
 
 use crate::Mat;
+use crate::threads::{in_pieces, pays, spread};
 
 /// Columns of one piece of memory: pieces are never moved, so that nothing is in memory twice while the basis grows.
 const PIECE: usize = 16;
@@ -50,18 +51,37 @@ impl Basis {
     /// `Qᵀ X`.
     pub fn overlap(&self, x: MatRef<'_, f64>) -> Mat<f64> {
         let mut overlap = Mat::zeros(self.len, x.ncols());
-        for (first, piece) in self.filled() {
-            let to = overlap.subrows_mut(first, piece.ncols());
+        let mut rest = overlap.as_mut();
+        let mut shares = Vec::new();
+        for (_, piece) in self.filled() {
+            let (share, others) = rest.split_at_row_mut(piece.ncols());
+            shares.push((share, piece));
+            rest = others;
+        }
+        let product = |(to, piece): (MatMut<'_, f64>, MatRef<'_, f64>)| {
             matmul(to, Accum::Replace, piece.transpose(), x, 1.0, Par::Seq);
+        };
+        if pays(self.n * self.len * x.ncols()) {
+            spread(shares, || (), |(), share| product(share));
+        } else {
+            shares.into_iter().for_each(product);
         }
         overlap
     }
 
     /// `X − Q C`, in place.
     pub fn take_out(&self, coefficients: &Mat<f64>, x: &mut Mat<f64>) {
-        for (first, piece) in self.filled() {
-            let share = coefficients.subrows(first, piece.ncols());
-            matmul(x.as_mut(), Accum::Add, piece, share, -1.0, Par::Seq);
+        let take = |(row, mut x): (usize, MatMut<'_, f64>)| {
+            for (first, piece) in self.filled() {
+                let share = coefficients.subrows(first, piece.ncols());
+                let rows = piece.subrows(row, x.nrows());
+                matmul(&mut x, Accum::Add, rows, share, -1.0, Par::Seq);
+            }
+        };
+        if pays(self.n * self.len * x.ncols()) {
+            spread(in_pieces(x.as_mut()), || (), |(), piece| take(piece));
+        } else {
+            take((0, x.as_mut()));
         }
     }
 

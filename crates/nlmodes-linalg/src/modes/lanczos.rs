@@ -15,6 +15,10 @@ const TOLERANCE: f64 = 1e-12;
 /// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own largest `θ`, will not find it later.
 const VERIFICATION: usize = 30;
 
+/// Vectors of a look beside all those of a run. A mode that is missing there is a hundredth of the first of them, in the worst case, and has outgrown all others by the
+/// third step.
+const BESIDE: usize = 12;
+
 /// Vectors of a step where the factor has dense blocks: a solution for four costs little more than one for one. Twenty modes of a solid took as long with six and with
 /// eight, but with more vectors the wider the blocks.
 const WIDTH: usize = 4;
@@ -36,12 +40,18 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
         let floor = descending(&theta).get(count - 1).map_or(0.0, |&worst| theta[worst] * (1.0 + 1e-10));
         let Some(run) = Run::start(operator, &found, seed, [n, width, rank]) else { break };
         let wanted = if floor > 0.0 { width } else { count.saturating_sub(theta.len()).max(1) };
-        let batch = run.complete(wanted, floor)?;
-        if batch.0.is_empty() {
+        let (batch, ritz, run) = run.complete(wanted, floor)?;
+        if batch.is_empty() {
             break;
         }
-        theta.extend(batch.0);
-        found.join(batch.1);
+        theta.extend(batch);
+        let all = found.len() == 0
+            && descending(&theta).get(count - 1).is_some_and(|&worst| nothing_missed(&run, theta[worst], rank));
+        let basis = run.basis.turned(ritz.as_ref());
+        found.join(basis);
+        if all {
+            break;
+        }
     }
     let mut order = descending(&theta);
     order.truncate(count);
@@ -49,6 +59,23 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
     order.iter().enumerate().for_each(|(j, &from)| vectors.col_mut(j).copy_from(found.column(from)));
     drop(found);
     Ok(operator.shapes(vectors))
+}
+
+/// Whether nothing above `floor` is orthogonal to all vectors of a run, the first one. What converged slowest lies in them as well, so that the largest `θ` beside
+/// them is far smaller, and known after few vectors. If that is left open, another run will tell.
+fn nothing_missed(run: &Run<'_>, floor: f64, rank: usize) -> bool {
+    let seed = 0x5EED;
+    let Some(mut beside) = Run::start(run.operator, &run.basis, seed, [run.current.nrows(), run.width, rank]) else {
+        return true;
+    };
+    loop {
+        let more = beside.step();
+        if more && beside.size() < BESIDE {
+            continue;
+        }
+        let Ok((theta, s)) = beside.projected() else { return false };
+        return theta[0] + beside.residual(&s, 0) < floor;
+    }
 }
 
 /// Indices of the values, largest first.
@@ -124,9 +151,9 @@ impl<'a> Run<'a> {
         more
     }
 
-    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with their vectors, and with those beyond that
-    /// are known as well.
-    fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Basis), LinalgError> {
+    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with the coefficients of their vectors in the basis,
+    /// and with those beyond that are known as well.
+    fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Mat<f64>, Self), LinalgError> {
         let limit = 20 * wanted + 600;
         let wide = 4 * self.width;
         let mut next_look = match (floor > 0.0, self.width) {
@@ -155,7 +182,7 @@ impl<'a> Run<'a> {
                 let known = |i: &usize| residual(*i) <= TOLERANCE * theta[*i];
                 let aside = (above..theta.len()).take(self.width).take_while(known).count();
                 let kept = if above == 0 { 0 } else { above + aside };
-                return Ok((theta[..kept].to_vec(), self.basis.turned(s.subcols(0, kept))));
+                return Ok((theta[..kept].to_vec(), s.subcols(0, kept).to_owned(), self));
             }
             let far = (0..above).map(excess).fold(1.0, f64::max).ln();
             next_look = size + to_next_look(size, far, before);

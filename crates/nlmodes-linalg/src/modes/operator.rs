@@ -3,6 +3,7 @@
 use faer::MatMut;
 
 use super::Pencil;
+use crate::threads::{in_pieces, pays, spread};
 use crate::{Mat, SparseCholesky, SparseMatrix};
 
 /// Columns that are multiplied at once: as many numbers as a line of the cache holds.
@@ -53,27 +54,36 @@ impl<'a> Operator<'a> {
             let left = x.ncols() - first;
             let count = if left <= 2 { 1 } else { AT_ONCE.min(left) };
             let columns = x.as_mut().subcols_mut(first, count);
-            if count == 1 {
-                self.columns::<1>(columns)
-            } else {
-                self.columns::<AT_ONCE>(columns)
+            match count {
+                1 => self.columns::<1>(columns),
+                2..=4 => self.columns::<4>(columns),
+                _ => self.columns::<AT_ONCE>(columns),
             };
             first += count;
         }
     }
 
     /// At most `WIDTH` columns, with the numbers of a row side by side. `M` is symmetric: its columns are read as rows, so that each sum stays in registers.
-    fn columns<const WIDTH: usize>(&self, mut x: MatMut<'_, f64>) {
+    fn columns<const WIDTH: usize>(&self, x: MatMut<'_, f64>) {
         let mut rows = vec![[0.0; WIDTH]; self.order.len()];
         for (j, column) in x.as_ref().col_iter().enumerate() {
             self.order.iter().zip(column.iter()).for_each(|(&i, from)| rows[i][j] = *from);
         }
-        for (k, &i) in self.order.iter().enumerate() {
+        if pays(self.mass.compute_nnz() * WIDTH) {
+            spread(in_pieces(x), || (), |(), (first, piece)| self.piece(&rows, first, piece));
+        } else {
+            self.piece(&rows, 0, x);
+        }
+    }
+
+    /// The rows of the product from `first` on.
+    fn piece<const WIDTH: usize>(&self, rows: &[[f64; WIDTH]], first: usize, mut product: MatMut<'_, f64>) {
+        for (k, &i) in self.order[first..first + product.nrows()].iter().enumerate() {
             let mut sum = [0.0; WIDTH];
             for (&row, m) in self.mass.symbolic().row_idx_of_col_raw(i).iter().zip(self.mass.val_of_col(i)) {
                 sum.iter_mut().zip(&rows[row]).for_each(|(sum, x)| *sum += m * x);
             }
-            (0..x.ncols()).for_each(|j| x[(k, j)] = sum[j]);
+            (0..product.ncols()).for_each(|j| product[(k, j)] = sum[j]);
         }
     }
 

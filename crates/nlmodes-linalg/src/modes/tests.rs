@@ -239,3 +239,14 @@ fn solids_that_float_and_masses_of_few_nodes_come_out_of_blocks_too() {
     assert_eq!(modes.eigenvalues.len(), 5);
     assert_modes(&held, &m, &modes);
 }
+
+#[test]
+fn modes_are_the_same_to_the_last_bit_with_any_number_of_threads() {
+    let (k, m) = chain(200_000, false, |i| 1.0 + 0.1 * (i % 3) as f64);
+    let modes = |helpers: usize| crate::threads::tests::with_helpers(helpers, || lowest_modes(&k, &m, 3).unwrap());
+    let alone = modes(0);
+    for together in [modes(1), modes(3)] {
+        assert_eq!(together.eigenvalues, alone.eigenvalues);
+        assert!(together.vectors == alone.vectors);
+    }
+}

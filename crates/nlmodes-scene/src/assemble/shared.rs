@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use nlmodes::linalg::Worker;
 use nlmodes::model::check_mass;
 use nlmodes_io::{FeFiles, FeModel, NodeContact, ReadError};
 use nlmodes_reduction::{ModeCount, OpenModes};
@@ -142,7 +143,7 @@ impl<K: PartialEq, V> Shelf<K, V> {
     fn get<E>(&self, key: K, size: (f64, f64), make: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
         let place = self.place(key, size);
         // A thread that panicked has left nothing half made.
-        let mut value = place.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut value = Worker::idle(|| place.lock().unwrap_or_else(PoisonError::into_inner));
         if let Some(known) = &*value {
             return Ok(Arc::clone(known));
         }
