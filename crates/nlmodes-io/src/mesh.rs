@@ -39,6 +39,8 @@ pub struct Mesh {
     pub node_sets: BTreeMap<String, Vec<u64>>,
     /// Kinds of elements that were passed over since their shape is not known, and how many there are.
     pub passed_over: BTreeMap<String, usize>,
+    /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, by the number of the node; none of a mesh that knows nothing of supports.
+    pub supports: Option<BTreeMap<u64, [bool; 3]>>,
     index: HashMap<u64, u32>,
 }
 

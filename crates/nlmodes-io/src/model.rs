@@ -53,6 +53,17 @@ impl FeModel {
         self.rows.get(&DofLabel { node, component }).copied()
     }
 
+    /// Whether a displacement that has no row is held: by the files, by `fixed`, or by the deck. If it is not, it depends on others (`*EQUATION`, `*RIGID BODY`,
+    /// `*TIE`); none where nothing is known of supports, or where no node moves along that axis.
+    pub fn is_held(&self, node: u64, component: Component) -> Option<bool> {
+        if self.fixed.contains(&DofLabel { node, component }) {
+            return Some(true);
+        }
+        let supports = self.mesh.as_ref()?.supports.as_ref()?;
+        let axis = component.translation().filter(|_| self.labels.iter().any(|label| label.component == component))?;
+        Some(supports.get(&node).is_some_and(|held| held[axis]))
+    }
+
     /// Rows of the displacements of a node along x, y and z.
     pub fn translations_of(&self, node: u64) -> [Option<usize>; 3] {
         [Component::X, Component::Y, Component::Z].map(|component| self.row_of(node, component))

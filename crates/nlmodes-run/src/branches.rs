@@ -148,6 +148,9 @@ fn one_branch(
             let is_shown = scene.files.figures || scene.files.page;
             let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
             let found = period.as_ref().ok().and_then(Option::as_ref);
+            if let Some(text) = found.and_then(Period::warning) {
+                observer.event(Event::Warning(&text));
+            }
             let about = About { linear: &linear, participation: &participation, period: found };
             let written = match &laid {
                 Some(laid) => write(scene, &about, (&tree, &certificates, laid), began),

@@ -4,6 +4,7 @@ mod blocks;
 mod elements;
 mod keyword;
 mod source;
+mod supports;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -33,6 +34,7 @@ const REFUSED: [(&str, &str); 11] = [
 
 pub(super) fn read(path: &Path) -> Result<Mesh> {
     let mut deck = Deck::default();
+    deck.mesh.supports = Some(BTreeMap::new());
     let mut source = Source::open(path)?;
     let mut state = State::Other;
     while source.advance()? {
@@ -113,6 +115,7 @@ impl Deck {
                     _ => State::Surface { name },
                 }
             }
+            "BOUNDARY" => State::Supports,
             _ => State::Other,
         })
     }

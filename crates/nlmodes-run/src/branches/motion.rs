@@ -27,6 +27,7 @@ pub struct Period {
     frames: Vec<Frame>,
     duration: f64,
     wireframe: Option<Wireframe>,
+    dependent: Vec<u64>,
 }
 
 impl Period {
@@ -47,7 +48,18 @@ impl Period {
         let motion = Motion::new(open, model, (mesh, &skin), &surface, computed, point)?;
         let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
         let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
-        Ok(Some(Self { surface, frames, duration: motion.period, wireframe }))
+        let dependent = motion.dependent(mesh, &surface);
+        Ok(Some(Self { surface, frames, duration: motion.period, wireframe, dependent }))
+    }
+
+    /// What the pictures lack, in a sentence: nodes whose motion the matrices do not hold, since it depends on others.
+    pub fn warning(&self) -> Option<String> {
+        let first = self.dependent.first()?;
+        Some(format!(
+            "{} nodes of the surface have displacements without a row in the matrices, and no support in the deck: they depend on others (*EQUATION, *RIGID BODY, \
+             *TIE), as node {first} does; their motion is not known, and is left out of motion.pvd and of the wireframe",
+            self.dependent.len()
+        ))
     }
 
     /// Its edges as they move, unless they are too many for a page.
@@ -57,7 +69,7 @@ impl Period {
 
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
     ///
-    /// Fields: displacement (m), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
+    /// Fields: displacement (m, NaN where it is not known), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
     /// no contact, or no face.
     ///
     /// # Errors
@@ -93,9 +105,11 @@ fn wireframe(
     if edges.len() > MOST[0] || rows.len() > MOST[1] {
         return None;
     }
+    let triple = |values: &[f64], row: usize| [values[3 * row], values[3 * row + 1], values[3 * row + 2]];
+    // Corners whose motion is not known are left out with their edges.
+    rows.retain(|row| frames.iter().all(|frame| !triple(&frame.displacement, *row).iter().any(|u| u.is_nan())));
     let corner = |row: usize| rows.binary_search(&row).ok();
     let joined = |edge: &[u32; 2]| Some([corner(*row.get(&edge[0])?)?, corner(*row.get(&edge[1])?)?]);
-    let triple = |values: &[f64], row: usize| [values[3 * row], values[3 * row + 1], values[3 * row + 2]];
     let forces =
         |row: &usize| Some((corner(*row)?, frames.iter().map(|frame| triple(&frame.force, *row)).collect::<Vec<_>>()));
     Some(Wireframe {
@@ -115,11 +129,22 @@ struct Motion<'a> {
     open: &'a OpenStructure,
     period: f64,
     histories: Vec<TimeHistory>,
-    /// For each point of the surface, the row of each of its displacements among `displacements`.
-    places: Vec<[Option<usize>; 3]>,
+    /// For each point of the surface, where each of its displacements is found.
+    places: Vec<[Source; 3]>,
     /// One column a frame.
     displacements: Mat<f64>,
     ends: Vec<End>,
+}
+
+/// Where a displacement is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// In this row of the displacements that were recovered.
+    Row(usize),
+    /// It is held.
+    Held,
+    /// It depends on others in a way that is not known.
+    Unknown,
 }
 
 /// An end of a contact.
@@ -167,14 +192,17 @@ impl<'a> Motion<'a> {
         point: usize,
     ) -> Result<Self, Failure> {
         let mut dofs = Vec::new();
-        let mut row = |node: u64, component| {
-            let dof = model.row_of(node, component)?;
-            dofs.push(dof);
-            Some(dofs.len() - 1)
+        let mut source = |node: u64, component| match model.row_of(node, component) {
+            Some(dof) => {
+                dofs.push(dof);
+                Source::Row(dofs.len() - 1)
+            }
+            None if model.is_held(node, component) == Some(false) => Source::Unknown,
+            None => Source::Held,
         };
         let numbers: Vec<u64> = surface.points().iter().map(|index| mesh.numbers[*index as usize]).collect();
-        let places: Vec<[Option<usize>; 3]> =
-            numbers.iter().map(|node| [Component::X, Component::Y, Component::Z].map(|c| row(*node, c))).collect();
+        let axes = [Component::X, Component::Y, Component::Z];
+        let places: Vec<[Source; 3]> = numbers.iter().map(|node| axes.map(|c| source(*node, c))).collect();
         let at: HashMap<u64, usize> = numbers.iter().enumerate().map(|(place, node)| (*node, place)).collect();
         let contacts = open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         let mut ends = Vec::new();
@@ -201,10 +229,21 @@ impl<'a> Motion<'a> {
         })
     }
 
+    /// Numbers of the nodes with displacements that are not known.
+    fn dependent(&self, mesh: &Mesh, surface: &Surface) -> Vec<u64> {
+        let points = surface.points().iter().zip(&self.places);
+        let unknown = points.filter(|(_, place)| place.contains(&Source::Unknown));
+        unknown.map(|(index, _)| mesh.numbers[*index as usize]).collect()
+    }
+
     fn frame(&self, k: usize) -> Frame {
         let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k]).collect();
-        let value = |row: &Option<usize>| row.map_or(0.0, |row| self.displacements[(row, k)]);
-        let displacement: Vec<f64> = self.places.iter().flat_map(|rows| rows.each_ref().map(value)).collect();
+        let value = |source: Source| match source {
+            Source::Row(row) => self.displacements[(row, k)],
+            Source::Held => 0.0,
+            Source::Unknown => f64::NAN,
+        };
+        let displacement: Vec<f64> = self.places.iter().flat_map(|place| place.map(value)).collect();
         let (mut force, mut gap) = (vec![0.0; displacement.len()], vec![f64::NAN; self.places.len()]);
         let mut pressure = vec![f64::NAN; if self.ends.iter().any(|end| end.area > 0.0) { gap.len() } else { 0 }];
         let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);

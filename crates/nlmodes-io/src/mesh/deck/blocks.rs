@@ -18,6 +18,7 @@ pub(super) enum State {
     NodeSet { name: String, generate: bool },
     ElementSet { name: String, generate: bool },
     Surface { name: String },
+    Supports,
 }
 
 impl State {
@@ -63,6 +64,10 @@ impl Deck {
                 Ok(())
             }
             State::Surface { name } => self.surface(source, name),
+            State::Supports => {
+                self.support(source);
+                Ok(())
+            }
         }
     }
 
