@@ -41,6 +41,7 @@ impl ClosedBlock {
             factor.clear();
             factor.append_all(&matrix, &contacts);
         }
+        factor.settle();
         Self { matrix, factor }
     }
 

@@ -8,7 +8,7 @@ mod suppression;
 mod triangle;
 mod working;
 
-pub(crate) use begin::{MANY, factor_in_place};
+pub(crate) use begin::{MANY, Memory, factor_in_place};
 pub(crate) use set::ClosedSet;
 pub(crate) use working::WorkingFactor;
 
@@ -27,6 +27,8 @@ pub(crate) struct Factor {
     inverse_diagonal: Vec<f64>,
     /// Work space of a removal.
     rotations: Vec<(f64, f64)>,
+    /// Work space of a beginning with many contacts.
+    memory: Memory,
 }
 
 /// Where row `i` begins.
@@ -49,6 +51,12 @@ impl Factor {
         self.rows.clear();
         self.diagonal.clear();
         self.inverse_diagonal.clear();
+    }
+
+    /// Gives back the memory that only changes need.
+    pub(crate) fn settle(&mut self) {
+        self.memory = Memory::default();
+        self.rotations = Vec::new();
     }
 
     /// Below this a pivot is rounding: the contact depends on those in the block.

@@ -83,6 +83,7 @@ mod sample;
 mod scaled;
 mod series;
 mod solver;
+mod tile;
 
 pub use block::ClosedBlock;
 pub use body::{ClosedResponse, ContactBody};

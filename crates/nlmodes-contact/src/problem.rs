@@ -1,8 +1,13 @@
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use nlmodes_linalg::Mat;
 
-use crate::{ClosedBlock, LcpError, kernel, sample::Sample, scaled::Scaled};
+use crate::{
+    ClosedBlock, LcpError, kernel,
+    sample::Sample,
+    scaled::Scaled,
+    tile::{self, Tile},
+};
 
 /// The matrix `A` of a family of contact problems, checked and scaled once.
 ///
@@ -32,16 +37,17 @@ impl LcpMatrix {
         if a.ncols() != c {
             return Err(LcpError::NotSquare { rows: c, columns: a.ncols() });
         }
-        if (0..c).any(|j| a.col(j).iter().any(|v| !v.is_finite())) {
+        if (0..c).any(|j| !kernel::all_finite(a.col_as_slice(j))) {
             return Err(LcpError::NotFinite { what: "the contact matrix" });
         }
-        let a = symmetric(a)?;
-        let scaled = Scaled::new(&a);
+        let mut mean = a.clone();
+        make_symmetric(&mut mean)?;
+        let mut scaled = Scaled::new(&mean);
         if !scaled.is_finite() {
             return Err(LcpError::NotFinite { what: "the scaled contact matrix" });
         }
-        scaled.check_semidefinite()?;
-        Ok(Self { a, scaled: Arc::new(scaled) })
+        scaled.check_semidefinite(&mean)?;
+        Ok(Self { a: mean, scaled: Arc::new(scaled) })
     }
 
     /// Number of contacts c.
@@ -126,27 +132,44 @@ impl LcpMatrix {
     }
 }
 
-/// Rows and columns that are looked at together: entries far apart in memory are met again soon.
-const TILE: usize = 32;
-
-/// The mean of `a` and its transpose, if both agree within rounding.
-fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, LcpError> {
-    let c = a.nrows();
-    let mut mean = a.clone();
-    let root: Vec<f64> = (0..c).map(|i| a[(i, i)].abs().sqrt()).collect();
-    for (first, second) in (0..c).step_by(TILE).flat_map(|i| (0..=i).step_by(TILE).map(move |j| (i, j))) {
-        for column in first..c.min(first + TILE) {
-            for row in second..column.min(second + TILE) {
-                let (value, transposed) = (a[(row, column)], a[(column, row)]);
-                if (value - transposed).abs() > 1e-10 * root[row] * root[column] {
-                    return Err(LcpError::NotSymmetric { row, column, value, transposed });
-                }
-                mean[(row, column)] = 0.5 * value + 0.5 * transposed;
-                mean[(column, row)] = mean[(row, column)];
-            }
+/// Replaces `a` by the mean of itself and its transpose, if both agree within rounding.
+fn make_symmetric(a: &mut Mat<f64>) -> Result<(), LcpError> {
+    let root: Vec<f64> = (0..a.nrows()).map(|i| a[(i, i)].abs().sqrt()).collect();
+    tile::pairs(a.nrows()).try_for_each(|(rows, columns)| {
+        let mut tile = Tile::transposed(a, columns.clone(), rows.clone());
+        let mut asymmetric = 0;
+        for (column, transposed) in columns.clone().zip(tile.columns()) {
+            let values = &a.col_as_slice(column)[rows.clone()];
+            asymmetric += average(values, transposed, &root[rows.clone()], 1e-10 * root[column]);
         }
+        if asymmetric > 0 {
+            return Err(asymmetry(a, &root, rows, columns));
+        }
+        tile.write(a, rows.clone(), columns.clone());
+        tile.write_transposed(a, columns, rows);
+        Ok(())
+    })
+}
+
+/// Replaces transposed entries by the mean of both. Returns how many differ by more than `limit` times their root.
+fn average(values: &[f64], transposed: &mut [f64], root: &[f64], limit: f64) -> u64 {
+    let mut wrong = 0;
+    for ((value, transposed), root) in values.iter().zip(transposed).zip(root) {
+        wrong += u64::from((value - *transposed).abs() > limit * root);
+        // Halves of the smallest numbers are zero.
+        *transposed = if *value == *transposed { *value } else { 0.5 * value + 0.5 * *transposed };
     }
-    Ok(mean)
+    wrong
+}
+
+/// The first pair of entries in a tile that differ.
+fn asymmetry(a: &Mat<f64>, root: &[f64], rows: Range<usize>, columns: Range<usize>) -> LcpError {
+    // An entry above the diagonal comes first.
+    let mut pairs =
+        rows.flat_map(|column| columns.clone().filter(move |row| *row < column).map(move |row| (row, column)));
+    let differs = |&(i, j): &(usize, usize)| (a[(i, j)] - a[(j, i)]).abs() > 1e-10 * root[i] * root[j];
+    let (row, column) = pairs.find(differs).unwrap_or_default();
+    LcpError::NotSymmetric { row, column, value: a[(row, column)], transposed: a[(column, row)] }
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! The matrix in the units in which all backends work.
 
+use faer::MatMut;
 use nlmodes_linalg::Mat;
 
 use crate::{
     LcpError,
-    factor::{Factor, MANY, factor_in_place},
+    factor::{Factor, MANY, Memory, factor_in_place},
     kernel,
 };
 
@@ -17,6 +18,7 @@ use crate::{
 pub(crate) struct Scaled {
     c: usize,
     entries: Vec<f64>,
+    only_opens: bool,
     /// `S`: `b` and `g` scaled are `S b` and `S g`.
     gap_unit: Vec<f64>,
     inverse_gap_unit: Vec<f64>,
@@ -33,17 +35,21 @@ impl Scaled {
         let c = a.nrows();
         let (gap_unit, force_unit) = units(a);
         let mut entries = Vec::with_capacity(c * c);
-        for j in 0..c {
-            entries.extend((0..c).map(|i| (a[(i, j)] * gap_unit[i]) * force_unit[j]));
-        }
+        extend_scaled(a, &gap_unit, &force_unit, &mut entries);
         let root: Vec<f64> = (0..c).map(|i| entries[i * c + i]).map(|d| if d > 0.0 { d.sqrt() } else { 1.0 }).collect();
         let inverse_root = root.iter().map(|r| 1.0 / r).collect();
+        let only_opens = kernel::none_negative(&entries);
         let inverse_gap_unit = gap_unit.iter().map(|u| 1.0 / u).collect();
-        Self { c, entries, gap_unit, inverse_gap_unit, force_unit, root, inverse_root }
+        Self { c, entries, only_opens, gap_unit, inverse_gap_unit, force_unit, root, inverse_root }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
         kernel::all_finite(&self.entries)
+    }
+
+    /// Whether no entry is negative: forces open gaps and close none.
+    pub(crate) fn only_opens(&self) -> bool {
+        self.only_opens
     }
 
     pub(crate) fn n_contacts(&self) -> usize {
@@ -97,15 +103,17 @@ impl Scaled {
         }
     }
 
-    /// Whether `A + 1e-13 c I` has a Cholesky factor. Rounding of a singular `A` stays below that.
+    /// Checks that `A + 1e-13 c I` has a Cholesky factor. Rounding of a singular `A` stays below that.
     ///
-    /// Of many contacts the factor is found by blocks; where there is none, row by row, which tells the contact.
-    pub(crate) fn check_semidefinite(&self) -> Result<(), LcpError> {
+    /// Of many contacts the factor is found by blocks, in the place of the entries, which are made of `a` again afterwards; where
+    /// there is none, row by row, which tells the contact.
+    pub(crate) fn check_semidefinite(&mut self, a: &Mat<f64>) -> Result<(), LcpError> {
         let shift = 1e-13 * self.c as f64;
         if self.c >= MANY && (0..self.c).all(|i| self.diagonal(i) >= 0.0) {
-            let slack = |i: usize, j: usize| if i == j { shift * self.root[i] * self.root[i] } else { 0.0 };
-            let mut shifted = Mat::from_fn(self.c, self.c, |i, j| self.entries[j * self.c + i] + slack(i, j));
-            if factor_in_place(&mut shifted) {
+            let definite = self.factor_with(shift);
+            self.entries.clear();
+            extend_scaled(a, &self.gap_unit, &self.force_unit, &mut self.entries);
+            if definite {
                 return Ok(());
             }
         }
@@ -118,6 +126,22 @@ impl Scaled {
             }
         }
         Ok(())
+    }
+
+    /// Replaces the entries by the factor of them and such a multiple of the diagonal. Tells whether there is one.
+    fn factor_with(&mut self, shift: f64) -> bool {
+        for (i, root) in self.root.iter().enumerate() {
+            self.entries[i * self.c + i] += shift * root * root;
+        }
+        let matrix = MatMut::from_column_major_slice_mut(&mut self.entries, self.c, self.c);
+        factor_in_place(matrix, &mut Memory::default())
+    }
+}
+
+/// `S A F`, column by column.
+fn extend_scaled(a: &Mat<f64>, gap_unit: &[f64], force_unit: &[f64], entries: &mut Vec<f64>) {
+    for (j, force_unit) in force_unit.iter().enumerate() {
+        entries.extend(a.col_as_slice(j).iter().zip(gap_unit).map(|(v, unit)| (v * unit) * force_unit));
     }
 }
 

@@ -139,7 +139,7 @@ fn across_boundary<S: ParametricSystem>(
 
 /// The same where directions are nearly free all along the branch, and no more so at the corner: through a point on one boundary, on neither side of which
 /// the Jacobian becomes singular, leads one way.
-fn regular_corner<S: ParametricSystem>(
+pub(crate) fn regular_corner<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,

@@ -181,9 +181,10 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                 }
                 Err(refusal) => {
                     self.branch.refused_steps += 1;
-                    let around_bend = if refused == 0 { self.bend_at_start() } else { None };
-                    match (around_bend, self.shorter(h, &refusal)) {
-                        (Some(bend), _) => self.go_around(&bend),
+                    let beyond = if refused == 0 { self.around_bend_at_start() } else { None };
+                    let beyond = beyond.or_else(|| self.beyond_corner_at_start(&refusal));
+                    match (beyond, self.shorter(h, &refusal)) {
+                        (Some(outcome), _) => outcome,
                         (None, Some(shorter)) => {
                             h = shorter;
                             continue;

@@ -12,6 +12,10 @@ const EASY: f64 = 0.06;
 /// Shares of a step that are tried next where it is refused: at first, and again.
 const SHORTER: [f64; 2] = [0.5, 0.25];
 
+/// Relative change of the distance from the predicted point, over the step, up to which a shorter step has not come nearer: along a smooth curve it falls
+/// with the step.
+const NO_NEARER: f64 = 0.1;
+
 /// Shortest step, over the distance by which rounding blurs the point from which it starts: what is shorter says nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
 
@@ -22,11 +26,13 @@ pub(crate) struct StepControl {
     pub limits: StepSettings,
     shortest: f64,
     refused_in_a_row: usize,
+    /// Distances from the predicted points, over the steps, of the last two that were refused for that.
+    far: [f64; 2],
 }
 
 impl StepControl {
     pub fn new(settings: &StepSettings) -> Self {
-        Self { limits: settings.clone(), shortest: settings.min, refused_in_a_row: 0 }
+        Self { limits: settings.clone(), shortest: settings.min, refused_in_a_row: 0, far: [f64::NAN; 2] }
     }
 
     /// The first step.
@@ -69,6 +75,19 @@ impl StepControl {
     /// A step begins, or a corner was passed.
     pub fn begin(&mut self) {
         self.refused_in_a_row = 0;
+        self.far = [f64::NAN; 2];
+    }
+
+    /// Whether the last steps, each shorter than the one before, all ended as far beside their tangent in proportion: there is a corner, or a bend
+    /// tighter than they are long.
+    pub fn comes_no_nearer(&mut self, refusal: &Refusal) -> bool {
+        let Refusal::FarFromPrediction { steps } = refusal else {
+            self.far = [f64::NAN; 2];
+            return false;
+        };
+        let before = self.far;
+        self.far = [before[1], *steps];
+        before.iter().all(|far| (far / steps - 1.0).abs() <= NO_NEARER)
     }
 
     /// A shorter step than one that was refused; `None` where that was the shortest.
@@ -107,6 +126,22 @@ mod tests {
         // Five times as far away as where that begins, steps are five times as long at most.
         assert_eq!(control.longest(&[0.3, -10.0]), 2.5);
         assert_eq!(control.after_taken(2.4, 0.0, &[0.3, -10.0]), 2.5);
+    }
+
+    #[test]
+    fn a_corner_is_where_three_steps_in_a_row_come_no_nearer() {
+        let mut control = control();
+        let mut after = |steps: f64| control.comes_no_nearer(&Refusal::FarFromPrediction { steps });
+        assert_eq!(
+            [2.61, 2.62, 2.60, 2.56, 1.3, 1.3, 0.7].map(&mut after),
+            [false, false, true, true, false, false, false]
+        );
+        assert_eq!([0.7, 0.7].map(after), [false, true]);
+        assert!(!control.comes_no_nearer(&Refusal::OtherArm));
+        let far = Refusal::FarFromPrediction { steps: 0.7 };
+        assert!(!control.comes_no_nearer(&far) && !control.comes_no_nearer(&far) && control.comes_no_nearer(&far));
+        control.begin();
+        assert!(!control.comes_no_nearer(&far));
     }
 
     #[test]

@@ -1,7 +1,8 @@
-use faer::Par;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use std::mem::MaybeUninit;
+
+use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use nlmodes_linalg::Mat;
+use faer::{MatMut, Par};
 
 use super::{Factor, offset};
 use crate::scaled::Scaled;
@@ -12,21 +13,33 @@ pub(crate) const MANY: usize = 96;
 /// Columns that stay in the cache while rows are put together from them.
 const COLUMNS: usize = 16;
 
+/// What a factorisation by blocks works on, kept for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    block: Vec<f64>,
+    scratch: Vec<MaybeUninit<u8>>,
+}
+
 impl Factor {
     /// Begins with all of the contacts at once. False, and nothing is there, if one depends on others: then they are to come one after the other.
     pub(super) fn begin(&mut self, matrix: &Scaled, contacts: &[usize]) -> bool {
+        let mut memory = std::mem::take(&mut self.memory);
+        let mut block = std::mem::take(&mut memory.block);
+        lower_triangle(matrix, contacts, &mut block);
         let m = contacts.len();
-        let mut block = Mat::zeros(m, m);
-        for (j, &contact) in contacts.iter().enumerate() {
-            let column = matrix.column(contact);
-            let entries = block.col_mut(j).iter_mut().zip(contacts).skip(j);
-            entries.for_each(|(entry, &i)| *entry = column[i]);
+        let begun = factor_in_place(MatMut::from_column_major_slice_mut(&mut block, m, m), &mut memory)
+            && self.accept_all(matrix, contacts, |i| block[i * m + i] * block[i * m + i]);
+        if begun {
+            self.pack(&block);
         }
-        if !factor_in_place(&mut block) {
-            return false;
-        }
+        self.memory = Memory { block, ..memory };
+        begun
+    }
+
+    /// Takes contacts with such pivots. False, and nothing is there, if one of them depends on others.
+    fn accept_all(&mut self, matrix: &Scaled, contacts: &[usize], pivot: impl Fn(usize) -> f64) -> bool {
         for (i, &contact) in contacts.iter().enumerate() {
-            let pivot = block[(i, i)] * block[(i, i)];
+            let pivot = pivot(i);
             // NaN counts as dependent.
             if pivot.is_nan() || pivot <= self.dependence(matrix, contact) {
                 self.clear();
@@ -34,29 +47,40 @@ impl Factor {
             }
             self.accept(contact, pivot);
         }
-        self.pack(&block);
         true
     }
 
     /// Takes the rows below the diagonal over from a matrix that is stored by columns, some columns at a time.
-    fn pack(&mut self, lower: &Mat<f64>) {
-        let m = lower.nrows();
+    fn pack(&mut self, lower: &[f64]) {
+        let m = self.len();
         self.rows.resize(offset(m), 0.0);
         for first in (0..m).step_by(COLUMNS) {
             for i in first + 1..m {
-                let row = &mut self.rows[offset(i)..offset(i + 1)];
-                for j in first..i.min(first + COLUMNS) {
-                    row[j] = lower[(i, j)];
-                }
+                let last = i.min(first + COLUMNS);
+                let row = &mut self.rows[offset(i) + first..offset(i) + last];
+                row.iter_mut().zip(first..last).for_each(|(entry, j)| *entry = lower[j * m + i]);
             }
         }
     }
 }
 
+/// The lower triangle of the block of such contacts, stored by columns; what is above it stays what it was.
+fn lower_triangle(matrix: &Scaled, contacts: &[usize], block: &mut Vec<f64>) {
+    let m = contacts.len();
+    block.resize(m * m, 0.0);
+    for (j, (&contact, entries)) in contacts.iter().zip(block.chunks_exact_mut(m)).enumerate() {
+        let column = matrix.column(contact);
+        entries[j..].iter_mut().zip(&contacts[j..]).for_each(|(entry, &i)| *entry = column[i]);
+    }
+}
+
 /// Replaces the lower triangle of a matrix by its Cholesky factor. False if it has none, or memory is short.
-pub(crate) fn factor_in_place(matrix: &mut Mat<f64>) -> bool {
-    let scratch = cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Default::default());
-    let Ok(mut memory) = MemBuffer::try_new(scratch) else { return false };
-    let stack = MemStack::new(&mut memory);
-    cholesky_in_place(matrix.as_mut(), Default::default(), Par::Seq, stack, Default::default()).is_ok()
+pub(crate) fn factor_in_place(matrix: MatMut<'_, f64>, memory: &mut Memory) -> bool {
+    let needed = cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Default::default());
+    let (bytes, scratch) = (needed.unaligned_bytes_required(), &mut memory.scratch);
+    if scratch.try_reserve(bytes.saturating_sub(scratch.len())).is_err() {
+        return false;
+    }
+    scratch.resize(bytes.max(scratch.len()), MaybeUninit::uninit());
+    cholesky_in_place(matrix, Default::default(), Par::Seq, MemStack::new(scratch), Default::default()).is_ok()
 }

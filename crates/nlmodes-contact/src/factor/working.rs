@@ -21,6 +21,12 @@ pub(crate) struct WorkingFactor {
 /// Suppressed contacts, at most.
 const MOST_SUPPRESSED: usize = 32;
 
+/// Contacts over changes from which on a factor is kept and updated.
+const NEAR: usize = 4;
+
+/// The same where a new factor is found by blocks, which is less work than that of its rows one after the other.
+const NEAR_OF_MANY: usize = 32;
+
 /// Rows over contacts taken out from which on a new factor, found by blocks, costs less than the rotations of the old one.
 const ROTATIONS_OF_A_FACTOR: usize = 64;
 
@@ -46,7 +52,8 @@ impl WorkingFactor {
         if self.asked == *set {
             return;
         }
-        let is_near = self.asked.distance(set) * 4 <= set.count();
+        let near = if set.count() < MANY { NEAR } else { NEAR_OF_MANY };
+        let is_near = self.asked.distance(set) * near <= set.count();
         self.asked.copy_from(set);
         if is_near {
             let (asked, order) = (&self.asked, self.factor.order());
@@ -96,16 +103,18 @@ impl WorkingFactor {
     /// Suppresses the contacts that are not in the set, or takes them out if that is easy or they are many.
     fn open(&mut self, matrix: &Scaled) {
         self.drop_last();
-        for (position, &contact) in self.factor.order().iter().enumerate() {
-            if !self.asked.contains(contact) && !self.suppression.contains(position) {
-                self.suppression.add(&self.factor, position);
-            }
-        }
-        let closed = self.factor.len() - self.suppression.len();
+        let (order, asked, suppression) = (self.factor.order(), &self.asked, &mut self.suppression);
+        let is_new = |at: usize, suppression: &Suppression| !asked.contains(order[at]) && !suppression.contains(at);
+        self.list.clear();
+        self.list.extend((0..order.len()).filter(|&at| is_new(at, suppression)));
+        let suppressed = suppression.len() + self.list.len();
+        let closed = order.len() - suppressed;
         // Contacts left out may depend on one that has just opened.
-        let dependent = closed < self.asked.count();
-        if dependent || self.suppression.len() > MOST_SUPPRESSED.min(8 + closed / 8) {
+        let dependent = closed < asked.count();
+        if dependent || suppressed > MOST_SUPPRESSED.min(8 + closed / 8) {
             self.consolidate(matrix);
+        } else {
+            self.list.iter().for_each(|&at| suppression.add(&self.factor, at));
         }
         if dependent {
             self.append_missing(matrix);

@@ -1,9 +1,11 @@
-//! The default: projected Gauss-Seidel, then Newton, then a primal active-set method.
+//! The default: projected Gauss-Seidel or gradient steps, then Newton, then a primal active-set method.
 
+mod descent;
 mod newton;
 mod primal;
 mod sweeps;
 
+use descent::Descent;
 pub(crate) use newton::Newton;
 pub(crate) use primal::Primal;
 
@@ -17,7 +19,7 @@ pub(crate) const NAME: &str = "active-set";
 
 /// Finds the closed contacts, with an updated Cholesky factor of their block; exact up to rounding. The default.
 ///
-/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one.
+/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one; of many contacts, accelerated projected gradient steps.
 /// 2. Semismooth Newton: solve the closed block, exchange every contact with a wrong sign, repeat. Usually 1 to 4 steps.
 /// 3. That may cycle. When the number of wrong signs has not fallen for `patience` steps, the primal active-set method of
 ///    Keller takes over: contacts enter one by one, forces never pull, the energy falls at every exchange, so it ends. It
@@ -26,7 +28,7 @@ pub(crate) const NAME: &str = "active-set";
 /// One contact is solved in closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveSet {
-    /// Projected Gauss-Seidel sweeps of a cold start, at most. Default 16.
+    /// Sweeps or gradient steps of a cold start, at most. Default 16.
     pub sweeps: usize,
     /// Newton steps without fewer wrong signs before the primal method takes over. Default 8.
     pub patience: usize,
@@ -50,12 +52,16 @@ impl LcpSolver for ActiveSet {
             return Ok(Box::new(Workspace::new(a, OneContact)));
         }
         let c = a.n_contacts();
-        Ok(Box::new(Workspace::new(a, Search { settings: *self, newton: Newton::new(c), primal: Primal::default() })))
+        Ok(Box::new(Workspace::new(a, Search::new(*self, c))))
     }
 }
 
+/// Contacts from which on steps of all of them at once give a better guess in the same time than one contact after the other.
+const ALL_AT_ONCE: usize = 16;
+
 struct Search {
     settings: ActiveSet,
+    descent: Descent,
     newton: Newton,
     primal: Primal,
 }
@@ -67,7 +73,7 @@ impl Method for Search {
         if kernel::any(closed) {
             self.newton.guess(closed);
         } else {
-            sweeps::run(sample, self.settings.sweeps);
+            self.approach(sample);
             self.newton.guess_from_forces(sample);
         }
         let found = self.newton.run(sample, self.settings.patience);
@@ -80,6 +86,19 @@ impl Method for Search {
 }
 
 impl Search {
+    fn new(settings: ActiveSet, c: usize) -> Self {
+        Self { settings, descent: Descent::default(), newton: Newton::new(c), primal: Primal::default() }
+    }
+
+    /// Forces for the first guess.
+    fn approach(&mut self, sample: &mut Sample) {
+        if sample.b.len() < ALL_AT_ONCE || self.settings.sweeps == 0 {
+            sweeps::run(sample, self.settings.sweeps);
+        } else {
+            self.descent.run(sample, self.settings.sweeps);
+        }
+    }
+
     fn fall_back(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
         sweeps::run(sample, 2 * self.settings.sweeps);
         let budget = self.settings.exchanges_per_contact * closed.len() + 100;

@@ -7,13 +7,25 @@ use crate::bend::{self, Bend};
 use crate::corner::{self, Passage};
 use crate::corrector::Correction;
 use crate::step::Foot;
-use crate::vectors::{distance, dot};
-use crate::{BranchPoint, EventKind, StopReason};
+use crate::vectors::{along, distance, dot};
+use crate::{BranchPoint, EventKind, Refusal, StopReason};
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
-    /// The tight bend at which the branch begins. Elsewhere it is located first.
-    pub(super) fn bend_at_start(&mut self) -> Option<Bend> {
-        (self.branch.points.len() == 1).then(|| self.bend_here()).flatten()
+    /// Around the tight bend at which the branch begins. Elsewhere it is located first.
+    pub(super) fn around_bend_at_start(&mut self) -> Option<ControlFlow<StopReason, f64>> {
+        let bend = if self.branch.points.len() == 1 { self.bend_here() } else { None }?;
+        Some(self.go_around(&bend))
+    }
+
+    /// Through the corner at which the branch begins, once shorter steps are seen not to come nearer to it: where directions are nearly free all along, as
+    /// beside many contacts, no expansion tells what is behind. Elsewhere it is located first.
+    pub(super) fn beyond_corner_at_start(&mut self, refusal: &Refusal) -> Option<ControlFlow<StopReason, f64>> {
+        if !(self.control.comes_no_nearer(refusal) && self.branch.points.len() == 1) {
+            return None;
+        }
+        let behind = along(&self.foot.z, -10.0 * self.control.limits.min, &self.foot.tangent);
+        let next = corner::regular_corner(self.system, &mut self.corrector, &self.control.limits, &self.foot, &behind)?;
+        Some(self.go_through(Passage::Corner(next)))
     }
 
     fn bend_here(&mut self) -> Option<Bend> {
