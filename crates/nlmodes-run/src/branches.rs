@@ -5,6 +5,7 @@ mod histories;
 mod motion;
 mod overlaid;
 mod page;
+mod reduced;
 pub mod repeated;
 mod several;
 mod sink;
@@ -151,7 +152,7 @@ fn one_branch(
             if let Some(text) = found.and_then(Period::warning) {
                 observer.event(Event::Warning(&text));
             }
-            let about = About { linear: &linear, participation: &participation, period: found };
+            let about = About { linear: &linear, participation: &participation, period: found, open: open.as_ref() };
             let written = match &laid {
                 Some(laid) => write(scene, &about, (&tree, &certificates, laid), began),
                 None => Ok(()),
@@ -275,7 +276,7 @@ fn write(
         write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
     }
     starts::write(directory, &tree.branches)?;
-    summary::write(directory, scene, about.linear, (tree, certificates), began.elapsed())?;
+    summary::write(directory, (scene, about), (tree, certificates), began.elapsed())?;
     figures::write_participations(directory, &tree.branches, participation)?;
     let Some(first) = tree.branches.first() else { return Ok(()) };
     write_motions(scene, first)?;
@@ -303,6 +304,7 @@ struct About<'a> {
     linear: &'a LinearFrequencies,
     participation: &'a [Vec<Participation>],
     period: Option<&'a Period>,
+    open: Option<&'a OpenStructure>,
 }
 
 /// Writes the motions of the contacts at some points, and the results for MATLAB.

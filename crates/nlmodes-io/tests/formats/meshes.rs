@@ -180,6 +180,25 @@ fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
 }
 
 #[test]
+fn decks_say_what_they_hold() {
+    let lines = "*BOUNDARY\n1, 1, 3\nEND, 2\n 12, 1\n3, ENCASTRE\n4, ZSYMM\n*STEP\n*BOUNDARY, OP=MOD\n5, 3, 3, 0.0\nnobody, 1\n6, 4, 6\n*END STEP\n";
+    let mesh = mesh("x.inp", &format!("{TWO_BRICKS}{lines}")).unwrap();
+    let supports = mesh.supports.unwrap();
+    let expected = [
+        (1, [true; 3]),
+        (3, [true; 3]),
+        (4, [false, false, true]),
+        (5, [false, false, true]),
+        (6, [false; 3]),
+        (9, [false, true, false]),
+        (10, [false, true, false]),
+        (11, [false, true, false]),
+        (12, [true, true, false]),
+    ];
+    assert_eq!(supports.into_iter().collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn included_decks_are_read_where_they_stand() {
     let directory = tempfile::tempdir().unwrap();
     fs::create_dir(directory.path().join("parts")).unwrap();

@@ -81,7 +81,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
+        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (open modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
         columns: &[],
     },
     FileMeaning {
@@ -96,7 +96,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "motion.pvd",
-        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, displacement in m, contact_force in N, gap in m, and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is larger there than at corners, as the forces of nodes are)",
+        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is larger there than at corners, as the forces of nodes are)",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },

@@ -23,6 +23,8 @@ const MOST: [usize; 2] = [6000, 2500];
 
 /// One period of the last point whose motion is shown, of a structure with a mesh.
 pub struct Period {
+    /// The point.
+    pub point: usize,
     surface: Surface,
     frames: Vec<Frame>,
     duration: f64,
@@ -48,8 +50,8 @@ impl Period {
         let motion = Motion::new(open, model, (mesh, &skin), &surface, computed, point)?;
         let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
         let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
-        let dependent = motion.dependent(mesh, &surface);
-        Ok(Some(Self { surface, frames, duration: motion.period, wireframe, dependent }))
+        let dependent = motion.dependent();
+        Ok(Some(Self { point, surface, frames, duration: motion.period, wireframe, dependent }))
     }
 
     /// What the pictures lack, in a sentence: nodes whose motion the matrices do not hold, since it depends on others.
@@ -69,7 +71,7 @@ impl Period {
 
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
     ///
-    /// Fields: displacement (m, NaN where it is not known), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
+    /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
     /// no contact, or no face.
     ///
     /// # Errors
@@ -129,6 +131,8 @@ struct Motion<'a> {
     open: &'a OpenStructure,
     period: f64,
     histories: Vec<TimeHistory>,
+    /// Numbers of the nodes of the surface.
+    numbers: Vec<u64>,
     /// For each point of the surface, where each of its displacements is found.
     places: Vec<[Source; 3]>,
     /// One column a frame.
@@ -161,6 +165,8 @@ struct End {
 
 /// Values at the points of the surface at one phase.
 struct Frame {
+    /// Number of the node.
+    node: Vec<f64>,
     displacement: Vec<f64>,
     force: Vec<f64>,
     gap: Vec<f64>,
@@ -171,6 +177,7 @@ struct Frame {
 impl Frame {
     fn fields(&self) -> Vec<PointField<'_>> {
         let mut fields = vec![
+            PointField { name: "node", components: 1, values: &self.node },
             PointField { name: "displacement", components: 3, values: &self.displacement },
             PointField { name: "contact_force", components: 3, values: &self.force },
             PointField { name: "gap", components: 1, values: &self.gap },
@@ -224,16 +231,16 @@ impl<'a> Motion<'a> {
             period: TAU / computed.branch.points[point].omega,
             histories,
             open,
+            numbers,
             places,
             ends,
         })
     }
 
     /// Numbers of the nodes with displacements that are not known.
-    fn dependent(&self, mesh: &Mesh, surface: &Surface) -> Vec<u64> {
-        let points = surface.points().iter().zip(&self.places);
-        let unknown = points.filter(|(_, place)| place.contains(&Source::Unknown));
-        unknown.map(|(index, _)| mesh.numbers[*index as usize]).collect()
+    fn dependent(&self) -> Vec<u64> {
+        let points = self.numbers.iter().zip(&self.places);
+        points.filter(|(_, place)| place.contains(&Source::Unknown)).map(|(number, _)| *number).collect()
     }
 
     fn frame(&self, k: usize) -> Frame {
@@ -258,7 +265,8 @@ impl<'a> Motion<'a> {
             let left = contacts[i].gap - toward * history.displacement[k];
             gap[place] = if gap[place].is_nan() { left } else { gap[place].min(left) };
         }
-        Frame { displacement, force, gap, pressure }
+        let node = self.numbers.iter().map(|number| *number as f64).collect();
+        Frame { node, displacement, force, gap, pressure }
     }
 }
 

@@ -10,6 +10,8 @@ use nlmodes::report::write_summary;
 use nlmodes::timestep::UNIT_CIRCLE;
 use serde::Serialize;
 
+use super::About;
+use super::reduced::{ContactAt, MotionAt, Reduction};
 use super::sink::branch_directory;
 use crate::Failure;
 use crate::certificate::Certificate;
@@ -28,8 +30,16 @@ struct Summary<'a> {
     grazing: GrazingPoint,
     method: MethodUsed,
     #[serde(skip_serializing_if = "Option::is_none")]
+    reduction: Option<Reduction>,
+    /// Of a structure from files: which nodes each contact joins.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    contacts: Vec<ContactAt>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<AccuracyUsed>,
     points: usize,
+    /// The point whose period is in `motion.pvd`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    motion: Option<MotionAt>,
     events: Vec<EventAt>,
     internal_resonances: Vec<Resonance>,
     stability: Stability,
@@ -248,8 +258,7 @@ fn resonances(computed: &ComputedBranch) -> Vec<Resonance> {
 /// Writes the summary.
 pub fn write(
     directory: &Path,
-    scene: &Scene,
-    linear: &LinearFrequencies,
+    (scene, about): (&Scene, &About<'_>),
     (tree, certificates): (&ComputedTree, &[Certificate]),
     wall_time: Duration,
 ) -> Result<(), Failure> {
@@ -272,7 +281,7 @@ pub fn write(
         version: env!("CARGO_PKG_VERSION"),
         scene,
         model: scene.structure.straight().and_then(modal_model),
-        linear_frequencies_hz: linear,
+        linear_frequencies_hz: about.linear,
         grazing: GrazingPoint {
             frequency_hz: computed.grazing.omega / TAU,
             energy_j: computed.grazing.energy,
@@ -280,8 +289,14 @@ pub fn write(
             contact_amplitude_m: computed.grazing.amplitude(),
         },
         method: method_used(scene, computed),
+        reduction: about.open.map(|open| Reduction::new(scene, open, computed.grazing.contact)),
+        contacts: about
+            .open
+            .and_then(|open| open.files.as_ref())
+            .map_or(Vec::new(), |(_, found)| ContactAt::all(found)),
         accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
+        motion: about.period.and_then(|period| MotionAt::new(period.point, points)),
         events: events.collect(),
         internal_resonances: resonances(computed),
         stability: Stability::new(computed),
