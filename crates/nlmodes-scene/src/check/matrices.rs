@@ -134,7 +134,7 @@ fn gap(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -> Opt
         (None, Some(point)) => Some(GapChoice::WallPoint(point)),
         (None, None) => {
             let said = ["gap_m", "wall_point_m"].iter().any(|key| diagnostics.has(&format!("contact.{i}.{key}")));
-            if raw.pairs.is_none() && !said {
+            if raw.pairs.is_none() && raw.against.is_none() && !said {
                 let label = "expected `gap_m`, or `wall_point_m` of a wall, in this table";
                 refuse(i, "", "the gap is missing", label, diagnostics);
             }
