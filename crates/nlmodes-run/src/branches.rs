@@ -130,7 +130,7 @@ fn one_branch(
     if let Some(failure) = sink.failure.take().or(journal.failure) {
         return Err(unwritable(failure, !sink.is_empty()));
     }
-    let tree = tree.map_err(|error| refusal::of_branch(file, &error))?;
+    let tree = tree.map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     let points_time = began.elapsed();
     let thorough = observer.certifies() && !observer.is_cancelled();
     let watch = observer.watch();
@@ -202,7 +202,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
     let (start, _) = starts(file.scene.continuation.start);
     let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
-    check_branch(&massless, &settings).map_err(|error| refusal::of_branch(file, &error))?;
+    check_branch(&massless, &settings).map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     Ok(open)
 }
 
