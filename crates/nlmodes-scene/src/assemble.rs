@@ -328,7 +328,11 @@ pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessC
     let rule = redistribution(scene);
     match (scene.method.kind, rule) {
         (MethodKind::MsHbm | MethodKind::Shooting, Some(rule)) => MasslessContactModel::new(model, rule),
-        // A checked scene has no ms-hbm without a rule, and no shooting without one on rigid stops.
+        // The contacts of open modes have no mass that could be taken away.
+        (MethodKind::MsHbm | MethodKind::Shooting, None) if scene.is_in_open_modes() => {
+            MasslessContactModel::new(model, &Drop)
+        }
+        // A checked scene has no ms-hbm without a rule but in open modes, and no shooting without one on rigid stops.
         (_, rule) => MasslessContactModel::with_spring_tips(model, rule),
     }
 }
