@@ -15,7 +15,8 @@ pub fn check(raw: &RawMatrixScene, base: &Path, diagnostics: &mut Diagnostics<'_
     let files = raw.structure.as_ref().and_then(|raw| files(raw, base, diagnostics));
     let contacts = raw.contact.iter().flatten().enumerate();
     let contacts: Vec<Option<ContactChoice>> = contacts.map(|(i, raw)| contact(raw, i, base, diagnostics)).collect();
-    Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()? })
+    let units_are_assumed = raw.structure.as_ref().is_some_and(|raw| raw.units.is_none());
+    Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()?, units_are_assumed })
 }
 
 fn files(raw: &RawMatrices, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<FeFiles> {
