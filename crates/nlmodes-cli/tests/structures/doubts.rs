@@ -43,9 +43,9 @@ impl Row {
 const ROWS: [Row; 2] =
     [Row { first: 1, start: 0.0, held_layer: 0 }, Row { first: 101, start: 3.03 * EDGE, held_layer: 3 }];
 
-fn deck(elements: &[[usize; 8]]) -> String {
+fn deck(rows: &[Row], elements: &[[usize; 8]]) -> String {
     let mut deck = "*NODE\n".to_owned();
-    for row in &ROWS {
+    for row in rows {
         for (layer, nodes) in row.layers().enumerate() {
             for (node, [y, z]) in nodes.into_iter().zip(SECTION) {
                 _ = writeln!(deck, "{node}, {}, {}, {}", row.start + layer as f64 * EDGE, y * EDGE, z * EDGE);
@@ -56,7 +56,11 @@ fn deck(elements: &[[usize; 8]]) -> String {
     for (number, nodes) in elements.iter().enumerate() {
         _ = writeln!(deck, "{}, {}", number + 1, nodes.map(|node| node.to_string()).join(", "));
     }
-    deck + "*NSET, NSET=TIP\n13, 14, 15, 16\n*NSET, NSET=FACE\n101, 102, 103, 104\n*NSET, NSET=SIDE\n2, 3, 6, 7, 10, 11, 14, 15\n"
+    deck += "*NSET, NSET=TIP\n13, 14, 15, 16\n*NSET, NSET=SIDE\n2, 3, 6, 7, 10, 11, 14, 15\n";
+    if rows.len() > 1 {
+        deck += "*NSET, NSET=FACE\n101, 102, 103, 104\n";
+    }
+    deck
 }
 
 /// Springs between all nodes of each cube, the same in all directions; an eighth of its mass at each.
@@ -88,11 +92,16 @@ fn scene(folder: &TempDir, structure: &str, contact: &str) -> Outcome<String> {
     fs::write(at("m.mtx"), matrix_market(&m))?;
     fs::write(at("dofs.csv"), labels)?;
     let cubes: Vec<[usize; 8]> = ROWS.iter().flat_map(Row::cubes).collect();
-    fs::write(at("mesh.inp"), deck(&cubes))?;
+    fs::write(at("mesh.inp"), deck(&ROWS, &cubes))?;
     // Each element reaches one layer too far.
     let shifted =
         |cube: &[usize; 8]| std::array::from_fn(|k| cube[k] + if k < 4 || cube[k] % 100 > 12 { 0 } else { 4 });
-    fs::write(at("other.inp"), deck(&cubes.iter().map(shifted).collect::<Vec<_>>()))?;
+    fs::write(at("other.inp"), deck(&ROWS, &cubes.iter().map(shifted).collect::<Vec<_>>()))?;
+    // The first row alone, and seven rows of which the matrices have two.
+    fs::write(at("small.inp"), deck(&ROWS[..1], &ROWS[0].cubes()))?;
+    let more = (2..7).map(|row| Row { first: 100 * row + 1, start: 5.0 * row as f64 * EDGE, held_layer: 0 });
+    let rows: Vec<Row> = ROWS.into_iter().chain(more).collect();
+    fs::write(at("large.inp"), deck(&rows, &rows.iter().flat_map(Row::cubes).collect::<Vec<_>>()))?;
     let files = "stiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"";
     let rest = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 1.05\n[output]\nstability = \"never\"\n";
     let mesh = if structure.contains("mesh") { "" } else { "mesh = \"mesh.inp\"" };
@@ -157,6 +166,16 @@ fn what_looks_wrong_is_warned_of() -> Outcome {
             "`structure.units` mm-t-s gives a density of 6.54e15 kg/m³ (39.2 kg that can move, 6e-15 m³ of the mesh), which no material has: in m-kg-s it would be plausible",
         ),
         (
+            "units = \"m-kg-s\"\nmesh = \"small.inp\"",
+            wall.clone(),
+            "`structure.mesh` does not look like the mesh of the matrices: 12 of 24 nodes of the matrices are not in it;",
+        ),
+        (
+            "units = \"m-kg-s\"\nmesh = \"large.inp\"",
+            wall.clone(),
+            "`structure.mesh` does not look like the mesh of the matrices: 15 of its 21 elements have no node with a row;",
+        ),
+        (
             "units = \"m-kg-s\"\nmesh = \"other.inp\"",
             wall.clone(),
             "`structure.mesh` does not look like the mesh of the matrices: the stiffness does not couple the nodes of",
@@ -211,5 +230,49 @@ fn check_says_which_nodes_cannot_touch_and_what_was_assumed() -> Outcome {
             .contains("stop 0: node 13 before node 101, normal [1, 0, 0], gap 0.0003 m, rigid; 0.0003 m in the mesh"),
         "{outline}"
     );
+    Ok(())
+}
+
+/// A matrix as CalculiX writes it.
+fn sti(n: usize, entry: impl Fn(usize, usize) -> f64) -> String {
+    let upper = (0..n).flat_map(|j| (0..=j).map(move |i| (i, j)));
+    upper.map(|(i, j)| format!("{} {} {:e}\n", i + 1, j + 1, entry(i, j))).collect()
+}
+
+/// A chain of four nodes, clamped before the first one, whose three elements have an unknown each that a strain moves, as those of C3D8I.
+fn chain(folder: &TempDir, more: &str) -> Outcome<(String, String)> {
+    let at = |name: &str| folder.path().join(name);
+    let stiffness = |i: usize, j: usize| match (i, j) {
+        (3, 3) => 2e6,
+        (_, 4..) if i == j => 1e6,
+        _ if i == j => 4e6,
+        (_, ..4) if i + 1 == j => -2e6,
+        (_, 4..) if i + 4 == j => 1e5,
+        (_, 4..) if i + 3 == j => -1e5,
+        _ => 0.0,
+    };
+    fs::write(at("c.sti"), sti(7, stiffness))?;
+    fs::write(at("c.mas"), sti(7, |i, j| if i == j { 1.0 } else { 0.0 }))?;
+    fs::write(at("c.dof"), "1.1\n2.1\n3.1\n4.1\n5.1\n6.1\n7.1\n")?;
+    let files = "kind = \"matrices\"\nstiffness = \"c.sti\"\nmass = \"c.mas\"\ndofs = \"c.dof\"";
+    let stop = "[[contact]]\nnode = 4\nnormal = [1, 0, 0]\ngap_m = 1e-4\n[reduction]\nmodes = 3";
+    let rest = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 1.05";
+    fs::write(at("c.toml"), format!("[structure]\n{files}\n{stop}\n{rest}\n{more}"))?;
+    let output = call(&["check", &at("c.toml").to_string_lossy()])?;
+    let (errors, outline) = (text(&output.stderr), text(&output.stdout));
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    Ok((errors, outline))
+}
+
+#[test]
+fn no_mass_is_said_where_unknowns_within_elements_are_among_the_nodes() -> Outcome {
+    let folder = tempdir()?;
+    let (errors, outline) = chain(&folder, "")?;
+    let says = "not known without a mesh: the rows of 3 of 7 nodes do not answer a rigid displacement";
+    assert!(errors.is_empty() && outline.contains(says), "{errors}{outline}");
+    let shaken = "[damping]\nratio = 0.01\n[base_motion]\ndirection = [1, 0, 0]\nstop = \"moves\"\n\
+                  [response]\nkind = \"frequency\"\nfrequency_hz = [50.0, 100.0]\nlevels_m_s2 = [1.0]\n";
+    let (errors, _) = chain(&folder, shaken)?;
+    assert!(errors.contains("and would be moved by the base: `structure.mesh` tells which are nodes"), "{errors}");
     Ok(())
 }

@@ -23,13 +23,14 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
 
 /// Nodes of the matrices that are not in the mesh, but for unknowns within elements.
 fn unknown(subject: &Subject<'_>, mesh: &Mesh) -> Option<String> {
-    let missing =
-        |nodes: &[u64]| nodes.iter().filter(|node| mesh.index_of(**node).is_none()).copied().collect::<Vec<_>>();
     let nodes = subject.model.nodes();
-    let unknown = missing(&nodes);
+    let unknown: Vec<u64> = nodes.iter().filter(|node| mesh.index_of(**node).is_none()).copied().collect();
+    if unknown.is_empty() {
+        return None;
+    }
     let inner: HashSet<u64> = subject.model.nodes_without_answer().into_iter().collect();
-    let own = nodes.len() - unknown.iter().filter(|node| inner.contains(node)).count();
     let count = unknown.iter().filter(|node| !inner.contains(node)).count();
+    let own = nodes.len() - (unknown.len() - count);
     (count as f64 > UNKNOWN * own as f64).then(|| format!("{count} of {own} nodes of the matrices are not in it"))
 }
 
