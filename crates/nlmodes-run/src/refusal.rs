@@ -24,9 +24,9 @@ pub fn of_branch_in(file: &SceneFile, open: Option<&OpenStructure>, error: &Bran
 
 /// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
 fn floating(file: &SceneFile, rigid: usize, left: usize) -> RunError {
-    let left = if left == rigid { "also".to_owned() } else { format!("{left} of these motions also") };
+    let (modes, strain) = if rigid == 1 { ("mode", "strains") } else { ("modes", "strain") };
     let title = format!(
-        "the structure can move as a rigid body: nothing holds it in {rigid} of its modes, {left} while all contacts are held"
+        "the structure can move as a rigid body: {rigid} {modes} {strain} nothing, and holding all contacts leaves {left} of these motions"
     );
     let help = match file.scene.structure.matrices() {
         Some(_) => {
