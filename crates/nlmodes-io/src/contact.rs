@@ -37,6 +37,13 @@ pub struct NodeContact {
 }
 
 impl NodeContact {
+    /// How far the node is from the one that it touches, along the normal, by the places of the model, m; negative where that one lies behind. None
+    /// before a wall, and where a place is not known.
+    pub fn distance_in(&self, model: &FeModel) -> Option<f64> {
+        let (from, to) = (model.place_of(self.node)?, model.place_of(self.against?)?);
+        Some((0..3).map(|axis| (to[axis] - from[axis]) * self.normal[axis]).sum())
+    }
+
     /// Entries of column `k` of `W`. Displacements that are held have no row.
     fn column(&self, model: &FeModel, k: usize) -> Vec<Triplet> {
         let at = |node: u64, sign: f64| {

@@ -65,6 +65,14 @@ pub enum Problem {
     /// It cannot be opened or read on.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
+    /// It is not there, and a program has to be asked for it.
+    #[error("cannot be read: {error}; {writer}")]
+    NotWritten {
+        /// What the system says.
+        error: io::Error,
+        /// Which program writes such files, and when.
+        writer: &'static str,
+    },
     /// Something else stands where something was expected.
     #[error("found {found}; expected {expected}")]
     Expected {

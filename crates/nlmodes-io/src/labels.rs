@@ -143,8 +143,9 @@ impl Distinct {
 
 /// The message for a label that was there before.
 pub(crate) fn repeated(label: DofLabel, line: u64) -> Problem {
-    Problem::Expected {
-        expected: "each node and direction once".into(),
-        found: format!("{label} a second time, after line {line}"),
-    }
+    Problem::Expected { expected: "each node and direction once".into(), found: found_again(label, line) }
+}
+
+fn found_again(label: DofLabel, line: u64) -> String {
+    format!("{label} a second time, after line {line}")
 }

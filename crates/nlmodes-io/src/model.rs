@@ -2,6 +2,7 @@
 
 mod assemble;
 mod files;
+mod inner;
 
 use std::collections::{HashMap, HashSet};
 
@@ -82,12 +83,24 @@ impl FeModel {
         nodes
     }
 
+    /// Whether any places are known.
+    pub fn knows_places(&self) -> bool {
+        self.mesh.is_some() || !self.places.is_empty()
+    }
+
     /// Nodes with rows but without a place, where places are known at all: those within elements, which a deck does not name.
     pub fn nodes_without_place(&self) -> Vec<u64> {
-        if self.mesh.is_none() && self.places.is_empty() {
+        if !self.knows_places() {
             return Vec::new();
         }
         self.nodes().into_iter().filter(|node| self.place_of(*node).is_none()).collect()
+    }
+
+    /// Nodes of a set of the mesh, and how many of them have no row: they are fixed, or dependent on others. None without such a set.
+    pub fn size_of_set(&self, name: &str) -> Option<(usize, usize)> {
+        let set = self.mesh.as_ref()?.node_set(name)?;
+        let present: HashSet<u64> = self.labels.iter().map(|label| label.node).collect();
+        Some((set.len(), set.iter().filter(|node| !present.contains(node)).count()))
     }
 
     /// Mass that a rigid displacement along x, y and z moves, kg: the sum of `M` over the free displacements of nodes that have a place (of
@@ -145,8 +158,10 @@ impl FeModel {
         let present: HashSet<u64> = self.labels.iter().map(|label| label.node).collect();
         let nodes: Vec<u64> = set.iter().copied().filter(|node| present.contains(node)).collect();
         if nodes.is_empty() {
-            let found =
-                format!("the node set `{name}` of {} nodes, none of them with a row in the matrices", set.len());
+            let found = format!(
+                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY)",
+                set.len()
+            );
             let problem = Problem::Expected { expected: "a set with free nodes".into(), found };
             return Err(ReadError::whole(path, problem));
         }

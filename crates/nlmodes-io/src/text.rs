@@ -1,11 +1,12 @@
 //! Lines of text files, plain or packed with gzip, and the numbers in them.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
+use crate::Address;
 use crate::error::{Place, Problem, ReadError, Result, shown};
 
 /// Longest line that is read, bytes.
@@ -14,7 +15,7 @@ const BUFFER: usize = 1 << 17;
 
 /// Opens a file, unpacked if it begins as gzip files do.
 pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead>> {
-    let failed = |error| ReadError::whole(path, Problem::Io(error));
+    let failed = |error| ReadError::whole(path, unreadable(path, error));
     if path.is_dir() {
         let found = "a directory".to_owned();
         return Err(ReadError::whole(path, Problem::Expected { expected: "a file".into(), found }));
@@ -22,6 +23,18 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead>> {
     let mut file = BufReader::with_capacity(BUFFER, File::open(path).map_err(failed)?);
     let packed = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
     Ok(if packed { Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(file))) } else { Box::new(file) })
+}
+
+/// Why a file cannot be opened, and what writes it where it is not there.
+fn unreadable(path: &Path, error: io::Error) -> Problem {
+    let ending = Address { path: path.to_owned(), name: None }.ending();
+    match (error.kind(), ending.as_str()) {
+        (io::ErrorKind::NotFound, "sti" | "mas" | "dof") => Problem::NotWritten {
+            error,
+            writer: "CalculiX writes .sti, .mas and .dof where the step has *FREQUENCY, SOLVER=MATRIXSTORAGE",
+        },
+        _ => Problem::Io(error),
+    }
 }
 
 /// The lines of a file, one at a time.

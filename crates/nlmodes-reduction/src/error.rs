@@ -55,6 +55,16 @@ pub enum ReductionError {
         /// Modes retained.
         retained: usize,
     },
+    /// A structure that has buckled.
+    #[error(
+        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled, and does not vibrate about this state"
+    )]
+    Unstable {
+        /// The mode, from 1.
+        mode: usize,
+        /// `φᵀ K φ`, rad²/s².
+        omega_squared: f64,
+    },
     /// A contact whose motion others determine.
     #[error(
         "the motion of contact {contact} (counted from 0) follows from those of other contacts or from the {retained} retained modes: \

@@ -1,6 +1,8 @@
 use std::sync::Arc;
 
-use nlmodes_linalg::{Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen};
+use nlmodes_linalg::{
+    Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
+};
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
 use crate::residual::{Residual, blocks, dense_columns};
@@ -42,7 +44,8 @@ impl OpenModes {
     /// # Errors
     /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`], [`ReductionError::StopCompliance`],
     /// [`ReductionError::FrequencyLimit`], [`ReductionError::NoMode`], [`ReductionError::OnlyRigidModes`];
-    /// [`ReductionError::Linalg`] if the matrices are not symmetric, the structure is unstable, or its modes do not converge.
+    /// [`ReductionError::Unstable`] if the stiffness is negative in a mode;
+    /// [`ReductionError::Linalg`] if the matrices are not symmetric, the stiffness is far from positive, or modes do not converge.
     pub fn new(
         mass: impl Into<Arc<SparseMatrix>>,
         stiffness: impl Into<Arc<SparseMatrix>>,
@@ -57,6 +60,7 @@ impl OpenModes {
             Pencil::new(&stiffness, &mass).map_err(ReductionError::during("factorisation of the open structure"))?;
         let mut retained = modes.select(&pencil, stiffness.nrows())?;
         let shift = pencil.shift();
+        refuse_unstable(&retained, &stiffness, shift)?;
         separate_repeated(&mut retained, &directions, shift)?;
         match retained.eigenvalues.last() {
             None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
@@ -233,6 +237,23 @@ impl OpenModes {
     pub fn stop_compliance(&self) -> &[f64] {
         &self.stop_compliance
     }
+}
+
+/// A motion that strains nothing has energies that cancel each other to this share: entries of a file have ten digits at least.
+const CANCELLED: f64 = 1e-9;
+
+/// The eigenvalues are never negative, but `φᵀ K φ` is where a preload takes more stiffness than there is.
+fn refuse_unstable(modes: &Modes, stiffness: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
+    let suspects = modes.eigenvalues.iter().take_while(|value| shift > 0.0 && **value <= 1e-6 * shift).count();
+    for mode in 0..suspects {
+        let shape = modes.vectors.col(mode);
+        let products = || triplets(stiffness).map(|(i, j, k)| shape[i] * k * shape[j]);
+        let (energy, size) = (products().sum::<f64>(), products().map(f64::abs).sum::<f64>());
+        if energy < -CANCELLED * size && energy < -1e-6 * shift {
+            return Err(ReductionError::Unstable { mode: mode + 1, omega_squared: energy });
+        }
+    }
+    Ok(())
 }
 
 /// Relative difference below which two eigenvalues count as one.

@@ -9,6 +9,12 @@ const PRESSES: f64 = 1e-6;
 /// Scalar product of two unit vectors above which there is no other of an orthonormal set that is more alike.
 const ALIKE: f64 = 0.8;
 
+/// Eigenvalues up to this share of the first elastic one are those of rigid-body motions.
+const RIGID: f64 = 1e-6;
+
+/// A motion that moves the contacts by less than this, squared and beside the strongest one, does not move them: modes have eight digits at least.
+const UNFELT: f64 = 1e-12;
+
 /// A structure at rest against its stops, pressed by interference or by static loads.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -47,6 +53,24 @@ impl OpenModes {
     /// Whether the structure floats: rigid-body motions are among its modes.
     pub fn floats(&self) -> bool {
         self.residual.shift > 0.0
+    }
+
+    /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact feels, `Yᵀ Y` of those modes having no rank for them.
+    ///
+    /// # Errors
+    /// [`ReductionError::Linalg`] if the eigenvalues of that matrix are not found.
+    pub fn rigid_motions(&self) -> Result<(usize, usize), ReductionError> {
+        let elastic = RIGID * self.residual.shift;
+        let rigid = self.omega_squared.iter().take_while(|square| self.floats() && **square <= elastic).count();
+        if rigid == 0 {
+            return Ok((0, 0));
+        }
+        let rows = self.contact_rows.subcols(0, rigid);
+        let felt = rows.transpose() * rows;
+        let symmetric = Mat::from_fn(rigid, rigid, |i, j| 0.5 * (felt[(i, j)] + felt[(j, i)]));
+        let (strengths, _) = symmetric_eigen(&symmetric).map_err(ReductionError::during("rigid-body motions"))?;
+        let largest = strengths.iter().copied().fold(0.0, f64::max);
+        Ok((rigid, strengths.iter().filter(|strength| **strength <= UNFELT * largest).count()))
     }
 
     /// Where the structure rests under the static loads `preload`: one contact problem with the whole flexibility,

@@ -2,6 +2,7 @@
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
+use nlmodes_linalg::{SparseMatrix, add_scaled, sparse_from_triplets, triplets};
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel, held_modes, linear_modes};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 
@@ -160,5 +161,47 @@ fn the_estimate_compares_a_mode_with_itself_however_little_bodies_are_joined() {
             let estimate = reduced.truncation_error(&[true], mode).unwrap();
             assert!(estimate < 0.02, "{spring:e} {mode}: {estimate:e}");
         }
+    }
+}
+
+/// The rod twice, without a coupling, and contacts of the first one alone.
+fn twice(model: &StructuralModel) -> OpenModes {
+    let n = model.dofs().len();
+    let both = |a: &SparseMatrix| {
+        let entries: Vec<_> = triplets(a).flat_map(|(i, j, v)| [(i, j, v), (n + i, n + j, v)]).collect();
+        sparse_from_triplets(2 * n, 2 * n, &entries).unwrap()
+    };
+    let tip = sparse_from_triplets(2 * n, 1, &[(n - 1, 0, -1.0)]).unwrap();
+    let (mass, stiffness) = (both(model.mass()), both(model.stiffness()));
+    OpenModes::new(mass, stiffness, tip, vec![1e-3], vec![0.0], ModeCount::Lowest(8)).unwrap()
+}
+
+#[test]
+fn rigid_motions_are_those_that_contacts_hold_and_others() {
+    for (metre, kilogram) in [(1.0, 1.0), (1e-3, 1e3)] {
+        let rod = |start| rod(start, [0.1, 0.2], None, metre, kilogram);
+        assert_eq!(open(&rod(Support::Clamped), 5).rigid_motions(), Ok((0, 0)));
+        assert_eq!(open(&rod(Support::Free), 5).rigid_motions(), Ok((1, 0)), "a translation, which the stops feel");
+        assert_eq!(twice(&rod(Support::Free)).rigid_motions(), Ok((2, 1)), "the second rod touches nothing");
+    }
+}
+
+#[test]
+fn a_negative_stiffness_is_named_with_its_mode() {
+    let model = rod(Support::Clamped, [0.1, 0.2], None, 1.0, 1.0);
+    let own = linear_modes(model.mass(), model.stiffness(), 3).unwrap().omega;
+    // K − σ M has the same modes, with ω² − σ.
+    let less = |sigma: f64, modes: usize| {
+        let stiffness = add_scaled(model.stiffness(), -sigma, model.mass()).unwrap();
+        let tip = sparse_from_triplets(ELEMENTS, 1, &[(ELEMENTS - 1, 0, -1.0)]).unwrap();
+        OpenModes::new(model.mass().clone(), stiffness, tip, vec![0.1], vec![0.0], ModeCount::Lowest(modes))
+    };
+    assert!(less(0.99 * own[0] * own[0], 5).is_ok());
+    let (sigma, expected) = (1.01 * own[0] * own[0], -0.01 * own[0] * own[0]);
+    match less(sigma, 5).unwrap_err() {
+        ReductionError::Unstable { mode: 1, omega_squared } => {
+            assert!((omega_squared / expected - 1.0).abs() < 1e-9, "{omega_squared} {expected}")
+        }
+        other => panic!("{other}"),
     }
 }

@@ -117,6 +117,7 @@ fn one_branch(
     let began = Instant::now();
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
+    doubts(scene, open.as_ref(), observer);
     let modes = mass::open_modes(file, &model, &massless)?;
     if let Some(text) = mass::warning(scene, &modes) {
         observer.event(Event::Warning(&text));
@@ -131,7 +132,7 @@ fn one_branch(
     if let Some(failure) = sink.failure.take().or(journal.failure) {
         return Err(unwritable(failure, !sink.is_empty()));
     }
-    let tree = tree.map_err(|error| refusal::of_branch(file, &error))?;
+    let tree = tree.map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     let points_time = began.elapsed();
     let thorough = observer.certifies() && !observer.is_cancelled();
     let watch = observer.watch();
@@ -185,6 +186,12 @@ fn one_branch(
     Ok(part)
 }
 
+/// Tells what looks wrong in the files of a structure.
+pub(crate) fn doubts(scene: &Scene, open: Option<&OpenStructure>, observer: &mut dyn Observer) {
+    let doubts = open.map(|open| nlmodes_scene::doubts::of(scene, open)).unwrap_or_default();
+    doubts.iter().for_each(|text| observer.event(Event::Warning(text)));
+}
+
 /// Points with histories that were asked for and are not there.
 fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
     let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
@@ -201,12 +208,13 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     }
     overlay::laid_over(file, &file.scene.overlays, observer)?;
     let Models { massless, open, .. } = models(file)?;
+    doubts(&file.scene, open.as_ref(), observer);
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
     let (start, _) = starts(file.scene.continuation.start);
     let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
-    check_branch(&massless, &settings).map_err(|error| refusal::of_branch(file, &error))?;
+    check_branch(&massless, &settings).map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     Ok(open)
 }
 

@@ -2,7 +2,8 @@
 
 mod table;
 
-use nlmodes::model::{Drop, MasslessContactModel, StructuralModel, held_modes, linear_modes};
+use nlmodes::linalg::LinalgError;
+use nlmodes::model::{Drop, MasslessContactModel, ModelError, StructuralModel, held_modes, linear_modes};
 use serde::Serialize;
 
 use crate::character::{characters, same_modes};
@@ -50,7 +51,7 @@ pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<Line
         });
     }
     let massless = contact_model(scene, model)?;
-    let open = OpenLinearModes::new(scene, model, &massless)?;
+    let open = OpenLinearModes::new(scene, model, &massless).map_err(|error| floating(scene, error))?;
     frequencies(scene, model, &massless, &open)
 }
 
@@ -90,6 +91,16 @@ pub fn frequencies(
         mass_redistributed: Some(hertz(&open.own.omega)),
         contacts_held: Some(hertz(&held.omega)),
     })
+}
+
+/// In open modes the stiffness has the squares of frequencies, none of them negative: where it is not definite the structure floats.
+fn floating(scene: &Scene, error: ModelError) -> StructureError {
+    match error {
+        ModelError::Linalg { source: LinalgError::NotPositiveDefinite { .. }, .. } if scene.is_in_open_modes() => {
+            StructureError::Floating
+        }
+        error => error.into(),
+    }
 }
 
 /// Those of the elements, where others are imposed on the modes.

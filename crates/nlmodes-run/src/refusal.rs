@@ -6,10 +6,36 @@ use nlmodes::branches::BranchError;
 use nlmodes::hbm::HbmError;
 use nlmodes::model::ModelError;
 use nlmodes::timestep::TimestepError;
+use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::{Direction, Scene, StructureKind};
 use nlmodes_scene::{SceneError, SceneFile};
 
 use crate::{RunError, chain};
+
+/// An error of a branch of a structure in open modes: where it floats and its contacts do not hold it, that is the reason.
+pub fn of_branch_in(file: &SceneFile, open: Option<&OpenStructure>, error: &BranchError) -> RunError {
+    let is_static = matches!(error, BranchError::Hbm(HbmError::Model(ModelError::Linalg { .. })));
+    let motions = open.filter(|_| is_static).and_then(|open| open.modes.rigid_motions().ok());
+    match motions {
+        Some((rigid, left)) if left > 0 => floating(file, rigid, left),
+        _ => of_branch(file, error),
+    }
+}
+
+/// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
+fn floating(file: &SceneFile, rigid: usize, left: usize) -> RunError {
+    let (modes, strain) = if rigid == 1 { ("mode", "strains") } else { ("modes", "strain") };
+    let title = format!(
+        "the structure can move as a rigid body: {rigid} {modes} {strain} nothing, and holding all contacts leaves {left} of these motions"
+    );
+    let help = match file.scene.structure.matrices() {
+        Some(_) => {
+            "a support is missing: boundary conditions of the model before its matrices are written, or nodes in `structure.fixed`"
+        }
+        None => "a support is missing: `start`, `end` or a `[[structure.spring]]`",
+    };
+    file.error_at("structure", &title, "", &[help]).into()
+}
 
 /// An error of a branch, at the key of the scene that it is about.
 pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {

@@ -141,19 +141,56 @@ pub enum StructureError {
     /// The matrices of the files make no structure.
     #[error("the matrices")]
     Matrices(#[from] LinalgError),
+    /// A preload has taken more stiffness than there is.
+    #[error(
+        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled under the preload of its matrices, and does not vibrate \
+         about this state; expected matrices of a smaller preload"
+    )]
+    Buckled {
+        /// The mode, from 1.
+        mode: usize,
+        /// `φᵀ K φ`, rad²/s².
+        omega_squared: f64,
+    },
+    /// Modes of a structure that nothing holds, beside contacts that are much stiffer.
+    #[error(
+        "the structure can move as a rigid body: its modes are not found beside the stiffness at its contacts; a support is missing (boundary conditions of the model before \
+         its matrices are written, or nodes in `structure.fixed`)"
+    )]
+    Floating,
+    /// No shift makes the stiffness positive.
+    #[error(
+        "the stiffness is far from that of a structure at rest: even with mass beside it, it is negative for some motion; expected matrices without a preload far beyond \
+         buckling, and the stiffness where the stiffness is named"
+    )]
+    Negative,
     /// It cannot be reduced.
     #[error("the structure cannot be reduced by its open modes")]
-    Reduction(#[from] ReductionError),
+    Reduction(#[source] ReductionError),
+}
+
+impl From<ReductionError> for StructureError {
+    fn from(error: ReductionError) -> Self {
+        match error {
+            ReductionError::Unstable { mode, omega_squared } => Self::Buckled { mode, omega_squared },
+            ReductionError::Linalg {
+                source: LinalgError::NotPositiveDefinite { what: "shifted stiffness matrix", .. },
+                ..
+            } => Self::Negative,
+            error => Self::Reduction(error),
+        }
+    }
 }
 
 impl StructureError {
     /// The key of the scene that it is about.
     pub fn path(&self) -> String {
         match self {
-            Self::Elements(_) | Self::Matrices(_) => "structure".into(),
+            Self::Elements(_) | Self::Matrices(_) | Self::Floating => "structure".into(),
             Self::Read { key, .. } => format!("structure.{key}"),
             Self::TooManyModes { .. } => "reduction.modes".into(),
             Self::Mass(_) => "structure.mass".into(),
+            Self::Buckled { .. } | Self::Negative => "structure.stiffness".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {
@@ -291,7 +328,11 @@ pub fn contact_model(scene: &Scene, model: &StructuralModel) -> Result<MasslessC
     let rule = redistribution(scene);
     match (scene.method.kind, rule) {
         (MethodKind::MsHbm | MethodKind::Shooting, Some(rule)) => MasslessContactModel::new(model, rule),
-        // A checked scene has no ms-hbm without a rule, and no shooting without one on rigid stops.
+        // The contacts of open modes have no mass that could be taken away.
+        (MethodKind::MsHbm | MethodKind::Shooting, None) if scene.is_in_open_modes() => {
+            MasslessContactModel::new(model, &Drop)
+        }
+        // A checked scene has no ms-hbm without a rule but in open modes, and no shooting without one on rigid stops.
         (_, rule) => MasslessContactModel::with_spring_tips(model, rule),
     }
 }

@@ -30,7 +30,9 @@ use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
 use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure};
-use crate::scene::{Contact, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure};
+use crate::scene::{
+    Contact, MassRule, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure,
+};
 
 /// What a scene computes with, as far as its other tables have to fit it.
 pub struct Subject<'a> {
@@ -124,7 +126,11 @@ fn rest(
             // No contact has mass: what the scene says of it has no effect.
             method.mass_redistribution = None;
         }
-        method::check(&method, raw, subject, &contacts, diagnostics)
+        let mut checked = method::check(&method, raw, subject, &contacts, diagnostics)?;
+        if kind == ReductionKind::OpenModes {
+            checked.mass_redistribution = MassRule::None;
+        }
+        Some(checked)
     });
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));

@@ -58,6 +58,7 @@ mod conform;
 mod diagnostic;
 mod diagnostics;
 mod document;
+pub mod doubts;
 mod file;
 pub mod memory;
 mod methods;

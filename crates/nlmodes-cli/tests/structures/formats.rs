@@ -70,6 +70,9 @@ fn written(folder: &TempDir, ending: &str, of: impl Fn(&str, &[Entry]) -> String
     Ok(named(&name("K"), &name("M"), dofs))
 }
 
+/// The text of a matrix in a format.
+type Writer = fn(&[Entry]) -> String;
+
 /// A unit vector; what yields along z has no mass at that node.
 const NORMAL: [f64; 3] = [0.36, 0.48, 0.8];
 
@@ -95,7 +98,7 @@ fn a_structure_has_the_same_branch_from_every_format() -> Outcome {
         let [k, m] = [stiffness, mass].map(|name| fixture(name).to_string_lossy().into_owned());
         assert_same(&branch(&folder, &named(&k, &m, "table.csv"), NORMAL)?, &expected, stiffness);
     }
-    let texts: [(&str, fn(&[Entry]) -> String, &str); 3] = [
+    let texts: [(&str, Writer, &str); 3] = [
         (".sti", writers::calculix, "x.dof"),
         (".hb", writers::harwell_boeing, "x.mapping"),
         ("_.mtx", |a| writers::abaqus(a, false), ""),

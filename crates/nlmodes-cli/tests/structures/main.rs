@@ -1,5 +1,6 @@
 //! Structures from files and in open modes, against closed relations between structures and against CalculiX.
 
+mod doubts;
 mod formats;
 mod said;
 // The sample of the readers, in every format as the programs write it.

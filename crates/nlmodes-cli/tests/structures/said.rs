@@ -4,7 +4,9 @@ use std::fs;
 
 use tempfile::tempdir;
 
-use super::{Outcome, along_x, branch, call, configs, rod, run, shaken, text, wall};
+use super::{
+    METHOD, Outcome, along_x, beside, branch, call, configs, free_rod, matrix_market, rod, run, shaken, text, wall,
+};
 
 #[test]
 fn mass_beside_supports_that_the_files_hold_already_is_missed_aloud() -> Outcome {
@@ -86,5 +88,46 @@ fn what_does_not_fit_is_refused_with_its_reason() -> Outcome {
             assert!(errors.contains(says) && is_placed, "{value}: {errors}");
         }
     }
+    Ok(())
+}
+
+/// What `check` says of these matrices; `rows` name node and component.
+fn said_of((k, m): (&super::Matrix, &super::Matrix), rows: &[(usize, &str)]) -> Outcome<String> {
+    let folder = tempdir()?;
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("k.mtx"), matrix_market(k))?;
+    fs::write(at("m.mtx"), matrix_market(m))?;
+    let table: Vec<String> =
+        rows.iter().enumerate().map(|(i, (node, name))| format!("{},{node},{name}", i + 1)).collect();
+    fs::write(at("dofs.csv"), table.join("\n"))?;
+    let files = "stiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"";
+    let stop = "[[contact]]\nnode = 12\nnormal = [1.0, 0.0, 0.0]\ngap_m = 1e-4";
+    let rest = "[continuation]\nmax_energy_ratio = 3.0";
+    fs::write(
+        at("scene.toml"),
+        format!("[structure]\nkind = \"matrices\"\n{files}\n{stop}\n{METHOD}mode = 3\n{rest}\n"),
+    )?;
+    let output = call(&["check", &at("scene.toml").to_string_lossy()])?;
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stdout));
+    Ok(text(&output.stderr))
+}
+
+#[test]
+fn a_missing_support_and_a_buckled_structure_are_named() -> Outcome {
+    // A free rod along x before the wall, and another one along y that touches nothing.
+    let (k, m) = free_rod(12);
+    let rows: Vec<(usize, &str)> = along_x(0, 13).into_iter().chain((100..113).map(|node| (node, "uy"))).collect();
+    let said = said_of((&beside(&k, &k), &beside(&m, &m)), &rows)?;
+    let says = "the structure can move as a rigid body: 2 modes strain nothing, and holding all contacts leaves 1 of these motions";
+    assert!(said.contains(says) && said.contains("a support is missing"), "{said}");
+    // K − σ M with σ above the square of the first frequency, (π/2)² EA/m.
+    let (mut k, m) = rod(12);
+    let sigma = 1.2 * (std::f64::consts::FRAC_PI_2).powi(2) * 2.1e7 / 0.78;
+    k.iter_mut().flatten().zip(m.iter().flatten()).for_each(|(k, m)| *k -= sigma * m);
+    let said = said_of((&k, &m), &along_x(1, 12))?;
+    assert!(
+        said.contains("the stiffness is negative in mode 1") && said.contains("buckled under the preload"),
+        "{said}"
+    );
     Ok(())
 }

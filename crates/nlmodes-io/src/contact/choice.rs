@@ -10,7 +10,8 @@ pub struct ContactChoice {
     pub partner: Partner,
     /// Direction from them to what they touch; with a table of pairs it may stand there.
     pub normal: Option<NormalChoice>,
-    /// Clearance at rest; with a table of pairs it may stand there.
+    /// Clearance at rest; with a table of pairs it may stand there, and between nodes that are sought it may be left out: then it is their distance
+    /// along the normal in the mesh.
     pub gap: Option<GapChoice>,
     /// Contact stiffness, N/m; none of rigid contacts.
     pub stiffness: Option<f64>,

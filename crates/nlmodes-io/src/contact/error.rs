@@ -21,13 +21,19 @@ pub enum ContactProblem {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The node has no row.
-    #[error("node {node} has no displacement in the matrices: it is held, eliminated by a constraint, or not there")]
+    #[error(
+        "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, *RIGID BODY), or not there"
+    )]
     NoDisplacement {
         /// The node.
         node: u64,
     },
     /// The node is held along the normal.
-    #[error("node {node} cannot move along its normal [{}, {}, {}]", normal[0], normal[1], normal[2])]
+    #[error(
+        "node {node} cannot move along its normal [{}, {}, {}]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY); take a node that is \
+         free, or the one that it follows",
+        normal[0], normal[1], normal[2]
+    )]
     HeldAlongNormal {
         /// The node.
         node: u64,
@@ -47,7 +53,10 @@ pub enum ContactProblem {
         node: u64,
     },
     /// Neither the choice nor the table of pairs says one.
-    #[error("node {node} has no {what}")]
+    #[error(
+        "node {node} has no {what}: its line in the table of pairs says none; expected it there, as node_a,node_b,nx,ny,nz,gap_m, or `{}` beside `pairs` for all such lines",
+        if *.what == "gap" { "gap_m" } else { what }
+    )]
     Unsaid {
         /// The node.
         node: u64,
@@ -62,7 +71,8 @@ pub enum ContactProblem {
     },
     /// No node of the other body lies on the normal.
     #[error(
-        "node {node} has no partner: node {nearest} is the nearest along the normal, {distance:.3e} m beside it; expected at most {tolerance:.3e} m"
+        "node {node} has no partner: node {nearest} is the nearest along the normal, {distance:.3e} m beside it; expected at most {tolerance:.3e} m: nodes face each other \
+         within `pair_tolerance_m`. Take meshes that match there, a larger `pair_tolerance_m`, or a table `pairs`"
     )]
     NoPartner {
         /// The node.
@@ -76,7 +86,7 @@ pub enum ContactProblem {
     },
     /// The other node lies on the wrong side.
     #[error(
-        "node {other} lies {distance:.3e} m behind node {node}, which touches what its normal [{}, {}, {}] points to: turn the normal, or take a node ahead",
+        "node {other} lies {distance:.3e} m behind node {node}, which touches what its normal [{}, {}, {}] points to: turn the normal round, or take a node ahead",
         .normal[0], .normal[1], .normal[2]
     )]
     Behind {

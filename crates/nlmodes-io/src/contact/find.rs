@@ -77,7 +77,8 @@ impl One<'_> {
                 let ends = contacts.iter().flat_map(|c| [Some(c.node), c.against]).flatten();
                 let places: Vec<Vector> = ends.filter_map(|node| self.model.place_of(node)).collect();
                 let tolerance = BESIDE * extent(&places);
-                contacts.iter().try_for_each(|contact| self.check_side(contact, tolerance))?;
+                let allowed = |contact: &NodeContact| tolerance + interference(contact);
+                contacts.iter().try_for_each(|contact| self.check_side(contact, allowed(contact)))?;
                 Ok(contacts)
             }
         }
@@ -131,7 +132,8 @@ impl One<'_> {
         let places: Vec<Vector> = others.iter().map(|node| self.place(*node)).collect::<Outcome<_>>()?;
         let tolerance = tolerance.unwrap_or_else(|| BESIDE * extent(&places));
         let own: Vec<Vector> = nodes.iter().map(|node| self.place(*node)).collect::<Outcome<_>>()?;
-        let overlap = BESIDE * extent(&[own.as_slice(), &places].concat());
+        let reach = extent(&[own.as_slice(), &places].concat());
+        let overlap = BESIDE * reach;
         let mut contacts = Vec::new();
         for ((&node, normal), place) in nodes.iter().zip(normals).zip(own) {
             let seen = |(other, number): (&Vector, &u64)| {
@@ -153,22 +155,23 @@ impl One<'_> {
             let first = ahead().map(|other| other.along).fold(f64::INFINITY, f64::min);
             let found = ahead().filter(|other| other.along <= first + overlap);
             let found = found.min_by(|a, b| a.beside.total_cmp(&b.beside)).unwrap_or(nearest);
-            let contact = self.contact(node, Some(found.number), normal, None)?;
-            self.check_side(&contact, overlap)?;
+            let drawn = self.choice.gap.is_none().then_some(found.along);
+            let drawn = drawn.map(|gap| if gap.abs() <= ROUNDING * reach { 0.0 } else { gap });
+            let contact = self.contact(node, Some(found.number), normal, drawn)?;
+            self.check_side(&contact, overlap + if drawn.is_some() { 0.0 } else { interference(&contact) })?;
             contacts.push(contact);
         }
         Ok(contacts)
     }
 
-    /// What a node touches lies where its normal points, but for an interference as large as the gap says and for this tolerance (m).
-    fn check_side(&self, contact: &NodeContact, tolerance: f64) -> Outcome<()> {
-        let Some(other) = contact.against else { return Ok(()) };
-        let (Some(a), Some(b)) = (self.model.place_of(contact.node), self.model.place_of(other)) else { return Ok(()) };
-        let along = dot(minus(b, a), contact.normal);
-        if along >= -(contact.gap.abs() + tolerance) {
-            return Ok(());
+    /// What a node touches lies where its normal points, or no farther behind it than is allowed (m).
+    fn check_side(&self, contact: &NodeContact, allowed: f64) -> Outcome<()> {
+        match (contact.against, contact.distance_in(self.model)) {
+            (Some(other), Some(along)) if along < -allowed => {
+                Err(ContactProblem::Behind { node: contact.node, other, normal: contact.normal, distance: -along })
+            }
+            _ => Ok(()),
         }
-        Err(ContactProblem::Behind { node: contact.node, other, normal: contact.normal, distance: -along })
     }
 
     /// Nodes must be there, and one of them free to move along the normal.
@@ -190,6 +193,14 @@ impl One<'_> {
 
 /// Share of the extent of the other body by which its nodes may lie beside the normal, and of that of both by which they may lie behind the node.
 const BESIDE: f64 = 1e-3;
+
+/// Distances up to this share of the extent of two bodies are rounding of their places.
+const ROUNDING: f64 = 1e-9;
+
+/// How far two nodes are pressed into each other at rest, as their gap says, m.
+fn interference(contact: &NodeContact) -> f64 {
+    (-contact.gap).max(0.0)
+}
 
 /// A node as seen from another along its normal.
 #[derive(Clone, Copy)]

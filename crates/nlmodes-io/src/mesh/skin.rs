@@ -29,6 +29,15 @@ fn key(face: &[usize], nodes: &[u32]) -> [u32; 4] {
 impl Skin {
     /// The skin of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
+        Self::of_elements(mesh, |_| true)
+    }
+
+    /// The skin of its solids alone, whose normals all look outward.
+    pub fn of_solids(mesh: &Mesh) -> Self {
+        Self::of_elements(mesh, ElementKind::is_solid)
+    }
+
+    fn of_elements(mesh: &Mesh, counts: impl Fn(ElementKind) -> bool) -> Self {
         let mut faces: HashMap<[u32; 4], u8> = HashMap::new();
         for element in mesh.elements.iter().filter(|element| element.kind.is_solid()) {
             for face in element.kind.faces() {
@@ -37,7 +46,7 @@ impl Skin {
             }
         }
         let mut cells = Vec::new();
-        for element in &mesh.elements {
+        for element in mesh.elements.iter().filter(|element| counts(element.kind)) {
             let kind = element.kind;
             if kind == ElementKind::Line {
                 cells.push(SkinCell { kind, nodes: element.nodes.clone() });
@@ -57,6 +66,17 @@ impl Skin {
             }
         }
         Self { cells }
+    }
+
+    /// The volume that it encloses, m³ if the mesh's places are in m: a third of the flux of the position through its faces, each of them between its corners.
+    pub fn volume(&self, mesh: &Mesh) -> f64 {
+        let corner = |cell: &SkinCell, k: usize| mesh.places[cell.nodes[k % cell.kind.corners()] as usize];
+        let of = |cell: &SkinCell| -> f64 {
+            let middle = middle(&cell.nodes[..cell.kind.corners()], mesh);
+            let pieces = (0..cell.kind.corners()).map(|k| half_product(middle, corner(cell, k), corner(cell, k + 1)));
+            pieces.map(|area| (0..3).map(|axis| area[axis] * middle[axis]).sum::<f64>()).sum()
+        };
+        self.cells.iter().filter(|cell| cell.kind != ElementKind::Line).map(of).sum::<f64>() / 3.0
     }
 
     /// Indices of the nodes that it touches, ascending.
@@ -158,13 +178,17 @@ fn turned(mut cell: SkinCell) -> SkinCell {
 /// Outward normal of a face times its area.
 pub(super) fn cell_area(cell: &SkinCell, mesh: &Mesh) -> [f64; 3] {
     let corners = &cell.nodes[..cell.kind.corners()];
-    let count = corners.len() as f64;
-    let mean = |axis: usize| corners.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / count;
-    let centre = [mean(0), mean(1), mean(2)];
+    let centre = middle(corners, mesh);
     corners.iter().zip(corners.iter().cycle().skip(1)).fold([0.0; 3], |sum, (a, b)| {
         let part = half_product(centre, mesh.places[*a as usize], mesh.places[*b as usize]);
         std::array::from_fn(|axis| sum[axis] + part[axis])
     })
+}
+
+/// Mean place of some nodes.
+fn middle(nodes: &[u32], mesh: &Mesh) -> [f64; 3] {
+    let sum = |axis: usize| nodes.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>();
+    [0, 1, 2].map(|axis| sum(axis) / nodes.len() as f64)
 }
 
 /// Normal of the triangle `o a b` times its area.

@@ -35,6 +35,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     hold(&mut model, files)?;
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
+    check_exchanged(&model, files)?;
     Ok(model)
 }
 
@@ -157,4 +158,26 @@ fn check_diagonal(model: &FeModel, files: &FeFiles) -> Result<()> {
             Err(ReadError::whole(&files.stiffness.path, Problem::Diagonal { dof, value: diagonal[row] }))
         }
     }
+}
+
+/// Below this `K_ii/M_ii`, rad²/s², no row of a structure vibrates: that is the frequency which it has where all others are held, above the lowest ones. Of a
+/// kilogram on a spring of a newton per metre it is 1.
+const NO_STIFFNESS: f64 = 1e-3;
+
+/// Matrices that were given for each other have the inverse of a structure's eigenvalues.
+fn check_exchanged(model: &FeModel, files: &FeFiles) -> Result<()> {
+    let (stiffness, mass) = (model.stiffness.diagonal(), model.mass.diagonal());
+    let squares = stiffness.iter().zip(&mass).filter(|(_, mass)| **mass > 0.0).map(|(k, m)| k / m);
+    let highest = squares.fold(f64::NEG_INFINITY, f64::max);
+    if !(highest > 0.0 && highest < NO_STIFFNESS) {
+        return Ok(());
+    }
+    let found = format!(
+        "a structure whose rows, all others held, vibrate below {:.1e} Hz",
+        highest.sqrt() / std::f64::consts::TAU
+    );
+    let expected =
+        "a stiffness here and a mass in the file of the mass (are they exchanged? are the units those of the files?)"
+            .into();
+    Err(ReadError::whole(&files.stiffness.path, Problem::Expected { expected, found }))
 }

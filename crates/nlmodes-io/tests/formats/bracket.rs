@@ -88,6 +88,8 @@ fn the_skin_encloses_the_volume() {
             }
         }
         assert!((volume / 5280.0 - 1.0).abs() < 1e-9, "{name}: {volume}");
+        let of_solids = Skin::of_solids(&mesh).volume(&mesh);
+        assert!((of_solids / 5280.0 - 1.0).abs() < 1e-9, "{name}: {of_solids}");
         let sum = skin.normals(&mesh).iter().fold([0.0; 3], |s: [f64; 3], n| std::array::from_fn(|k| s[k] + n[k]));
         assert!(sum.iter().all(|x| x.abs() < 1e-9), "a closed skin has no net normal, {sum:?}");
     }

@@ -83,6 +83,26 @@ fn directions_point_to_the_wall_and_between_partners() {
 }
 
 #[test]
+fn distances_of_the_mesh_are_gaps_where_none_are_said() {
+    let directory = tempfile::tempdir().unwrap();
+    let (model, files) = model(directory.path());
+    let drawn = |normal| ContactChoice {
+        nodes: set("A"),
+        partner: Partner::Nearest(set("B"), Some(1e-3)),
+        gap: None,
+        ..wall(&[], normal, 0.0)
+    };
+    let gaps = |choice: ContactChoice| -> Vec<f64> {
+        let found = find_contacts(&model, &files, &[choice]).unwrap();
+        found.iter().inspect(|c| assert_eq!(c.distance_in(&model), Some(c.gap))).map(|c| c.gap).collect()
+    };
+    assert_eq!(gaps(drawn([1.0, 0.0, 0.0])), [3e-3, 3e-3], "across x");
+    // Along a tilted normal the distance is what the normal sees: 3 mm · 0.8 and 3 mm · 0.8.
+    let tilted = ContactChoice { partner: Partner::Nearest(set("B"), Some(2e-3)), ..drawn([0.8, 0.0, 0.6]) };
+    assert!(gaps(tilted).iter().all(|gap| (gap - 2.4e-3).abs() < 1e-6), "0.001 mm along z");
+}
+
+#[test]
 fn contacts_that_cannot_be_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     let (model, files) = model(directory.path());
@@ -103,7 +123,10 @@ fn contacts_that_cannot_be_are_refused() {
     let surface = ContactChoice { normal: Some(NormalChoice::Surface), ..wall(&[1], x, 0.0) };
     let cases = [
         (vec![wall(&[7], x, 0.0)], "node 7 has no displacement in the matrices"),
-        (vec![wall(&[9], x, 0.0)], "node 9 cannot move along its normal [1, 0, 0]"),
+        (
+            vec![wall(&[9], x, 0.0)],
+            "node 9 cannot move along its normal [1, 0, 0]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY)",
+        ),
         (
             vec![wall(&[1], x, 0.0), wall(&[2, 1], [2.0, 0.0, 0.0], 0.0)],
             "node 1 has this contact already, from contact 0",
@@ -117,7 +140,8 @@ fn contacts_that_cannot_be_are_refused() {
         (vec![surface], "node 1 is not on the surface of the mesh"),
         (
             vec![nearest(set("A"), ContactNodes::Numbers(vec![5]), Some(1e-5))],
-            "node 2 has no partner: node 5 is the nearest along the normal, 1.000e-3 m beside it",
+            "node 2 has no partner: node 5 is the nearest along the normal, 1.000e-3 m beside it; expected at most 1.000e-5 m: nodes face each other within \
+             `pair_tolerance_m`",
         ),
         (vec![nearest(set("A"), set("C"), None)], "there is no node set `C`; expected one of `A`, `B`"),
         (
@@ -129,9 +153,30 @@ fn contacts_that_cannot_be_are_refused() {
                 normal: Some(NormalChoice::Vector([-1.0, 0.0, 0.0])),
                 ..nearest(set("A"), set("B"), None)
             }],
-            "behind node 1, which touches what its normal [-1, 0, 0] points to: turn the normal, or take a node ahead",
+            "node 5 lies 3.000e-3 m behind node 1, which touches what its normal [-1, 0, 0] points to: turn the normal round, or take a node ahead",
         ),
-        (vec![table("plain.csv")], "node 2 has no normal"),
+        (
+            // A clearance as large as the distance in the mesh does not make up for the wrong side.
+            vec![ContactChoice {
+                normal: Some(NormalChoice::Vector([-1.0, 0.0, 0.0])),
+                gap: Some(GapChoice::Same(3e-3)),
+                ..nearest(set("A"), set("B"), None)
+            }],
+            "node 5 lies 3.000e-3 m behind node 1",
+        ),
+        (
+            vec![ContactChoice {
+                normal: Some(NormalChoice::Vector([-1.0, 0.0, 0.0])),
+                gap: None,
+                ..nearest(set("A"), set("B"), None)
+            }],
+            "node 5 lies 3.000e-3 m behind node 1",
+        ),
+        (vec![table("plain.csv")], "or `normal` beside `pairs` for all such lines"),
+        (
+            vec![ContactChoice { normal: Some(NormalChoice::Vector(x)), ..table("plain.csv") }],
+            "node 2 has no gap: its line in the table of pairs says none; expected it there, as node_a,node_b,nx,ny,nz,gap_m, or `gap_m` beside `pairs`",
+        ),
         (vec![table("bad.csv")], "bad.csv:2: found `2,6,1`; expected node_a,node_b or node_a,node_b,nx,ny,nz,gap_m"),
     ];
     for (choices, says) in cases {

@@ -3,6 +3,7 @@
 mod agreement;
 mod bracket;
 mod contacts;
+mod inner;
 mod meshes;
 mod models;
 mod mutilations;

@@ -144,6 +144,14 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     }
 }
 
+/// Takes a mass of a millionth of the stiffness for the stiffness, and the other way round.
+fn exchange(files: &mut FeFiles) {
+    let lower = stiffness().into_iter().map(|(i, j, k)| (i, j, 1e-6 * k)).collect::<Vec<_>>();
+    let path = files.stiffness.path.with_file_name("exchanged.sti");
+    fs::write(&path, writers::calculix(&lower)).unwrap();
+    files.mass = std::mem::replace(&mut files.stiffness, Address { path, name: None });
+}
+
 #[test]
 fn files_that_do_not_belong_together_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -164,7 +172,7 @@ fn files_that_do_not_belong_together_are_refused() {
     let mut entries = stiffness();
     entries[0].2 = -1.0;
     let negative = path("negative.sti", &writers::calculix(&entries));
-    let cases: [(&str, Change); 9] = [
+    let cases: [(&str, Change); 11] = [
         ("x.sti:126: found `21`; expected a column from 1 to 20", Box::new(|f| f.dofs = Some(short.clone().into()))),
         ("expected entries up to the diagonal of row 25", Box::new(|f| f.dofs = Some(long.clone().into()))),
         ("found a matrix of the format calculix, whose rows have no names", Box::new(|f| f.dofs = None)),
@@ -183,6 +191,11 @@ fn files_that_do_not_belong_together_are_refused() {
         ),
         ("x.sti: found `.none`", Box::new(|f| f.stiffness = Address::parse("x.none"))),
         ("cannot be read: No such file", Box::new(|f| f.mass = Address::parse("not-there.mas"))),
+        (
+            "CalculiX writes .sti, .mas and .dof where the step has *FREQUENCY, SOLVER=MATRIXSTORAGE",
+            Box::new(|f| f.stiffness = Address::parse("not-there.sti.gz")),
+        ),
+        ("(are they exchanged? are the units those of the files?)", Box::new(exchange)),
     ];
     for (says, change) in cases {
         let message = with(&*change);

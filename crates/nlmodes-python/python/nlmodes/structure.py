@@ -82,7 +82,7 @@ class Structure:
         normal
             Direction (3,) from the nodes to what they touch, of any length.
         gap_m
-            Clearance at rest, m; 0 touches, a negative one presses.
+            Clearance at rest, m; 0 touches, a negative one presses. Left out beside ``against``, it is the distance of each pair along the normal.
         wall_point_m
             A point (3,) of the wall instead: each node has its own clearance. Needs the places of the nodes, as ``against`` does.
         pair_tolerance_m
@@ -94,7 +94,7 @@ class Structure:
             raise TypeError("contact: either node or nodes was expected")
         if normal is None:
             raise TypeError("contact: normal is missing")
-        if (gap_m is None) == (wall_point_m is None):
+        if (gap_m is None) == (wall_point_m is None) and not (gap_m is None and against is not None):
             raise TypeError("contact: either gap_m or wall_point_m was expected")
         own = list(nodes) if nodes is not None else [node]
         table: dict[str, Any] = {"nodes": [self._node("node" if nodes is None else "nodes", one) for one in own]}

@@ -15,7 +15,8 @@ pub fn check(raw: &RawMatrixScene, base: &Path, diagnostics: &mut Diagnostics<'_
     let files = raw.structure.as_ref().and_then(|raw| files(raw, base, diagnostics));
     let contacts = raw.contact.iter().flatten().enumerate();
     let contacts: Vec<Option<ContactChoice>> = contacts.map(|(i, raw)| contact(raw, i, base, diagnostics)).collect();
-    Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()? })
+    let units_are_assumed = raw.structure.as_ref().is_some_and(|raw| raw.units.is_none());
+    Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()?, units_are_assumed })
 }
 
 fn files(raw: &RawMatrices, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<FeFiles> {
@@ -134,7 +135,7 @@ fn gap(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -> Opt
         (None, Some(point)) => Some(GapChoice::WallPoint(point)),
         (None, None) => {
             let said = ["gap_m", "wall_point_m"].iter().any(|key| diagnostics.has(&format!("contact.{i}.{key}")));
-            if raw.pairs.is_none() && !said {
+            if raw.pairs.is_none() && raw.against.is_none() && !said {
                 let label = "expected `gap_m`, or `wall_point_m` of a wall, in this table";
                 refuse(i, "", "the gap is missing", label, diagnostics);
             }

@@ -1,13 +1,17 @@
 //! What the files of a structure hold, so that wrong units and missing supports show.
 
+mod stops;
+
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 
 use super::{Row, law, row};
 use crate::assemble::OpenStructure;
+use crate::doubts::unplaced_unknowns;
 use crate::memory::Effort;
 use crate::number;
 use crate::scene::{Matrices, Scene};
-use nlmodes_io::{FeModel, NodeContact};
+use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
 /// Frequencies that are said.
 const FIRST: usize = 6;
@@ -20,7 +24,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     let Some((model, found)) = &open.files else { return Vec::new() };
     let mut lines = structure(matrices, model);
     lines.push(row("frequencies", frequencies(open)));
-    lines.extend(contacts(found));
+    lines.extend(contacts(matrices, model, found));
     let effort = Effort::of_reduction(model.n_dofs(), found.len(), open.modes.n_modes());
     lines.push(row("effort", format!("the reduction takes {}", effort.text())));
     lines
@@ -49,14 +53,17 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
     let (inner, nodes) = (model.nodes_without_place().len(), model.nodes().len());
     let within =
         if inner == 0 { String::new() } else { format!(", {inner} of them without a place (within elements)") };
-    let [x, y, z] = model.mass_along_axes().map(|mass| number(rounded(mass)));
+    let units = match matrices.units_are_assumed {
+        true => format!("{} assumed, since `structure.units` is left out", files.units),
+        false => format!("{} in the files, SI from here on", files.units),
+    };
     let mut lines = vec![
         row("stiffness", format!("{}, {} entries in a triangle", files.stiffness, model.stiffness.n_entries())),
         row("mass", format!("{}, {} entries in a triangle", files.mass, model.mass.n_entries())),
-        row("units", format!("{} in the files, SI from here on", files.units)),
+        row("units", units),
         row("unknowns", format!("{} degrees of freedom of {nodes} nodes{within}", model.n_dofs())),
-        row("fixed", format!("{} degrees of freedom, by `fixed` or the files", model.fixed.len())),
-        row("free mass", format!("{x} kg along x, {y} kg along y, {z} kg along z")),
+        row("fixed", fixed(model)),
+        row("free mass", free_mass(matrices, model)),
     ];
     lines.extend(model.mesh.as_ref().map(|mesh| {
         let side = |axis: usize| {
@@ -67,6 +74,35 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
         row("mesh", format!("{} nodes, {} elements, {size}", mesh.numbers.len(), mesh.elements.len()))
     }));
     lines
+}
+
+/// What has no row: CalculiX and Ansys leave out what they hold, and only a mesh tells of it.
+fn fixed(model: &FeModel) -> String {
+    let rows: HashSet<u64> = model.labels.iter().map(|label| label.node).collect();
+    let in_elements = |mesh: &Mesh| {
+        let named: HashSet<u32> = mesh.elements.iter().flat_map(|element| element.nodes.iter().copied()).collect();
+        named.into_iter().filter(|index| !rows.contains(&mesh.numbers[*index as usize])).count()
+    };
+    let missing = model.mesh.as_ref().map(in_elements);
+    match (model.fixed.len(), missing) {
+        (0, Some(0)) => "each node of the mesh has rows, and `fixed` holds none".into(),
+        (0, Some(n)) => format!(
+            "{n} nodes of the mesh have no rows: the files hold them, or they depend on others; none by `fixed`"
+        ),
+        (0, None) => "none by `fixed`; what the program eliminated before it wrote the files has no rows".into(),
+        (n, _) => format!("{n} degrees of freedom, by `fixed` or the files"),
+    }
+}
+
+fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
+    if let Some(silent) = unplaced_unknowns(&matrices.files, model) {
+        let nodes = model.nodes().len();
+        return format!(
+            "not known without a mesh: the rows of {silent} of {nodes} nodes do not answer a rigid displacement, as unknowns within elements (C3D8I)"
+        );
+    }
+    let [x, y, z] = model.mass_along_axes().map(|mass| number(rounded(mass)));
+    format!("{x} kg along x, {y} kg along y, {z} kg along z")
 }
 
 /// The first frequencies; those at zero are rigid-body motions.
@@ -81,22 +117,53 @@ fn frequencies(open: &OpenStructure) -> String {
     format!("{} Hz, contacts open{}", list.join(", "), if floats { floating.as_str() } else { "" })
 }
 
-fn contacts(contacts: &[NodeContact]) -> Vec<Row> {
+fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
     let [low, high] = [low, high].map(|gap| number(rounded(gap)));
     let mut lines = vec![row("contacts", format!("{}, gaps from {low} to {high} m", contacts.len()))];
-    lines.extend(contacts.iter().take(LISTED).map(contact));
+    lines.extend(sets(matrices, model));
+    lines.extend(contacts.iter().take(LISTED).enumerate().map(|(stop, of)| row("", contact(stop, model, of))));
     if contacts.len() > LISTED {
-        lines.push(row("", format!("and {} more", contacts.len() - LISTED)));
+        lines.push(row("", format!("and {} more; all of them:", contacts.len() - LISTED)));
+        lines.extend(stops::lines(contacts).into_iter().map(|line| row("", line)));
     }
     lines
 }
 
-fn contact(contact: &NodeContact) -> Row {
+/// Sets of nodes of which some cannot touch.
+fn sets(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
+    let names = |choice: &ContactChoice| {
+        let partner = match &choice.partner {
+            Partner::Nearest(nodes, _) => Some(nodes.clone()),
+            Partner::Wall | Partner::Table(_) => None,
+        };
+        [Some(choice.nodes.clone()), partner]
+    };
+    let set = |(i, name): (usize, ContactNodes)| {
+        let ContactNodes::Set(name) = name else { return None };
+        let (all, without) = model.size_of_set(&name).filter(|(_, without)| *without > 0)?;
+        let text = format!(
+            "contact {i}: {without} of {all} nodes of `{name}` have no rows, being fixed or dependent on others, and are left out"
+        );
+        Some(row("", text))
+    };
+    let choices = matrices.contacts.iter().enumerate();
+    choices
+        .flat_map(|(i, choice)| names(choice).into_iter().flatten().map(move |name| (i, name)))
+        .filter_map(set)
+        .collect()
+}
+
+fn contact(stop: usize, model: &FeModel, contact: &NodeContact) -> String {
     let [x, y, z] = contact.normal.map(|n| number(rounded(n)));
     let against = contact.against.map_or_else(|| "a wall".to_owned(), |node| format!("node {node}"));
     let law = law(contact.stiffness);
     let gap = number(rounded(contact.gap));
-    row("", format!("node {} before {against}, normal [{x}, {y}, {z}], gap {gap} m, {law}", contact.node))
+    let drawn = contact.distance_in(model).map_or_else(String::new, |distance| {
+        // Distances that are nothing but rounding of places are none.
+        let distance = if distance.abs() < 1e-12 { 0.0 } else { distance };
+        format!("; {} m in the mesh", number(rounded(distance)))
+    });
+    format!("stop {stop}: node {} before {against}, normal [{x}, {y}, {z}], gap {gap} m, {law}{drawn}", contact.node)
 }

@@ -96,7 +96,7 @@ pub struct RawNodeContact {
     /// Direction from the nodes to what they touch, of any length, or "surface" for the outward normal of the mesh at each node
     #[schemars(schema_with = "vector_or_surface")]
     pub normal: Option<RawNormal>,
-    /// Clearance at rest; 0 touches, a negative one presses
+    /// Clearance at rest; 0 touches, a negative one presses; left out beside `against`, it is the distance of each pair along the normal in the mesh
     #[schemars(extend("unit" = "m"))]
     pub gap_m: Option<f64>,
     /// A point of the wall, which stands across the normal: each node has its own clearance

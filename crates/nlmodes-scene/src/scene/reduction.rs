@@ -23,6 +23,9 @@ pub struct Matrices {
     pub files: FeFiles,
     /// What stands under `[[contact]]`, in the order of the file.
     pub contacts: Vec<ContactChoice>,
+    /// Whether the scene says nothing of the units of the files, so that they are taken for m-kg-s.
+    #[serde(skip)]
+    pub units_are_assumed: bool,
 }
 
 /// What a scene computes with.

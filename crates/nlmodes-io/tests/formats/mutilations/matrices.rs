@@ -12,6 +12,12 @@ fn calculix() {
     let cases = vec![
         damage("a letter in a row", line(&good, 3, "x 2 1.0"), ":3: found `x`; expected a row from 1 to 24"),
         damage("a row beyond the last", line(&good, 3, "25 2 1.0"), ":3: found `25`; expected a row from 1 to 24"),
+        damage(
+            "a column beyond the table of degrees of freedom",
+            line(&good, 3, "1 25 1.0"),
+            ":3: found `25`; expected a column from 1 to 24, as many as the table of degrees of freedom has: .dof, .sti and .mas of one run belong together (those of a \
+             cyclic sector",
+        ),
         damage("row zero", line(&good, 1, "0 1 1.0"), ":1: found `0`; expected a row from 1 to 24"),
         damage("no value", line(&good, 4, "1 3"), ":4: found nothing; expected a number, the value"),
         damage("a fourth field", line(&good, 4, "1 3 1.0 2.0"), ":4: found `2.0`; expected the end of the line"),

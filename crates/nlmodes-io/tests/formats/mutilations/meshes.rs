@@ -20,6 +20,11 @@ fn tables_of_labels() {
         damage("a sign", line(&good, 2, "-10.2"), ":2: found `-10.2`"),
         damage("an empty line", line(&good, 2, " "), ":2: found nothing"),
         damage("a label twice", line(&good, 4, "10.1"), ":4: found ux of node 10 a second time, after line 1"),
+        damage(
+            "a label twice, as of shells",
+            line(&good, 4, "10.1"),
+            "CalculiX expands shells and beams, as S4, S8R, B31, B32R, into solids",
+        ),
         damage("cut", cut(&good, 1), ":24: the file ends here"),
         damage("two labels", line(&good, 2, "10.2 10.3"), ":2: found `10.2 10.3`"),
     ];
