@@ -1,5 +1,6 @@
 //! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that stands in the way of a computation.
 
+mod amplitude;
 mod base;
 mod distances;
 mod mesh;
@@ -21,7 +22,8 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     let (scale, mesh) = (scale::doubts(&subject), mesh::doubts(&subject));
     // With other units all distances are others.
     let distances = if scale.is_some() { Vec::new() } else { distances::doubts(&subject) };
-    let contacts = normals::doubts(&subject).into_iter().chain(distances);
+    let mode = if scale.is_some() { None } else { amplitude::doubt(scene, open, &subject) };
+    let contacts = normals::doubts(&subject).into_iter().chain(distances).chain(mode);
     mesh.into_iter().chain(scale).chain(contacts).chain(base::doubt(scene, &subject)).collect()
 }
 

@@ -276,3 +276,31 @@ fn no_mass_is_said_where_unknowns_within_elements_are_among_the_nodes() -> Outco
     assert!(errors.contains("and would be moved by the base: `structure.mesh` tells which are nodes"), "{errors}");
     Ok(())
 }
+
+/// A rod whose first mode moves its contact, beside the clamped end, by an eighth of its tip.
+#[test]
+fn a_mode_that_hardly_moves_the_contacts_is_warned_of() -> Outcome {
+    let folder = tempdir()?;
+    let (k, m) = super::rod(12);
+    fs::write(folder.path().join("k.mtx"), matrix_market(&k))?;
+    fs::write(folder.path().join("m.mtx"), matrix_market(&m))?;
+    let rows = (1..=12).map(|i| format!("{i},{i},ux,{},0,0\n", f64::from(i) / 12.0));
+    fs::write(folder.path().join("dofs.csv"), rows.collect::<String>())?;
+    let said = |node: usize, gap: f64| -> Outcome<String> {
+        let scene = folder.path().join("scene.toml");
+        let files = "stiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"";
+        let rest = "[reduction]\nmodes = 8\n[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 2.0\n";
+        let contact = format!("[[contact]]\nnode = {node}\nnormal = [1.0, 0.0, 0.0]\ngap_m = {gap:e}\n");
+        fs::write(&scene, format!("[structure]\nkind = \"matrices\"\n{files}\n{contact}{rest}"))?;
+        Ok(text(&call(&["check", &scene.to_string_lossy()])?.stderr))
+    };
+    // sin(π/24) of the tip's: 10 mm there are 77 mm at the tip.
+    let warned = said(1, 0.01)?;
+    assert!(warned.contains("mode 1 (1300 Hz) hardly moves the contacts: where node 1 has gone"), "{warned}");
+    assert!(warned.contains("node 12 is displaced by 0.0766 m, in a structure of 0.917 m"), "{warned}");
+    // Small displacements, or a contact that the mode is about.
+    for (node, gap) in [(1, 1e-4), (12, 0.05)] {
+        assert_eq!(said(node, gap)?, "", "{node} {gap}");
+    }
+    Ok(())
+}
