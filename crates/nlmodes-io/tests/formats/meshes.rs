@@ -208,9 +208,20 @@ fn included_decks_are_read_where_they_stand() {
     fs::write(&path, format!("*INCLUDE, INPUT=parts/nodes.inp\n{tail}")).unwrap();
     let split = Mesh::read(&path).unwrap();
     assert_eq!(split, mesh("x.inp", TWO_BRICKS).unwrap());
-    fs::write(&path, "*INCLUDE, INPUT=x.inp\n").unwrap();
-    let circle = Mesh::read(&path).unwrap_err().to_string();
-    assert!(circle.contains("number of decks that include each other: found 17, expected at most 16"), "{circle}");
+    // With a comma the keyword goes on in the next line, of which there is none.
+    for line in ["*INCLUDE, INPUT=x.inp\n", "*INCLUDE, INPUT=x.inp,\n"] {
+        fs::write(&path, line).unwrap();
+        let circle = Mesh::read(&path).unwrap_err().to_string();
+        assert!(circle.contains("number of decks that include each other: found 17, expected at most 16"), "{circle}");
+    }
+    // Fifteen decks each of which includes the next one twice.
+    for k in 0..15 {
+        let twice = format!("*INCLUDE, INPUT={0}.inp\n*INCLUDE, INPUT={0}.inp\n", k + 1);
+        fs::write(directory.path().join(format!("{k}.inp")), twice).unwrap();
+    }
+    fs::write(directory.path().join("15.inp"), "*NODE\n1, 0, 0, 0\n").unwrap();
+    let many = Mesh::read(&directory.path().join("0.inp")).unwrap_err().to_string();
+    assert!(many.contains("number of decks that are included: found 10001, expected at most 10000"), "{many}");
 }
 
 /// A set that names itself twice a line doubles with each, and a range may have any length.

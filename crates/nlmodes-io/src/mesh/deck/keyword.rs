@@ -13,11 +13,11 @@ pub(super) fn name(text: &[u8]) -> String {
 }
 
 impl Keyword {
-    /// Reads the line, and those that follow it where it ends in a comma.
+    /// Reads the line, and those that follow it in its deck where it ends in a comma.
     pub(super) fn read(source: &mut Source) -> Result<Self> {
         let mut text = source.line().trim_ascii().to_vec();
         while text.ends_with(b",") && text.len() < 1 << 16 {
-            if !source.advance()? {
+            if !source.advance_here()? {
                 break;
             }
             text.extend_from_slice(source.line().trim_ascii());

@@ -8,14 +8,18 @@ use crate::text::Lines;
 /// Most decks that include each other.
 const DEEPEST: usize = 16;
 
+/// Most decks that are included in all: a few that include each other twice would be a million.
+const MOST: u64 = 10_000;
+
 /// The lines of a deck and of the decks that it includes.
 pub(super) struct Source {
     open: Vec<(Lines, Rc<Path>)>,
+    included: u64,
 }
 
 impl Source {
     pub(super) fn open(path: &Path) -> Result<Self> {
-        Ok(Self { open: vec![(Lines::open(path)?, path.into())] })
+        Ok(Self { open: vec![(Lines::open(path)?, path.into())], included: 0 })
     }
 
     fn top(&self) -> &(Lines, Rc<Path>) {
@@ -36,6 +40,12 @@ impl Source {
         }
     }
 
+    /// Goes on to the next line of this deck, if it has one.
+    pub(super) fn advance_here(&mut self) -> Result<bool> {
+        let last = self.open.len() - 1;
+        self.open[last].0.advance()
+    }
+
     /// Goes on with another deck; its name is relative to that of this one.
     pub(super) fn include(&mut self, name: &str) -> Result<()> {
         if self.open.len() == DEEPEST {
@@ -45,6 +55,11 @@ impl Source {
                 found,
                 limit,
             }));
+        }
+        self.included += 1;
+        if self.included > MOST {
+            let (found, limit) = (self.included, MOST);
+            return Err(self.error(Problem::TooLarge { what: "number of decks that are included", found, limit }));
         }
         let path = self.top().1.parent().unwrap_or(Path::new("")).join(name);
         let lines = Lines::open(&path).map_err(|error| {
