@@ -35,7 +35,7 @@ use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay::{self, Laid};
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, links, mass, no_contact, refusal};
+use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
 use figures::LINEAR_MODES;
 pub(crate) use figures::held_ends;
 use motion::Period;
@@ -117,7 +117,7 @@ fn one_branch(
     let began = Instant::now();
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
-    doubts(scene, open.as_ref(), observer);
+    doubts::tell(scene, open.as_ref(), observer);
     let modes = mass::open_modes(file, &model, &massless)?;
     if let Some(text) = mass::warning(scene, &modes) {
         observer.event(Event::Warning(&text));
@@ -186,12 +186,6 @@ fn one_branch(
     Ok(part)
 }
 
-/// Tells what looks wrong in the files of a structure.
-pub(crate) fn doubts(scene: &Scene, open: Option<&OpenStructure>, observer: &mut dyn Observer) {
-    let doubts = open.map(|open| nlmodes_scene::doubts::of(scene, open)).unwrap_or_default();
-    doubts.iter().for_each(|text| observer.event(Event::Warning(text)));
-}
-
 /// Points with histories that were asked for and are not there.
 fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
     let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
@@ -208,7 +202,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     }
     overlay::laid_over(file, &file.scene.overlays, observer)?;
     let Models { massless, open, .. } = models(file)?;
-    doubts(&file.scene, open.as_ref(), observer);
+    doubts::tell(&file.scene, open.as_ref(), observer);
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);

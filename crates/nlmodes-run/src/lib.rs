@@ -63,6 +63,7 @@ mod character;
 mod check;
 mod claim;
 pub mod compare;
+mod doubts;
 mod error;
 pub mod explore;
 mod files;

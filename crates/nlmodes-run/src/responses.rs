@@ -24,9 +24,9 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
-use crate::branches::doubts;
 use crate::certificate::Certificate;
 use crate::claim::{Claim, identity};
+use crate::doubts;
 use crate::journal::Journal;
 use crate::style::style_of;
 use crate::updating::updated;
@@ -98,7 +98,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let began = Instant::now();
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
-    doubts(&file.scene, model.reduction.as_ref(), observer);
+    doubts::tell(&file.scene, model.reduction.as_ref(), observer);
     model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
     let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let journal = Journal::open(&file.scene, &claim).map_err(|failure| unwritable(failure, true))?;
@@ -226,6 +226,6 @@ fn files(
 pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Option<OpenStructure>, RunError> {
     overlaid::read(file, observer)?;
     let model = Model::new(file)?;
-    doubts(&file.scene, model.reduction.as_ref(), observer);
+    doubts::tell(&file.scene, model.reduction.as_ref(), observer);
     Ok(model.reduction)
 }
