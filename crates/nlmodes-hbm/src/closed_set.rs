@@ -78,6 +78,11 @@ impl ClosedSet {
     pub fn is_open(&self) -> bool {
         self.active.is_empty()
     }
+
+    /// Memory of its numbers, bytes.
+    fn bytes(&self) -> usize {
+        (self.s.len() + self.guard.len()) * size_of::<f64>()
+    }
 }
 
 /// The displacements of the contact nodes while one set of contacts is closed, `q_N = b − D b + r`.
@@ -106,6 +111,7 @@ pub(crate) struct SetTable {
     matrix: LcpMatrix,
     sets: Vec<ClosedSet>,
     index: HashMap<Vec<bool>, usize>,
+    bytes: usize,
 }
 
 impl SetTable {
@@ -113,7 +119,7 @@ impl SetTable {
     pub const OPEN: usize = 0;
 
     pub fn new(matrix: &LcpMatrix) -> Result<Self, HbmError> {
-        let mut table = Self { matrix: matrix.clone(), sets: Vec::new(), index: HashMap::new() };
+        let mut table = Self { matrix: matrix.clone(), sets: Vec::new(), index: HashMap::new(), bytes: 0 };
         table.find(&vec![false; matrix.n_contacts()])?;
         Ok(table)
     }
@@ -122,7 +128,9 @@ impl SetTable {
         if let Some(&i) = self.index.get(closed) {
             return Ok(i);
         }
-        self.sets.push(ClosedSet::new(&self.matrix, closed)?);
+        let set = ClosedSet::new(&self.matrix, closed)?;
+        self.bytes += set.bytes();
+        self.sets.push(set);
         self.index.insert(closed.to_vec(), self.sets.len() - 1);
         Ok(self.sets.len() - 1)
     }
@@ -133,5 +141,17 @@ impl SetTable {
 
     pub fn len(&self) -> usize {
         self.sets.len()
+    }
+
+    /// Memory of all sets, bytes.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// Forgets all sets but the one in which all contacts are open.
+    pub fn clear(&mut self) {
+        self.sets.truncate(1);
+        self.bytes = self.sets.iter().map(ClosedSet::bytes).sum();
+        self.index.retain(|_, number| *number == Self::OPEN);
     }
 }

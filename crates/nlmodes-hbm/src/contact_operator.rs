@@ -65,7 +65,12 @@ pub struct ContactOperator {
     set_t: Vec<usize>,
     lambda: Vec<f64>,
     at: Vec<f64>,
+    /// Memory that the sets may take, bytes.
+    pub(crate) most_bytes: usize,
 }
+
+/// Memory for the sets of closed contacts that were met: of a thousand contacts each takes some megabytes, and every iterate meets others.
+const MOST_BYTES: usize = 256 << 20;
 
 impl ContactOperator {
     /// For contacts with the compliance `matrix` and gaps with the coefficients of `series`; contact problems are solved by `solver`.
@@ -105,6 +110,7 @@ impl ContactOperator {
             set_t: vec![SetTable::OPEN; samples + 1],
             lambda: vec![0.0; c],
             at: Vec::new(),
+            most_bytes: MOST_BYTES,
         })
     }
 
@@ -200,6 +206,19 @@ impl ContactOperator {
     /// Last phase of the intervals: π for even motions, else 2π.
     pub fn end(&self) -> f64 {
         if self.series.symmetry == Symmetry::Even { PI } else { TAU }
+    }
+
+    /// Forgets the sets met so far if they, with `beside` bytes that others keep of them, take too much memory; whether it did. The closed contacts of each
+    /// sample stay, from which the solver starts.
+    pub(crate) fn forget_sets(&mut self, beside: usize) -> bool {
+        let is_full = self.sets.bytes() + beside > self.most_bytes;
+        if is_full {
+            self.sets.clear();
+            self.set_t.fill(SetTable::OPEN);
+            self.spectra.clear();
+            self.intervals.clear();
+        }
+        is_full
     }
 
     /// The contact pattern over a period for the complex coefficients `self.y`.
@@ -359,6 +378,35 @@ fn add_indicator(from: f64, to: f64, even: bool, averages: &mut [Complex64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nlmodes_contact::solver_by_name;
+    use nlmodes_linalg::Mat;
+
+    /// Forces of five contacts before waves that grow, with memory for all closed sets that are met and for none.
+    #[test]
+    fn sets_that_are_forgotten_are_found_again() {
+        let matrix = LcpMatrix::new(&Mat::from_fn(5, 5, |i, j| 1.0 / (1 + i.abs_diff(j)) as f64)).unwrap();
+        let series = RealSeries { symmetry: Symmetry::None, n_harmonics: 3 };
+        let solver = solver_by_name("active-set").unwrap();
+        let operator = || ContactOperator::new(&matrix, series, Switching::Exact, solver.as_ref()).unwrap();
+        let (mut keeping, mut forgetting) = (operator(), operator());
+        forgetting.most_bytes = 0;
+        let (mut most, mut forgotten) = (0, 0);
+        for step in 1..30 {
+            let wave = |k: usize| (0.1 * step as f64 + 0.7 * k as f64).sin() * 0.05 * step as f64;
+            let gap = |k: usize| if k.is_multiple_of(series.width()) { 0.4 } else { wave(k) };
+            let y: Vec<f64> = (0..5 * series.width()).map(gap).collect();
+            forgotten += usize::from(forgetting.forget_sets(0));
+            for operator in [&mut keeping, &mut forgetting] {
+                operator.solve(&y).unwrap();
+            }
+            let (a, b) = (keeping.apply(&y), forgetting.apply(&y));
+            assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12), "{step}: {a:?} {b:?}");
+            assert_eq!(keeping.intervals().len(), forgetting.intervals().len());
+            most = most.max(forgetting.sets.len());
+        }
+        assert!(forgotten > 20 && most < keeping.sets.len(), "{forgotten} {most} {}", keeping.sets.len());
+        assert!(!keeping.forget_sets(0) && keeping.forget_sets(MOST_BYTES));
+    }
 
     #[test]
     fn integrals_over_short_intervals_are_known_to_as_many_digits_as_over_long_ones() {

@@ -76,8 +76,8 @@ pub struct MixedShooting<'s> {
     pub(crate) sweep: ContactOperator,
     /// By how much each contact stands back from its gap, m.
     pub(crate) standing_back: Vec<f64>,
-    /// The contact nodes with each closed set of the sweep.
-    nodes: Vec<NodeResponse>,
+    /// The contact nodes with each closed set of the sweep that has occurred in a period.
+    nodes: Vec<Option<NodeResponse>>,
     pub(crate) b: Vec<f64>,
     pub(crate) q: Vec<f64>,
     /// `b − q_N`: what the contacts keep the nodes from. Small beside both where these are stiff, so that it is not taken as their difference.

@@ -13,18 +13,25 @@ use crate::trigonometric::Trigonometric;
 impl MixedShooting<'_> {
     /// Contact pattern, coefficients of `q_N` and their derivative for the unknown vector `x`.
     pub(crate) fn solve_contact(&mut self, x: &[f64]) -> Result<(), HbmError> {
+        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
+        if self.sweep.forget_sets(self.nodes.iter().flatten().count() * n * n * size_of::<f64>()) {
+            self.nodes.clear();
+        }
         self.b.iter_mut().zip(x).for_each(|(b, x)| *b = x * self.scales.length);
         self.form_gaps();
         self.sweep.run()?;
-        for set in self.nodes.len()..self.sweep.sets.len() {
-            self.nodes.push(NodeResponse::new(&self.structure.body, &self.sweep.sets.get(set).closed)?);
-        }
-        let (n, width) = (self.structure.n_contact_dofs(), self.sweep.series.width());
+        self.nodes.resize(self.sweep.sets.len(), None);
         let size = n * width;
         self.dkept_db.fill(0.0);
         self.kept.fill(0.0);
         for (set, averages) in &self.sweep.spectra {
-            let set = &self.nodes[*set];
+            let set = match &mut self.nodes[*set] {
+                Some(known) => known,
+                unknown => {
+                    let closed = &self.sweep.sets.get(*set).closed;
+                    unknown.insert(NodeResponse::new(&self.structure.body, closed)?)
+                }
+            };
             let product = self.sweep.series.multiplication(averages);
             let constant = self.sweep.series.coefficients_of(averages);
             for d in 0..n {

@@ -164,6 +164,9 @@ impl PeriodicSystem {
         let series = self.series();
         let moved = self.load_gaps(at);
         self.form_gaps(x, &moved[3]);
+        if self.operator.forget_sets(self.maps.iter().flatten().map(|map| map.len() * size_of::<f64>()).sum()) {
+            self.maps.clear();
+        }
         self.operator.solve(&self.y)?;
         self.forces = if self.rest.is_empty() {
             self.operator.apply(&self.y)
