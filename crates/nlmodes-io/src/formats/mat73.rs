@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hdf5_pure::{AttrValue, Dataset, File};
+use hdf5_pure::{AttrValue, ChunkIndex, Dataset, File};
 
 use super::compressed::Layout;
 use super::matlab::chosen;
@@ -114,17 +114,32 @@ impl Mat<'_> {
         let set = self.set(name)?;
         let shape = set.shape().map_err(|error| self.wrong(name, &error))?;
         let found = shape.iter().try_fold(1_u64, |product, length| product.checked_mul(*length)).unwrap_or(u64::MAX);
-        let place = || Place::Part(name.to_owned());
         if let Some(expected) = length.filter(|expected| *expected != found) {
-            let what = "number of values".to_owned();
-            return Err(ReadError::new(self.path, place(), Problem::Size { what, expected, found }));
+            let problem = Problem::Size { what: "number of values".to_owned(), expected, found };
+            return Err(ReadError::new(self.path, Place::Part(name.to_owned()), problem));
         }
-        let limit = self.file.file_size().saturating_mul(PACKED);
-        if found > limit {
-            let what = "number of values, for the length of the file,";
-            return Err(ReadError::new(self.path, place(), Problem::TooLarge { what, found, limit }));
+        let most = self.file.file_size().saturating_mul(PACKED);
+        self.at_most(name, "number of values, for the length of the file,", found, most)?;
+        if let Some(shape) = set.chunk_shape().map_err(|error| self.wrong(name, &error))? {
+            let chunk = shape.iter().fold(1_u64, |product, length| product.saturating_mul(*length));
+            self.at_most(name, "number of values in a chunk, for the length of the file,", chunk, most)?;
+            let chunks = match set.chunk_index().map_err(|error| self.wrong(name, &error))? {
+                // The crate does not list them.
+                Some(ChunkIndex::BTreeV2) => Vec::new(),
+                _ => set.chunks().map_err(|error| self.wrong(name, &error))?,
+            };
+            let ends = chunks.iter().map(|chunk| chunk.address.saturating_add(chunk.storage_size));
+            self.at_most(name, "last byte of a chunk", ends.max().unwrap_or(0), self.file.file_size())?;
         }
         Ok(set)
+    }
+
+    /// Refuses a number that the file cannot mean, before memory is taken for it.
+    fn at_most(&self, name: &str, what: &'static str, found: u64, limit: u64) -> Result<()> {
+        if found <= limit {
+            return Ok(());
+        }
+        Err(ReadError::new(self.path, Place::Part(name.to_owned()), Problem::TooLarge { what, found, limit }))
     }
 
     fn whole_numbers(&self, name: &str, length: Option<u64>) -> Result<Vec<u64>> {

@@ -73,3 +73,22 @@ fn binary_files_that_are_cut_or_changed_anywhere_are_refused_or_read_right() {
         }
     }
 }
+
+/// One byte says that the list of chunks goes on into what comes behind it, or four that a chunk is longer than the file: of 16 kB, 4 GiB would be read.
+#[test]
+fn chunks_that_the_file_cannot_hold_are_refused_before_memory_is_taken() {
+    let good = fs::read(fixture("hdf5.mat")).unwrap();
+    let tree = 7504;
+    assert_eq!(good[tree..tree + 8], *b"TREE\x01\0\x01\0", "the list of the chunks of `ir`");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("long.mat");
+    for (from, bytes, says) in
+        [(tree + 6, &[228][..], "`K/ir`: found"), (tree + 24, &[0xff; 4], "`K/ir`: last byte of a chunk: found")]
+    {
+        let mut changed = good.clone();
+        changed[from..from + bytes.len()].copy_from_slice(bytes);
+        fs::write(&path, &changed).unwrap();
+        let message = read(&path, Some("K"), Some(N)).unwrap_err().to_string();
+        assert!(message.contains(says), "{message}");
+    }
+}
