@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, add_product};
 
 use nlmodes_reduction::{HeldMode, HeldModes};
 
@@ -30,8 +30,6 @@ pub(crate) struct HeldSums {
     pub next_transfer: Vec<f64>,
     /// Of each mode, all that have its frequency.
     pub same: Vec<Range<usize>>,
-    /// `h_k g_k / s_k` of each mode, row-major, one after the other.
-    pub directions: Vec<f64>,
 }
 
 /// The sums at one squared frequency, n_N × n_N, row-major and symmetric.
@@ -59,8 +57,6 @@ impl HeldSums {
     pub fn new(modes: &[HeldMode], k_nn_inverse: &Mat<f64>, t0: &Mat<f64>, residual: &ResidualMass) -> Self {
         let n = k_nn_inverse.nrows();
         let products = |i: usize, j: usize| modes.iter().map(|m| m.g[i] * m.g[j]).collect();
-        let direction =
-            |m: &HeldMode| -> Vec<f64> { m.h.iter().flat_map(|h| m.g.iter().map(move |g| h * g / m.s)).collect() };
         Self {
             lambda: modes.iter().map(|m| m.lambda).collect(),
             inverse_lambda: modes.iter().map(|m| 1.0 / m.lambda).collect(),
@@ -71,7 +67,6 @@ impl HeldSums {
             residual_transfer: row_major(&residual.transfer),
             next_transfer: row_major(&residual.next_transfer),
             same: (0..modes.len()).map(|p| repeated(modes, p)).collect(),
-            directions: modes.iter().flat_map(direction).collect(),
         }
     }
 
@@ -118,12 +113,7 @@ impl HeldSums {
     /// `to += factor K_NN⁻¹ S`, row-major.
     pub fn add_static_response(&self, factor: f64, s: &[f64], to: &mut [f64]) {
         let n = self.size();
-        for i in 0..n {
-            for (k, s) in s.chunks_exact(n).enumerate() {
-                let c = factor * self.k_nn_inverse[i * n + k];
-                to[i * n..(i + 1) * n].iter_mut().zip(s).for_each(|(to, s)| *to += c * s);
-            }
-        }
+        add_product(factor, &self.k_nn_inverse, s, to, [n, n, n], n);
     }
 
     fn size(&self) -> usize {

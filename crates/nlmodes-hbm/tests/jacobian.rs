@@ -152,6 +152,17 @@ fn jacobian_is_right_with_two_contacts_at_different_places() {
     }
 }
 
+/// So many contacts that products go by blocks, some of them closed and others not.
+#[test]
+fn jacobian_is_right_with_eighteen_contacts() {
+    let stops: Vec<_> = (1..=18).rev().map(|i| (2 * i, Side::Positive, 0.05 * (i % 5 + i) as f64)).collect();
+    let structure = condense(&rod(36, 1.0, 1.0, 1.0, &stops));
+    for symmetry in SYMMETRIES {
+        let closed = check(&structure, 2, symmetry, Switching::Exact, [2.5, 1.04]);
+        assert!(closed > 0.05 && closed < 0.95, "{closed}");
+    }
+}
+
 #[test]
 fn jacobian_is_right_between_two_stops_that_face_each_other() {
     for symmetry in SYMMETRIES {

@@ -1,11 +1,47 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::{MatMut, Par};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 
 use crate::{LinalgError, Mat};
 
 /// From this size on faer's elimination by blocks is faster than one column after the other, twice at 70 and five times at 300 rows.
 const BLOCKED: usize = 56;
+
+/// Rows from which on faer's product by blocks is faster than one row after the other.
+const BLOCKED_PRODUCT: usize = 16;
+
+/// `C += α A B` for matrices row by row in slices: `a` is m × k, rows of `b` (k × n) and of `c` (m × n) begin `stride ≥ n` behind one another.
+///
+/// # Panics
+/// If a slice is shorter than its matrix.
+///
+/// ```
+/// let mut c = [1.0, 1.0, 7.0, 1.0, 1.0];
+/// nlmodes_linalg::add_product(2.0, &[1.0, 2.0, 3.0, 4.0], &[1.0, 0.0, 7.0, 0.0, 1.0], &mut c, [2, 2, 2], 3);
+/// assert_eq!(c, [3.0, 5.0, 7.0, 7.0, 9.0]);
+/// ```
+pub fn add_product(factor: f64, a: &[f64], b: &[f64], c: &mut [f64], [m, k, n]: [usize; 3], stride: usize) {
+    if m.min(k).min(n) < BLOCKED_PRODUCT {
+        for i in 0..m {
+            let row = &mut c[i * stride..][..n];
+            for (l, a) in a[i * k..(i + 1) * k].iter().enumerate() {
+                let weight = factor * a;
+                row.iter_mut().zip(&b[l * stride..][..n]).for_each(|(c, b)| *c += weight * b);
+            }
+        }
+        return;
+    }
+    // Transposed: faer's constructor for rows that are written to takes them for columns.
+    matmul(
+        MatMut::from_column_major_slice_with_stride_mut(c, n, m, stride),
+        Accum::Add,
+        MatRef::from_column_major_slice_with_stride(b, n, k, stride),
+        MatRef::from_column_major_slice(&a[..m * k], k, m),
+        factor,
+        Par::Seq,
+    );
+}
 
 /// LU factorisation with row exchanges, `P A = L U`, of a dense square matrix.
 ///
@@ -230,6 +266,23 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        /// Small integers, so that sums are exact; rows of other matrices in between stay as they are.
+        #[test]
+        fn products_by_blocks_and_by_rows_are_the_sums(m in 1usize..40, k in 1usize..40, n in 1usize..40, apart in 0usize..5) {
+            let stride = n + apart;
+            let number = |i: usize| (i * 7919 % 13) as f64 - 6.0;
+            let a: Vec<f64> = (0..m * k).map(number).collect();
+            let b: Vec<f64> = (0..(k - 1) * stride + n).map(|i| number(i + 3)).collect();
+            let before: Vec<f64> = (0..(m - 1) * stride + n).map(|i| number(i + 5)).collect();
+            let mut c = before.clone();
+            add_product(0.5, &a, &b, &mut c, [m, k, n], stride);
+            for (at, (c, before)) in c.iter().zip(&before).enumerate() {
+                let (i, j) = (at / stride, at % stride);
+                let sum: f64 = (0..k).filter(|_| j < n).map(|l| a[i * k + l] * b[l * stride + j]).sum();
+                prop_assert_eq!(*c, before + 0.5 * sum);
+            }
+        }
+
         #[test]
         fn solution_reproduces_the_right_hand_side(n in 1usize..120, seed in any::<u64>()) {
             let mut state = seed | 1;

@@ -46,7 +46,7 @@ mod threads;
 
 pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
-pub use dense::DenseLu;
+pub use dense::{DenseLu, add_product};
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use exponential::matrix_exponential;

@@ -1,7 +1,7 @@
 //! Residual and Jacobian row by row: connectivity, energy, phase.
 
 use nlmodes_continuation::Linearization;
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, add_product};
 
 use super::{MixedShooting, subtract};
 use crate::energy::inner;
@@ -27,17 +27,18 @@ impl MixedShooting<'_> {
         let (size, scale) = (n * width, 1.0 / self.scales.length);
         let rotated = self.sweep.series.turned(m);
         let plane = &self.plane;
+        (0..n).for_each(|d| self.rows[(d * width + m) * size..][..size].fill(0.0));
+        let (from, to) = (&self.dkept_db[m * size..], &mut self.rows[m * size..]);
+        add_product(1.0, &plane.b, from, to, [n, n, size], width * size);
         for d in 0..n {
             let row = d * width + m;
             let (mut value, mut slope, mut turn) = (0.0, 0.0, 0.0);
             let entries = &mut self.rows[row * size..(row + 1) * size];
-            entries.fill(0.0);
             for e in 0..n {
                 let (b, q, kept) = (self.b[e * width + m], self.q[e * width + m], self.kept[e * width + m]);
                 // A b − B q = (A − B) b + B (b − q)
                 value += plane.d[d * n + e] * b + plane.b[d * n + e] * kept;
                 slope += plane.da[d * n + e] * b - plane.db[d * n + e] * q;
-                subtract(entries, -plane.b[d * n + e], &self.dkept_db[(e * width + m) * size..][..size]);
                 entries[e * width + m] += plane.d[d * n + e];
                 if let Some((other, factor)) = rotated {
                     let rotate = plane.b[d * n + e] * factor;
