@@ -10,7 +10,7 @@
 //!
 //! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on the processor:
 //! those of another one are shown, and none counts as worse. Without `--release` the counts are others, kept in
-//! benchmarks/instructions_dev.toml.
+//! benchmarks/instructions_dev.toml as they come out with the build settings of `.ci/run`, which checks them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
