@@ -14,8 +14,9 @@ use crate::expansion::CONFIRMED;
 use crate::step::{Foot, StepSettings};
 use crate::vectors::{along, distance, dot};
 
-/// Distance from all boundaries at which the Jacobian is taken where nothing has set in: above that by which the point is off them.
-const OFF: f64 = 1e-8;
+/// Distance from all boundaries, over that of the arms, at which the Jacobian is taken where nothing has set in: well above that by which the point may be
+/// beyond them.
+const OFF: f64 = 10.0 * boundaries::THROUGH;
 
 /// Distance below which two arms are one, over that from the point.
 const DISTINCT: f64 = 1e-3;
@@ -45,7 +46,7 @@ pub(crate) fn arms<S: ParametricSystem>(
     let onsets: Option<Vec<Onset>> =
         pairs.map(|(slope, across)| Onset::measured(system, corrector, &foot.z, slope, across)).collect();
     let onsets = onsets?;
-    let off = onsets.iter().fold(foot.z.clone(), |z, onset| along(&z, -OFF, &onset.inward));
+    let off = onsets.iter().fold(foot.z.clone(), |z, onset| along(&z, -OFF * radius, &onset.inward));
     corrector.evaluate(system, &off).ok()?;
     let at = corrector.linearization().clone();
     let mut reduced = Reduced::new(&at, &foot.tangent, &onsets, radius, corrector)?;

@@ -91,6 +91,40 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
     assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
 }
 
+/// The place at which the steps come to the tip is another one with each mesh: a little beside it, before or behind one of its two changes of contact.
+#[test]
+fn the_tip_of_the_loop_is_a_branch_point_with_every_mesh() {
+    for elements in [20, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 40, 42] {
+        for harmonics in [3, 5, 7] {
+            let settings = BranchSettings {
+                frequency_hz: Some([10.0, 100.0]),
+                at_branch_point: BranchPointRule::All,
+                ..settings(harmonics)
+            };
+            let tree = compute_tree(support::rod(elements, MassMatrix::Consistent), &settings, go_on).unwrap();
+            let tip = |computed: &ComputedBranch| {
+                let meets = |point: &&ModalPoint| {
+                    point.has_event(Event::BranchPoint) && (place(computed, point).1 - 9.007).abs() < 0.02
+                };
+                computed.branch.points.iter().any(|point| meets(&point))
+            };
+            let first = &tree.branches[0];
+            assert!(tip(first), "{elements} {harmonics}: {}", first.branch.end.message);
+            let from_there = |b: &&ComputedBranch| {
+                b.origin.is_some_and(|origin| {
+                    let of = &tree.branches[origin.branch];
+                    (place(of, &of.branch.points[origin.point]).1 - 9.007).abs() < 0.02
+                })
+            };
+            assert!(
+                tree.branches.iter().filter(from_there).count() >= 2,
+                "{elements} {harmonics}: {}",
+                tree.branches.len()
+            );
+        }
+    }
+}
+
 /// The tongue of a coarse rod, whose tip lies beside two changes of contact: whatever the number of harmonics, the branch comes back from it.
 #[test]
 fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod() {

@@ -13,7 +13,7 @@ const LOOPS: usize = 3;
 const SHORTEST: f64 = 1e-3;
 
 /// Distance of a boundary from the point, over the radius, up to which it passes through it.
-const THROUGH: f64 = 1e-2;
+pub(super) const THROUGH: f64 = 1e-2;
 
 /// Cosine of the angle between the gradients of two boundaries above which they are one.
 const SAME: f64 = 1.0 - 1e-6;
