@@ -8,6 +8,9 @@ use crate::{Dof, MassRedistribution, ModelError, StructuralModel};
 /// Largest share of its own inertia that a degree of freedom may lose.
 const LARGEST_LOSS: f64 = 0.7;
 
+/// Relative difference of the distances of two nodes up to which it is rounding: both sides of a contact take part, or none.
+const EQUALLY_FAR: f64 = 1e-9;
+
 /// The mass of a contact degree of freedom moves to its neighbours so that total mass, centre of mass and moment of inertia stay.
 ///
 /// Taking away row and column `d` of `M` takes away mass, first and second moment of [`MassProperties`]: those of the kind of `d`,
@@ -97,9 +100,9 @@ impl Moments {
         takers.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut indefinite = None;
         for count in 1..=takers.len() {
-            let is_whole_node = takers.get(count).is_none_or(|next| distance(next.0) > distance(takers[count - 1].0));
-            let change =
-                is_whole_node.then(|| self.least_change(&takers[..count], lost, distance(takers[count - 1].0)));
+            let farthest = distance(takers[count - 1].0);
+            let is_whole_node = takers.get(count).is_none_or(|next| distance(next.0) > (1.0 + EQUALLY_FAR) * farthest);
+            let change = is_whole_node.then(|| self.least_change(&takers[..count], lost, farthest));
             let Some(change) = change.flatten() else { continue };
             let given: Vec<Triplet> = entries.iter().copied().chain(change).collect();
             match check_definite(&from_entries(dofs.len(), &given)?, massive, dofs) {
@@ -177,6 +180,23 @@ mod tests {
         assert!(takers.len() > 3 && takers.len() < 10, "{change:?}");
         for four in takers.windows(4) {
             assert!((four[3] - 3.0 * four[2] + 3.0 * four[1] - four[0]).abs() < 1e-13, "{takers:?}");
+        }
+    }
+
+    /// Nodes on either side of a contact are equally far from it up to rounding, which is another one in each unit.
+    #[test]
+    fn the_change_is_the_same_in_any_unit_of_length() {
+        let changed = |unit: f64| {
+            let model = springs(12, 1.0, stops(&[6]), &lumped(12));
+            let dofs: Vec<Dof> = model.dofs().iter().map(|dof| Dof { position: unit * dof.position, ..*dof }).collect();
+            let (mass, stiffness) = (model.mass().clone(), model.stiffness().clone());
+            let model = StructuralModel::new(mass, stiffness, dofs, stops(&[6])).unwrap();
+            let mass = Conserve.redistribute(&model).unwrap();
+            (0..12).map(|i| mass.get(i, i).copied().unwrap_or(0.0)).collect::<Vec<f64>>()
+        };
+        let expected = changed(1.0);
+        for unit in [0.1, 0.3, 0.7, 1.0 / 3.0, 12.34, 1e-3, 7e5] {
+            assert!(changed(unit).iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{unit}");
         }
     }
 

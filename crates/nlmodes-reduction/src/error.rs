@@ -68,7 +68,8 @@ pub enum ReductionError {
     /// A contact whose motion others determine.
     #[error(
         "the motion of contact {contact} (counted from 0) follows from those of other contacts or from the {retained} retained modes: \
-         {left:.1e} of its flexibility is left; take it away, or retain fewer modes"
+         {left:.1e} of its flexibility is left; take it away, or retain fewer modes. A node has as many directions of contact as it may move in, of which stops that face each \
+         other exactly are one; and a structure with few unknowns has nothing left once all of its modes are retained"
     )]
     DependentContact {
         /// Index of the contact.

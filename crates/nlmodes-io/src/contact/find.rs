@@ -6,6 +6,9 @@ use super::{
 use crate::mesh::Skin;
 use crate::model::{FeFiles, FeModel};
 
+/// Up to this, the product of the normals of two contacts that face each other differs from −1 by rounding, or by angles of a millionth: they move in one direction.
+const ROUNDED: f64 = 1e-12;
+
 type Vector = [f64; 3];
 type Outcome<T> = Result<T, ContactProblem>;
 
@@ -30,6 +33,9 @@ pub fn find_contacts(
             if let Some(before) = of_nodes.iter().find(same) {
                 return Err(wrong(ContactProblem::Twice { node: contact.node, before: found[*before].origin }));
             }
+            let opposite = |k: &&usize| dot(found[**k].normal, contact.normal) < -1.0 + ROUNDED;
+            let normal = of_nodes.iter().find(opposite).map_or(contact.normal, |k| found[*k].normal.map(|x| -x));
+            let contact = NodeContact { normal, ..contact };
             let facing = |k: &&usize| dot(found[**k].normal, contact.normal) < -1.0 + 1e-9;
             let no_room = |k: &&usize| {
                 let (one, both_rigid) = (&found[**k], found[**k].stiffness.or(contact.stiffness).is_none());

@@ -102,6 +102,21 @@ fn distances_of_the_mesh_are_gaps_where_none_are_said() {
     assert!(gaps(tilted).iter().all(|gap| (gap - 2.4e-3).abs() < 1e-6), "0.001 mm along z");
 }
 
+/// `(cos π, sin π)` is not the opposite of `(1, 0)` to the last digit, and another direction to move in if it is taken at its word.
+#[test]
+fn stops_that_face_each_other_up_to_rounding_share_a_direction() {
+    let directory = tempfile::tempdir().unwrap();
+    let (model, files) = model(directory.path());
+    for angle in [std::f64::consts::PI, std::f64::consts::PI + 1e-9, std::f64::consts::PI - 1e-6] {
+        let across = wall(&[1], [0.0, angle.cos(), angle.sin()], 1e-3);
+        let contacts = find_contacts(&model, &files, &[wall(&[1], [0.0, 1.0, 0.0], 1e-3), across]).unwrap();
+        assert_eq!(contacts[1].normal, [0.0, -1.0, 0.0], "{angle}");
+    }
+    let oblique = wall(&[1], [0.0, -1.0, 1e-3], 1e-3);
+    let contacts = find_contacts(&model, &files, &[wall(&[1], [0.0, 1.0, 0.0], 1e-3), oblique]).unwrap();
+    assert!(contacts[1].normal[2] > 9e-4);
+}
+
 #[test]
 fn contacts_that_cannot_be_are_refused() {
     let directory = tempfile::tempdir().unwrap();

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use nlmodes::branches::{ComputedBranch, figure_points};
 use nlmodes::modal::{ModalBranch, Participation};
-use nlmodes::report::{Abscissa, BranchFigure, ContactFigure, MotionFigure, ParticipationFigure, write_participation};
+use nlmodes::report::{
+    Abscissa, BranchFigure, ContactFigure, MotionFigure, ParticipationFigure, ReportError, write_participation,
+};
 
 use super::histories::{self, Reference};
 
@@ -51,7 +53,11 @@ pub fn write(
     let (clamped, stops) = (held_ends(scene, computed), stops::lines(computed));
     // A structure in open modes moves in modal coordinates, which are nowhere.
     for (k, point) in motions.iter().enumerate().filter(|_| !scene.is_in_open_modes()) {
-        let figure = MotionFigure::new(branch, *point).clamped_at(&clamped).stops(&stops).render()?;
+        let figure = match MotionFigure::new(branch, *point).clamped_at(&clamped).stops(&stops).render() {
+            // One unknown has no shape.
+            Err(ReportError::TooFewPositions { .. }) => break,
+            figure => figure?,
+        };
         figure.styled(&style).write(directory.join(format!("motion_{}.svg", k + 1)))?;
     }
     histories::write(directory, references, &style)
