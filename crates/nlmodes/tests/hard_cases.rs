@@ -1,12 +1,12 @@
 //! Cases at the limits of numbers that are quick; all of them: `cargo run --example hard_cases` in `benchmarks`.
 
-use nlmodes::modal::{EndReason, Event};
+use nlmodes::modal::{BranchEnd, EndReason, Event};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchError, BranchSettings, ComputedBranch, compute_branch};
+use nlmodes::branches::{BranchError, BranchSettings, ComputedBranch, ResonanceRule, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
-use nlmodes::hbm::HbmError;
+use nlmodes::hbm::{HbmError, Switching};
 use nlmodes::linalg::{Triplet, sparse_from_triplets};
 use nlmodes::model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 
@@ -168,6 +168,51 @@ fn springs_a_million_times_stiffer_make_one_mass_of_two() {
         let found = last_hz(&follow(massless(&model), 3.0, 5));
         // What the spring yields, and what 1 + s keeps of 1 in the matrix itself.
         assert!((found / merged - 1.0).abs() < 2.0 / stiff + 4.0 * stiff * f64::EPSILON, "{stiff}: {found} {merged}");
+    }
+}
+
+/// From grazing this branch falls in energy: a start that touches by rounding, which is another one in each unit, must not lead back along the linear mode.
+#[test]
+fn a_branch_that_falls_from_grazing_is_followed_in_any_unit_of_length() {
+    for unit in [1.0, 1e3, 0.3] {
+        let length = 0.12043553631126717 * unit;
+        let beam = Beam {
+            material: Material::new(225006232.79075196, 3786.6294895791543).unwrap(),
+            section: Section::rectangle(0.001080577785698326 * unit, 0.0006975243913832966 * unit).unwrap(),
+            mesh: Mesh::uniform(length, 29).unwrap(),
+            mass_matrix: MassMatrix::Consistent,
+            start: Support::Free,
+            end: Support::Clamped,
+        };
+        let stop = |element: f64, side, gap: f64| {
+            Stop::rigid(length * element / 29.0, Direction::Transverse, side, gap * unit)
+        };
+        let stops = [
+            stop(4.0, Side::Positive, 5.181623348518085e-07),
+            stop(18.0, Side::Negative, 5.175929256926308e-07),
+            stop(18.0, Side::Positive, 5.175929256926308e-07),
+        ];
+        for switching in [Switching::Exact, Switching::Sampled { samples: 256 }] {
+            let settings = BranchSettings {
+                mode: 3,
+                harmonics: 9,
+                switching,
+                max_energy_ratio: Some(1.05),
+                internal_resonance: ResonanceRule::Skip,
+                ..BranchSettings::default()
+            };
+            let model = massless(&beam.assemble(&stops).unwrap());
+            let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
+            let BranchEnd { reasons, message, .. } = &computed.branch.end;
+            // Samples make a staircase of some contact changes, at which a branch may end.
+            let ends = if switching == Switching::Exact {
+                &[EndReason::MaxEnergy][..]
+            } else {
+                &[EndReason::MaxEnergy, EndReason::NoStep]
+            };
+            assert!(reasons.iter().all(|reason| ends.contains(reason)), "{unit} {switching:?}: {message}");
+            assert!(computed.branch.points[1].kinetic_energy < computed.grazing.energy);
+        }
     }
 }
 

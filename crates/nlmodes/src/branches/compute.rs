@@ -109,7 +109,7 @@ fn with_modes(
     let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
-    let seed = seed(&structure, settings, &start, &tracer.problem, tracer.log)?;
+    let seed = seed(&structure, settings, &start, &mut tracer.problem, tracer.log)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
     let start_event = if from_grazing { Event::Grazing } else { Event::Start };
     settings.watch.begins(Doing::Branch)?;

@@ -101,7 +101,7 @@ pub(super) fn seed(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    problem: &Periodic,
+    problem: &mut Periodic,
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
     let (target, upward) = match settings.start {
@@ -120,7 +120,7 @@ pub(super) fn seed(
     let mut other = periodic(structure, settings, start)?;
     match on_backbone(&mut other, settings, start, target, log) {
         Ok((x, p)) => {
-            let direction = along(problem.into(), start, target, upward);
+            let direction = along((&*problem).into(), start, target, upward);
             Ok(Seed { x, p, direction, harmonics: settings.harmonics })
         }
         // With fewer harmonics the motions of the contacts would be the unknowns.
@@ -275,7 +275,7 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, BranchEr
     let mut method = continuation(&coarse, tracer.grazing, problem.frequency_index(), problem.dim());
     method.max_points = HEADING;
     let log = &mut *tracer.log;
-    let Seed { x, p, direction, .. } = beginning(&problem, &coarse, tracer.grazing, log)?;
+    let Seed { x, p, direction, .. } = beginning(&mut problem, &coarse, tracer.grazing, log)?;
     let branch = method.run_with_log(&mut problem, &x, p, &direction, log, |_| ControlFlow::Continue(()))?;
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);

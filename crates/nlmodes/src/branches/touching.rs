@@ -16,12 +16,15 @@ use super::{BranchError, BranchSettings, Doing};
 /// Most points on the way from contacts that stand back to contacts that touch.
 const MOST: usize = 1000;
 
+/// Share of the amplitude by which a start may lie beyond grazing by rounding.
+const ROUNDED: f64 = 1e-9;
+
 /// Share of the amplitude at which a mode touches at which it is clear of the stops.
 const CLEAR: f64 = 0.99;
 
 /// The linear mode that just touches; where contacts touch at rest, the motion before them at the energy of the start.
 pub(super) fn beginning(
-    problem: &Periodic,
+    problem: &mut Periodic,
     settings: &BranchSettings,
     start: &Grazing,
     log: &mut dyn RunLog,
@@ -39,9 +42,31 @@ pub(super) fn beginning(
         _ => {
             let (x, direction) = problem.start(start);
             let (x, p) = with_few_modes(problem, settings, start, (&x, &direction), log)?.unwrap_or((x, 0.0));
-            Ok(Seed { x, p, direction, harmonics: settings.harmonics })
+            Ok(before_contact(problem, settings, start, Seed { x, p, direction, harmonics: settings.harmonics }))
         }
     }
+}
+
+/// The start, taken back to where nothing touches yet if corrected it would touch by rounding. In contact the branch may turn towards less energy: of its two ways
+/// the one of growing amplitude then leads out of contact and back along the linear mode.
+fn before_contact(problem: &mut Periodic, settings: &BranchSettings, start: &Grazing, seed: Seed) -> Seed {
+    let at = |share: f64| -> Vec<f64> {
+        let z = seed.x.iter().copied().chain([seed.p]);
+        z.zip(&seed.direction).map(|(z, d)| z - share * d).collect()
+    };
+    let Some(clear) = problem.pattern_at(&at(1.0 - CLEAR)) else { return seed };
+    let shares =
+        std::iter::successors(Some(f64::EPSILON), |share| Some(8.0 * share)).take_while(|share| *share < ROUNDED);
+    for share in std::iter::once(0.0).chain(shares) {
+        let Some((mut z, p)) = one_point(settings, start, problem, &at(share), &seed.direction, &mut ()) else { break };
+        z.push(p);
+        if problem.pattern_at(&z) == Some(clear) {
+            let mut x = at(share);
+            let p = x.pop().unwrap_or(seed.p);
+            return Seed { x, p, ..seed };
+        }
+    }
+    seed
 }
 
 /// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it is not quite that of the whole
