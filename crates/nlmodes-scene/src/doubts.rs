@@ -4,6 +4,7 @@ mod amplitude;
 mod base;
 mod distances;
 mod mesh;
+mod modes;
 mod normals;
 mod scale;
 
@@ -24,6 +25,7 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     let distances = if scale.is_some() { Vec::new() } else { distances::doubts(&subject) };
     let mode = if scale.is_some() { None } else { amplitude::doubt(scene, open, &subject) };
     let contacts = normals::doubts(&subject).into_iter().chain(distances).chain(mode);
+    let contacts = contacts.chain(modes::doubts(scene, open));
     mesh.into_iter().chain(scale).chain(contacts).chain(base::doubt(scene, &subject)).collect()
 }
 

@@ -279,6 +279,43 @@ fn no_mass_is_said_where_unknowns_within_elements_are_among_the_nodes() -> Outco
 
 /// A rod whose first mode moves its contact, beside the clamped end, by an eighth of its tip.
 #[test]
+fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned_of() -> Outcome {
+    let folder = tempdir()?;
+    let said = |(k, m): &(Matrix, Matrix), mode: usize, contacts: &[(usize, f64)]| -> Outcome<String> {
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("k.mtx"), matrix_market(k))?;
+        fs::write(path("m.mtx"), matrix_market(m))?;
+        fs::write(path("dofs.csv"), (0..k.len()).map(|i| format!("{i},{},ux,{i},0,0\n", i + 1)).collect::<String>())?;
+        let files = "stiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"";
+        let contact = |(node, side): &(usize, f64)| {
+            format!("[[contact]]\nnode = {node}\nnormal = [{side:?}, 0.0, 0.0]\ngap_m = 1e-4\n")
+        };
+        let contacts: String = contacts.iter().map(contact).collect();
+        let rest = format!(
+            "[reduction]\nmodes = 4\n[method]\nmode = {mode}\nharmonics = 3\n[continuation]\nmax_energy_ratio = 2.0\n"
+        );
+        fs::write(path("scene.toml"), format!("[structure]\nkind = \"matrices\"\n{files}\n{contacts}{rest}"))?;
+        Ok(text(&call(&["check", &path("scene.toml").to_string_lossy()])?.stderr))
+    };
+    let (k, m) = super::rod(8);
+    let twice = (super::beside(&k, &k), super::beside(&m, &m));
+    let same = "have the same frequency (1300 Hz): any combination of them is a linear mode";
+    for mode in [1, 2] {
+        let warned = said(&twice, mode, &[(8, 1.0), (16, 1.0)])?;
+        assert!(warned.contains(same), "{warned}");
+    }
+    // One stop, or two at one of them, choose their motion themselves.
+    assert_eq!(said(&twice, 1, &[(8, 1.0)])?, "");
+    assert_eq!(said(&twice, 1, &[(8, 1.0), (8, -1.0)])?, "");
+    let free = super::free_rod(8);
+    let pushed = "the structure floats, and all contacts push it to the same side";
+    assert!(said(&free, 2, &[(9, 1.0)])?.contains(pushed));
+    assert!(said(&free, 2, &[(9, 1.0), (5, 1.0)])?.contains(pushed));
+    assert_eq!(said(&free, 2, &[(9, 1.0), (1, -1.0)])?, "");
+    Ok(())
+}
+
+#[test]
 fn a_mode_that_hardly_moves_the_contacts_is_warned_of() -> Outcome {
     let folder = tempdir()?;
     let (k, m) = super::rod(12);
