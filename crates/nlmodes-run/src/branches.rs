@@ -118,7 +118,8 @@ fn one_branch(
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     doubts::tell(scene, open.as_ref(), observer);
-    let modes = mass::open_modes(file, &model, &massless)?;
+    let modes = mass::open_modes(file, &model, &massless)
+        .map_err(|error| refusal::unless_floating(file, open.as_ref(), error))?;
     if let Some(text) = mass::warning(scene, &modes) {
         observer.event(Event::Warning(&text));
     }

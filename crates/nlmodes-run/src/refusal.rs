@@ -15,10 +15,15 @@ use crate::{RunError, chain};
 /// An error of a branch of a structure in open modes: where it floats and its contacts do not hold it, that is the reason.
 pub fn of_branch_in(file: &SceneFile, open: Option<&OpenStructure>, error: &BranchError) -> RunError {
     let is_static = matches!(error, BranchError::Hbm(HbmError::Model(ModelError::Linalg { .. })));
-    let motions = open.filter(|_| is_static).and_then(|open| open.modes.rigid_motions().ok());
-    match motions {
+    let error = of_branch(file, error);
+    if is_static { unless_floating(file, open, error) } else { error }
+}
+
+/// An error of statics, or that the contacts do not hold the structure, if they do not.
+pub fn unless_floating(file: &SceneFile, open: Option<&OpenStructure>, error: RunError) -> RunError {
+    match open.and_then(|open| open.modes.rigid_motions().ok()) {
         Some((rigid, left)) if left > 0 => floating(file, rigid, left),
-        _ => of_branch(file, error),
+        _ => error,
     }
 }
 

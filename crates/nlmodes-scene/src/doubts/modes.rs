@@ -10,13 +10,16 @@ use crate::scene::Scene;
 const EQUAL: f64 = 1e-8;
 /// Share of the squared frequency of the mode up to which that of another one is a rigid-body motion's.
 const RIGID: f64 = 1e-6;
+/// Share of the largest squared frequency that is zero up to rounding.
+const ZERO: f64 = 1e-8;
 /// Share of a row up to which another one is in its direction, or a contact not moved.
 const SMALL: f64 = 1e-6;
 
 /// What stands against the mode of which the nonlinear one is wanted.
 pub(super) fn doubts(scene: &Scene, open: &OpenStructure) -> Vec<String> {
-    let mode = scene.method.mode.wrapping_sub(1);
-    if !scene.responses.is_empty() || mode >= open.modes.n_modes() {
+    let (mode, squares) = (scene.method.mode.wrapping_sub(1), open.modes.omega_squared());
+    let is_elastic = squares.get(mode).zip(squares.last()).is_some_and(|(own, last)| *own > ZERO * last);
+    if !scene.responses.is_empty() || !is_elastic {
         return Vec::new();
     }
     [repeated(open, mode), floating(open, mode)].into_iter().flatten().collect()
