@@ -148,6 +148,9 @@ pub(crate) fn regular_corner<S: ParametricSystem>(
 ) -> Option<Correction> {
     let ahead = along(&foot.z, 10.0 * settings.min, &foot.tangent);
     system.boundary(behind, &ahead)?;
+    if onsets::several_boundaries(system, &foot.z, 10.0 * settings.min) {
+        return None;
+    }
     let at = corrector.border_at(system, &foot.z, &foot.tangent)?;
     let before = corrector.border_at(system, behind, &foot.tangent)?;
     if at.is_singular_beside(&before, GROWN_NEAR) {

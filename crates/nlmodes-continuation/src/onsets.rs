@@ -21,6 +21,11 @@ const OFF: f64 = 10.0 * boundaries::THROUGH;
 /// Distance below which two arms are one, over that from the point.
 const DISTINCT: f64 = 1e-3;
 
+/// Whether more than one boundary is known to pass through a point.
+pub(crate) fn several_boundaries<S: ParametricSystem>(system: &mut S, z: &[f64], radius: f64) -> bool {
+    boundaries::around(system, z, radius).is_some_and(|slopes| slopes.len() > 1)
+}
+
 /// All arms that leave `foot`, at the distance of ten of the shortest steps; `None` where the boundaries around it are not known or do not tell them.
 ///
 /// Beyond each boundary `g_j = 0` something sets in, so that nearby
