@@ -8,13 +8,13 @@ use serde_json::Value;
 use tempfile::tempdir;
 
 /// Scene, what is set in it, and the most evaluations that its branch may take: a tenth above what it takes, which leaves room for another compiler's
-/// rounding.
+/// rounding. The two beams pass a corner on several boundaries, around which arms are looked for: the look across it alone was fooled by others.
 const MOST: [(&str, &str, u64); 7] = [
     ("rod", "method.harmonics=3", 900),
     ("rod", "method.harmonics=20", 1885),
     ("rod", "method.symmetry=none", 950),
-    ("beam", "method.harmonics=5", 250),
-    ("beam_two_stops", "output.figures=false", 510),
+    ("beam", "method.harmonics=5", 282),
+    ("beam_two_stops", "output.figures=false", 602),
     ("beam_ten_stops", "method.harmonics=3", 405),
     ("rod_two_stops", "output.figures=false", 400),
 ];
