@@ -38,8 +38,9 @@ pub(crate) fn pass<S: ParametricSystem>(
     foot: &Foot,
     way_back: impl Fn(f64) -> Vec<f64>,
 ) -> Option<Passage> {
-    if nesting == 0
-        && let Some(arms) = onsets::arms(system, corrector, settings, foot, &way_back(10.0 * settings.min))
+    let boundaries = if nesting == 0 { onsets::boundaries_at(system, settings, foot) } else { Vec::new() };
+    let behind = way_back(10.0 * settings.min);
+    if let Some(arms) = onsets::arms(system, corrector, settings, foot, &boundaries, &behind)
         && let Some(own) = arms.partner(&foot.z)
     {
         match arms.onward.as_slice() {
@@ -50,7 +51,7 @@ pub(crate) fn pass<S: ParametricSystem>(
     }
     let next = across_boundary(system, corrector, settings, foot, NEARLY_FREE)
         .or_else(|| short_step(system, corrector, settings, foot))
-        .or_else(|| regular_corner(system, corrector, settings, foot, &way_back(10.0 * settings.min)));
+        .or_else(|| regular_corner(system, corrector, settings, foot, &boundaries, &behind));
     if let Some(next) = next {
         return Some(Passage::Corner(next));
     }
@@ -144,13 +145,14 @@ pub(crate) fn regular_corner<S: ParametricSystem>(
     corrector: &mut Corrector,
     settings: &StepSettings,
     foot: &Foot,
+    boundaries: &[Vec<f64>],
     behind: &[f64],
 ) -> Option<Correction> {
-    let ahead = along(&foot.z, 10.0 * settings.min, &foot.tangent);
-    system.boundary(behind, &ahead)?;
-    if onsets::several_boundaries(system, &foot.z, 10.0 * settings.min) {
+    if boundaries.len() > 1 {
         return None;
     }
+    let ahead = along(&foot.z, 10.0 * settings.min, &foot.tangent);
+    system.boundary(behind, &ahead)?;
     let at = corrector.border_at(system, &foot.z, &foot.tangent)?;
     let before = corrector.border_at(system, behind, &foot.tangent)?;
     if at.is_singular_beside(&before, GROWN_NEAR) {

@@ -21,12 +21,17 @@ const OFF: f64 = 10.0 * boundaries::THROUGH;
 /// Distance below which two arms are one, over that from the point.
 const DISTINCT: f64 = 1e-3;
 
-/// Whether more than one boundary is known to pass through a point.
-pub(crate) fn several_boundaries<S: ParametricSystem>(system: &mut S, z: &[f64], radius: f64) -> bool {
-    boundaries::around(system, z, radius).is_some_and(|slopes| slopes.len() > 1)
+/// Unit vectors across the boundaries through `foot`; none where they are not known.
+pub(crate) fn boundaries_at<S: ParametricSystem>(
+    system: &mut S,
+    settings: &StepSettings,
+    foot: &Foot,
+) -> Vec<Vec<f64>> {
+    boundaries::around(system, &foot.z, 10.0 * settings.min).unwrap_or_default()
 }
 
-/// All arms that leave `foot`, at the distance of ten of the shortest steps; `None` where the boundaries around it are not known or do not tell them.
+/// All arms that leave `foot`, at the distance of ten of the shortest steps; `None` where the boundaries through it, with these unit vectors across them, do not
+/// tell them, or are not several: one alone is a bend or a corner, which a look across it tells.
 ///
 /// Beyond each boundary `g_j = 0` something sets in, so that nearby
 ///
@@ -41,12 +46,11 @@ pub(crate) fn arms<S: ParametricSystem>(
     corrector: &mut Corrector,
     settings: &StepSettings,
     foot: &Foot,
+    slopes: &[Vec<f64>],
     way_back: &[f64],
 ) -> Option<Arms> {
     let radius = 10.0 * settings.min;
-    // One alone is a bend or a corner, which a look across it tells.
-    let slopes = boundaries::around(system, &foot.z, radius).filter(|slopes| slopes.len() > 1)?;
-    let across = dual(&slopes)?;
+    let across = if slopes.len() > 1 { dual(slopes) } else { None }?;
     let pairs = slopes.iter().zip(&across);
     let onsets: Option<Vec<Onset>> =
         pairs.map(|(slope, across)| Onset::measured(system, corrector, &foot.z, slope, across)).collect();

@@ -43,7 +43,7 @@ pub struct ResponsePoint {
     pub motion: PeriodicMotion,
     /// Complex amplitude of the drive point at the frequency of the load, m; zero without a drive point.
     pub drive: Complex64,
-    /// Stability, where it was asked for and its multipliers are known.
+    /// Stability, where it was asked for.
     pub stability: Option<Stability>,
     /// Largest scaled residual.
     pub residual: f64,

@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem};
-use nlmodes_hbm::{HbmError, PeriodicSystem, PhaseLag, Refined, Source};
-use nlmodes_linalg::{DenseLu, LinalgError};
+use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
+use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
 use crate::losses::name_lost_stability;
@@ -126,7 +126,7 @@ impl Curve<'_> {
         });
         // Of a long curve the multipliers take longer than who asks for an end waits.
         let stability = match self.settings.stability && !self.settings.cancel.is_requested() {
-            true => self.stability(&x, p)?,
+            true => Some(self.stability(&x, p)?),
             false => None,
         };
         let named = at.events.iter().filter_map(|event| match event {
@@ -148,13 +148,8 @@ impl Curve<'_> {
         })
     }
 
-    /// None where disturbances grow beyond all numbers within a period: nothing is wrong with the motion, and no multiplier is known.
-    fn stability(&mut self, x: &[f64], p: f64) -> Result<Option<Stability>, ResponseError> {
-        match self.system.floquet(x, p, self.solver) {
-            Ok(floquet) => Ok(Some(Stability::of(&floquet))),
-            Err(HbmError::Linalg { source: LinalgError::NotFinite { .. }, .. }) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
+    fn stability(&mut self, x: &[f64], p: f64) -> Result<Stability, ResponseError> {
+        Ok(Stability::of(&self.system.floquet(x, p, self.solver)?))
     }
 
     /// Number of unknowns, which is the coordinate of the parameter.

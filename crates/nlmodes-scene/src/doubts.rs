@@ -24,9 +24,9 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     // With other units all distances are others.
     let distances = if scale.is_some() { Vec::new() } else { distances::doubts(&subject) };
     let mode = if scale.is_some() { None } else { amplitude::doubt(scene, open, &subject) };
-    let contacts = normals::doubts(&subject).into_iter().chain(distances).chain(mode);
-    let contacts = contacts.chain(modes::doubts(scene, open));
-    mesh.into_iter().chain(scale).chain(contacts).chain(base::doubt(scene, &subject)).collect()
+    let contacts = normals::doubts(&subject).into_iter().chain(distances);
+    let modes = mode.into_iter().chain(modes::doubts(scene, open));
+    mesh.into_iter().chain(scale).chain(contacts).chain(modes).chain(base::doubt(scene, &subject)).collect()
 }
 
 /// What is looked at.

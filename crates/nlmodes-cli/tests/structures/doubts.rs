@@ -277,7 +277,7 @@ fn no_mass_is_said_where_unknowns_within_elements_are_among_the_nodes() -> Outco
     Ok(())
 }
 
-/// A rod whose first mode moves its contact, beside the clamped end, by an eighth of its tip.
+/// Two equal rods, each before its own stop; and a rod that nothing holds.
 #[test]
 fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned_of() -> Outcome {
     let folder = tempdir()?;
@@ -315,6 +315,7 @@ fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned
     Ok(())
 }
 
+/// A rod whose first mode moves its contact, beside the clamped end, by an eighth of its tip.
 #[test]
 fn a_mode_that_hardly_moves_the_contacts_is_warned_of() -> Outcome {
     let folder = tempdir()?;

@@ -6,6 +6,7 @@ use super::{Run, point};
 use crate::bend::{self, Bend};
 use crate::corner::{self, Passage};
 use crate::corrector::Correction;
+use crate::onsets;
 use crate::step::Foot;
 use crate::vectors::{along, distance, dot};
 use crate::{BranchPoint, EventKind, Refusal, StopReason};
@@ -24,7 +25,9 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             return None;
         }
         let behind = along(&self.foot.z, -10.0 * self.control.limits.min, &self.foot.tangent);
-        let next = corner::regular_corner(self.system, &mut self.corrector, &self.control.limits, &self.foot, &behind)?;
+        let (limits, foot) = (&self.control.limits, &self.foot);
+        let boundaries = onsets::boundaries_at(self.system, limits, foot);
+        let next = corner::regular_corner(self.system, &mut self.corrector, limits, foot, &boundaries, &behind)?;
         Some(self.go_through(Passage::Corner(next)))
     }
 

@@ -6,8 +6,8 @@ use super::{
 use crate::mesh::Skin;
 use crate::model::{FeFiles, FeModel};
 
-/// Up to this, the product of the normals of two contacts that face each other differs from −1 by rounding, or by angles of a millionth: they move in one direction.
-const ROUNDED: f64 = 1e-12;
+/// By this the product of the normals of two contacts may differ from 1 or −1 where they have one direction: less than three seconds of arc are rounding.
+const ROUNDED: f64 = 1e-10;
 
 type Vector = [f64; 3];
 type Outcome<T> = Result<T, ContactProblem>;
@@ -29,22 +29,22 @@ pub fn find_contacts(
         for contact in one.contacts().map_err(wrong)? {
             one.check(&contact).map_err(wrong)?;
             let of_nodes = known.entry((contact.node, contact.against)).or_default();
-            let same = |k: &&usize| dot(found[**k].normal, contact.normal) > 1.0 - 1e-9;
-            if let Some(before) = of_nodes.iter().find(same) {
+            let product = |k: usize| dot(found[k].normal, contact.normal);
+            if let Some(before) = of_nodes.iter().find(|k| product(**k) > 1.0 - ROUNDED) {
                 return Err(wrong(ContactProblem::Twice { node: contact.node, before: found[*before].origin }));
             }
-            let opposite = |k: &&usize| dot(found[**k].normal, contact.normal) < -1.0 + ROUNDED;
-            let normal = of_nodes.iter().find(opposite).map_or(contact.normal, |k| found[*k].normal.map(|x| -x));
-            let contact = NodeContact { normal, ..contact };
-            let facing = |k: &&usize| dot(found[**k].normal, contact.normal) < -1.0 + 1e-9;
+            let facing: Vec<usize> = of_nodes.iter().copied().filter(|k| product(*k) < ROUNDED - 1.0).collect();
             let no_room = |k: &&usize| {
                 let (one, both_rigid) = (&found[**k], found[**k].stiffness.or(contact.stiffness).is_none());
                 both_rigid && one.gap + contact.gap < 0.0
             };
-            if let Some(&before) = of_nodes.iter().find(|k| facing(k) && no_room(k)) {
+            if let Some(&before) = facing.iter().find(no_room) {
                 let (node, room, before) = (contact.node, found[before].gap + contact.gap, found[before].origin);
                 return Err(wrong(ContactProblem::NoRoom { node, before, room }));
             }
+            // What faces another one up to rounding moves in its direction, not in one more.
+            let normal = facing.first().map_or(contact.normal, |k| found[*k].normal.map(|x| -x));
+            let contact = NodeContact { normal, ..contact };
             of_nodes.push(found.len());
             found.push(contact);
         }

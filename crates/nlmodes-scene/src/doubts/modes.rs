@@ -8,21 +8,17 @@ use crate::scene::Scene;
 
 /// Squared frequencies that differ by less than this share are not told apart.
 const EQUAL: f64 = 1e-8;
-/// Share of the squared frequency of the mode up to which that of another one is a rigid-body motion's.
-const RIGID: f64 = 1e-6;
-/// Share of the largest squared frequency that is zero up to rounding.
-const ZERO: f64 = 1e-8;
 /// Share of a row up to which another one is in its direction, or a contact not moved.
 const SMALL: f64 = 1e-6;
 
-/// What stands against the mode of which the nonlinear one is wanted.
+/// What stands against the mode of which the nonlinear one is wanted; nothing of rigid-body motions, which are refused.
 pub(super) fn doubts(scene: &Scene, open: &OpenStructure) -> Vec<String> {
-    let (mode, squares) = (scene.method.mode.wrapping_sub(1), open.modes.omega_squared());
-    let is_elastic = squares.get(mode).zip(squares.last()).is_some_and(|(own, last)| *own > ZERO * last);
-    if !scene.responses.is_empty() || !is_elastic {
+    let mode = scene.method.mode.wrapping_sub(1);
+    let Ok((rigid, _)) = open.modes.rigid_motions() else { return Vec::new() };
+    if !scene.responses.is_empty() || !(rigid..open.modes.n_modes()).contains(&mode) {
         return Vec::new();
     }
-    [repeated(open, mode), floating(open, mode)].into_iter().flatten().collect()
+    [repeated(open, mode), floating(open, rigid)].into_iter().flatten().collect()
 }
 
 /// Another mode of the same frequency, of which and the first the contacts see different combinations.
@@ -47,15 +43,12 @@ fn repeated(open: &OpenStructure, mode: usize) -> Option<String> {
     })
 }
 
-/// A structure that floats, and contacts that push it to one side: the mean of what acts on it vanishes in a periodic motion.
-fn floating(open: &OpenStructure, mode: usize) -> Option<String> {
-    let (squares, rows) = (open.modes.omega_squared(), open.modes.contact_rows());
-    let rigid: Vec<usize> = (0..squares.len()).filter(|k| squares[*k] <= RIGID * squares[mode]).collect();
-    let [rigid] = rigid[..] else { return None };
-    let pushed: Vec<f64> = (0..open.modes.n_contacts()).map(|i| rows[(i, rigid)]).collect();
+/// A structure with one rigid-body motion, in which all contacts push it to one side: the mean of what acts on it vanishes in a periodic motion.
+fn floating(open: &OpenStructure, rigid: usize) -> Option<String> {
+    let pushed: Vec<f64> = (0..open.modes.n_contacts()).map(|i| open.modes.contact_rows()[(i, 0)]).collect();
     let largest = pushed.iter().fold(0.0_f64, |most, push| most.max(push.abs()));
     let one_sided = |side: f64| pushed.iter().all(|push| side * push > SMALL * largest);
-    (largest > 0.0 && (one_sided(1.0) || one_sided(-1.0))).then(|| {
+    (rigid == 1 && (one_sided(1.0) || one_sided(-1.0))).then(|| {
         "the structure floats, and all contacts push it to the same side: their mean force vanishes in a periodic motion, so that none with contact exists. Stops on the other \
          side, or a support, hold it"
             .to_owned()

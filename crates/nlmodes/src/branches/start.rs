@@ -34,6 +34,13 @@ pub(super) struct Seed {
     pub harmonics: usize,
 }
 
+impl Seed {
+    /// `z = (x, p)`.
+    pub fn point(&self) -> Vec<f64> {
+        self.x.iter().copied().chain([self.p]).collect()
+    }
+}
+
 /// Where frequency and parameter stand in `z = (x, p)`.
 #[derive(Debug, Clone, Copy)]
 struct Place {

@@ -50,23 +50,23 @@ pub(super) fn beginning(
 /// The start, taken back to where nothing touches yet if corrected it would touch by rounding. In contact the branch may turn towards less energy: of its two ways
 /// the one of growing amplitude then leads out of contact and back along the linear mode.
 fn before_contact(problem: &mut Periodic, settings: &BranchSettings, start: &Grazing, seed: Seed) -> Seed {
-    let at = |share: f64| -> Vec<f64> {
-        let z = seed.x.iter().copied().chain([seed.p]);
-        z.zip(&seed.direction).map(|(z, d)| z - share * d).collect()
+    let back = |share: f64| {
+        let x = seed.x.iter().zip(&seed.direction).map(|(x, d)| x - share * d).collect();
+        let p = seed.p - share * seed.direction.last().copied().unwrap_or(0.0);
+        Seed { x, p, ..seed.clone() }
     };
-    let Some(clear) = problem.pattern_at(&at(1.0 - CLEAR)) else { return seed };
-    let shares =
-        std::iter::successors(Some(f64::EPSILON), |share| Some(8.0 * share)).take_while(|share| *share < ROUNDED);
-    for share in std::iter::once(0.0).chain(shares) {
-        let Some((mut z, p)) = one_point(settings, start, problem, &at(share), &seed.direction, &mut ()) else { break };
-        z.push(p);
-        if problem.pattern_at(&z) == Some(clear) {
-            let mut x = at(share);
-            let p = x.pop().unwrap_or(seed.p);
-            return Seed { x, p, ..seed };
-        }
-    }
-    seed
+    let Some(clear) = problem.pattern_at(&back(1.0 - CLEAR).point()) else { return seed };
+    let mut is_clear = |seed: &Seed| {
+        let corrected = one_point(settings, start, problem, &seed.point(), &seed.direction, &mut ());
+        corrected.is_some_and(|(mut z, p)| {
+            z.push(p);
+            problem.pattern_at(&z) == Some(clear)
+        })
+    };
+    let shares = std::iter::successors(Some(f64::EPSILON), |share| Some(8.0 * share));
+    let shares = std::iter::once(0.0).chain(shares.take_while(|share| *share < ROUNDED));
+    let found = shares.map(back).find(&mut is_clear);
+    found.unwrap_or(seed)
 }
 
 /// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it is not quite that of the whole
