@@ -1,12 +1,12 @@
 //! Contact problems: time per sample of a smooth series, by backend, cold and warm, next to the limit.
 //!
-//! The limit is what no solver can avoid once it knows the closed contacts: one back-solve with the factor of their block
-//! and `g = A λ + b`, over the same samples.
+//! The limit is what no solver can avoid once it knows the closed contacts: one back-solve with the factor of their
+//! block and `g = A λ + b`, over the same samples.
 //!
-//! - `limit`: in the order of the samples, with a factor kept for every closed set. From some hundred contacts on these factors
-//!   do not fit into the cache beside the processor, so the limit includes fetching them.
-//! - `limit in cache`: closed set by closed set, timed after the factor was used once. No solver that meets the samples in
-//!   their order can do that; it bounds what fetching contributes to the limit.
+//! - `limit`: in the order of the samples, with a factor kept for every closed set. From some hundred contacts on these
+//!   factors do not fit into the cache beside the processor, so the limit includes fetching them.
+//! - `limit in cache`: closed set by closed set, timed after the factor was used once. No solver that meets the samples
+//!   in their order can do that; it bounds what fetching contributes to the limit.
 //! - `cold`: a new work space, every sample without a guess.
 //! - `warm`: the guess is the sample before, as for the first iterate of an outer iteration.
 //! - `again`: the guess is the same sample of a series with an amplitude 0.1 % off, as for all later iterates.

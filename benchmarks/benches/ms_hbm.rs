@@ -1,4 +1,5 @@
-//! Mixed shooting-harmonic balance: one residual with its Jacobian over the number of harmonics. Whole branches are among the `kernels`.
+//! Mixed shooting-harmonic balance: one residual with its Jacobian over the number of harmonics. Whole branches are
+//! among the `kernels`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nlmodes_benchmarks::kernels::residual;

@@ -35,8 +35,8 @@ fn main() -> Result<(), Failure> {
     }
     if has("beam") {
         header("N_h");
-        // The whole beam has too many tongues for an exact motion to be near. With few modes and what they leave over of the
-        // static shape it is a structure of its own, the same for both methods.
+        // The whole beam has too many tongues for an exact motion to be near. With few modes and what they leave over
+        // of the static shape it is a structure of its own, the same for both methods.
         for modes in [3, 5, 6, 8] {
             let reduced = GalerkinReduction::new(beam()?, modes)?;
             let name = format!("beam, {} modes", reduced.n_kept_modes());
@@ -132,7 +132,8 @@ fn row_each(
     Ok(())
 }
 
-/// The solutions of one energy with these harmonics, each on its own branch: where tongues are dense, these are not near each other.
+/// The solutions of one energy with these harmonics, each on its own branch: where tongues are dense, these are not
+/// near each other.
 fn rows_of_own(name: &str, model: &MasslessContactModel, ratio: f64, harmonics: &[usize]) -> Result<(), Failure> {
     for &n in harmonics {
         let wanted = BranchSettings {
@@ -159,7 +160,8 @@ fn rows_of_own(name: &str, model: &MasslessContactModel, ratio: f64, harmonics: 
     Ok(())
 }
 
-/// A row: the error against the exact motion of the same energy to which shooting leads from the solution, and its estimate.
+/// A row: the error against the exact motion of the same energy to which shooting leads from the solution, and its
+/// estimate.
 fn tell(
     name: &str,
     ratio: f64,

@@ -1,6 +1,8 @@
-//! Cases at the limits of numbers: what is asked, what comes out, and by what it is judged; the tables of benchmarks/results/hard_cases.md.
+//! Cases at the limits of numbers: what is asked, what comes out, and by what it is judged; the tables of
+//! benchmarks/results/hard_cases.md.
 //!
-//! `cargo run --release -p nlmodes-benchmarks --example hard_cases [part of a name …]`; without an argument all of them.
+//! `cargo run --release -p nlmodes-benchmarks --example hard_cases [part of a name …]`; without an argument all of
+//! them.
 
 #[path = "hard_cases/cases.rs"]
 mod cases;

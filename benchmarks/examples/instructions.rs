@@ -8,9 +8,9 @@
 //! cargo run --release -p nlmodes-benchmarks --example instructions -- --profile  also the functions that a kernel spends its time in
 //! ```
 //!
-//! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on the processor:
-//! those of another one are shown, and none counts as worse. Without `--release` the counts are others, kept in
-//! benchmarks/instructions_dev.toml as they come out with the build settings of `.ci/run`, which checks them.
+//! Parts of kernels' names behind the option select kernels. Needs `valgrind`. The counts depend on the compiler and on
+//! the processor: those of another one are shown, and none counts as worse. Without `--release` the counts are others,
+//! kept in benchmarks/instructions_dev.toml as they come out with the build settings of `.ci/run`, which checks them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -162,7 +162,8 @@ fn write() -> Result<ExitCode, Failure> {
 /// Instruction sets for which kernels have code of their own.
 const VECTORS: [&str; 3] = ["avx2", "fma", "avx512f"];
 
-/// Compiler and processor: by the latter's instruction sets and caches the kernels choose their code and blocks at run time.
+/// Compiler and processor: by the latter's instruction sets and caches the kernels choose their code and blocks at run
+/// time.
 fn made_with() -> Result<String, Failure> {
     let output = Command::new("rustc").arg("--version").output()?;
     let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

@@ -1,5 +1,5 @@
-//! What following a branch takes beside what its points alone would: three evaluations of residual and Jacobian, with the solution of the
-//! bordered system, for each of them.
+//! What following a branch takes beside what its points alone would: three evaluations of residual and Jacobian, with
+//! the solution of the bordered system, for each of them.
 //!
 //! ```text
 //! ratio = processor time of the computation / (points · 3 · (residual + Jacobian + factors + Newton step))
@@ -7,9 +7,10 @@
 //!
 //! Writes a Markdown table: `cargo run --release -p nlmodes-benchmarks --example over_ideal [PART OF A NAME]`.
 //!
-//! The computation has all between model and branch: linear and held modes, start, steps, events, and the modal points that are shown. The
-//! evaluation is timed at points of the branch itself, at eleven of them that are evenly apart, each at its own motion and with contacts warm; their mean
-//! counts. Both are processor times of this one thread, the least of some runs.
+//! The computation has all between model and branch: linear and held modes, start, steps, events, and the modal points
+//! that are shown. The evaluation is timed at points of the branch itself, at eleven of them that are evenly apart,
+//! each at its own motion and with contacts warm; their mean counts. Both are processor times of this one thread, the
+//! least of some runs.
 
 use std::ops::ControlFlow;
 
@@ -113,7 +114,8 @@ fn evaluation(branch: &ComputedBranch, point: usize) -> Result<f64, Failure> {
     Ok(smallest_time(3, || evaluate().is_ok()))
 }
 
-/// A cantilever over a row of stops whose gaps follow its first mode, the tip's being touched first: that of `benchmarks/times.py`.
+/// A cantilever over a row of stops whose gaps follow its first mode, the tip's being touched first: that of
+/// `benchmarks/times.py`.
 fn row_of_stops(stops: usize, elements: usize) -> Result<MasslessContactModel, Failure> {
     const LENGTH: f64 = 0.6;
     let beam = Beam {

@@ -1,9 +1,12 @@
-//! What the backbone of the rod by conventional harmonic balance costs as a library: processor time of whole computations, and of a further point.
+//! What the backbone of the rod by conventional harmonic balance costs as a library: processor time of whole
+//! computations, and of a further point.
 //!
-//! The equations are those of `peers/rod_backbone.py`: 100 elements, the mass of the tip kept, a spring of 1e11 N/m in the place of the rigid stop, 256 samples
-//! a period, to 15 grazing energies. Writes a Markdown table: `cargo run --release -p nlmodes-benchmarks --example rod_backbone`.
+//! The equations are those of `peers/rod_backbone.py`: 100 elements, the mass of the tip kept, a spring of 1e11 N/m in
+//! the place of the rigid stop, 256 samples a period, to 15 grazing energies. Writes a Markdown table:
+//! `cargo run --release -p nlmodes-benchmarks --example rod_backbone`.
 //!
-//! A computation has all between the numbers of the rod and the points that are shown: assembly, linear and held modes, start, steps, events, modal points.
+//! A computation has all between the numbers of the rod and the points that are shown: assembly, linear and held modes,
+//! start, steps, events, modal points.
 
 use std::ops::ControlFlow;
 

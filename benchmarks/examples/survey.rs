@@ -1,4 +1,5 @@
-//! Branches of the paper's structures with many numbers of harmonics, as tables of points, events, processor time and residual.
+//! Branches of the paper's structures with many numbers of harmonics, as tables of points, events, processor time and
+//! residual.
 //!
 //! `cargo run --release -p nlmodes-benchmarks --example survey [rod|meshes|beam]`; without an argument all three.
 

@@ -1,5 +1,5 @@
-//! Writes `docs/verification.md`: cases with known answers, computed anew. With a word, prints the cases whose name contains it; with
-//! `--quiet`, only says which pass, of all or of those that are named.
+//! Writes `docs/verification.md`: cases with known answers, computed anew. With a word, prints the cases whose name
+//! contains it; with `--quiet`, only says which pass, of all or of those that are named.
 
 use std::process::ExitCode;
 use std::time::Duration;

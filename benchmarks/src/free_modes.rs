@@ -15,8 +15,9 @@ const REST: f64 = 1e-9;
 /// X = (K⁻¹ − Φ Λ⁻¹ Φᵀ) I_N ,   R = X_N
 /// ```
 ///
-/// with modes `Φ` of the structure with open contacts. It has their frequencies, the statics of the whole structure, and no mass at its contact
-/// coordinates: `λ = R⁻¹ (q_N − Φ_N η)` is their equation. Modes that leave the contacts at rest are left out.
+/// with modes `Φ` of the structure with open contacts. It has their frequencies, the statics of the whole structure,
+/// and no mass at its contact coordinates: `λ = R⁻¹ (q_N − Φ_N η)` is their equation. Modes that leave the contacts at
+/// rest are left out.
 pub struct FreeModes {
     /// Degrees of freedom `η`, then the contact degrees of freedom.
     pub model: StructuralModel,
@@ -69,8 +70,8 @@ impl FreeModes {
         self.available
     }
 
-    /// Displacements of the reduced structure from those of the whole one, `η = Φᵀ M q`; those of its contacts follow statically and are left
-    /// at zero.
+    /// Displacements of the reduced structure from those of the whole one, `η = Φᵀ M q`; those of its contacts follow
+    /// statically and are left at zero.
     pub fn project(&self, full: &MasslessContactModel, displacement: &[f64]) -> Vec<f64> {
         let inertia = multiply(full.mass(), displacement);
         let modal = |k: usize| inertia.iter().enumerate().map(|(i, f)| self.shapes[(i, k)] * f).sum::<f64>();
@@ -142,7 +143,8 @@ mod tests {
         let reduced = FreeModes::new(&full, 3).unwrap().model;
         let modes = |mass: &SparseMatrix, stiffness: &SparseMatrix| linear_modes(mass, stiffness, 3).unwrap().omega;
         let [own, whole] = [modes(reduced.mass(), reduced.stiffness()), modes(full.mass(), full.stiffness())];
-        // The stop next to the clamp is some 1e6 times as stiff as the first mode: so many digits of that are lost in the sum.
+        // The stop next to the clamp is some 1e6 times as stiff as the first mode: so many digits of that are lost in
+        // the sum.
         own.iter().zip(&whole).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}"));
         let at: Vec<usize> = (3..13).collect();
         let [own, whole] = [flexibility(reduced.stiffness(), &at), flexibility(full.stiffness(), full.contact_dofs())];

@@ -43,7 +43,8 @@ pub fn loop_of_the_rod() -> BranchSettings {
     BranchSettings { harmonics: 3, max_energy_ratio: Some(20.0), frequency_hz, ..BranchSettings::default() }
 }
 
-/// The backbone of the rod by conventional harmonic balance, which other programs compute too: 256 samples a period, to 15 grazing energies.
+/// The backbone of the rod by conventional harmonic balance, which other programs compute too: 256 samples a period, to
+/// 15 grazing energies.
 pub fn backbone_of_the_rod(harmonics: usize) -> BranchSettings {
     BranchSettings {
         harmonics,
@@ -74,7 +75,8 @@ fn residual_of(model: MasslessContactModel, harmonics: usize) -> Result<Kernel, 
     Ok(Box::new(move || problem.linearize(black_box(&x), 0.5, &mut out).unwrap_or_else(|e| panic!("{e}"))))
 }
 
-/// The periodic problem of the model and unknowns with contact. The structure is leaked: a kernel lives as long as its program.
+/// The periodic problem of the model and unknowns with contact. The structure is leaked: a kernel lives as long as its
+/// program.
 fn problem(model: MasslessContactModel, harmonics: usize) -> Result<(MixedShooting<'static>, Vec<f64>), Failure> {
     let structure: &'static CondensedStructure = Box::leak(Box::new(CondensedStructure::new(model, usize::MAX)?));
     let start = grazing(structure, 1)?;

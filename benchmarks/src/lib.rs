@@ -26,7 +26,8 @@ pub fn rod(elements: usize, mass_matrix: MassMatrix) -> Result<MasslessContactMo
     Ok(MasslessContactModel::new(&rod_before(stop, elements, mass_matrix)?, &Drop)?)
 }
 
-/// The same rod with the mass of its tip, before a spring of `stiffness`, N/m, in the place of the rigid stop: for conventional harmonic balance.
+/// The same rod with the mass of its tip, before a spring of `stiffness`, N/m, in the place of the rigid stop: for
+/// conventional harmonic balance.
 ///
 /// # Errors
 /// Without elements.
@@ -158,14 +159,15 @@ fn bench(law: ContactLaw) -> Result<(Bench, ModalReduction), Failure> {
     Ok((bench, reduction))
 }
 
-/// Time that the processor has spent on the calling thread; other programs on the machine do not count. Under callgrind and other simulators
-/// it may go back: differences are to be taken with `saturating_sub`.
+/// Time that the processor has spent on the calling thread; other programs on the machine do not count. Under callgrind
+/// and other simulators it may go back: differences are to be taken with `saturating_sub`.
 pub fn thread_time() -> Duration {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or(0))
 }
 
-/// Processor time of one run of `work`, s: the smallest of `rounds` rounds, each of as many runs as take a few milliseconds.
+/// Processor time of one run of `work`, s: the smallest of `rounds` rounds, each of as many runs as take a few
+/// milliseconds.
 pub fn smallest_time<T>(rounds: usize, mut work: impl FnMut() -> T) -> f64 {
     let mut runs = 1;
     let mut time = |runs: usize| {

@@ -1,7 +1,8 @@
-//! `nlmodes-fuzz TARGET COUNT [SEED]`: valid files with mutations, one after the other, until one makes the reader panic or hang.
+//! `nlmodes-fuzz TARGET COUNT [SEED]`: valid files with mutations, one after the other, until one makes the reader
+//! panic or hang.
 //!
-//! The input that did it is kept as `TARGET-SEED-NUMBER.bin` in the directory where the program was started; `nlmodes-fuzz TARGET FILE`
-//! reads it again.
+//! The input that did it is kept as `TARGET-SEED-NUMBER.bin` in the directory where the program was started;
+//! `nlmodes-fuzz TARGET FILE` reads it again.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;

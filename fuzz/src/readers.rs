@@ -70,7 +70,8 @@ pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
     Ok(Some(Target { read, corpus, words }))
 }
 
-/// Everything the program does with a scene before it computes, and with `--set`: the last line of the text is the argument.
+/// Everything the program does with a scene before it computes, and with `--set`: the last line of the text is the
+/// argument.
 fn scene(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let argument = text.lines().next_back().unwrap_or_default().to_owned();

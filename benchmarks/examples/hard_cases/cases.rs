@@ -104,8 +104,8 @@ fn touching() -> Vec<(String, Compute)> {
             let continuous = 4.0 / 3.0 * (210e9_f64 / 9000.0).sqrt() / 80.0;
             let (off, spread) = (verdict.last_hz() / continuous - 1.0, verdict.spread());
             let by = format!("4/3 of c/4L, the continuous rod; spread over energy {spread:.0e}");
-            // The mass dropped at the tip: half an element of the length, twice that with the tip at rest. Motions that touch more often a period
-            // tend to the same frequency.
+            // The mass dropped at the tip: half an element of the length, twice that with the tip at rest. Motions that
+            // touch more often a period tend to the same frequency.
             let met = verdict.branch().branch.points.last().map_or(0, |p| p.contact_intervals);
             let sound = spread < 1e-9 && met == contacts;
             Ok(verdict.judged(by, if sound { off } else { f64::NAN }, 0.6 * contacts as f64 / elements as f64))
@@ -146,7 +146,8 @@ fn held_rod(n: usize) -> f64 {
     (6.0 * 210e9 / (9000.0 * l * l) * (2.0 - 2.0 * kappa.cos()) / (4.0 + 2.0 * kappa.cos())).sqrt() / TAU
 }
 
-/// The pressed rod of two elements, `x` from −b to … about the place where it is held: frequency, averaged kinetic energy and share of the period in contact.
+/// The pressed rod of two elements, `x` from −b to … about the place where it is held: frequency, averaged kinetic
+/// energy and share of the period in contact.
 fn pressed_closed_form(b: f64) -> (f64, f64, f64) {
     let a = (1.0 + 2.0 * (b * b - 0.25)).sqrt();
     let (omega_c, omega_f) = (12.0_f64.sqrt(), 6.0_f64.sqrt());
@@ -239,7 +240,8 @@ fn stiffness_ratios() -> Vec<(String, Compute)> {
         cases.push(case(
             format!("chain of 12 masses, every other spring 1e{exponent} times stiffer, N_h = 5"),
             move || {
-                // Springs 1, s, 1, s, …: masses 2 and 3, 4 and 5 … move together; the last spring leads to the massless node.
+                // Springs 1, s, 1, s, …: masses 2 and 3, 4 and 5 … move together; the last spring leads to the massless
+                // node.
                 let springs: Vec<f64> = (0..12).map(|i| if i % 2 == 1 { stiff } else { 1.0 }).chain([1.0]).collect();
                 let masses: Vec<f64> = vec![1.0; 12].into_iter().chain([0.0]).collect();
                 let contacts = vec![Contact::rigid(12, Side::Positive, 1.0)];

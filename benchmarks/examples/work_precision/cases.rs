@@ -13,7 +13,8 @@ pub struct Case {
     pub whole: Option<Whole>,
     /// Frequency of the point, Hz, or where negative over that at grazing.
     pub frequency: f64,
-    /// Harmonics with which the backbone is followed to that frequency, and from which the exact motion is sought there.
+    /// Harmonics with which the backbone is followed to that frequency, and from which the exact motion is sought
+    /// there.
     pub leading_harmonics: usize,
     /// Largest number of harmonics: beyond, the dense solve takes minutes.
     pub most_harmonics: usize,

@@ -4,8 +4,9 @@
 //! cargo run --release -p nlmodes-benchmarks --example work_precision -- FOLDER [STRUCTURE]
 //! ```
 //!
-//! writes `work_precision.csv` and the figures of `benchmarks/results/work_precision.md` to FOLDER and prints its tables. STRUCTURE is one of
-//! `rod2`, `rod3`, `rod10`, `rod100`, `beam3`, `beam6`, `beam10`, `ten_stops`; without it all are studied.
+//! writes `work_precision.csv` and the figures of `benchmarks/results/work_precision.md` to FOLDER and prints its
+//! tables. STRUCTURE is one of `rod2`, `rod3`, `rod10`, `rod100`, `beam3`, `beam6`, `beam10`, `ten_stops`; without it
+//! all are studied.
 //!
 //! ```text
 //! cargo run --release -p nlmodes-benchmarks --example work_precision -- survey STRUCTURE FROM TO STEP [MOST]
@@ -13,8 +14,8 @@
 //!
 //! prints the errors at other places of the branch: at frequencies over that at grazing, with up to MOST harmonics.
 //!
-//! A point costs what Newton's method takes from unknowns that are 1 % too large, with the frequency held; setting up the structure
-//! does not count, it is done once a branch.
+//! A point costs what Newton's method takes from unknowns that are 1 % too large, with the frequency held; setting up
+//! the structure does not count, it is done once a branch.
 
 mod cases;
 mod methods;

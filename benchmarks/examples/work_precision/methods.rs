@@ -50,7 +50,8 @@ pub struct Measurement {
     pub method: Method,
     pub harmonics: usize,
     pub solver: &'static str,
-    /// At the frequency of the exact motion, relative, L2. Not a number, as what follows, where no such motion was found.
+    /// At the frequency of the exact motion, relative, L2. Not a number, as what follows, where no such motion was
+    /// found.
     pub displacement: f64,
     /// At its energy, relative.
     pub frequency: f64,
@@ -154,7 +155,8 @@ pub fn shooting(reference: &Reference) -> Result<Measurement, Failure> {
 /// Solutions with exact switching, by their harmonics: where others are sought if not from the exact motion itself.
 pub type Neighbours = BTreeMap<usize, Vec<Vec<f64>>>;
 
-/// From the most harmonics to the fewest: a motion that is not found from the exact one is sought from that with the next more.
+/// From the most harmonics to the fewest: a motion that is not found from the exact one is sought from that with the
+/// next more.
 pub fn exact(case: &Case, reference: &Reference) -> Result<(Vec<Measurement>, Neighbours), Failure> {
     let structure = CondensedStructure::new(reference.model.clone(), usize::MAX)?;
     let (mut all, mut neighbours) = (Vec::new(), Neighbours::new());
@@ -233,7 +235,8 @@ pub fn contact_solvers(case: &Case, reference: &Reference, known: &Neighbours) -
     Ok(all)
 }
 
-/// Contact stiffnesses over that of the contact node: from the exact motion, or else from the solution with the stiffness before.
+/// Contact stiffnesses over that of the contact node: from the exact motion, or else from the solution with the
+/// stiffness before.
 pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measurement>, Failure> {
     const STEPS: i32 = 3;
     let mut all = Vec::new();
@@ -265,7 +268,8 @@ pub fn harmonic_balance(case: &Case, reference: &Reference) -> Result<Vec<Measur
     Ok(all)
 }
 
-/// The structure with each stop on a spring of `stiffness` times the stiffness of its contact node, the same masses as the reference.
+/// The structure with each stop on a spring of `stiffness` times the stiffness of its contact node, the same masses as
+/// the reference.
 fn with_springs(case: &Case, reference: &Reference, stiffness: f64) -> Result<MasslessContactModel, Failure> {
     let k_nn = reference.model.k_nn();
     let place = |dof: usize| reference.model.contact_dofs().iter().position(|d| *d == dof).unwrap_or(0);
@@ -311,8 +315,8 @@ fn measure(
     Ok((m, found))
 }
 
-/// Errors at the frequency and at the energy of the reference; with the unknowns found, those at the energy first. Of the solutions to which
-/// the starts lead, the nearest to the exact motion counts.
+/// Errors at the frequency and at the energy of the reference; with the unknowns found, those at the energy first. Of
+/// the solutions to which the starts lead, the nearest to the exact motion counts.
 pub fn errors(
     structure: &CondensedStructure,
     reference: &Reference,

@@ -55,7 +55,8 @@ impl Reference {
         Ok(MasslessContactModel::new(&case.model, &Drop)?)
     }
 
-    /// From unknowns and parameter with `width` harmonics to those with more at the same frequency, and from there to the exact motion.
+    /// From unknowns and parameter with `width` harmonics to those with more at the same frequency, and from there to
+    /// the exact motion.
     pub fn beside(
         structure: &CondensedStructure,
         start: &Grazing,

@@ -10,7 +10,8 @@ use super::time::{dynamics, impulse};
 use super::tools::{slope, springs};
 use crate::Failure;
 
-/// `n` masses of 1 kg on springs of 1 N/m behind a wall, the last of which hits a rigid stop 1 m away once a period without loss.
+/// `n` masses of 1 kg on springs of 1 N/m behind a wall, the last of which hits a rigid stop 1 m away once a period
+/// without loss.
 struct Impacts {
     period: f64,
     /// Momentum of an impact, N s.

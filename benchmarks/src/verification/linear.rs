@@ -158,7 +158,8 @@ fn continuous_rod() -> Result<Vec<Check>, Failure> {
 
 /// `κ` of the chain with its last node massless, between two multiples of π/2n, and the angular frequency.
 fn tip_frequency(n: f64, speed: f64, [low, high]: [f64; 2]) -> f64 {
-    // The tip follows its neighbour; that one has the mass 4/6 of an element and one spring: (1 − cos κ)-form of its equation.
+    // The tip follows its neighbour; that one has the mass 4/6 of an element and one spring: (1 − cos κ)-form of its
+    // equation.
     let w2 = |kappa: f64| 6.0 * (1.0 - kappa.cos()) / (2.0 + kappa.cos());
     let f = |kappa: f64| {
         let q = |j: f64| (kappa * (n - j)).sin();

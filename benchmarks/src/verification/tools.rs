@@ -110,7 +110,8 @@ pub fn condensed(model: &StructuralModel) -> Result<CondensedStructure, Failure>
     Ok(CondensedStructure::new(MasslessContactModel::new(model, &Drop)?, usize::MAX)?)
 }
 
-/// The structure with its mass at the contacts, behind the massless tips of elastic stops: conventional harmonic balance.
+/// The structure with its mass at the contacts, behind the massless tips of elastic stops: conventional harmonic
+/// balance.
 pub fn with_tips(model: &StructuralModel) -> Result<CondensedStructure, Failure> {
     Ok(CondensedStructure::new(MasslessContactModel::with_spring_tips(model, None)?, usize::MAX)?)
 }
@@ -156,7 +157,8 @@ pub fn at_energy(
     Ok(problem.modal_point(&last.x, last.residual)?)
 }
 
-/// `m ẍ + k x + k_s max(x − g, 0) = 0` with the largest displacement `top`, or with the same stop on the other side as well.
+/// `m ẍ + k x + k_s max(x − g, 0) = 0` with the largest displacement `top`, or with the same stop on the other side as
+/// well.
 #[derive(Debug, Clone, Copy)]
 pub struct Bilinear {
     pub m: f64,
@@ -216,7 +218,8 @@ impl Bilinear {
         [-free * c, -sign * free * slow * s]
     }
 
-    /// `⟨½ m ẋ²⟩`: `∫ sin²` from where the mass stands still, or for the free arc between two stops, `∫ cos²` from the middle.
+    /// `⟨½ m ẋ²⟩`: `∫ sin²` from where the mass stands still, or for the free arc between two stops, `∫ cos²` from the
+    /// middle.
     pub fn kinetic(&self) -> f64 {
         let share = |[a, omega, angle]: [f64; 3], sign: f64| {
             0.25 * self.m * a * a * omega * (angle - sign * angle.sin() * angle.cos())

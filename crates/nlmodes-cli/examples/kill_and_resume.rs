@@ -1,4 +1,5 @@
-//! Kills runs of `nlmodes-cli` at random instants, looks at what is left, lets them go on, and compares with a run that was not killed.
+//! Kills runs of `nlmodes-cli` at random instants, looks at what is left, lets them go on, and compares with a run that
+//! was not killed.
 //!
 //! ```text
 //! cargo run -p nlmodes-cli --example kill_and_resume -- configs/rod.toml --kills 100 --set method.harmonics=5
@@ -147,7 +148,8 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
                 }
                 last = found.max(last);
             } else if let (true, Some(kept)) = (line.starts_with("back to point"), number(&line)) {
-                // A tongue is skipped, or other harmonics are taken some points earlier: those points do not count, be they of this run or of the one before.
+                // A tongue is skipped, or other harmonics are taken some points earlier: those points do not count, be
+                // they of this run or of the one before.
                 let withdrawn = last.map_or(0, |last: usize| (last + 1).saturating_sub(kept));
                 count.store(count.load(Ordering::SeqCst).saturating_sub(withdrawn), Ordering::SeqCst);
                 last = kept.checked_sub(1);
@@ -216,8 +218,8 @@ fn kill_once(
     read_all(directory, figures)
 }
 
-/// Whether points that were found can be taken back: those on tongues that are skipped, and those before which an accuracy wants other
-/// harmonics. The scene or the call asks for it.
+/// Whether points that were found can be taken back: those on tongues that are skipped, and those before which an
+/// accuracy wants other harmonics. The scene or the call asks for it.
 fn withdraws(call: &[String]) -> bool {
     let says = |text: &str| {
         let keys = text.lines().filter(|line| !line.trim_start().starts_with('#'));

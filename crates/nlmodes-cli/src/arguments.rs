@@ -11,8 +11,9 @@ use crate::{at, compare, explore, figures, lcp, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
-/// A scene, a TOML file, describes a rod or beam, its stops, and what is to be computed. From it come the branch of a nonlinear mode
-/// (frequency, shape and contact force over energy), a virtual test of it, or the same from measured records: as tables, figures and a page.
+/// A scene, a TOML file, describes a rod or beam, its stops, and what is to be computed. From it come the branch of a
+/// nonlinear mode (frequency, shape and contact force over energy), a virtual test of it, or the same from measured
+/// records: as tables, figures and a page.
 #[derive(Debug, Parser)]
 #[command(name = "nlmodes-cli", version, arg_required_else_help = true, after_help = EXAMPLES)]
 pub struct CommandLine {
@@ -164,7 +165,8 @@ They work in the next shell that is opened.")]
 // What is to be done with records.
 #[derive(Debug, Subcommand)]
 pub enum Experiment {
-    /// Turn measured records into points of a nonlinear mode: a table, figures, and what a careful experimenter wants to be told
+    /// Turn measured records into points of a nonlinear mode: a table, figures, and what a careful experimenter wants
+    /// to be told
     #[command(after_help = "\
 Example:
   nlmodes-cli experiment extract configs/measured_record.toml --out results/measured

@@ -52,8 +52,8 @@ pub fn run() -> Status {
     }
 }
 
-/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own guesses go further. An option
-/// that does not exist is no value either; `at` says at which quantities it may be asked.
+/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own
+/// guesses go further. An option that does not exist is no value either; `at` says at which quantities it may be asked.
 fn said_better(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::InvalidSubcommand {
         let typed = match error.get(ContextKind::InvalidSubcommand) {
@@ -78,8 +78,8 @@ fn said_better(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Reads a scene, says what is wrong or looks wrong with it or does not fit into memory, and goes on if nothing stands in the way; its
-/// results go to `out`.
+/// Reads a scene, says what is wrong or looks wrong with it or does not fit into memory, and goes on if nothing stands
+/// in the way; its results go to `out`.
 fn with(
     arguments: &SceneArguments,
     out: Option<PathBuf>,
@@ -109,7 +109,8 @@ fn with_structure(arguments: &SceneArguments, then: impl FnMut(SceneFile) -> Sta
     })
 }
 
-/// One scene after the other, each below the name of its method where there are several, up to the first that cannot be done.
+/// One scene after the other, each below the name of its method where there are several, up to the first that cannot be
+/// done.
 fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let count = files.len();
     for (k, file) in files.into_iter().enumerate() {

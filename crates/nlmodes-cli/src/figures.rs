@@ -26,8 +26,8 @@ pub struct Arguments {
     /// Resolution of PNG
     #[arg(long, value_name = "N", default_value_t = 300.0, allow_negative_numbers = true)]
     dots_per_inch: f64,
-    /// Width in print, mm, with letters of 8 points: 90 for a column, 180 for two. The figures of a branch or of responses are drawn anew, and the files
-    /// named by it: frequency_energy_90mm.pdf
+    /// Width in print, mm, with letters of 8 points: 90 for a column, 180 for two. The figures of a branch or of
+    /// responses are drawn anew, and the files named by it: frequency_energy_90mm.pdf
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width_mm: Option<f64>,
     /// Without the titles above the figures, with --width-mm

@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one ends the computation where it is, which writes what was found; where nothing was, and the second time, at once.
+//! Ctrl-C: the first one ends the computation where it is, which writes what was found; where nothing was, and the
+//! second time, at once.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -35,7 +36,8 @@ pub fn install() {
     }
 }
 
-/// A computation begins: until [`something_found`] nothing is lost with it, and Ctrl-C ends it at once, whatever it is at.
+/// A computation begins: until [`something_found`] nothing is lost with it, and Ctrl-C ends it at once, whatever it is
+/// at.
 pub fn nothing_found_yet() {
     _ = FOUND.compare_exchange(UNKNOWN, NOTHING, Ordering::SeqCst, Ordering::SeqCst);
 }

@@ -1,8 +1,9 @@
 //! The command line of nlmodes: from a scene file to branch, tables and figures.
 //!
-//! [`command`] takes the command line apart, and each command is a module of its own. `nlmodes-scene` reads and checks scenes, `nlmodes-run` and
-//! `nlmodes-study` compute and write, `nlmodes-explore` serves the page with sliders; what there is to say of it comes from there in words. Here
-//! it is put on a terminal, with lines that move, Ctrl-C and exit statuses.
+//! [`command`] takes the command line apart, and each command is a module of its own. `nlmodes-scene` reads and checks
+//! scenes, `nlmodes-run` and `nlmodes-study` compute and write, `nlmodes-explore` serves the page with sliders; what
+//! there is to say of it comes from there in words. Here it is put on a terminal, with lines that move, Ctrl-C and exit
+//! statuses.
 
 /// Prints a line to standard error; one that nobody can read is no error.
 macro_rules! say {

@@ -12,7 +12,8 @@ pub struct RunOptions {
     /// Overwrite the results of another scene
     #[arg(long)]
     pub force: bool,
-    /// Look at all that says how far the numbers can be trusted: more harmonics, more modes, exact motions at a few points
+    /// Look at all that says how far the numbers can be trusted: more harmonics, more modes, exact motions at a few
+    /// points
     #[arg(long)]
     pub certify: bool,
     /// No progress; warnings and errors only

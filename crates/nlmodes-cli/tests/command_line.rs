@@ -23,7 +23,8 @@ fn scenes_that_come_along_are_sound() -> Outcome {
         let scene = scene.as_str();
         let output = call(&["check", scene])?;
         assert_eq!(output.status.code(), Some(0));
-        // The rule of the paper, by which contact nodes lose their mass, moves the linear mode: that is said, and nothing else.
+        // The rule of the paper, by which contact nodes lose their mass, moves the linear mode: that is said, and
+        // nothing else.
         let said = String::from_utf8(output.stderr)?;
         assert!(said.starts_with("warning: taking the mass of the contact nodes away (drop)"), "{scene}: {said}");
         assert_eq!(said.trim().lines().count(), 1, "{scene}: {said}");

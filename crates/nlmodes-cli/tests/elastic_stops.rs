@@ -89,8 +89,8 @@ fn a_stop_of_its_own_stiffness_yields_with_either_method() -> Outcome {
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         found.push(last_row(&out)?);
     }
-    // Both leave out the mass of the tip, as the scene says; they differ in whether the tip, a million times stiffer than the beam, moves in
-    // harmonics.
+    // Both leave out the mass of the tip, as the scene says; they differ in whether the tip, a million times stiffer
+    // than the beam, moves in harmonics.
     assert!((column(&found[0], 1) / column(&found[1], 1) - 1.0).abs() < 1e-5, "{found:?}");
     assert!(found.iter().all(|row| column(row, 6) > 1.04e-3), "{found:?}");
     Ok(())

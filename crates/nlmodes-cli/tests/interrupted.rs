@@ -170,7 +170,8 @@ fn beginning_anew_over_an_interrupted_run_is_said() -> Outcome {
     Ok(())
 }
 
-/// The numbers, the lengths or the meaning of a line in the middle are altered: from there on the branch is computed again.
+/// The numbers, the lengths or the meaning of a line in the middle are altered: from there on the branch is computed
+/// again.
 #[test]
 fn steps_that_were_altered_do_not_count() -> Outcome {
     let folder = tempdir()?;
@@ -334,8 +335,8 @@ fn new_scenes_run_to_their_ends() -> Outcome {
     Ok(())
 }
 
-/// Linear modes of many elements take long, and so does the search for a backbone: before there is a point nothing is lost, and the program
-/// ends at once.
+/// Linear modes of many elements take long, and so does the search for a backbone: before there is a point nothing is
+/// lost, and the program ends at once.
 #[cfg(unix)]
 #[test]
 fn before_the_first_point_ctrl_c_ends_at_once() -> Outcome {

@@ -74,7 +74,8 @@ fn steps(out: &Path) -> usize {
     fs::read(out.join("steps.jsonl")).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
-/// Starts a run and ends it by a signal as soon as so many lines of steps are there; `None` where it came to its end before.
+/// Starts a run and ends it by a signal as soon as so many lines of steps are there; `None` where it came to its end
+/// before.
 fn ended_at(scene: &Path, out: &Path, lines: usize, signal: &str) -> Outcome<Option<i32>> {
     let mut call = program();
     call.arg("run").arg(scene).arg("--out").arg(out).arg("--resume").stdout(Stdio::null()).stderr(Stdio::null());
@@ -113,7 +114,8 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
         let code = ended_at(&scene, &out, lines, signal)?;
         assert_eq!(code, (signal == "-INT").then_some(1), "{share}");
         assert!(steps(&out) >= lines && steps(&out) < n);
-        // What was there stands there still, with the step that a Ctrl-C cut short: it would be gone had the curves been computed anew.
+        // What was there stands there still, with the step that a Ctrl-C cut short: it would be gone had the curves
+        // been computed anew.
         let left = fs::read(out.join("steps.jsonl"))?;
         assert!(left.starts_with(&before), "{share}");
         let whole_lines = left.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
@@ -130,7 +132,8 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
     Ok(())
 }
 
-/// As a machine leaves them that goes down: among the short steps before a contact sets in, where the motion's own phase turns, and elsewhere.
+/// As a machine leaves them that goes down: among the short steps before a contact sets in, where the motion's own
+/// phase turns, and elsewhere.
 #[test]
 fn responses_go_on_behind_any_of_their_steps() -> Outcome {
     let folder = tempdir()?;

@@ -2,7 +2,8 @@
 //!
 //! Each scene in `tests/bad_scenes` is refused with the text that stands beside it in a file `.stderr`; each one in
 //! `tests/odd_scenes` is taken, with the warnings that stand beside it; `tests/likely_mistakes` has the mistakes
-//! that are made most. `NLMODES_GOLDEN=write` writes these files anew: read them then as somebody would who just made the mistake. A first line `# arguments: …` adds arguments to the call.
+//! that are made most. `NLMODES_GOLDEN=write` writes these files anew: read them then as somebody would who just made
+//! the mistake. A first line `# arguments: …` adds arguments to the call.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -21,7 +21,8 @@ fn said(command: &str, scene: &Path, more: &[&str]) -> Outcome<(Option<i32>, Str
     Ok((output.status.code(), String::from_utf8(output.stderr)?))
 }
 
-/// Whatever `run` refuses before it computes, `check` refuses too, in the same words; whatever `check` takes, `run` begins with.
+/// Whatever `run` refuses before it computes, `check` refuses too, in the same words; whatever `check` takes, `run`
+/// begins with.
 #[test]
 fn check_refuses_what_run_refuses_and_nothing_else() -> Outcome {
     let mut differing = Vec::new();

@@ -199,7 +199,8 @@ fn rigid_test() -> Result<(String, String), Box<dyn Error>> {
     Ok((head.to_owned(), test + short))
 }
 
-/// The row of a kept record through `experiment extract`, with the modes of the structure and all channels in the order of the file.
+/// The row of a kept record through `experiment extract`, with the modes of the structure and all channels in the order
+/// of the file.
 fn extracted(results: &Path, format: &str, structure: &str) -> Result<Row, Box<dyn Error>> {
     let mut names = vec!["force_N", "x_drive_m", "v_drive_mps"];
     names.extend(["a1_mps2", "a2_mps2", "a3_mps2", "a4_mps2", "a5_mps2", "a6_mps2"]);

@@ -1,7 +1,8 @@
 //! A string under a uniform load, above a flat obstacle: where does it lie on, and with what force?
 //!
-//! Tension `T`, length `L`, load `p`, obstacle `d` below the straight string. In closed form the free ends are parabolas that touch
-//! the obstacle with a horizontal tangent, `ℓ = √(2 d T / p)` from the supports, and the obstacle carries `p (L − 2ℓ)`.
+//! Tension `T`, length `L`, load `p`, obstacle `d` below the straight string. In closed form the free ends are
+//! parabolas that touch the obstacle with a horizontal tangent, `ℓ = √(2 d T / p)` from the supports, and the obstacle
+//! carries `p (L − 2ℓ)`.
 //!
 //! `cargo run -p nlmodes-contact --example string_on_obstacle`
 

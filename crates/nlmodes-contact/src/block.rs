@@ -108,7 +108,8 @@ mod tests {
 
     #[test]
     fn of_redundant_contacts_those_are_chosen_that_are_furthest_from_dependent() {
-        // The first three lie all but in a line: beside the first, the longest, there is less than 1e-3 of the others in other directions.
+        // The first three lie all but in a line: beside the first, the longest, there is less than 1e-3 of the others
+        // in other directions.
         let directions = [[1.4, 0.0, 0.0], [1.0, 0.01, 0.0], [1.0, 0.0, 0.02], [0.0, 1.4, 0.0], [0.1, 0.2, 1.1]];
         let block = of_directions(&directions).closed_block(&[true; 5]).unwrap();
         assert_eq!(block.contacts(), [0, 3, 4]);

@@ -2,17 +2,19 @@ use nlmodes_linalg::Mat;
 
 use crate::{LcpError, LcpMatrix};
 
-/// A linear elastic body, massless where it touches: from its free displacements to those with contact, and their derivative.
+/// A linear elastic body, massless where it touches: from its free displacements to those with contact, and their
+/// derivative.
 ///
 /// ```text
 /// u = u_free + C W λ ,   g = Wᵀ u + g₀ ,   0 ≤ g ⊥ λ ≥ 0
 /// ```
 ///
-/// `u` (n, m) are the displacements of the contact nodes, `u_free` those that there would be without contact forces, `C` (n × n,
-/// m/N) the compliance of the body at these nodes, column i of `W` (n × c) the direction in which contact i opens, and `g₀` (c, m)
-/// the gaps of the undeformed body; `g` is zero where a contact is closed, however far its stop has yielded. So `A = Wᵀ C W` and `b = Wᵀ u_free + g₀`. In mixed-shooting harmonic balance, eqs. (11), (13),
-/// `u = q_N`, `C = K_NN⁻¹` and `u_free = −K_NN⁻¹ K_NL q_L`: the derivative of `q_N` with respect to `q_L` is that of `u` with
-/// respect to `u_free` times `−K_NN⁻¹ K_NL`.
+/// `u` (n, m) are the displacements of the contact nodes, `u_free` those that there would be without contact forces,
+/// `C` (n × n, m/N) the compliance of the body at these nodes, column i of `W` (n × c) the direction in which contact i
+/// opens, and `g₀` (c, m) the gaps of the undeformed body; `g` is zero where a contact is closed, however far its stop
+/// has yielded. So `A = Wᵀ C W` and `b = Wᵀ u_free + g₀`. In mixed-shooting harmonic balance, eqs. (11), (13),
+/// `u = q_N`, `C = K_NN⁻¹` and `u_free = −K_NN⁻¹ K_NL q_L`: the derivative of `q_N` with respect to `q_L` is that of
+/// `u` with respect to `u_free` times `−K_NN⁻¹ K_NL`.
 ///
 /// ```
 /// use nlmodes_contact::{ActiveSet, ContactBody, Mat, Series, SeriesSolution, Start};
@@ -58,8 +60,9 @@ pub struct ClosedResponse {
 impl ClosedResponse {
     /// `P = du/du_free = I + C W S Wᵀ` (n × n, no unit).
     ///
-    /// A projection where all stops are rigid, `P P = P`: displacements that leave the closed gaps as they are, `W_aᵀ P = 0`, and of these the one next to the
-    /// free displacement in the energy of the body. It is unique also where closed contacts are redundant and `dλ/db` is not.
+    /// A projection where all stops are rigid, `P P = P`: displacements that leave the closed gaps as they are,
+    /// `W_aᵀ P = 0`, and of these the one next to the free displacement in the energy of the body. It is unique also
+    /// where closed contacts are redundant and `dλ/db` is not.
     pub fn displacement(&self) -> Mat<f64> {
         let n = self.blocked.nrows();
         Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - self.blocked[(i, j)])
@@ -69,10 +72,12 @@ impl ClosedResponse {
 impl ContactBody {
     /// From `w` (n × c), `compliance_w` = `C W` (n × c, m/N) and the gaps `gaps` = `g₀` (c, m) of the undeformed body.
     ///
-    /// `Wᵀ C W` may be asymmetric by the rounding of a solution with an ill-conditioned stiffness, 1e-6 of its diagonal.
+    /// `Wᵀ C W` may be asymmetric by the rounding of a solution with an ill-conditioned stiffness, 1e-6 of its
+    /// diagonal.
     ///
     /// # Errors
-    /// [`LcpError::Dimension`] if the shapes do not agree, [`LcpError::NotFinite`], or what [`LcpMatrix::new`] has against `A`.
+    /// [`LcpError::Dimension`] if the shapes do not agree, [`LcpError::NotFinite`], or what [`LcpMatrix::new`] has
+    /// against `A`.
     pub fn new(w: Mat<f64>, compliance_w: Mat<f64>, gaps: Vec<f64>) -> Result<Self, LcpError> {
         let same = |what, expected, found| {
             if expected == found { Ok(()) } else { Err(LcpError::Dimension { what, expected, found }) }
@@ -87,8 +92,8 @@ impl ContactBody {
         Ok(Self { w, compliance_w, gaps, matrix })
     }
 
-    /// The same body before stops that yield: contact i by `compliance[i]` (c, m/N, not negative; zero for a rigid stop), which stands in
-    /// series with the body, `A = Wᵀ C W + diag(compliance)`.
+    /// The same body before stops that yield: contact i by `compliance[i]` (c, m/N, not negative; zero for a rigid
+    /// stop), which stands in series with the body, `A = Wᵀ C W + diag(compliance)`.
     ///
     /// # Errors
     /// [`LcpError::Dimension`] if there are not c of them, or what [`LcpMatrix::new`] has against `A`.
@@ -159,8 +164,8 @@ impl ContactBody {
         Ok(())
     }
 
-    /// Derivatives with the contacts of `closed` kept closed and all others open. Where closed contacts are redundant, forces are
-    /// those of an independent subset; gaps and displacements do not depend on the choice.
+    /// Derivatives with the contacts of `closed` kept closed and all others open. Where closed contacts are redundant,
+    /// forces are those of an independent subset; gaps and displacements do not depend on the choice.
     ///
     /// At a degenerate contact (`g = λ = 0`) open and closed both give a valid generalised derivative.
     ///
@@ -215,8 +220,8 @@ mod tests {
     use super::*;
     use crate::{ActiveSet, LcpSolver};
 
-    /// Six nodes of a string on springs. Contacts: stops on both sides of node 1, two equal ones at node 2, one at an angle between
-    /// nodes 3 and 4, and one at node 3, at node 4: three that depend on each other.
+    /// Six nodes of a string on springs. Contacts: stops on both sides of node 1, two equal ones at node 2, one at an
+    /// angle between nodes 3 and 4, and one at node 3, at node 4: three that depend on each other.
     fn body() -> ContactBody {
         let c = Mat::from_fn(6, 6, |i, j| 1e-6 * (-(i.abs_diff(j) as f64) / 2.0).exp());
         let w = [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];

@@ -7,10 +7,10 @@
 //! # Ok::<(), String>(())
 //! ```
 //!
-//! Every case is solved cold, again from its own solution and from the guess that all contacts are closed. Each time either
-//! the judge accepts the forces, the gaps are the known ones and the statistics agree with the judge; or the problem is
-//! contradictory and the proof holds; or the backend declines a case that its caller listed, with an error that tells the truth
-//! about its best iterate. Anything else is a [`Failure`].
+//! Every case is solved cold, again from its own solution and from the guess that all contacts are closed. Each time
+//! either the judge accepts the forces, the gaps are the known ones and the statistics agree with the judge; or the
+//! problem is contradictory and the proof holds; or the backend declines a case that its caller listed, with an error
+//! that tells the truth about its best iterate. Anything else is a [`Failure`].
 
 mod case;
 mod mechanical;

@@ -72,8 +72,8 @@ pub enum LcpError {
     /// No forces can open all contacts: the gaps contradict each other.
     #[error("contradictory contacts: no forces make all gaps non-negative")]
     Infeasible {
-        /// The proof (c, N): `ray ≥ 0` with `A ray = 0` and `bᵀ ray < 0`, so `rayᵀ g < 0` whatever the forces are. In rounded
-        /// numbers `max |A ray| ≤ 1e-8 |bᵀ ray|` (scaled), which excludes forces below `1e8 max |b|`.
+        /// The proof (c, N): `ray ≥ 0` with `A ray = 0` and `bᵀ ray < 0`, so `rayᵀ g < 0` whatever the forces are. In
+        /// rounded numbers `max |A ray| ≤ 1e-8 |bᵀ ray|` (scaled), which excludes forces below `1e8 max |b|`.
         ray: Vec<f64>,
     },
     /// The backend ended without a solution that the judge accepts.
@@ -88,10 +88,11 @@ pub enum LcpError {
         /// The best iterate (c, N).
         lambda: Vec<f64>,
     },
-    /// The best forces solve the problem as far as floating-point numbers can tell, but they are so large, because the contacts
-    /// are nearly redundant, that their rounding alone may move the gaps by more than the judge allows.
+    /// The best forces solve the problem as far as floating-point numbers can tell, but they are so large, because the
+    /// contacts are nearly redundant, that their rounding alone may move the gaps by more than the judge allows.
     ///
-    /// That begins at forces of about `1e5 max |b|` (scaled): contacts that are redundant but for 1e-5 of their compliance.
+    /// That begins at forces of about `1e5 max |b|` (scaled): contacts that are redundant but for 1e-5 of their
+    /// compliance.
     #[error(
         "contact solver `{solver}`: the contacts are so nearly redundant that forces cannot be told exactly enough: \
          violation {violation:e}, of which rounding explains up to {rounding:e}"

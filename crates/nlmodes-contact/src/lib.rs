@@ -4,10 +4,10 @@
 //! 0 ≤ g ⊥ λ ≥ 0 ,   g = A λ + b
 //! ```
 //!
-//! Each of c contacts is open (`g > 0`, `λ = 0`) or closed (`g = 0`, `λ > 0`), or both vanish. `A` is symmetric and positive
-//! semidefinite, so the same forces minimise the energy `½ λᵀ A λ + bᵀ λ` over `λ ≥ 0`: there is a solution unless gaps
-//! contradict each other, the gaps are unique, and so are the forces if `A` is regular. Otherwise contacts are redundant, and
-//! an independent subset of them is chosen to carry the forces.
+//! Each of c contacts is open (`g > 0`, `λ = 0`) or closed (`g = 0`, `λ > 0`), or both vanish. `A` is symmetric and
+//! positive semidefinite, so the same forces minimise the energy `½ λᵀ A λ + bᵀ λ` over `λ ≥ 0`: there is a solution
+//! unless gaps contradict each other, the gaps are unique, and so are the forces if `A` is regular. Otherwise contacts
+//! are redundant, and an independent subset of them is chosen to carry the forces.
 //!
 //! | symbol | in code | meaning | unit | shape |
 //! | --- | --- | --- | --- | --- |
@@ -37,10 +37,10 @@
 //! ```
 //!
 //! # The judge
-//! Solvers err in their own ways and report success in their own norms. Here all of them get the problem in the same units
-//! (the diagonal of `A` and the largest entry of `b` near one, by powers of two, so without rounding) and one function
-//! outside of them recomputes the gaps and decides: a violation above 1e-10 is an error, whoever claims success. A claim that
-//! a problem is infeasible counts only with a proof that was checked.
+//! Solvers err in their own ways and report success in their own norms. Here all of them get the problem in the same
+//! units (the diagonal of `A` and the largest entry of `b` near one, by powers of two, so without rounding) and one
+//! function outside of them recomputes the gaps and decides: a violation above 1e-10 is an error, whoever claims
+//! success. A claim that a problem is infeasible counts only with a proof that was checked.
 //!
 //! # Which solver
 //! | name | settings | when |
@@ -51,24 +51,25 @@
 //! | `lemke` | [`Lemke`] | an exact second opinion up to a few hundred contacts |
 //! | `closed-form` | [`ClosedForm`] | one contact; `active-set` takes it by itself |
 //!
-//! [`Series`] solves the samples of a period with one matrix and warm starts, and gives the derivatives of forces, gaps and
-//! displacements at each. [`ContactBody`] makes the problem from directions, compliance and gaps of a body. [`conformance`] holds the suite that each of
-//! these passes and that a backend from elsewhere can be put through in one line.
+//! [`Series`] solves the samples of a period with one matrix and warm starts, and gives the derivatives of forces, gaps
+//! and displacements at each. [`ContactBody`] makes the problem from directions, compliance and gaps of a body.
+//! [`conformance`] holds the suite that each of these passes and that a backend from elsewhere can be put through in
+//! one line.
 //!
-//! All of them pass the whole suite, `closed-form` its problems of one contact. They decline with an error, never in silence,
-//! what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows, from about 1e5 times
-//! `max |b|` in scaled units on ([`LcpError::Rounding`]). Without their polish, `proximal` declines conditions above about 1e6
-//! and `clarabel` most problems in which a gap and its force both vanish.
+//! All of them pass the whole suite, `closed-form` its problems of one contact. They decline with an error, never in
+//! silence, what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows,
+//! from about 1e5 times `max |b|` in scaled units on ([`LcpError::Rounding`]). Without their polish, `proximal`
+//! declines conditions above about 1e6 and `clarabel` most problems in which a gap and its force both vanish.
 //!
 //! # References
 //! - E. L. Keller, The general quadratic optimization problem, Math. Program. 5 (1973) 311-337.
-//! - J. J. Júdice, F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear complementarity
-//!   problems, Comput. Oper. Res. 21 (1994) 587-596, doi:10.1016/0305-0548(94)90106-6.
+//! - J. J. Júdice, F. M. Pires, A block principal pivoting algorithm for large-scale strictly monotone linear
+//!   complementarity problems, Comput. Oper. Res. 21 (1994) 587-596, doi:10.1016/0305-0548(94)90106-6.
 //! - R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, SIAM 2009, doi:10.1137/1.9780898719000.
 //! - Y. Fathi, Computational complexity of LCPs associated with positive definite symmetric matrices, Math. Program. 17
 //!   (1979) 335-344.
-//! - B. O'Donoghue, E. Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15 (2015) 715-732,
-//!   doi:10.1007/s10208-013-9150-3.
+//! - B. O'Donoghue, E. Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15 (2015)
+//!   715-732, doi:10.1007/s10208-013-9150-3.
 //! - P. J. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives,
 //!   arXiv:2405.12762.
 

@@ -110,12 +110,13 @@ impl LcpMatrix {
         Ok(())
     }
 
-    /// The judge: scaled complementarity violation of `lambda` for the right-hand side `b`, computed outside every solver.
+    /// The judge: scaled complementarity violation of `lambda` for the right-hand side `b`, computed outside every
+    /// solver.
     ///
     /// With `D = diag(A)^-1/2`: `max |min(D⁻¹ λ, D g)| / max |D b|`, where `g = A λ + b` is recomputed in all rows.
     /// Without unit; zero for an exact solution, infinite if anything is not finite or has the wrong length. It is
-    /// relative to `b` on purpose: relative to `|A| |λ|` huge forces would make any gap look small. Where rounding `A λ` may hide
-    /// 1e-3 or more, that is the violation, since a gap of zero proves nothing then.
+    /// relative to `b` on purpose: relative to `|A| |λ|` huge forces would make any gap look small. Where rounding
+    /// `A λ` may hide 1e-3 or more, that is the violation, since a gap of zero proves nothing then.
     pub fn violation(&self, b: &[f64], lambda: &[f64]) -> f64 {
         let c = self.n_contacts();
         let mut sample = Sample::new(self);

@@ -115,8 +115,8 @@ impl Sample {
         0.5 * f64::EPSILON * (c + 2) as f64 * self.matrix.rescale(1.0, &mut sums) / self.size
     }
 
-    /// Whether `b` is lost in rounding `A λ`, so that the gaps say nothing: forces of a dependent set of contacts that grew without
-    /// bound.
+    /// Whether `b` is lost in rounding `A λ`, so that the gaps say nothing: forces of a dependent set of contacts that
+    /// grew without bound.
     fn is_lost(&self) -> bool {
         let largest = self.lambda.iter().fold(0.0_f64, |m, l| m.max(*l));
         largest > SUSPICIOUS && self.rounding() > LOST

@@ -105,8 +105,8 @@ impl Scaled {
 
     /// Checks that `A + 1e-13 c I` has a Cholesky factor. Rounding of a singular `A` stays below that.
     ///
-    /// Of many contacts the factor is found by blocks, in the place of the entries, which are made of `a` again afterwards; where
-    /// there is none, row by row, which tells the contact.
+    /// Of many contacts the factor is found by blocks, in the place of the entries, which are made of `a` again
+    /// afterwards; where there is none, row by row, which tells the contact.
     pub(crate) fn check_semidefinite(&mut self, a: &Mat<f64>) -> Result<(), LcpError> {
         let shift = 1e-13 * self.c as f64;
         if self.c >= MANY && (0..self.c).all(|i| self.diagonal(i) >= 0.0) {

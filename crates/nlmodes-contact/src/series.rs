@@ -16,8 +16,8 @@ pub enum Start {
     /// From the forces and gaps of the two samples before, extrapolated; the first sample from nothing.
     #[default]
     PreviousSample,
-    /// From the closed contacts that the solution passed in has for the same sample: those of the previous iterate of an outer
-    /// iteration. A solution of another size, such as an empty one, counts as the previous sample.
+    /// From the closed contacts that the solution passed in has for the same sample: those of the previous iterate of
+    /// an outer iteration. A solution of another size, such as an empty one, counts as the previous sample.
     SameSample,
 }
 
@@ -78,11 +78,12 @@ impl Series {
         &self.matrix
     }
 
-    /// Solves all samples of `b` (m), which holds the c values of one sample after the other, and overwrites `solution`.
+    /// Solves all samples of `b` (m), which holds the c values of one sample after the other, and overwrites
+    /// `solution`.
     ///
     /// # Errors
-    /// [`LcpError::Dimension`] if `b` is not a whole number of samples, [`LcpError::Sample`] with the first sample that has no
-    /// solution and the reason; the samples before it are in `solution`.
+    /// [`LcpError::Dimension`] if `b` is not a whole number of samples, [`LcpError::Sample`] with the first sample that
+    /// has no solution and the reason; the samples before it are in `solution`.
     pub fn solve(&mut self, b: &[f64], start: Start, solution: &mut SeriesSolution) -> Result<(), LcpError> {
         let c = self.matrix.n_contacts();
         let samples = b.len() / c.max(1);
@@ -111,8 +112,8 @@ impl Series {
         self.workspace.gaps(&mut solution.gaps[range])
     }
 
-    /// Derivatives of forces, gaps and displacements with the closed contacts of a sample, `solution.closed(sample)`: see
-    /// [`ContactBody::response`]. Computed once per closed set: few distinct ones occur in a period.
+    /// Derivatives of forces, gaps and displacements with the closed contacts of a sample, `solution.closed(sample)`:
+    /// see [`ContactBody::response`]. Computed once per closed set: few distinct ones occur in a period.
     ///
     /// Without a body the displacements are the gaps, `u = g` and `u_free = b`.
     ///

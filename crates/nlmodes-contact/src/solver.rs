@@ -26,9 +26,9 @@ pub trait LcpSolver: std::fmt::Debug + Send + Sync {
 pub trait LcpWorkspace: Send {
     /// Solves `0 ≤ A λ + b ⊥ λ ≥ 0`.
     ///
-    /// `closed` (c) is read as a first guess of the closed contacts and overwritten with those that are closed; `lambda` (c) is
-    /// overwritten with the forces. No contact closed means no guess: a cold start. Where contacts are redundant, `closed` is the
-    /// independent subset that was chosen to carry the forces.
+    /// `closed` (c) is read as a first guess of the closed contacts and overwritten with those that are closed;
+    /// `lambda` (c) is overwritten with the forces. No contact closed means no guess: a cold start. Where contacts are
+    /// redundant, `closed` is the independent subset that was chosen to carry the forces.
     ///
     /// # Errors
     /// [`LcpError`]: not finite, infeasible, not converged, or beyond rounding; then `lambda` holds the best iterate.

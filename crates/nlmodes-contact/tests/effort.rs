@@ -1,7 +1,8 @@
 //! What contact problems cost: iterations of each solver, summed over families of problems.
 //!
-//! A number that steers a solver hardly shows in forces and gaps, which are exact whatever way they were found, but it shows here. The table is what was measured,
-//! not what must be: where a change of a solver moves it, look whether it moved the way that was meant, and write down what is measured then.
+//! A number that steers a solver hardly shows in forces and gaps, which are exact whatever way they were found, but it
+//! shows here. The table is what was measured, not what must be: where a change of a solver moves it, look whether it
+//! moved the way that was meant, and write down what is measured then.
 
 use nlmodes_contact::{
     ActiveSet, Clarabel, LcpError, LcpMatrix, LcpSolver, LcpStatistics, Lemke, Mat, Proximal, Series, SeriesSolution,
@@ -12,7 +13,8 @@ use nlmodes_contact::{
 const ALLOWED: Cost = [3, 10, 3, 3, 3];
 const OF: usize = 1000;
 
-/// Iterations, decimals of the violation of each solution in sum, and how many problems were solved, shown to be contradictory, declined.
+/// Iterations, decimals of the violation of each solution in sum, and how many problems were solved, shown to be
+/// contradictory, declined.
 type Cost = [usize; 5];
 
 const KNOWN: [(&str, &str, Cost); 73] = [

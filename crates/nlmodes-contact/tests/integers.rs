@@ -63,8 +63,8 @@ fn exact_forces(a: &Mat<f64>, b: &[f64], closed: &[bool]) -> Option<Vec<f64>> {
     right.then(|| forces.iter().map(|f| *f as f64 / all as f64).collect())
 }
 
-/// Solved, proven to have no solution, or declined for forces so large that their rounding counts, which are the exact ones as far as
-/// numbers go. True in the last case.
+/// Solved, proven to have no solution, or declined for forces so large that their rounding counts, which are the exact
+/// ones as far as numbers go. True in the last case.
 fn check(solver: &ActiveSet, a: &Mat<f64>, b: &[f64], guess: bool) -> Result<bool, String> {
     let matrix = LcpMatrix::new(a).map_err(|e| e.to_string())?;
     let (mut closed, mut lambda) = (vec![guess; b.len()], vec![0.0; b.len()]);
@@ -134,7 +134,8 @@ fn forces_too_large_to_be_verified_are_declined_for_that_reason() {
     assert!(declined >= 8, "{declined}");
 }
 
-/// Dependent contacts whose forces grew until `b` was lost in `A λ`, so that the gaps came out as zero: there is no solution.
+/// Dependent contacts whose forces grew until `b` was lost in `A λ`, so that the gaps came out as zero: there is no
+/// solution.
 #[test]
 fn gaps_that_are_lost_in_rounding_prove_nothing() {
     let rows: [&[f64]; 5] = [

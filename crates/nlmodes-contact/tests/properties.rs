@@ -39,7 +39,8 @@ fn reals() -> impl Strategy<Value = (Mat<f64>, Vec<f64>)> {
     })
 }
 
-/// Solution or named error; never wrong in silence. True if solved, false if shown to have no solution, `None` if declined.
+/// Solution or named error; never wrong in silence. True if solved, false if shown to have no solution, `None` if
+/// declined.
 fn is_solved_or_named(
     solver: &dyn LcpSolver,
     a: &LcpMatrix,
@@ -62,7 +63,8 @@ fn is_solved_or_named(
             Ok(Some(false))
         }
         Err(LcpError::NotConverged { violation, .. }) => {
-            // Backends hold themselves to half of what the judge demands, so that 1e-10 holds for any order of summation.
+            // Backends hold themselves to half of what the judge demands, so that 1e-10 holds for any order of
+            // summation.
             prop_assert!(violation > 0.5e-10);
             Ok(None)
         }
@@ -80,7 +82,8 @@ proptest! {
     #[test]
     fn integer_problems_are_solved_or_named((a, b) in integers(), guess: bool) {
         let a = LcpMatrix::new(&a).unwrap();
-        // Forces of up to 1e8 may occur, which no rounded numbers verify; `tests/integers.rs` compares them with exact ones.
+        // Forces of up to 1e8 may occur, which no rounded numbers verify; `tests/integers.rs` compares them with exact
+        // ones.
         let (mut closed, mut lambda) = (vec![guess; b.len()], vec![0.0; b.len()]);
         let default = ActiveSet::default().workspace(&a).unwrap().solve(&b, &mut closed, &mut lambda);
         prop_assert!(matches!(default, Ok(_) | Err(LcpError::Infeasible { .. } | LcpError::Rounding { .. })), "{:?}", default);

@@ -1,6 +1,8 @@
-//! Bratu's problem `u″ + p eᵘ = 0`, `u(0) = u(1) = 0`: two solutions for small `p`, none beyond the fold at `p = 3.513830719…`.
+//! Bratu's problem `u″ + p eᵘ = 0`, `u(0) = u(1) = 0`: two solutions for small `p`, none beyond the fold at
+//! `p = 3.513830719…`.
 //!
-//! Central differences on `n` inner nodes; the branch starts at `u = 0`, turns at the fold, and ends where the maximum of `u` is 5.
+//! Central differences on `n` inner nodes; the branch starts at `u = 0`, turns at the fold, and ends where the maximum
+//! of `u` is 5.
 //!
 //! `cargo run -p nlmodes-continuation --example bratu`
 
@@ -63,7 +65,8 @@ fn the_fold_is_found_and_converges_with_the_square_of_the_spacing() -> Result<()
     let error = |n| follow(n).map(|(fold, _)| fold.map_or(f64::NAN, |p| p - FOLD));
     let rate = (error(15)? / error(31)?).log2();
     assert!((rate - 2.0).abs() < 0.02, "{rate}");
-    // On the upper half u = ln(cosh²θ / cosh²(θ (1 − 2x))), p = 8 (θ / cosh θ)², with a maximum of 5 where cosh θ = e^{5/2}.
+    // On the upper half u = ln(cosh²θ / cosh²(θ (1 − 2x))), p = 8 (θ / cosh θ)², with a maximum of 5 where cosh θ =
+    // e^{5/2}.
     let theta = 2.5_f64.exp().acosh();
     let exact = 8.0 * (theta / theta.cosh()).powi(2);
     let (coarse, fine) = (follow(15)?.1, follow(31)?.1);

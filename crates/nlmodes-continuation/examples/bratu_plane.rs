@@ -1,11 +1,13 @@
-//! Bratu's problem in the plane, `Δu + p eᵘ = 0` on the unit square with `u = 0` around it: thousands of unknowns that each know four others.
+//! Bratu's problem in the plane, `Δu + p eᵘ = 0` on the unit square with `u = 0` around it: thousands of unknowns that
+//! each know four others.
 //!
-//! Five-point differences on m × m inner nodes; the branch starts at `u = 0`, turns at the fold `p = 6.808124423…` (T. F. Chan, H. B. Keller, SIAM J.
-//! Sci. Stat. Comput. 3 (1982), doi:10.1137/0903012), and ends where the largest `u` is 3. The system chooses its linear solver: the sparse one, for which
-//! it writes entries that are not zero, or the dense one, for which it writes the whole Jacobian.
+//! Five-point differences on m × m inner nodes; the branch starts at `u = 0`, turns at the fold `p = 6.808124423…` (T.
+//! F. Chan, H. B. Keller, SIAM J. Sci. Stat. Comput. 3 (1982), doi:10.1137/0903012), and ends where the largest `u`
+//! is 3. The system chooses its linear solver: the sparse one, for which it writes entries that are not zero, or the
+//! dense one, for which it writes the whole Jacobian.
 //!
-//! `cargo run --release -p nlmodes-continuation --example bratu_plane` follows it on finer and finer grids with the sparse solver, and
-//! `-- beside 60` its first points with both solvers on 60 × 60 nodes.
+//! `cargo run --release -p nlmodes-continuation --example bratu_plane` follows it on finer and finer grids with the
+//! sparse solver, and `-- beside 60` its first points with both solvers on 60 × 60 nodes.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;

@@ -14,7 +14,8 @@ const DISTINCT: (f64, f64) = (1e-3, 100.0);
 /// Newton iterations permitted for one arm.
 const ITERATIONS: usize = 40;
 
-/// Steps tried, each half the one before: from where an interval of contact has just closed, Newton's full step may lead far away.
+/// Steps tried, each half the one before: from where an interval of contact has just closed, Newton's full step may
+/// lead far away.
 const TRIALS: usize = 12;
 
 /// Most arms that are joined in pairs: the ways to do so grow with the factorial.
@@ -35,11 +36,13 @@ pub(crate) struct Arms {
 }
 
 impl Arms {
-    /// All arms around `center`, for a branch that came near `back`; `nesting` tells the sphere of a corner of a curve on another.
+    /// All arms around `center`, for a branch that came near `back`; `nesting` tells the sphere of a corner of a curve
+    /// on another.
     ///
-    /// What is nearly free to move at `center` is a space of m dimensions, and on a small sphere there are m − 1 equations that its Jacobian
-    /// there hardly knows. With one of them given up the solutions on the sphere are curves through arms, and each curve that closes
-    /// passes an even number of them. So curves are followed from each arm that is found, each of these equations given up in turn.
+    /// What is nearly free to move at `center` is a space of m dimensions, and on a small sphere there are m − 1
+    /// equations that its Jacobian there hardly knows. With one of them given up the solutions on the sphere are curves
+    /// through arms, and each curve that closes passes an even number of them. So curves are followed from each arm
+    /// that is found, each of these equations given up in turn.
     pub fn around<S: ParametricSystem>(
         system: &mut S,
         corrector: &mut Corrector,
@@ -76,8 +79,8 @@ impl Arms {
         Choice { z: center.to_vec(), back: self.back, arms: self.onward, own, unsearched: self.unsearched }
     }
 
-    /// These arms as they are found ever closer to the center, down to the distance `least`, without those that are not; and how many
-    /// these are.
+    /// These arms as they are found ever closer to the center, down to the distance `least`, without those that are
+    /// not; and how many these are.
     pub fn followed_inward<S: ParametricSystem>(
         &self,
         system: &mut S,
@@ -108,8 +111,9 @@ impl Arms {
 
     /// Index of the arm that continues the branch.
     ///
-    /// The arms are joined in pairs to curves so that these turn least in all. At a crossing with a smooth curve that leaves the
-    /// branch its own continuation, be it bent by more than the turn-off: the curve that goes straight on belongs to the others.
+    /// The arms are joined in pairs to curves so that these turn least in all. At a crossing with a smooth curve that
+    /// leaves the branch its own continuation, be it bent by more than the turn-off: the curve that goes straight on
+    /// belongs to the others.
     pub fn partner(&self, center: &[f64]) -> Option<usize> {
         let mut directions = vec![self.back.clone()];
         directions.extend(self.onward.iter().map(|arm| outward(center, &arm.z)));
@@ -123,7 +127,8 @@ impl Arms {
     }
 }
 
-/// A corrector like another one that goes on for longer, for systems with n unknowns: a search for arms begins further from them.
+/// A corrector like another one that goes on for longer, for systems with n unknowns: a search for arms begins further
+/// from them.
 pub(crate) fn searching<S: ParametricSystem>(system: &S, like: &Corrector, n: usize) -> Corrector {
     let mut own = Corrector::with_solver(system.solver(), n, like.tolerance, ITERATIONS);
     (own.trials, own.resolution, own.blur) = (TRIALS, like.resolution, like.blur);
@@ -152,8 +157,8 @@ struct Search<'a, S> {
 }
 
 impl<S: ParametricSystem> Search<'_, S> {
-    /// Follows curves from all arms, with each of these equations given up in turn, until one more of them brings no arm that was not
-    /// known before. Arms that a curve has passed do not start another.
+    /// Follows curves from all arms, with each of these equations given up in turn, until one more of them brings no
+    /// arm that was not known before. Arms that a curve has passed do not start another.
     fn along(&mut self, left: &[Vec<f64>]) {
         for left in left {
             let before = self.arms.len();
@@ -197,7 +202,8 @@ pub(crate) fn outward(center: &[f64], point: &[f64]) -> Vec<f64> {
     along(&vec![0.0; center.len()], 1.0 / length, &along(point, -1.0, center))
 }
 
-/// The partner of arm 0 where the arms are joined in pairs with the least sum of turns; an odd one among the others stays alone.
+/// The partner of arm 0 where the arms are joined in pairs with the least sum of turns; an odd one among the others
+/// stays alone.
 fn best_partner(directions: &[Vec<f64>]) -> Option<usize> {
     let sum = |&k: &usize| {
         let others: Vec<usize> = (1..directions.len()).filter(|&i| i != k).collect();
@@ -235,7 +241,8 @@ mod tests {
         assert_eq!(best_partner(&at(&[0.0, 180.0, 60.0, 240.0])), Some(1));
         // Three of them.
         assert_eq!(best_partner(&at(&[10.0, 70.0, 130.0, 190.0, 250.0, 310.0])), Some(3));
-        // Turns of 20° and 50° are less than 10° and 80°: the straightest way for the first would leave the others a sharp corner.
+        // Turns of 20° and 50° are less than 10° and 80°: the straightest way for the first would leave the others a
+        // sharp corner.
         assert_eq!(best_partner(&at(&[0.0, 170.0, 300.0, 200.0])), Some(3));
         // An odd one stays alone, and one arm has no partner.
         assert_eq!(best_partner(&at(&[0.0, 90.0, 175.0])), Some(2));

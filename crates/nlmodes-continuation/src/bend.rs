@@ -25,7 +25,8 @@ struct Expansion {
     power: f64,
 }
 
-/// Root of the depth, over that of the first point behind a bend, to which the place where a coordinate turns is located.
+/// Root of the depth, over that of the first point behind a bend, to which the place where a coordinate turns is
+/// located.
 const LOCATED: f64 = 1e-10;
 
 /// A tight bend that has been passed.
@@ -40,7 +41,8 @@ pub(crate) struct Bend {
 }
 
 impl Bend {
-    /// The point within the bend at which the coordinate `i`, whose sense is another behind it, turns; `None` where it is not found.
+    /// The point within the bend at which the coordinate `i`, whose sense is another behind it, turns; `None` where it
+    /// is not found.
     pub fn turn<S: ParametricSystem>(
         &self,
         system: &mut S,
@@ -76,8 +78,8 @@ impl Bend {
     }
 }
 
-/// The first point behind a tight bend at the boundary on which `foot` lies; `None` where there is no such bend or more than one way may lead
-/// on from there: where a second direction is nearly free.
+/// The first point behind a tight bend at the boundary on which `foot` lies; `None` where there is no such bend or more
+/// than one way may lead on from there: where a second direction is nearly free.
 pub(crate) fn around_bend<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,

@@ -3,7 +3,8 @@ use std::fmt;
 /// Of `z = (x, p)`.
 type Function = dyn Fn(&[f64]) -> f64;
 
-/// The boundary between two smooth pieces of a [`ParametricSystem`](crate::ParametricSystem): where a smooth function of `z = (x, p)` vanishes.
+/// The boundary between two smooth pieces of a [`ParametricSystem`](crate::ParametricSystem): where a smooth function
+/// of `z = (x, p)` vanishes.
 pub struct Boundary {
     value: Box<Function>,
 }

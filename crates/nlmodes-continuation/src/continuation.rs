@@ -91,8 +91,8 @@ impl Continuation {
     /// The start is corrected first, across `direction`. Every point is shown to `observe` when it is found.
     ///
     /// # Errors
-    /// [`ContinuationError`] only where there is nothing to return; a branch that ends early comes back with its points and its
-    /// [`StopReason`](crate::StopReason).
+    /// [`ContinuationError`] only where there is nothing to return; a branch that ends early comes back with its points
+    /// and its [`StopReason`](crate::StopReason).
     pub fn run<S: ParametricSystem>(
         &self,
         system: &mut S,
@@ -104,8 +104,9 @@ impl Continuation {
         self.run_with_log(system, x, p, direction, &mut (), observe)
     }
 
-    /// As [`run`](Self::run), each step going into a log. Where that holds the steps of an earlier run from the same start, these are
-    /// not computed again: their points are shown to `observe`, and the branch goes on behind them as if it had never been cut off.
+    /// As [`run`](Self::run), each step going into a log. Where that holds the steps of an earlier run from the same
+    /// start, these are not computed again: their points are shown to `observe`, and the branch goes on behind them as
+    /// if it had never been cut off.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -156,7 +157,8 @@ impl Continuation {
         Ok(Start { settings, system, correction, corrector })
     }
 
-    /// These settings for unknowns that are shares of their sizes; a branch that may go far beyond these does so by steps that grow.
+    /// These settings for unknowns that are shares of their sizes; a branch that may go far beyond these does so by
+    /// steps that grow.
     fn in_scales(&self, scales: &Scaling, goes_far: bool) -> Self {
         let mut settings = self.clone();
         for bound in &mut settings.bounds {

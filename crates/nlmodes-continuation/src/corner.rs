@@ -29,7 +29,8 @@ pub(crate) enum Passage {
     Crossing(Choice),
 }
 
-/// The way on from `foot`; `way_back` gives the point of the branch behind it at a distance, and `nesting` is zero but for curves on spheres.
+/// The way on from `foot`; `way_back` gives the point of the branch behind it at a distance, and `nesting` is zero but
+/// for curves on spheres.
 pub(crate) fn pass<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -58,7 +59,8 @@ pub(crate) fn pass<S: ParametricSystem>(
     let mut crossing = None;
     for radius in radii(settings).take(if nesting > 0 { 1 } else { usize::MAX }) {
         let Some(arms) = Arms::around(system, corrector, &foot.z, radius, nesting, &way_back(radius)) else { continue };
-        // Of two arms, one is the way back and the other the way on, whatever happens in between; det [J; tᵀ] confirms it.
+        // Of two arms, one is the way back and the other the way on, whatever happens in between; det [J; tᵀ] confirms
+        // it.
         if let [next] = arms.onward.as_slice()
             && next.orientation * foot.orientation > 0.0
         {
@@ -91,8 +93,8 @@ pub(crate) fn pass<S: ParametricSystem>(
 /// Shares of the shortest step with which a corner is tried.
 const SHORT: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
-/// A step below the shortest onto the next smooth piece, that passes all tests: what looks like a corner may be a tight bend, of a
-/// contact that is far stiffer than what moves it.
+/// A step below the shortest onto the next smooth piece, that passes all tests: what looks like a corner may be a tight
+/// bend, of a contact that is far stiffer than what moves it.
 fn short_step<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -138,8 +140,8 @@ fn across_boundary<S: ParametricSystem>(
     })
 }
 
-/// The same where directions are nearly free all along the branch, and no more so at the corner: through a point on one boundary, on neither side of which
-/// the Jacobian becomes singular, leads one way.
+/// The same where directions are nearly free all along the branch, and no more so at the corner: through a point on one
+/// boundary, on neither side of which the Jacobian becomes singular, leads one way.
 pub(crate) fn regular_corner<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -165,8 +167,8 @@ pub(crate) fn regular_corner<S: ParametricSystem>(
     (system.pattern() == next.pattern && !close.is_singular_beside(&beyond, GROWN_NEAR)).then_some(next)
 }
 
-/// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on the branch and
-/// lead to points that are `permitted`; false where they lead on and on, with no corner in their way.
+/// Moves the foot towards the corner ahead of it, by steps below the shortest, as far as they can be shown to stay on
+/// the branch and lead to points that are `permitted`; false where they lead on and on, with no corner in their way.
 pub(crate) fn approach<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,

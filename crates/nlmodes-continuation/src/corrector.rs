@@ -21,15 +21,15 @@ const RESOLUTION: f64 = 1e-9;
 /// Rounding of a residual of numbers near one.
 pub(crate) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Residual over its rounding to which Newton's method goes on where directions are nearly free, and with which it may come to rest on
-/// rounding: the contact that a small step would open lets a larger residual pass for a solution.
+/// Residual over its rounding to which Newton's method goes on where directions are nearly free, and with which it may
+/// come to rest on rounding: the contact that a small step would open lets a larger residual pass for a solution.
 const FIRM: (f64, f64) = (8.0, 64.0);
 
 /// Ratio of the pivots above which no direction is nearly free.
 const REGULAR: f64 = 1e-3;
 
-/// Newton step up to which a point is accepted at such a residual whatever the Jacobian says: sums over many modes round more than
-/// most.
+/// Newton step up to which a point is accepted at such a residual whatever the Jacobian says: sums over many modes
+/// round more than most.
 const COARSEST: f64 = 1e-7;
 
 /// Largest distance by which rounding may blur a point that is accepted.
@@ -128,10 +128,12 @@ impl Corrector {
         &self.linearization
     }
 
-    /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the residual.
+    /// Newton's method from `guess` on `surface`; a full step is halved up to three times where it would raise the
+    /// residual.
     ///
-    /// A point counts as found when the residual is within the tolerance and the next step would move it by less than the resolution, or by no less than the ones
-    /// before since all that is left of the residual is rounding. Near a crossing a small residual alone says little about where the solution is.
+    /// A point counts as found when the residual is within the tolerance and the next step would move it by less than
+    /// the resolution, or by no less than the ones before since all that is left of the residual is rounding. Near a
+    /// crossing a small residual alone says little about where the solution is.
     pub(crate) fn correct<S: ParametricSystem>(
         &mut self,
         system: &mut S,
@@ -234,8 +236,9 @@ impl Corrector {
         self.solver.solve_in_place(&mut self.update);
     }
 
-    /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one can be known; `z` where
-    /// the digits of the unknowns count. On a small sphere around a crossing they would let every point pass.
+    /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one
+    /// can be known; `z` where the digits of the unknowns count. On a small sphere around a crossing they would let
+    /// every point pass.
     fn is_found(&mut self, z: Option<&[f64]>, update: f64, progress: &Progress, last: bool) -> bool {
         if update <= self.resolution {
             return progress.stagnates(update) || self.is_rounding(FIRM.0) || self.solver.pivot_ratio() >= REGULAR;

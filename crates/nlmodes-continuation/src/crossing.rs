@@ -38,7 +38,8 @@ pub struct Crossing {
     pub z: Vec<f64>,
     /// The arms, but for the one on which the branch came.
     pub arms: Vec<Arm>,
-    /// Curves around the crossing that were not followed, or not to their end: where it is not zero, there may be more arms.
+    /// Curves around the crossing that were not followed, or not to their end: where it is not zero, there may be more
+    /// arms.
     pub unsearched: usize,
 }
 
@@ -106,7 +107,8 @@ struct KnownArm {
     start: Option<(Correction, usize, usize)>,
 }
 
-/// An arm that no branch has passed: its first point, the branch that found it, and the number of that branch's crossing.
+/// An arm that no branch has passed: its first point, the branch that found it, and the number of that branch's
+/// crossing.
 pub(crate) struct Open {
     pub start: Correction,
     pub branch: usize,

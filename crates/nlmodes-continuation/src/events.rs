@@ -117,7 +117,8 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     /// Where `det [J; tᵀ]` changes its sign; `None` if it is not known where within the step.
     ///
-    /// The nearer points are to a crossing, the less they are known. So where the Jacobian becomes singular evenly, the last stretch is interpolated.
+    /// The nearer points are to a crossing, the less they are known. So where the Jacobian becomes singular evenly, the
+    /// last stretch is interpolated.
     pub fn crossing(&mut self) -> Option<Located> {
         let kinds = vec![EventKind::BranchPoint];
         let [mut low, mut high] = self.whole();
@@ -148,7 +149,8 @@ impl<S: ParametricSystem> Search<'_, S> {
     }
 
     /// Where `test`, a smooth function of point and tangent that is negative at the end, turns so. Where a point of
-    /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side stands for the root.
+    /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side
+    /// stands for the root.
     pub fn root(&mut self, test: impl Fn(&Correction) -> f64) -> Root {
         self.find(&ELSEWHERE, self.whole(), &test)
     }
@@ -170,9 +172,10 @@ impl<S: ParametricSystem> Search<'_, S> {
         LOCATED.0 * self.h.max(LOCATED.1)
     }
 
-    /// The root of a smooth function in a bracket. It is followed along the curve through both ends, at no expense, and the branch is corrected at
-    /// its root there, until that stays where it is. Where the bracket hardly becomes narrower, since all these points lie on one side, the next is as far
-    /// beyond the root as that has moved; where that does not help either, the bracket is halved.
+    /// The root of a smooth function in a bracket. It is followed along the curve through both ends, at no expense, and
+    /// the branch is corrected at its root there, until that stays where it is. Where the bracket hardly becomes
+    /// narrower, since all these points lie on one side, the next is as far beyond the root as that has moved; where
+    /// that does not help either, the bracket is halved.
     fn find(&mut self, elsewhere: &[f64], [mut low, mut high]: [Mark; 2], test: &dyn Fn(&Correction) -> f64) -> Root {
         let width = self.located();
         let (mut f_low, mut f_high) = (test(&low.at).max(f64::MIN_POSITIVE), test(&high.at));

@@ -19,11 +19,13 @@ pub(crate) const ABOVE_ROUNDING: f64 = 1e3;
 /// Largest depth, over the length of a step, for which a bend is tight.
 pub(crate) const SHALLOW: f64 = 0.3;
 
-/// Distance from the predicted point, over the step, and cosine of the angle between the tangents up to which the prediction is confirmed.
+/// Distance from the predicted point, over the step, and cosine of the angle between the tangents up to which the
+/// prediction is confirmed.
 pub(crate) const CONFIRMED: (f64, f64) = (0.3, 0.9);
 
-/// The unit vector of unknowns, parameter and k forces that the equations and k boundaries leave free, `[J, F; ∇gᵀ, 0]` with these columns and
-/// rows, and the next smallest singular value of that. Each row is taken over the size of its equation.
+/// The unit vector of unknowns, parameter and k forces that the equations and k boundaries leave free, `[J, F; ∇gᵀ, 0]`
+/// with these columns and rows, and the next smallest singular value of that. Each row is taken over the size of its
+/// equation.
 pub(crate) fn free_beyond(
     at: &Linearization,
     forces: &[&[f64]],

@@ -4,17 +4,18 @@
 //! R : ℝⁿ × ℝ → ℝⁿ ,   z = (x, p) ,   R(z) = 0 ,   J = ∂R/∂z   (n × (n + 1))
 //! ```
 //!
-//! The curve is followed by steps of pseudo-arclength: predict along the unit tangent `t` (`J t = 0`), correct by Newton on the
-//! hyperplane across it. So turning points in `p` and in any unknown are nothing special. Made for residuals that are only piecewise
-//! smooth: a step counts only when prediction, correction, turn of the tangent and a check at half the step agree, and what the
-//! branch passed is located and named.
+//! The curve is followed by steps of pseudo-arclength: predict along the unit tangent `t` (`J t = 0`), correct by
+//! Newton on the hyperplane across it. So turning points in `p` and in any unknown are nothing special. Made for
+//! residuals that are only piecewise smooth: a step counts only when prediction, correction, turn of the tangent and a
+//! check at half the step agree, and what the branch passed is located and named.
 //!
-//! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it changes is
-//! accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. How often it vanishes within a step
-//! is told by the eigenvalues of the Jacobian at its end in terms of that at its beginning: a step that passes more than one such point is
-//! shortened until they are told apart, or are one. Where no step exists, all arms that leave a small sphere are found and the branch goes on along the one
-//! that is its own, or along another ([`AtBranchPoint`]); any number of directions may be nearly free there.
-//! [`Continuation::run_tree`] follows them all.
+//! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it
+//! changes is accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. How
+//! often it vanishes within a step is told by the eigenvalues of the Jacobian at its end in terms of that at its
+//! beginning: a step that passes more than one such point is shortened until they are told apart, or are one. Where no
+//! step exists, all arms that leave a small sphere are found and the branch goes on along the one that is its own, or
+//! along another ([`AtBranchPoint`]); any number of directions may be nearly free there. [`Continuation::run_tree`]
+//! follows them all.
 //!
 //! | symbol | item | shape |
 //! | --- | --- | --- |
@@ -23,11 +24,12 @@
 //! | `t` | [`BranchPoint::tangent`] | n + 1 |
 //! | `h` | step along the curve, [`StepSettings`] | |
 //!
-//! Linear systems are solved by a [`LinearSolver`]: all entries of the Jacobian unless the system says otherwise, or by sparse LU factorisation
-//! ([`SparseSolver`]) for thousands of unknowns (example `bratu_plane`).
+//! Linear systems are solved by a [`LinearSolver`]: all entries of the Jacobian unless the system says otherwise, or by
+//! sparse LU factorisation ([`SparseSolver`]) for thousands of unknowns (example `bratu_plane`).
 //!
-//! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scaling`]: those that the system gives, or else
-//! those that are found from the starting point and the Jacobian there. So no problem needs to be scaled for it.
+//! Lengths, distances and tolerances are shares of the sizes of unknowns and equations, [`Scaling`]: those that the
+//! system gives, or else those that are found from the starting point and the Jacobian there. So no problem needs to be
+//! scaled for it.
 //!
 //! ```
 //! use nlmodes_continuation::{Bound, Continuation, EventKind, Linearization, ParametricSystem};

@@ -17,10 +17,11 @@ pub(crate) fn radii(settings: &StepSettings) -> impl Iterator<Item = f64> + use<
     std::iter::successors(Some(first), |r| Some(0.1 * r)).take_while(move |r| *r >= 0.99 * least)
 }
 
-/// The arms at `center`, a regular point but for a crossing, through which the branch goes along `tangent`; `None` if only two meet.
+/// The arms at `center`, a regular point but for a crossing, through which the branch goes along `tangent`; `None` if
+/// only two meet.
 ///
-/// Close by, what bends the arms may be below the last digits of the unknowns: arms are looked for at a distance first, and taken where all of
-/// them are found again ever closer.
+/// Close by, what bends the arms may be below the last digits of the unknowns: arms are looked for at a distance first,
+/// and taken where all of them are found again ever closer.
 pub(crate) fn of_one<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -47,9 +48,9 @@ pub(crate) fn of_one<S: ParametricSystem>(
     straight_on(closest.filter(|arms| arms.onward.len() > 2)?, center, tangent)
 }
 
-/// The same where several directions become free at once: cubic terms are drowned by rounding close by, so arms are looked for at a distance
-/// first; those that lead to the center belong to it. Where some are missing, those terms may not tell arms apart, as on a square of 3 × 3
-/// nodes, whose border is a ring of eight equal ones: then further away.
+/// The same where several directions become free at once: cubic terms are drowned by rounding close by, so arms are
+/// looked for at a distance first; those that lead to the center belong to it. Where some are missing, those terms may
+/// not tell arms apart, as on a square of 3 × 3 nodes, whose border is a ring of eight equal ones: then further away.
 pub(crate) fn of_several<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -86,8 +87,8 @@ fn is_complete(arms: &Arms) -> bool {
     arms.unsearched == 0 && arms.onward.len() > 2 && arms.onward.len() % 2 == 1
 }
 
-/// All arms at the least distance beyond the usual one at which none is missing, each leads inward, and as many are found further away: closer by, what
-/// tells them apart is below rounding.
+/// All arms at the least distance beyond the usual one at which none is missing, each leads inward, and as many are
+/// found further away: closer by, what tells them apart is below rounding.
 fn further_out<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,

@@ -14,8 +14,8 @@ use crate::expansion::CONFIRMED;
 use crate::step::{Foot, StepSettings};
 use crate::vectors::{along, distance, dot};
 
-/// Distance from all boundaries, over that of the arms, at which the Jacobian is taken where nothing has set in: well above that by which the point may be
-/// beyond them.
+/// Distance from all boundaries, over that of the arms, at which the Jacobian is taken where nothing has set in: well
+/// above that by which the point may be beyond them.
 const OFF: f64 = 10.0 * boundaries::THROUGH;
 
 /// Distance below which two arms are one, over that from the point.
@@ -30,8 +30,9 @@ pub(crate) fn boundaries_at<S: ParametricSystem>(
     boundaries::around(system, &foot.z, 10.0 * settings.min).unwrap_or_default()
 }
 
-/// All arms that leave `foot`, at the distance of ten of the shortest steps; `None` where the boundaries through it, with these unit vectors across them, do not
-/// tell them, or are not several: one alone is a bend or a corner, which a look across it tells.
+/// All arms that leave `foot`, at the distance of ten of the shortest steps; `None` where the boundaries through it,
+/// with these unit vectors across them, do not tell them, or are not several: one alone is a bend or a corner, which a
+/// look across it tells.
 ///
 /// Beyond each boundary `g_j = 0` something sets in, so that nearby
 ///
@@ -39,8 +40,8 @@ pub(crate) fn boundaries_at<S: ParametricSystem>(
 /// R(z) = J (z − z₀) + Σ_j F_j (d_j/d₀)^k_j ,   d_j = (−∇g_j · (z − z₀))₊
 /// ```
 ///
-/// which a few evaluations tell. The arms of these equations, reduced to as many as there are boundaries, are looked for on a sphere without evaluating the
-/// system; and each is confirmed by Newton's method.
+/// which a few evaluations tell. The arms of these equations, reduced to as many as there are boundaries, are looked
+/// for on a sphere without evaluating the system; and each is confirmed by Newton's method.
 pub(crate) fn arms<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,

@@ -6,7 +6,8 @@ use crate::signs::Signs;
 use crate::vectors::dot;
 use crate::{LinearSolver, Linearization};
 
-/// Vectors of the subspace in which it is looked whether anything may have changed its sign: at first, and where that is not clear.
+/// Vectors of the subspace in which it is looked whether anything may have changed its sign: at first, and where that
+/// is not clear.
 const SUBSPACE: [usize; 2] = [4, 12];
 
 /// Rayleigh quotient above which nothing has.
@@ -18,11 +19,12 @@ const UNCLEAR: f64 = 0.1;
 /// Largest imaginary part of an eigenvalue that counts as real, over its real part.
 const REAL: f64 = 0.05;
 
-/// Vectors of the subspace in which the eigenvalues of a large matrix are looked for, and how many it starts with: so many times an eigenvalue
-/// may be repeated.
+/// Vectors of the subspace in which the eigenvalues of a large matrix are looked for, and how many it starts with: so
+/// many times an eigenvalue may be repeated.
 const LARGE: (usize, usize) = (48, 4);
 
-/// Eigenvalue by which a Jacobian is known to be nearly singular beside another one, far away and close by, and steps in which it would show.
+/// Eigenvalue by which a Jacobian is known to be nearly singular beside another one, far away and close by, and steps
+/// in which it would show.
 pub(crate) const GROWN: f64 = 1e3;
 pub(crate) const GROWN_NEAR: f64 = 1e2;
 const INVERSE_STEPS: usize = 4;
@@ -93,11 +95,11 @@ impl Bordered {
             .map_or(true, |ritz| ritz.iter().any(|μ| μ.re < UNCLEAR && μ.im.abs() <= μ.re.abs().max(UNCLEAR)))
     }
 
-    /// Shares of the way from another point to this one at which the Jacobian is singular, ascending, if it changes evenly; none where that
-    /// can be ruled out at less expense.
+    /// Shares of the way from another point to this one at which the Jacobian is singular, ascending, if it changes
+    /// evenly; none where that can be ruled out at less expense.
     ///
-    /// Each is an eigenvalue μ of `B⁻¹ B'` that is negative: `(1 − τ) B' + τ B` is singular at `τ = μ/(μ − 1)`. Neither the units of the
-    /// unknowns nor those of the equations matter, nor whether the Jacobian is symmetric.
+    /// Each is an eigenvalue μ of `B⁻¹ B'` that is negative: `(1 − τ) B' + τ B` is singular at `τ = μ/(μ − 1)`. Neither
+    /// the units of the unknowns nor those of the equations matter, nor whether the Jacobian is symmetric.
     pub fn singular_since(&self, other: &Self, certain: bool) -> Vec<f64> {
         if !certain && !self.may_differ_in_sign(other) && !other.may_differ_in_sign(self) {
             return Vec::new();
@@ -109,15 +111,17 @@ impl Bordered {
         shares
     }
 
-    /// The share of the way from another point to this one, be it beyond this one, at which the Jacobian becomes singular next to here.
+    /// The share of the way from another point to this one, be it beyond this one, at which the Jacobian becomes
+    /// singular next to here.
     pub fn nearest_singular(&self, other: &Self) -> Option<f64> {
         let all = self.eigenvalues_of(other).into_iter().filter(|(re, im)| im.abs() <= REAL * re.abs());
         let (μ, _) = all.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
         Some(μ / (μ - 1.0)).filter(|share| share.is_finite())
     }
 
-    /// Whether this Jacobian is nearly singular beside another one, `B⁻¹ B'` having an eigenvalue above `grown`: a few steps of the power method, in which a
-    /// direction that is nearly free outgrows the rest. The first of them tells the norm, which is large too where the units of the equations differ.
+    /// Whether this Jacobian is nearly singular beside another one, `B⁻¹ B'` having an eigenvalue above `grown`: a few
+    /// steps of the power method, in which a direction that is nearly free outgrows the rest. The first of them tells
+    /// the norm, which is large too where the units of the equations differ.
     pub fn is_singular_beside(&self, other: &Self, grown: f64) -> bool {
         let mut signs = Signs::default();
         let mut v: Vec<f64> = self.row.iter().map(|_| signs.draw_between()).collect();
@@ -133,8 +137,8 @@ impl Bordered {
         length > grown
     }
 
-    /// Eigenvalues of `B⁻¹ B'`: all of them, or where the solver is sparse those that lie outside of the rest. Those of a short step are one but
-    /// for a few.
+    /// Eigenvalues of `B⁻¹ B'`: all of them, or where the solver is sparse those that lie outside of the rest. Those of
+    /// a short step are one but for a few.
     fn eigenvalues_of(&self, other: &Self) -> Vec<(f64, f64)> {
         let matrix = if self.solver.is_sparse() { self.projected(other) } else { self.product(other) };
         eigenvalues(&matrix).map_or_else(|_| Vec::new(), |all| all.iter().map(|μ| (μ.re, μ.im)).collect())
@@ -174,7 +178,8 @@ impl Bordered {
     }
 }
 
-/// The part of a vector that is orthogonal to these unit vectors, as a unit vector; `None` where nothing is left but rounding.
+/// The part of a vector that is orthogonal to these unit vectors, as a unit vector; `None` where nothing is left but
+/// rounding.
 pub(crate) fn orthonormal(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Option<Vec<f64>> {
     let size = dot(&v, &v).sqrt();
     // Twice is enough.
@@ -188,7 +193,8 @@ pub(crate) fn orthonormal(mut v: Vec<f64>, basis: &[Vec<f64>]) -> Option<Vec<f64
     (rest > 1e-10 * size).then(|| v.iter().map(|v| v / rest).collect())
 }
 
-/// Whether the symmetric part of the projected matrix, whose columns these are, exceeds a multiple of one: by elimination.
+/// Whether the symmetric part of the projected matrix, whose columns these are, exceeds a multiple of one: by
+/// elimination.
 fn is_positive(columns: &[Vec<f64>]) -> bool {
     let k = columns.len();
     let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
@@ -229,7 +235,8 @@ mod tests {
         Bordered { at, row, solver }
     }
 
-    /// `B` and `B' = B P`, where `P` is one but for these eigenvalues, whose vectors are orthogonal to the row at the end of `B`, which thus stays.
+    /// `B` and `B' = B P`, where `P` is one but for these eigenvalues, whose vectors are orthogonal to the row at the
+    /// end of `B`, which thus stays.
     fn pair(size: usize, eigenvalues: &[f64], sparse: bool) -> [Bordered; 2] {
         let mut signs = Signs::default();
         let b = Mat::from_fn(size, size, |i, j| signs.draw_between() + if i == j { 3.0 } else { 0.0 });

@@ -19,8 +19,8 @@ pub(crate) struct Behind {
     pub tangent: Vec<f64>,
 }
 
-/// Where the branch is expected on the plane at the distance `h` along the tangent of the foot: on the cubic through the last two points, or
-/// else on the tangent itself.
+/// Where the branch is expected on the plane at the distance `h` along the tangent of the foot: on the cubic through
+/// the last two points, or else on the tangent itself.
 pub(crate) fn predicted(foot: &Foot, h: f64) -> Vec<f64> {
     let on_tangent = along(&foot.z, h, &foot.tangent);
     let Some(behind) = &foot.behind else { return on_tangent };

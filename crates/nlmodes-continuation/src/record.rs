@@ -41,8 +41,9 @@ pub struct StepRecord {
 const MOST: usize = 1 << 40;
 
 impl StepRecord {
-    /// Whether this can be a step of a run with n unknowns, as far as can be told without the equations: vectors of the right lengths, finite
-    /// numbers, a way on or a reason why there is none. Steps that are read back from a file that somebody has altered need not be.
+    /// Whether this can be a step of a run with n unknowns, as far as can be told without the equations: vectors of the
+    /// right lengths, finite numbers, a way on or a reason why there is none. Steps that are read back from a file that
+    /// somebody has altered need not be.
     pub(crate) fn is_of(&self, n: usize) -> bool {
         let numbers =
             [self.orientation, self.next, self.blur].iter().chain(&self.senses).all(|number| number.is_finite());
@@ -72,16 +73,18 @@ pub(crate) fn is_vector(vector: &[f64], n: usize) -> bool {
 
 /// Keeps the steps of runs, so that a run that was cut off can go on.
 ///
-/// A computation of several runs has one log, and makes the runs in the same order when it is repeated. A log that keeps
-/// nothing is `()`.
+/// A computation of several runs has one log, and makes the runs in the same order when it is repeated. A log that
+/// keeps nothing is `()`.
 pub trait RunLog {
     /// A run begins at `start`: the steps that an earlier one from there took; none where there was no such run.
     ///
-    /// A step that was [asked to end](StopReason::is_asked_for) can only be the last of them. The run repeats them up to the first that is
-    /// not one of its own: whose points have the wrong number of unknowns, say, or do not solve its equations.
+    /// A step that was [asked to end](StopReason::is_asked_for) can only be the last of them. The run repeats them up
+    /// to the first that is not one of its own: whose points have the wrong number of unknowns, say, or do not solve
+    /// its equations.
     fn begin(&mut self, start: &Correction) -> Vec<StepRecord>;
 
-    /// The run has repeated so many steps and from here on computes: it takes those behind them anew. It stops if the log says so.
+    /// The run has repeated so many steps and from here on computes: it takes those behind them anew. It stops if the
+    /// log says so.
     fn computing(&mut self, repeated: usize) -> ControlFlow<()> {
         let _ = repeated;
         ControlFlow::Continue(())

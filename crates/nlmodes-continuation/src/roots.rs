@@ -3,10 +3,12 @@
 /// Most evaluations.
 const MOST: usize = 80;
 
-/// A root of `f` between `a` and `b`, at which its values `fa`, `fb` have different signs, known to `width`: Chandrupatla's method, which
-/// interpolates by an inverse quadratic where that is safe and halves the bracket where it is not.
+/// A root of `f` between `a` and `b`, at which its values `fa`, `fb` have different signs, known to `width`:
+/// Chandrupatla's method, which interpolates by an inverse quadratic where that is safe and halves the bracket where it
+/// is not.
 ///
-/// Reference: T. R. Chandrupatla, Advances in Engineering Software 28 (1997) 145-149, doi:10.1016/S0965-9978(96)00051-8.
+/// Reference: T. R. Chandrupatla, Advances in Engineering Software 28 (1997) 145-149,
+/// doi:10.1016/S0965-9978(96)00051-8.
 pub(crate) fn bracketed_root(
     mut f: impl FnMut(f64) -> f64,
     (a, fa): (f64, f64),
@@ -71,7 +73,8 @@ mod tests {
         check(|x| (x - 0.3).abs().sqrt() * (x - 0.3).signum(), 0.0, 2.0, 0.3, 60);
     }
 
-    /// The secant of a straight line hits its zero, here without rounding. That of the function with a bend, from (0, −1) to (2, 1), hits the bend.
+    /// The secant of a straight line hits its zero, here without rounding. That of the function with a bend, from (0,
+    /// −1) to (2, 1), hits the bend.
     #[test]
     fn a_zero_that_is_hit_ends_the_search_and_another_value_does_not() {
         check(|x| x - 0.5, 0.0, 2.0, 0.5, 1);

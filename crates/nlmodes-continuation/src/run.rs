@@ -204,8 +204,8 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         }
     }
 
-    /// A shorter step than one that was refused. Where only the rounding that is assumed forbids one, that is measured first: the equations of fine
-    /// meshes are small beside one.
+    /// A shorter step than one that was refused. Where only the rounding that is assumed forbids one, that is measured
+    /// first: the equations of fine meshes are small beside one.
     fn shorter(&mut self, h: f64, refusal: &Refusal) -> Option<f64> {
         let shorter = self.control.after_refused(h, refusal);
         if shorter.is_some() || !self.control.is_held_by_rounding() {
@@ -216,14 +216,16 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         self.control.after_refused(h, refusal)
     }
 
-    /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are nearly free,
-    /// with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a solution unknown up to ε/σ.
+    /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are
+    /// nearly free, with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a solution
+    /// unknown up to ε/σ.
     fn look_at_rounding(&mut self) {
         self.corrector.look_at_rounding(self.system, &self.foot.z, &self.foot.tangent);
         self.control.set_blur(if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 });
     }
 
-    /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it, if it does.
+    /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it,
+    /// if it does.
     fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
         let watched = watched_step(self.system, &mut self.corrector, &self.control.limits, &self.foot, h)?;
         let Watched { end, border, singular } = watched;

@@ -33,12 +33,13 @@ impl Scaling {
         Self { unknowns: vec![1.0; n + 1], equations: vec![1.0; n] }
     }
 
-    /// From the starting point, and the Jacobian and the direction there; and whether the points that follow may be large beside these sizes, as they
-    /// may wherever numbers are not near one, or zero without a tangent that tells what they are near to.
+    /// From the starting point, and the Jacobian and the direction there; and whether the points that follow may be
+    /// large beside these sizes, as they may wherever numbers are not near one, or zero without a tangent that tells
+    /// what they are near to.
     ///
-    /// All unknowns have one size, that of the largest. What is zero has the size by which it moves while the other one moves by its own, if
-    /// the tangent tells that, else one; sizes near one are one. An equation has a size a little below that of its
-    /// largest derivative.
+    /// All unknowns have one size, that of the largest. What is zero has the size by which it moves while the other one
+    /// moves by its own, if the tangent tells that, else one; sizes near one are one. An equation has a size a little
+    /// below that of its largest derivative.
     /// The parameter is no larger than `most`, between its bounds.
     pub(crate) fn found(
         at: &Linearization,

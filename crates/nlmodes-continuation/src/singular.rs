@@ -10,12 +10,13 @@ use crate::{LinearSolver, Linearization};
 /// Singular value over the largest one, or over one where that is less, below which a direction counts as nearly free.
 pub(crate) const NEARLY_FREE: f64 = 1e-3;
 
-/// Singular vectors of `J`, n × (n + 1), that belong to its smallest singular values, each row over the size of its equation.
+/// Singular vectors of `J`, n × (n + 1), that belong to its smallest singular values, each row over the size of its
+/// equation.
 pub(crate) struct SingularDirections {
     /// The right singular vector of the value that is zero: the tangent, where there is one.
     pub tangent: Vec<f64>,
-    /// The left ones of the values that are nearly zero beside it, ascending; that of the smallest is never missing. As combinations of the
-    /// equations as they are.
+    /// The left ones of the values that are nearly zero beside it, ascending; that of the smallest is never missing. As
+    /// combinations of the equations as they are.
     pub left: Vec<Vec<f64>>,
     /// The smallest singular value, beside the one that is zero, over the largest, or over one where that is less.
     pub ratio: f64,
@@ -55,12 +56,13 @@ impl SingularDirections {
 const SMALLEST: usize = 8;
 const STEPS: usize = 12;
 
-/// Singular value, over the largest one of these, below which a direction may be nearly free: those of a fine mesh are small without.
+/// Singular value, over the largest one of these, below which a direction may be nearly free: those of a fine mesh are
+/// small without.
 const APART: f64 = 0.05;
 
 impl SingularDirections {
-    /// The smallest singular values, by inverse iteration: with the tangent `t` as its last row, `B = [J; tᵀ]` has the singular values of `J` and one
-    /// more, and `(B Bᵀ)⁻¹ = B⁻ᵀ B⁻¹` their squares' inverses.
+    /// The smallest singular values, by inverse iteration: with the tangent `t` as its last row, `B = [J; tᵀ]` has the
+    /// singular values of `J` and one more, and `(B Bᵀ)⁻¹ = B⁻ᵀ B⁻¹` their squares' inverses.
     fn by_inverse(linearization: &Linearization, mut solver: Box<dyn LinearSolver>) -> Option<Self> {
         let n = linearization.residual.len();
         let sizes = &linearization.sizes;
@@ -121,7 +123,8 @@ fn null_vector(at: &Linearization, solver: &mut dyn LinearSolver, start: &[f64])
     row.iter().all(|t| t.is_finite()).then_some(row)
 }
 
-/// Singular values, ascending, and left singular vectors of `J` in the span of orthonormal vectors, whose last entry is zero.
+/// Singular values, ascending, and left singular vectors of `J` in the span of orthonormal vectors, whose last entry is
+/// zero.
 fn rotated(at: &Linearization, basis: Vec<Vec<f64>>) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
     let images: Vec<Vec<f64>> = basis.iter().map(|u| transposed_times(at, u)).collect();
     let k = basis.len();
@@ -210,7 +213,8 @@ mod tests {
                 SingularDirections::of(&dense, &DenseSolver::default()).unwrap(),
                 SingularDirections::of(&sparse, &SparseSolver::default()).unwrap(),
             ];
-            // The squares of singular values are rounded by 1e-16 of the largest one, which is an estimate where the matrix is sparse.
+            // The squares of singular values are rounded by 1e-16 of the largest one, which is an estimate where the
+            // matrix is sparse.
             for (found, rounding, estimate) in [(&found[0], 2e-7, 1e-10), (&found[1], 1e-9, 0.05)] {
                 assert!((found.value - values[0]).abs() < rounding, "{small:?}: {:e}", found.value);
                 let ratio = values[0] / values[n - 1];
@@ -228,8 +232,8 @@ mod tests {
         }
     }
 
-    /// Weighted differences around a ring and an unknown that stands nowhere: `Σ r_i / a_i = 0` of the rows, weights that are powers of two, so that
-    /// elimination ends with a pivot of zero.
+    /// Weighted differences around a ring and an unknown that stands nowhere: `Σ r_i / a_i = 0` of the rows, weights
+    /// that are powers of two, so that elimination ends with a pivot of zero.
     #[test]
     fn what_is_free_of_a_sparse_matrix_that_cannot_be_factored_is_known_too() {
         let n = 12;

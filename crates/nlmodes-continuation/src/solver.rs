@@ -27,7 +27,8 @@ pub trait LinearSolver: std::fmt::Debug {
     /// Sign of `det B`: +1 or −1. Branch points are seen by it.
     fn determinant_sign(&self) -> f64;
 
-    /// How far `B` is from singular, about linear in the distance: zero to one, such as the smallest over the largest pivot.
+    /// How far `B` is from singular, about linear in the distance: zero to one, such as the smallest over the largest
+    /// pivot.
     fn pivot_ratio(&self) -> f64;
 
     /// A clone of it.

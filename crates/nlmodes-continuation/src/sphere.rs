@@ -43,8 +43,8 @@ pub(crate) struct Sphere<'a> {
 
 /// `R(c + r ζ)/r + μ u = 0`, `|ζ| = 1`: n + 1 equations for the n + 1 entries of ζ, with the parameter μ.
 ///
-/// Its solutions are curves on the sphere, whatever the number of directions is in which `R` leaves the center nearly free to move;
-/// where μ vanishes, they meet an arm.
+/// Its solutions are curves on the sphere, whatever the number of directions is in which `R` leaves the center nearly
+/// free to move; where μ vanishes, they meet an arm.
 struct Relaxed<'a, E> {
     system: &'a mut (dyn ParametricSystem<Error = E> + 'a),
     inner: Linearization,
@@ -124,8 +124,8 @@ impl Sphere<'_> {
         self.center.iter().zip(zeta).map(|(c, d)| c + self.radius * d).collect()
     }
 
-    /// Follows the curve that leaves the arm `from` while the equation in the direction `left` is given up: all around, or where
-    /// that does not succeed, both ways as far as it goes.
+    /// Follows the curve that leaves the arm `from` while the equation in the direction `left` is given up: all around,
+    /// or where that does not succeed, both ways as far as it goes.
     pub fn arms_along<S: ParametricSystem>(&self, system: &mut S, from: &[f64], left: &[f64]) -> Track {
         let n = left.len();
         let solver = system.solver();
@@ -262,7 +262,8 @@ fn turn(foot: &mut Foot, sense: f64) {
     foot.orientation *= sense;
 }
 
-/// Whether μ, which has the same sign at both ends, may vanish twice in between: its two tangents meet on the other side of zero.
+/// Whether μ, which has the same sign at both ends, may vanish twice in between: its two tangents meet on the other
+/// side of zero.
 fn may_dip(foot: &Foot, end: &Correction) -> bool {
     let last = foot.z.len() - 1;
     let (a, b) = (foot.z[last], end.z[last]);

@@ -13,13 +13,14 @@ pub struct StepSettings {
     pub initial: f64,
     /// Shortest step. Where it is refused, the arms around the point are looked for. Default 1e-6.
     pub min: f64,
-    /// Largest distance at which arms are looked for; where more than one leads on, the look is repeated closer, down to ten times
-    /// the shortest step. Default 1e-3.
+    /// Largest distance at which arms are looked for; where more than one leads on, the look is repeated closer, down
+    /// to ten times the shortest step. Default 1e-3.
     pub arm: f64,
     /// Longest step. Default 0.1.
     pub max: f64,
-    /// Largest unknown, over its size, beyond which the longest step grows in proportion to it; four at most where sizes other than one are
-    /// found, or where all is zero at the start and nothing tells a size. Default infinite: the longest step is the same everywhere.
+    /// Largest unknown, over its size, beyond which the longest step grows in proportion to it; four at most where
+    /// sizes other than one are found, or where all is zero at the start and nothing tells a size. Default infinite:
+    /// the longest step is the same everywhere.
     pub far: f64,
     /// Largest turn of the tangent within a step, rad. Default 0.35 (20°).
     pub max_turn: f64,
@@ -27,9 +28,11 @@ pub struct StepSettings {
     pub max_correction: f64,
     /// Turn beyond which, or a change of pattern upon which, the middle of the step is checked too. Default 0.1 rad.
     pub checked_turn: f64,
-    /// Residual, largest entry over the size of its equation, at which a point counts as found if Newton's method also has come to rest. Default 1e-11.
+    /// Residual, largest entry over the size of its equation, at which a point counts as found if Newton's method also
+    /// has come to rest. Default 1e-11.
     pub tolerance: f64,
-    /// Newton iterations permitted a step; three times as many for the start and for steps near the shortest. Default 8.
+    /// Newton iterations permitted a step; three times as many for the start and for steps near the shortest.
+    /// Default 8.
     pub max_iterations: usize,
 }
 
@@ -154,7 +157,8 @@ pub(crate) struct Watched {
     pub singular: Vec<f64>,
 }
 
-/// A step that also is refused if the Jacobian becomes singular more than once within, unless it is so short that these are one point.
+/// A step that also is refused if the Jacobian becomes singular more than once within, unless it is so short that these
+/// are one point.
 pub(crate) fn watched_step<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -183,7 +187,8 @@ pub(crate) fn watched_step<S: ParametricSystem>(
 /// Spread of singular points, over the distance at which arms are looked for, up to which they are one.
 const ONE_POINT: f64 = 0.05;
 
-/// The length of a step that tells singular points apart, or ends just before the first ones if they are close together.
+/// The length of a step that tells singular points apart, or ends just before the first ones if they are close
+/// together.
 fn telling(singular: &[f64], h: f64, near: f64) -> f64 {
     if h <= 1.01 * near {
         return 0.5 * h;
@@ -225,7 +230,8 @@ fn confirm<S: ParametricSystem>(
     Ok(())
 }
 
-/// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another arm it does not.
+/// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another arm it
+/// does not.
 fn check_middle<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
@@ -308,7 +314,8 @@ mod tests {
         // Half of what the end is off: 0.1 h on a straight line.
         let Err(Refusal::MiddleOff { steps }) = confirmed(0.2 * h, 0.0) else { panic!("0.2 h to the side") };
         assert!((steps - 0.1).abs() < 1e-3, "{steps}");
-        // An arc of this turn may be that far off its tangent, and the axis is straight: nothing to be seen without a look.
+        // An arc of this turn may be that far off its tangent, and the axis is straight: nothing to be seen without a
+        // look.
         assert!(confirmed(0.04 * h, 0.05).is_ok());
     }
 }

@@ -5,18 +5,20 @@ use crate::{Refusal, StepSettings};
 /// Growth of the step after one that was easy, below this length, where a corner has just been passed, and above.
 const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 
-/// Distance of the branch from its tangent at the end of a step, over the step, up to which that was easy. Half the turn of the tangent is
-/// about as much, so curvature decides how long steps become. Iterations do not count: near rounding Newton's method takes many.
+/// Distance of the branch from its tangent at the end of a step, over the step, up to which that was easy. Half the
+/// turn of the tangent is about as much, so curvature decides how long steps become. Iterations do not count: near
+/// rounding Newton's method takes many.
 const EASY: f64 = 0.06;
 
 /// Shares of a step that are tried next where it is refused: at first, and again.
 const SHORTER: [f64; 2] = [0.5, 0.25];
 
-/// Relative change of the distance from the predicted point, over the step, up to which a shorter step has not come nearer: along a smooth curve it falls
-/// with the step.
+/// Relative change of the distance from the predicted point, over the step, up to which a shorter step has not come
+/// nearer: along a smooth curve it falls with the step.
 const NO_NEARER: f64 = 0.1;
 
-/// Shortest step, over the distance by which rounding blurs the point from which it starts: what is shorter says nothing about the curve.
+/// Shortest step, over the distance by which rounding blurs the point from which it starts: what is shorter says
+/// nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
 
 /// The lengths that steps may have, and how often the step in progress was refused.
@@ -66,7 +68,8 @@ impl StepControl {
         h < 100.0 * self.limits.min
     }
 
-    /// The step after one of length `h` that was taken, at whose end the branch is at the distance `moved` from its tangent; from the point `z`.
+    /// The step after one of length `h` that was taken, at whose end the branch is at the distance `moved` from its
+    /// tangent; from the point `z`.
     pub fn after_taken(&mut self, h: f64, moved: f64, z: &[f64]) -> f64 {
         let growth = GROWTH.iter().find(|(below, _)| h < *below).map_or(1.0, |(_, growth)| *growth);
         if moved <= EASY * h { (h * growth).min(self.longest(z)) } else { h }
@@ -78,8 +81,8 @@ impl StepControl {
         self.far = [f64::NAN; 2];
     }
 
-    /// Whether the last steps, each shorter than the one before, all ended as far beside their tangent in proportion: there is a corner, or a bend
-    /// tighter than they are long.
+    /// Whether the last steps, each shorter than the one before, all ended as far beside their tangent in proportion:
+    /// there is a corner, or a bend tighter than they are long.
     pub fn comes_no_nearer(&mut self, refusal: &Refusal) -> bool {
         let Refusal::FarFromPrediction { steps } = refusal else {
             self.far = [f64::NAN; 2];

@@ -10,11 +10,12 @@ pub struct Linearization {
     pub residual: Vec<f64>,
     /// `[∂R/∂x, ∂R/∂p]`, n × (n + 1). Without rows and columns where the solver of the system is sparse.
     pub jacobian: Mat<f64>,
-    /// The same where the solver is sparse: rows, columns and values of what is not zero, in any order; values at one place are added. Empty before
-    /// each evaluation. An entry that may become zero is better written always: so the order of elimination need not be found anew.
+    /// The same where the solver is sparse: rows, columns and values of what is not zero, in any order; values at one
+    /// place are added. Empty before each evaluation. An entry that may become zero is better written always: so the
+    /// order of elimination need not be found anew.
     pub entries: Vec<Triplet>,
-    /// What is large for a derivative of each equation, n: one unless the system writes something else. Beside it is judged whether a
-    /// direction is nearly free; equations that are small as a whole do not make it so.
+    /// What is large for a derivative of each equation, n: one unless the system writes something else. Beside it is
+    /// judged whether a direction is nearly free; equations that are small as a whole do not make it so.
     pub sizes: Vec<f64>,
 }
 
@@ -74,42 +75,48 @@ pub trait ParametricSystem {
     /// Number of equations and unknowns n.
     fn dim(&self) -> usize;
 
-    /// Writes residual and Jacobian at `(x, p)`; every entry of `out` must be written, of [`Linearization::entries`] those that are not zero.
+    /// Writes residual and Jacobian at `(x, p)`; every entry of `out` must be written, of [`Linearization::entries`]
+    /// those that are not zero.
     ///
     /// # Errors
     /// If the residual does not exist there. The continuation then tries a shorter step.
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), Self::Error>;
 
-    /// The solver of the linear systems, and with it how the Jacobian is stored: dense unless the system chooses another, such as
-    /// [`SparseSolver`](crate::SparseSolver).
+    /// The solver of the linear systems, and with it how the Jacobian is stored: dense unless the system chooses
+    /// another, such as [`SparseSolver`](crate::SparseSolver).
     fn solver(&self) -> Box<dyn LinearSolver> {
         Box::<DenseSolver>::default()
     }
 
-    /// What is large for each unknown and each equation. Where this is not given, all unknowns have one size, found from the starting
-    /// point, and each equation that of its largest derivative there; unknowns of different kinds need sizes of their own.
+    /// What is large for each unknown and each equation. Where this is not given, all unknowns have one size, found
+    /// from the starting point, and each equation that of its largest derivative there; unknowns of different kinds
+    /// need sizes of their own.
     ///
-    /// A start at which all unknowns and the parameter are zero tells at most how these compare, not how large they are: the larger of the two sizes
-    /// is one there, and both are where one moves by less than 1e-10 of the other. Tolerances are shares of that, and so are steps, at first or, where the
-    /// two compare, all along: where thousands or millionths are moved, sizes should be given.
+    /// A start at which all unknowns and the parameter are zero tells at most how these compare, not how large they
+    /// are: the larger of the two sizes is one there, and both are where one moves by less than 1e-10 of the other.
+    /// Tolerances are shares of that, and so are steps, at first or, where the two compare, all along: where thousands
+    /// or millionths are moved, sizes should be given.
     fn scaling(&self) -> Option<Scaling> {
         None
     }
 
-    /// The smooth piece of a piecewise smooth system on which the point evaluated last lies; equal numbers, equal pieces.
+    /// The smooth piece of a piecewise smooth system on which the point evaluated last lies; equal numbers, equal
+    /// pieces.
     fn pattern(&self) -> u64 {
         0
     }
 
-    /// The smooth piece on which the point `z = (x, p)` lies, [`pattern`](Self::pattern), where that is known at less expense than by an evaluation of
-    /// residual and Jacobian; else None. By it a piece is seen that a step enters and leaves again.
+    /// The smooth piece on which the point `z = (x, p)` lies, [`pattern`](Self::pattern), where that is known at less
+    /// expense than by an evaluation of residual and Jacobian; else None. By it a piece is seen that a step enters and
+    /// leaves again.
     fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
         let _ = z;
         None
     }
 
-    /// The boundary between the pieces of two points `z = (x, p)` that differ in one thing only: a function that is positive at `from` and
-    /// negative at `to`, and smooth between them. By it a change of the pattern is located in a few evaluations; without, by halving a step.
+    /// The boundary between the pieces of two points `z = (x, p)` that differ in one thing only: a function that is
+    /// positive at `from` and negative at `to`, and smooth between them. By it a change of the pattern is located in a
+    /// few evaluations; without, by halving a step.
     ///
     /// None where the pieces are the same, differ in more than one thing, or the system does not know.
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
@@ -117,7 +124,8 @@ pub trait ParametricSystem {
         None
     }
 
-    /// Told of every point from which the branch goes on, not of events within a step; for systems with a moving phase condition or warm starts.
+    /// Told of every point from which the branch goes on, not of events within a step; for systems with a moving phase
+    /// condition or warm starts.
     fn accepted(&mut self, x: &[f64], p: f64) {
         let _ = (x, p);
     }

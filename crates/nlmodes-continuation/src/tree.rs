@@ -37,10 +37,12 @@ pub struct BranchTree {
 }
 
 impl Continuation {
-    /// Follows the branch through `(x, p)` and, from every crossing that is met, each arm that no branch has passed yet.
+    /// Follows the branch through `(x, p)` and, from every crossing that is met, each arm that no branch has passed
+    /// yet.
     ///
     /// A branch that comes to a crossing whose way on has been passed ends there with [`StopReason::Joined`]. At most
-    /// `max_branches` are followed, breadth first. Every point is shown to `observe` with the number of its branch when it is found.
+    /// `max_branches` are followed, breadth first. Every point is shown to `observe` with the number of its branch when
+    /// it is found.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -56,8 +58,8 @@ impl Continuation {
         self.run_tree_with_log(system, x, p, direction, max_branches, &mut (), observe)
     }
 
-    /// As [`run_tree`](Self::run_tree), each step going into a log; steps that this holds already are not computed again, as in
-    /// [`run_with_log`](Self::run_with_log).
+    /// As [`run_tree`](Self::run_tree), each step going into a log; steps that this holds already are not computed
+    /// again, as in [`run_with_log`](Self::run_with_log).
     ///
     /// # Errors
     /// As [`run`](Self::run).

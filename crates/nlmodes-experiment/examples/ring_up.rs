@@ -1,4 +1,5 @@
-//! An oscillator brought into resonance by the phase-locked loop, its record written and read, and the mode taken from the record.
+//! An oscillator brought into resonance by the phase-locked loop, its record written and read, and the mode taken from
+//! the record.
 //!
 //! `cargo run -p nlmodes-experiment --example ring_up`
 

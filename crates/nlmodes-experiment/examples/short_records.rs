@@ -1,4 +1,5 @@
-//! Makes the two short records of `configs/records`: a beam-like structure in phase resonance, below the stop and against it.
+//! Makes the two short records of `configs/records`: a beam-like structure in phase resonance, below the stop and
+//! against it.
 //!
 //! `cargo run --release -p nlmodes-experiment --example short_records -- configs/records`
 

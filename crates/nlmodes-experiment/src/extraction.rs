@@ -5,9 +5,10 @@
 //!                                                       (v, a divided by inω, (inω)²)               findings
 //! ```
 //!
-//! The sampling rate is no multiple of the frequency, so a number of whole samples is never a whole number of periods. The Fourier
-//! coefficients are therefore those of a least squares fit of all harmonics at once, which does not leak; its matrix is known in closed
-//! form. Every figure is then evaluated again on each single period: their spread is its uncertainty.
+//! The sampling rate is no multiple of the frequency, so a number of whole samples is never a whole number of periods.
+//! The Fourier coefficients are therefore those of a least squares fit of all harmonics at once, which does not leak;
+//! its matrix is known in closed form. Every figure is then evaluated again on each single period: their spread is its
+//! uncertainty.
 //!
 //! [`extract`] does all of it.
 

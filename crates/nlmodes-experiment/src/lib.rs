@@ -1,5 +1,5 @@
-//! Measured records to nonlinear modes: signals in, modal frequency, shape, damping and mode indicator out; and the loop that holds a
-//! structure in phase resonance while they are recorded. No model of the structure is involved.
+//! Measured records to nonlinear modes: signals in, modal frequency, shape, damping and mode indicator out; and the
+//! loop that holds a structure in phase resonance while they are recorded. No model of the structure is involved.
 //!
 //! ```text
 //! q(t) = Re Σ_n ψ_n e^{inω̃t}                       whole periods of all channels, without leakage         (20)
@@ -36,20 +36,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`records`] reads and writes CSV, Universal File 58 and 58b, WAV and NumPy. [`extraction`] makes a modal point of a record, with the uncertainty
-//! of each figure and named findings. [`phase_loop`] is the loop as a function of values, for a real rig as for a simulated one.
+//! [`records`] reads and writes CSV, Universal File 58 and 58b, WAV and NumPy. [`extraction`] makes a modal point of a
+//! record, with the uncertainty of each figure and named findings. [`phase_loop`] is the loop as a function of values,
+//! for a real rig as for a simulated one.
 //!
 //! # Main decisions
-//! - Fourier coefficients are those of a least squares fit of all harmonics at once: a sampling rate is no multiple of the frequency, so there is no
-//!   whole number of samples in a period, and nothing leaks.
+//! - Fourier coefficients are those of a least squares fit of all harmonics at once: a sampling rate is no multiple of
+//!   the frequency, so there is no whole number of samples in a period, and nothing leaks.
 //! - Every figure is evaluated again on single periods; their spread is its uncertainty.
-//! - What a careful experimenter wants to be told (clipped, drifting, skewed, reversed …) is a [`Finding`](extraction::Finding) with its number, not an error: there is a
-//!   result, and a reason to doubt it.
+//! - What a careful experimenter wants to be told (clipped, drifting, skewed, reversed …) is a
+//!   [`Finding`](extraction::Finding) with its number, not an error: there is a result, and a reason to doubt it.
 //! - Readers take memory as numbers come, never as a header announces.
 //!
-//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
-//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Power quantities: S. Peter, R. I. Leine, ibid. 96 (2017)
-//! 139-158.
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
+//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Power quantities: S.
+//! Peter, R. I. Leine, ibid. 96 (2017) 139-158.
 
 pub mod extraction;
 pub mod phase_loop;

@@ -1,7 +1,7 @@
 //! The phase-locked loop: phase detector, loop filter, oscillator, as in Fig. 2 of the paper.
 //!
-//! The loop excites with `cos θ` and turns the frequency `ω = dθ/dt` until the fundamental of the response lags that of the
-//! force by the phase of resonance (90 degrees for a displacement). It sees two signals and nothing else.
+//! The loop excites with `cos θ` and turns the frequency `ω = dθ/dt` until the fundamental of the response lags that of
+//! the force by the phase of resonance (90 degrees for a displacement). It sees two signals and nothing else.
 //!
 //! ```text
 //! f = Re Σ F_n e^{inθ} ,  x = Re Σ X_n e^{inθ}     phase detector, low-pass of cut-off ω_c
@@ -11,8 +11,9 @@
 //! θ = ∫ ω dt                                       oscillator
 //! ```
 //!
-//! Near a resonance `ω_0` with the decay rate `δ = ζ ω_0` the lag follows `ψ̇ = (ω − ω_b) − δ (ψ − π/2)`, with `ω_b` the frequency
-//! of phase resonance. With the low-pass `ω_c / (s + ω_c)` of the detector the loop has the characteristic polynomial
+//! Near a resonance `ω_0` with the decay rate `δ = ζ ω_0` the lag follows `ψ̇ = (ω − ω_b) − δ (ψ − π/2)`, with `ω_b`
+//! the frequency of phase resonance. With the low-pass `ω_c / (s + ω_c)` of the detector the loop has the
+//! characteristic polynomial
 //!
 //! ```text
 //! s (s + ω_c) (s + δ) + ω_c (K_p s + K_i) ,   stable for 0 < K_i < (ω_c + δ) (δ + K_p) .
@@ -28,7 +29,8 @@
 //! | `ω_c` | cut-off of the detector | rad/s | [`LoopSettings::cut_off`] |
 //! | `K_p`, `K_i` | gains of the loop filter | 1/s, 1/s² | [`Gains`] |
 //!
-//! A step is a function of the state, allocates nothing and takes a few tens of operations a harmonic: it can run at a rig.
+//! A step is a function of the state, allocates nothing and takes a few tens of operations a harmonic: it can run at a
+//! rig.
 //!
 //! ```
 //! use nlmodes_experiment::phase_loop::{LoopSettings, PhaseLockedLoop, Resonance};
@@ -48,9 +50,10 @@
 //! # Ok::<(), nlmodes_experiment::phase_loop::PhaseLoopError>(())
 //! ```
 //!
-//! The procedure is that of Section 2.3 of S. Peter, F. Schreyer, R. I. Leine, Mechanical Systems and Signal Processing 120 (2019)
-//! 793-807; the loop itself is described in S. Peter, R. I. Leine, ibid. 96 (2017) 139-158. The adaptive detector is the least
-//! mean squares algorithm of B. Widrow et al., *Adaptive noise cancelling*, Proceedings of the IEEE 63 (1975) 1692-1716.
+//! The procedure is that of Section 2.3 of S. Peter, F. Schreyer, R. I. Leine, Mechanical Systems and Signal Processing
+//! 120 (2019) 793-807; the loop itself is described in S. Peter, R. I. Leine, ibid. 96 (2017) 139-158. The adaptive
+//! detector is the least mean squares algorithm of B. Widrow et al., *Adaptive noise cancelling*, Proceedings of the
+//! IEEE 63 (1975) 1692-1716.
 
 mod adaptive;
 mod appropriation;

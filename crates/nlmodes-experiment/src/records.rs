@@ -11,7 +11,8 @@
 //! | WAV, [`read_wav`] | none: in the order of the description | header |
 //! | NumPy, [`read_npy`] | none: in the order of the description | none |
 //!
-//! Readers take memory as numbers come, never as a header announces, and answer a malformed file with an error that names the place.
+//! Readers take memory as numbers come, never as a header announces, and answer a malformed file with an error that
+//! names the place.
 
 mod channel;
 mod csv;

@@ -59,7 +59,8 @@ fn a_gap_that_is_not_where_the_contact_closes_is_said_with_its_factor() {
             _ => None,
         })
     };
-    // A displacement in mm that is called one in m is a thousand times too large; one that is half as much again is in no unit.
+    // A displacement in mm that is called one in m is a thousand times too large; one that is half as much again is in
+    // no unit.
     for (gap, unit) in [(1e-6, Some("mm")), (1.25e-6, Some("mm")), (6.7e-7, None), (1.0, None)] {
         let (channel, factor, against, likely) = said(gap, true).unwrap();
         assert_eq!((channel.as_str(), against, likely), ("x_tip_m", format!("the gap of the stop, {gap} m"), unit));
@@ -68,7 +69,8 @@ fn a_gap_that_is_not_where_the_contact_closes_is_said_with_its_factor() {
     assert!(said(1e-3, true).is_none() && said(1.1e-3, true).is_none());
 }
 
-/// Without a displacement at the stop it is the integral of the velocity, which goes with the period: 1 % in the sampling rate is 1 %/√3 in the stiffness.
+/// Without a displacement at the stop it is the integral of the velocity, which goes with the period: 1 % in the
+/// sampling rate is 1 %/√3 in the stiffness.
 #[test]
 fn a_stiffness_from_velocities_has_the_error_of_the_sampling_rate() {
     let mut record = PRESSED.clone();

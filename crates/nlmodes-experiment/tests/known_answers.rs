@@ -17,7 +17,8 @@ fn omega() -> f64 {
     TAU * 41.3104
 }
 
-/// Largest deviation from the motion that the record was made from, over the largest amplitude; phases relative to the fundamental at the tip.
+/// Largest deviation from the motion that the record was made from, over the largest amplitude; phases relative to the
+/// fundamental at the tip.
 fn deviation(found: &RecordExtraction, made: &Motion) -> f64 {
     let (tip, shift) = (made.at(3), found.motion.of(3)[1].arg() - made.at(3)[1].arg());
     let compare = |(d, n): (usize, usize)| {
@@ -63,7 +64,8 @@ fn noise_is_averaged_down_and_leaves_no_bias_beyond_its_uncertainty() {
             assert!((noisy.value / clean - 1.0).abs() < 1e-3, "{noisy:?} {clean}");
         }
     }
-    // Root mean square of 30 deviations over their standard errors: one, give or take 13 %, and more since the errors are estimates.
+    // Root mean square of 30 deviations over their standard errors: one, give or take 13 %, and more since the errors
+    // are estimates.
     let pull = (squares / f64::from(count)).sqrt();
     assert!((0.6..1.5).contains(&pull), "{pull}");
 }
@@ -161,7 +163,8 @@ fn the_mode_indicator_has_its_closed_form_and_a_reversed_force_is_said() {
     assert_eq!(reversed.finding_names(), "reversed-force");
     let said = reversed.findings[0].to_string();
     assert!(said.contains("-0.8944") && said.contains("from 10 harmonics"), "{said}");
-    // Without a limit all harmonics below half the sampling rate count, and their number is said: 75 · 33.3 Hz < 2500 Hz.
+    // Without a limit all harmonics below half the sampling rate count, and their number is said: 75 · 33.3 Hz < 2500
+    // Hz.
     let all = extract(&distorted(1.0), &ExtractionSettings::default()).unwrap();
     assert_eq!(all.excitation.unwrap().power.harmonics, 75);
 }

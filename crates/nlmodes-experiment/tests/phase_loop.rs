@@ -99,12 +99,13 @@ fn a_mean_value_makes_demodulation_ripple_at_the_frequency_itself() {
     let settings = LoopSettings { detector: PhaseDetector::Demodulation { order: Order::First }, ..settings() };
     let gain = LowPass { cut_off: settings.cut_off, order: Order::First }.sampled_gain(RESONANCE.omega, STEP);
     let [_, once, _] = spectrum(&lags(settings, |theta| (theta.cos(), (theta - FRAC_PI_2).cos() + 0.1)));
-    // 2 y e^{−iθ} of a mean 0.1 is 0.2 e^{−iθ}; it turns the amplitude by up to its size over that of the fundamental. The ripple
-    // of 2ω, 5 % here, couples with it to second order.
+    // 2 y e^{−iθ} of a mean 0.1 is 0.2 e^{−iθ}; it turns the amplitude by up to its size over that of the fundamental.
+    // The ripple of 2ω, 5 % here, couples with it to second order.
     assert!((once / (0.2 * gain) - 1.0).abs() < 0.06, "{once} {gain}");
 }
 
-/// Runs the loop against `ψ̇ = (ω − ω_b) − δ (ψ − π/2)`, the averaged resonance; returns the lag error at the end of each second.
+/// Runs the loop against `ψ̇ = (ω − ω_b) − δ (ψ − π/2)`, the averaged resonance; returns the lag error at the end of
+/// each second.
 fn averaged_resonance(
     pll: &PhaseLockedLoop,
     decay_rate: f64,

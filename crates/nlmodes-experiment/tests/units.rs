@@ -10,7 +10,8 @@ use support::{POSITIONS, modes};
 
 const GAP: f64 = 1e-3;
 
-/// The same with displacements `size` times as large and everything `fast` times as fast: the masses stay, so that forces go with both.
+/// The same with displacements `size` times as large and everything `fast` times as fast: the masses stay, so that
+/// forces go with both.
 fn scaled(record: &Record, size: f64, fast: f64) -> Record {
     let mut record = record.clone();
     record.sample_rate *= fast;

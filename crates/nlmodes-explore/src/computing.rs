@@ -15,7 +15,8 @@ pub struct Computing {
 }
 
 impl Computing {
-    /// Ends what is computed now, waits until it has ended, and computes; nothing where somebody newer has come meanwhile.
+    /// Ends what is computed now, waits until it has ended, and computes; nothing where somebody newer has come
+    /// meanwhile.
     pub fn newest<T>(&self, work: impl FnOnce(Watch) -> T) -> Option<T> {
         let own = self.newest.fetch_add(1, Ordering::SeqCst) + 1;
         // Whoever panicked there has left nothing behind.

@@ -4,9 +4,10 @@
 //! scene file  →  page at an address of this machine  ⇄  values of the sliders  →  branch and motions, computed anew
 //! ```
 //!
-//! The page answers on the loopback interface only, and only to whoever knows its address, which has a token of 128 bits; pages of other
-//! origins are refused. One branch is computed at a time, that of the newest values. Nothing is printed, and nothing is written but what is
-//! saved: the text of the scene with other values, beside it under a name that is free.
+//! The page answers on the loopback interface only, and only to whoever knows its address, which has a token of 128
+//! bits; pages of other origins are refused. One branch is computed at a time, that of the newest values. Nothing is
+//! printed, and nothing is written but what is saved: the text of the scene with other values, beside it under a name
+//! that is free.
 //!
 //! | item | what it is |
 //! | --- | --- |

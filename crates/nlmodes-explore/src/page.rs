@@ -16,7 +16,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// Reads and checks the scene, with `overrides` as `--set` takes them, and takes a port of this machine; 0 is one that is free.
+    /// Reads and checks the scene, with `overrides` as `--set` takes them, and takes a port of this machine; 0 is one
+    /// that is free.
     ///
     /// # Errors
     /// [`ExploreError`] where the scene cannot be read or is not sound, and where the machine gives no such port.

@@ -1,4 +1,5 @@
-//! Natural frequencies of a clamped rod and a slender cantilever against their closed forms, over the number of elements.
+//! Natural frequencies of a clamped rod and a slender cantilever against their closed forms, over the number of
+//! elements.
 //!
 //! `cargo run -p nlmodes-fem --example frequencies`
 

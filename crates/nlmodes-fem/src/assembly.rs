@@ -64,7 +64,8 @@ impl Layout<'_> {
     }
 }
 
-/// Adds up the matrices of the elements, which are functions of their number and length, for the free degrees of freedom.
+/// Adds up the matrices of the elements, which are functions of their number and length, for the free degrees of
+/// freedom.
 pub(crate) fn assemble<const N: usize>(
     layout: &Layout,
     stops: &[Stop],

@@ -20,7 +20,8 @@ impl MassMatrix {
     }
 }
 
-/// Stiffness and mass of one element, N × N, symmetric, with the degrees of freedom of its first node before those of its second.
+/// Stiffness and mass of one element, N × N, symmetric, with the degrees of freedom of its first node before those of
+/// its second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementMatrices<const N: usize> {
     /// Stiffness, N/m (N and N·m in rows and columns of rotations).

@@ -4,8 +4,8 @@ use crate::timoshenko::shear_parameter;
 use crate::{Beam, FemError, Mesh, Rod};
 
 impl Beam {
-    /// The deflection at any `position` (m), as a weighted sum of the degrees of freedom `dofs` of the assembled model: pairs of
-    /// index and weight.
+    /// The deflection at any `position` (m), as a weighted sum of the degrees of freedom `dofs` of the assembled model:
+    /// pairs of index and weight.
     ///
     /// The weights are the static shape functions of the element, with `s = (x − x_1)/l` and the shear parameter `Φ`:
     ///
@@ -34,8 +34,8 @@ impl Beam {
 }
 
 impl Rod {
-    /// The axial displacement at any `position` (m), as a weighted sum of the degrees of freedom `dofs` of the assembled model:
-    /// linear between the nodes.
+    /// The axial displacement at any `position` (m), as a weighted sum of the degrees of freedom `dofs` of the
+    /// assembled model: linear between the nodes.
     ///
     /// # Errors
     /// [`FemError::OutsideMesh`].

@@ -5,9 +5,10 @@
 //! beam:  ρA ẅ = (κGA (w′ − φ))′ ,   ρI φ̈ = (EI φ′)′ + κGA (w′ − φ) ,   and the rod along its axis
 //! ```
 //!
-//! A [`Rod`] or a [`Beam`] has a [`Material`], a section, a [`Mesh`] and two [`Support`]s; `assemble` turns it and a list of
-//! [`Stop`]s into a [`StructuralModel`](nlmodes_model::StructuralModel) of eqs. (4) and (5), `M q̈ + K q = W λ`, with sparse
-//! matrices of the free degrees of freedom. `assemble_stepped` takes [`Step`]s along which material, section and added mass differ.
+//! A [`Rod`] or a [`Beam`] has a [`Material`], a section, a [`Mesh`] and two [`Support`]s; `assemble` turns it and a
+//! list of [`Stop`]s into a [`StructuralModel`](nlmodes_model::StructuralModel) of eqs. (4) and (5),
+//! `M q̈ + K q = W λ`, with sparse matrices of the free degrees of freedom. `assemble_stepped` takes [`Step`]s along
+//! which material, section and added mass differ.
 //!
 //! | symbol | name | unit | item |
 //! | --- | --- | --- | --- |
@@ -18,7 +19,8 @@
 //! | `Φ` | shear parameter of an element | – | [`timoshenko_element`] |
 //! | `g₀` | gap at rest | m | [`Stop::gap`] |
 //!
-//! The names of the units are those of SI, but nothing depends on them: millimetres, newtons, tonnes and seconds do as well.
+//! The names of the units are those of SI, but nothing depends on them: millimetres, newtons, tonnes and seconds do as
+//! well.
 //!
 //! ```
 //! use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
@@ -39,8 +41,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
-//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
+//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear
+//! modal analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 mod assembly;
 mod element;

@@ -22,8 +22,8 @@ impl Mesh {
 
     /// Element lengths in geometric progression: `h_i = h_0 q^i` with `h_0 / h_(n−1) = grading` and `Σ h_i = L`.
     ///
-    /// The nodes are at `x_i = L (1 − q^i) / (1 − q^n)`, the last one exactly at `L`. A `grading` above one refines towards the
-    /// end. One element has no grading.
+    /// The nodes are at `x_i = L (1 − q^i) / (1 − q^n)`, the last one exactly at `L`. A `grading` above one refines
+    /// towards the end. One element has no grading.
     ///
     /// ```
     /// let mesh = nlmodes_fem::Mesh::graded(7.0, 3, 4.0)?;
@@ -34,8 +34,8 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// [`FemError::NotPositive`] for `length` and `grading`, [`FemError::NoElements`], [`FemError::DegenerateMesh`] if neighbouring
-    /// nodes cannot be told apart.
+    /// [`FemError::NotPositive`] for `length` and `grading`, [`FemError::NoElements`], [`FemError::DegenerateMesh`] if
+    /// neighbouring nodes cannot be told apart.
     pub fn graded(length: f64, elements: usize, grading: f64) -> Result<Self, FemError> {
         let (length, grading) = (positive("length", length)?, positive("mesh grading", grading)?);
         let n = match elements {
@@ -59,8 +59,9 @@ impl Mesh {
         }
     }
 
-    /// The same mesh with its elements beside some nodes split toward these: each is halved, the half beside the node again, until that is shorter than
-    /// the whole by `factor`. All nodes stay nodes. An element between two such nodes is halved toward both.
+    /// The same mesh with its elements beside some nodes split toward these: each is halved, the half beside the node
+    /// again, until that is shorter than the whole by `factor`. All nodes stay nodes. An element between two such nodes
+    /// is halved toward both.
     ///
     /// ```
     /// let mesh = nlmodes_fem::Mesh::uniform(2.0, 2)?.refined(&[2], 4.0)?;
@@ -69,7 +70,8 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// [`FemError::NotPositive`] for the factor, [`FemError::DegenerateMesh`] if neighbouring nodes cannot be told apart.
+    /// [`FemError::NotPositive`] for the factor, [`FemError::DegenerateMesh`] if neighbouring nodes cannot be told
+    /// apart.
     pub fn refined(&self, beside: &[usize], factor: f64) -> Result<Self, FemError> {
         let times = positive("refinement", factor)?.log2().ceil().max(0.0) as i32;
         let is = |node: usize| beside.contains(&node);
@@ -127,7 +129,8 @@ impl Mesh {
     }
 }
 
-/// Shares into which an element is split, halved so many times toward its start, its end, or both; sums of powers of two, which are exact.
+/// Shares into which an element is split, halved so many times toward its start, its end, or both; sums of powers of
+/// two, which are exact.
 fn shares(toward_start: bool, toward_end: bool, times: i32) -> Vec<f64> {
     match (toward_start, toward_end) {
         _ if times == 0 => vec![1.0],

@@ -44,13 +44,15 @@ impl Rod {
     /// Mass and stiffness of the free degrees of freedom, one a node, with the stops as contacts.
     ///
     /// # Errors
-    /// [`FemError::NotPositive`] for the area, [`FemError::NoSuchDirection`] for a transverse stop, [`FemError::NotANode`],
-    /// [`FemError::HeldDof`], [`FemError::NothingMoves`], [`FemError::Model`] (a gap that is not finite).
+    /// [`FemError::NotPositive`] for the area, [`FemError::NoSuchDirection`] for a transverse stop,
+    /// [`FemError::NotANode`], [`FemError::HeldDof`], [`FemError::NothingMoves`], [`FemError::Model`] (a gap that is
+    /// not finite).
     pub fn assemble(&self, stops: &[Stop]) -> Result<StructuralModel, FemError> {
         self.assemble_stepped(&[], stops)
     }
 
-    /// The same with other material, area and added mass along the steps; beyond the last one they are those of the rod.
+    /// The same with other material, area and added mass along the steps; beyond the last one they are those of the
+    /// rod.
     ///
     /// # Errors
     /// As [`Rod::assemble`]; [`FemError::NotPositive`] for an area, [`FemError::AddedMass`], [`FemError::Step`].

@@ -11,8 +11,8 @@ use nlmodes_model::DofKind;
 /// | sliding | nothing | axial, rotation |
 /// | free | nothing | nothing |
 ///
-/// A sliding end moves in a guide without friction. The guide of a beam stands across its axis, so that the end keeps its
-/// direction and is free to deflect; the guide of a rod runs along it.
+/// A sliding end moves in a guide without friction. The guide of a beam stands across its axis, so that the end keeps
+/// its direction and is free to deflect; the guide of a rod runs along it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Support {
     /// Cannot move.

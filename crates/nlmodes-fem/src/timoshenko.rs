@@ -39,7 +39,8 @@ impl Beam {
         self.assemble_stepped(&[], stops)
     }
 
-    /// The same with other material, section and added mass along the steps; beyond the last one they are those of the beam.
+    /// The same with other material, section and added mass along the steps; beyond the last one they are those of the
+    /// beam.
     ///
     /// # Errors
     /// As [`Beam::assemble`]; [`FemError::AddedMass`], [`FemError::Step`].
@@ -60,9 +61,9 @@ impl Beam {
 
 /// Two-node Timoshenko element of length `l` with the degrees of freedom `u_1, w_1, φ_1, u_2, w_2, φ_2`.
 ///
-/// The deflection is cubic and the rotation quadratic such that both equations of static equilibrium hold inside the element. So
-/// the stiffness is exact for loads at the nodes, and there is no locking: with `Φ = 12 EI / κGA l²`, which vanishes for slender
-/// elements,
+/// The deflection is cubic and the rotation quadratic such that both equations of static equilibrium hold inside the
+/// element. So the stiffness is exact for loads at the nodes, and there is no locking: with `Φ = 12 EI / κGA l²`, which
+/// vanishes for slender elements,
 ///
 /// ```text
 ///            EI       |  12     6l         −12    6l         |
@@ -71,11 +72,11 @@ impl Beam {
 ///                     |  6l    (2−Φ)l²     −6l   (4+Φ)l²     |
 /// ```
 ///
-/// The consistent mass `∫ ρA N_wᵀ N_w + ρI N_φᵀ N_φ dx` comes from the same functions; the lumped one has `ρAl/2` for `u` and `w`
-/// and the rotary inertia `ρIl/2` for `φ` at either node. The axial part is [`crate::rod_element`].
+/// The consistent mass `∫ ρA N_wᵀ N_w + ρI N_φᵀ N_φ dx` comes from the same functions; the lumped one has `ρAl/2` for
+/// `u` and `w` and the rotary inertia `ρIl/2` for `φ` at either node. The axial part is [`crate::rod_element`].
 ///
-/// J. S. Przemieniecki, *Theory of Matrix Structural Analysis*, 1968; Z. Friedman, J. B. Kosmatka, *An improved two-node
-/// Timoshenko beam finite element*, Computers & Structures 47 (1993) 473-481.
+/// J. S. Przemieniecki, *Theory of Matrix Structural Analysis*, 1968; Z. Friedman, J. B. Kosmatka, *An improved
+/// two-node Timoshenko beam finite element*, Computers & Structures 47 (1993) 473-481.
 pub fn timoshenko_element(
     material: &Material,
     section: &Section,

@@ -1,4 +1,5 @@
-//! Boundaries between contact patterns: where a contact interval appears or vanishes, or two instants exchange their order.
+//! Boundaries between contact patterns: where a contact interval appears or vanishes, or two instants exchange their
+//! order.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +15,13 @@ const SETTLED: f64 = 1e-14;
 /// Longest of these steps, over the shortest wavelength.
 const LONGEST: f64 = 0.08;
 
-/// A difference between two contact patterns, as a function of the gaps: positive for the first, negative for the second.
+/// A difference between two contact patterns, as a function of the gaps: positive for the first, negative for the
+/// second.
 ///
-/// While a set of contacts is closed, the gap of an open one and the force of a closed one are trigonometric polynomials, its guards. An
-/// interval with one more or one less contact closed exists where the least value of a guard around it is negative; and of two contacts that
-/// change sides one after the other, the guard of the second is positive when that of the first vanishes.
+/// While a set of contacts is closed, the gap of an open one and the force of a closed one are trigonometric
+/// polynomials, its guards. An interval with one more or one less contact closed exists where the least value of a
+/// guard around it is negative; and of two contacts that change sides one after the other, the guard of the second is
+/// positive when that of the first vanishes.
 #[derive(Debug, Clone)]
 pub(crate) struct PatternBoundary {
     /// The guard, as weights of the gaps of all contacts.
@@ -101,7 +104,8 @@ impl PatternBoundary {
         Some(Self { guard: guard(sets, around.set, contact), clock: None, near, sense })
     }
 
-    /// Between the same neighbours, of which `before` is the first, one contact changes sides first in `a` and another in `b`.
+    /// Between the same neighbours, of which `before` is the first, one contact changes sides first in `a` and another
+    /// in `b`.
     fn exchanged(sets: &SetTable, before: usize, a: &PatternInterval, b: &PatternInterval) -> Option<Self> {
         let (first, second) = (only_difference(sets, before, a.set)?, only_difference(sets, before, b.set)?);
         let (guard, clock) = (guard(sets, before, second), Some(guard(sets, before, first)));
@@ -123,8 +127,8 @@ fn same_sets(a: &[PatternInterval], b: &[PatternInterval]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.set == b.set)
 }
 
-/// Which interval, not the first or the last one, is there in addition. Where contacts close and open in turn that may be any of them: without it the
-/// instants are those that the others are nearest to.
+/// Which interval, not the first or the last one, is there in addition. Where contacts close and open in turn that may
+/// be any of them: without it the instants are those that the others are nearest to.
 fn one_more(few: &[PatternInterval], many: &[PatternInterval]) -> Option<usize> {
     let without = |k: usize| (0..many.len()).filter(move |i| *i != k && *i + 1 != k).map(|i| &many[i]);
     let fits =
@@ -159,7 +163,8 @@ fn guard(sets: &SetTable, set: usize, contact: usize) -> Vec<f64> {
     sets.get(set).whole_guard(contact)
 }
 
-/// The zero of a function (`order` 0) near an instant, or its minimum (`order` 1): Newton's method, downhill where the function is not convex.
+/// The zero of a function (`order` 0) near an instant, or its minimum (`order` 1): Newton's method, downhill where the
+/// function is not convex.
 fn newton(f: &Trigonometric, order: usize, near: f64) -> f64 {
     let longest = LONGEST * TAU / f.z.len() as f64;
     let mut tau = near;
@@ -256,7 +261,8 @@ mod tests {
         }
     }
 
-    /// Each change of the pattern that is seen in small steps has a boundary whose function vanishes there, in metres and in millimetres.
+    /// Each change of the pattern that is seen in small steps has a boundary whose function vanishes there, in metres
+    /// and in millimetres.
     #[test]
     fn the_function_of_a_boundary_vanishes_where_the_pattern_changes() {
         for (symmetry, length) in [(Symmetry::Even, 1.0), (Symmetry::Even, 1e-3), (Symmetry::None, 1.0)] {

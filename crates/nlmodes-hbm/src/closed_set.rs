@@ -5,7 +5,8 @@ use nlmodes_linalg::Mat;
 
 use crate::HbmError;
 
-/// The contact problem while one set of contacts is closed: everything is linear in the gaps `y` without contact forces.
+/// The contact problem while one set of contacts is closed: everything is linear in the gaps `y` without contact
+/// forces.
 ///
 /// Only the gaps of the k closed contacts make forces: what belongs to them is kept, c × k numbers.
 #[derive(Debug, Clone)]
@@ -15,8 +16,8 @@ pub(crate) struct ClosedSet {
     pub active: Vec<usize>,
     /// `S = dλ/dy` of the closed contacts, k × k, row-major: `λ = S y`.
     s: Vec<f64>,
-    /// Row i is what must not turn negative, as a combination of the closed contacts' `y`, c × k: the gap of an open contact without its own `y`,
-    /// the force of a closed one times its own compliance (so that both are lengths).
+    /// Row i is what must not turn negative, as a combination of the closed contacts' `y`, c × k: the gap of an open
+    /// contact without its own `y`, the force of a closed one times its own compliance (so that both are lengths).
     guard: Vec<f64>,
 }
 

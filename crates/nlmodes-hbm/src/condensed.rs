@@ -17,13 +17,15 @@ use crate::recording::Recording;
 /// T(ν²) = T_0 + Σ_k ν²/(λ_k (λ_k − ν²)) h_k g_k ,   T_0 = K_NN⁻¹ K_NL K_LL⁻¹ K_LN
 /// ```
 ///
-/// Modes beyond the computed ones answer as springs with the mass of their static shape: of their share of `T`, `K_NN⁻¹ R ν²` is
-/// kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with `ν⁴/λ³`. `b(t)` is where the massless
-/// contact nodes would be without stops. A stop's own compliance is in series with `K_NN⁻¹` and stands on the diagonal of `A` alone.
+/// Modes beyond the computed ones answer as springs with the mass of their static shape: of their share of `T`,
+/// `K_NN⁻¹ R ν²` is kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with
+/// `ν⁴/λ³`. `b(t)` is where the massless contact nodes would be without stops. A stop's own compliance is in series
+/// with `K_NN⁻¹` and stands on the diagonal of `A` alone.
 ///
-/// Where the massless coordinates are the tips of contact springs ([`ContactCoordinates::SpringTips`](nlmodes_model::ContactCoordinates)),
-/// the same formulas are conventional harmonic balance: `b` is the displacement of the contact node, which moves in harmonics with its
-/// mass, `A = diag(1/k_c)`, and `T = (K_c + D)⁻¹ K_c` with the dynamic stiffness `D(ν²)` of the structure at the contact.
+/// Where the massless coordinates are the tips of contact springs
+/// ([`ContactCoordinates::SpringTips`](nlmodes_model::ContactCoordinates)), the same formulas are conventional harmonic
+/// balance: `b` is the displacement of the contact node, which moves in harmonics with its mass, `A = diag(1/k_c)`, and
+/// `T = (K_c + D)⁻¹ K_c` with the dynamic stiffness `D(ν²)` of the structure at the contact.
 #[derive(Debug, Clone)]
 pub struct CondensedStructure {
     pub(crate) model: MasslessContactModel,
@@ -45,7 +47,8 @@ impl CondensedStructure {
     /// Reduces `model` with its lowest `n_modes` held modes, all of them where there are fewer.
     ///
     /// # Errors
-    /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the held structure still has a rigid-body mode or the contact compliance is not usable.
+    /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the held structure still has a rigid-body mode or the contact
+    /// compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
         let held = HeldModes::new(&model, n_modes)?;
         refuse_stiff_springs(&model, &held.transfer)?;
@@ -83,8 +86,8 @@ impl CondensedStructure {
         &self.shapes
     }
 
-    /// Degrees of freedom whose coefficients modal points hold, ascending: all of them up to [`MAX_RECORDED`](crate::MAX_RECORDED), else
-    /// some evenly spaced ones and those of the contacts.
+    /// Degrees of freedom whose coefficients modal points hold, ascending: all of them up to
+    /// [`MAX_RECORDED`](crate::MAX_RECORDED), else some evenly spaced ones and those of the contacts.
     pub fn recorded_dofs(&self) -> &[usize] {
         self.recording.dofs()
     }
@@ -110,12 +113,13 @@ impl CondensedStructure {
     }
 }
 
-/// Largest stiffness of a contact spring over the static stiffness of the structure behind it. The force is `k_c` times a small difference of
-/// displacements, which has lost as many digits as this ratio has: with 1e9 Newton's method does not settle to seven any more.
+/// Largest stiffness of a contact spring over the static stiffness of the structure behind it. The force is `k_c` times
+/// a small difference of displacements, which has lost as many digits as this ratio has: with 1e9 Newton's method does
+/// not settle to seven any more.
 const STIFFEST: f64 = 5e8;
 
-/// Contact springs beside which the stiffness of the structure is lost in rounding: equations of harmonic balance in which any motion
-/// would pass for a solution.
+/// Contact springs beside which the stiffness of the structure is lost in rounding: equations of harmonic balance in
+/// which any motion would pass for a solution.
 fn refuse_stiff_springs(model: &MasslessContactModel, t0: &Mat<f64>) -> Result<(), HbmError> {
     if model.contact_coordinates() == ContactCoordinates::Nodes || model.rigid_motion().is_some() {
         return Ok(());
@@ -137,8 +141,8 @@ pub(crate) struct ResidualMass {
     pub transfer: Mat<f64>,
     /// `K_LL⁻¹ M_LL Ψ + Σ_k φ_k g_k/λ_k²`, n_L × n_N: its share of `q_L,n` is `ν²` times that and `q_N,n`.
     pub shapes: Mat<f64>,
-    /// The next term, which is left out and serves to estimate the error: `S = Σ_k g_kᵀ g_k/λ_k³` over the modes that were not
-    /// computed, which is `Ψᵀ M_LL` times `shapes`; n_N × n_N.
+    /// The next term, which is left out and serves to estimate the error: `S = Σ_k g_kᵀ g_k/λ_k³` over the modes that
+    /// were not computed, which is `Ψᵀ M_LL` times `shapes`; n_N × n_N.
     pub next: Mat<f64>,
     /// `K_NN⁻¹ S`: of the share of `T`, at least `ν⁴` times that is left out.
     pub next_transfer: Mat<f64>,

@@ -35,7 +35,8 @@ pub struct PatternInterval {
     pub(crate) set: usize,
 }
 
-/// The contact operator: one period of the static contact problem, eqs. (11), (13), from gaps without contact forces to forces.
+/// The contact operator: one period of the static contact problem, eqs. (11), (13), from gaps without contact forces to
+/// forces.
 ///
 /// ```text
 /// 0 ≤ λ_i(τ) ⊥ [A λ(τ) + y(τ)]_i ≥ 0 ,   y_i(τ) = Re Σ_n y_i,n e^{inτ} ,   n = 0 … H
@@ -43,8 +44,9 @@ pub struct PatternInterval {
 /// λ_n = 𝓕_n(λ) = Σ_S S 𝓕_n(χ_S y)                which is also dλ/dy: λ is continuous, so that the instants add nothing
 /// ```
 ///
-/// `A` (c × c, m/N) is the compliance of body and stops. It needs nothing else of a structure, so conservative and forced motions, held and
-/// open modes share it. Coefficients are those of [`RealSeries`], `width` a contact, one contact after the other.
+/// `A` (c × c, m/N) is the compliance of body and stops. It needs nothing else of a structure, so conservative and
+/// forced motions, held and open modes share it. Coefficients are those of [`RealSeries`], `width` a contact, one
+/// contact after the other.
 pub struct ContactOperator {
     pub(crate) series: RealSeries,
     pub(crate) sets: SetTable,
@@ -69,11 +71,13 @@ pub struct ContactOperator {
     pub(crate) most_bytes: usize,
 }
 
-/// Memory for the sets of closed contacts that were met: of a thousand contacts each takes some megabytes, and every iterate meets others.
+/// Memory for the sets of closed contacts that were met: of a thousand contacts each takes some megabytes, and every
+/// iterate meets others.
 const MOST_BYTES: usize = 256 << 20;
 
 impl ContactOperator {
-    /// For contacts with the compliance `matrix` and gaps with the coefficients of `series`; contact problems are solved by `solver`.
+    /// For contacts with the compliance `matrix` and gaps with the coefficients of `series`; contact problems are
+    /// solved by `solver`.
     ///
     /// # Errors
     /// [`HbmError::Samples`], or what the solver has against the compliance.
@@ -85,7 +89,8 @@ impl ContactOperator {
     ) -> Result<Self, HbmError> {
         let (c, h) = (matrix.n_contacts(), series.n_harmonics);
         let samples = match switching {
-            // Where nothing can happen between two samples is proven cell by cell: their number decides the cost, not the result.
+            // Where nothing can happen between two samples is proven cell by cell: their number decides the cost, not
+            // the result.
             Switching::Exact => (3 * (h + 1)).next_power_of_two().max(32),
             Switching::Sampled { samples } => samples,
         };
@@ -133,7 +138,8 @@ impl ContactOperator {
         self.iterations
     }
 
-    /// Solves the contact problem over a period for the coefficients `y` (c × width, m) of the gaps without contact forces.
+    /// Solves the contact problem over a period for the coefficients `y` (c × width, m) of the gaps without contact
+    /// forces.
     ///
     /// # Errors
     /// [`HbmError::Contact`] if it has no solution at some instant.
@@ -143,7 +149,8 @@ impl ContactOperator {
         self.run()
     }
 
-    /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the forces.
+    /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the
+    /// forces.
     pub fn apply(&self, dy: &[f64]) -> Vec<f64> {
         let width = self.series.width();
         let mut forces = vec![0.0; dy.len()];
@@ -208,8 +215,8 @@ impl ContactOperator {
         if self.series.symmetry == Symmetry::Even { PI } else { TAU }
     }
 
-    /// Forgets the sets met so far if they, with `beside` bytes that others keep of them, take too much memory; whether it did. The closed contacts of each
-    /// sample stay, from which the solver starts.
+    /// Forgets the sets met so far if they, with `beside` bytes that others keep of them, take too much memory; whether
+    /// it did. The closed contacts of each sample stay, from which the solver starts.
     pub(crate) fn forget_sets(&mut self, beside: usize) -> bool {
         let is_full = self.sets.bytes() + beside > self.most_bytes;
         if is_full {
@@ -248,8 +255,8 @@ impl ContactOperator {
         }
     }
 
-    /// Closed contacts at sample `j`. Those of the same sample of the iterate before are taken where their gaps and forces are still
-    /// positive, which makes them the solution; else the solver starts from them.
+    /// Closed contacts at sample `j`. Those of the same sample of the iterate before are taken where their gaps and
+    /// forces are still positive, which makes them the solution; else the solver starts from them.
     fn solve_sample(&mut self, j: usize) -> Result<(), HbmError> {
         self.at.clear();
         self.at.extend(self.y_t.iter().map(|y| y[j]));
@@ -361,8 +368,8 @@ impl ContactOperator {
 
 /// Adds `(1/2π) ∫_{from}^{to} e^{−ikτ} dτ`; for even motions the mirror interval too.
 ///
-/// From middle and half width, `sin(k w)/(π k) e^{−ikm}`: as the difference of its ends, the integral over a short interval would be known to
-/// no more digits than one over the whole period.
+/// From middle and half width, `sin(k w)/(π k) e^{−ikm}`: as the difference of its ends, the integral over a short
+/// interval would be known to no more digits than one over the whole period.
 fn add_indicator(from: f64, to: f64, even: bool, averages: &mut [Complex64]) {
     let (middle, half) = (Complex64::cis(-0.5 * (from + to)), Complex64::cis(0.5 * (to - from)));
     let (mut at_middle, mut at_half) = (middle, half);

@@ -92,7 +92,8 @@ pub(crate) struct DoubleComplex {
     pub im: Double,
 }
 
-/// Terms of the exponential series, and halvings of its argument before it is summed: together good to all digits up to a few turns.
+/// Terms of the exponential series, and halvings of its argument before it is summed: together good to all digits up to
+/// a few turns.
 const TERMS: usize = 20;
 const HALVINGS: i32 = 6;
 

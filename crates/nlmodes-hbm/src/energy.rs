@@ -66,7 +66,8 @@ impl KineticEnergy {
         self.d_q[0] = 0.5 * nu2 * inertia - weight * (delta - s * f);
     }
 
-    /// `ν²/4 qᵀ (S_2 + R) q`: of the modes that are not kept apart, and of those that were not computed. `dS_2/dν² = 2 S_3`.
+    /// `ν²/4 qᵀ (S_2 + R) q`: of the modes that are not kept apart, and of those that were not computed.
+    /// `dS_2/dν² = 2 S_3`.
     fn add_others(&mut self, sums: &Sums, mass: &Mat<f64>, nu2: f64, q: &[f64]) {
         let n = q.len();
         for i in 0..n {

@@ -146,7 +146,8 @@ pub enum HbmError {
         #[source]
         source: LcpError,
     },
-    /// Conventional harmonic balance with a contact spring so stiff that rounding takes the place of the structure's own stiffness.
+    /// Conventional harmonic balance with a contact spring so stiff that rounding takes the place of the structure's
+    /// own stiffness.
     #[error(
         "the spring of contact {contact} is {ratio:.0e} times as stiff as the structure behind it: harmonic balance with a contact \
          stiffness is possible up to {most:.0e}; a rigid stop (ms-hbm) has no such limit"

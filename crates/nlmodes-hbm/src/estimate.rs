@@ -6,19 +6,20 @@ use crate::energy::inner;
 use crate::series::RealSeries;
 use crate::{CondensedStructure, Grazing, HbmError, MixedShooting, MixedShootingSettings, Scales};
 
-/// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where modes are left out, up to
-/// which the terms that stand for these hold.
+/// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where
+/// modes are left out, up to which the terms that stand for these hold.
 const MARGIN: (f64, f64) = (1.2, 0.5);
 
-/// Most harmonics by which the larger problem reaches out for held modes: a step of Newton's method on it takes milliseconds.
+/// Most harmonics by which the larger problem reaches out for held modes: a step of Newton's method on it takes
+/// milliseconds.
 const FURTHEST: usize = 300;
 
 /// Estimated errors of a solution of [`MixedShooting`] that come from what its series leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruncationError {
-    /// Relative error of the frequency at the same averaged kinetic energy; where energy or frequency hardly change along the
-    /// branch, more generally the distance between the branches in the plane of `ln ω` and `ln E_av`. Infinite where no solution of
-    /// the larger problem is near.
+    /// Relative error of the frequency at the same averaged kinetic energy; where energy or frequency hardly change
+    /// along the branch, more generally the distance between the branches in the plane of `ln ω` and `ln E_av`.
+    /// Infinite where no solution of the larger problem is near.
     pub frequency: f64,
     /// The share of it that comes from the held modes left out.
     pub held_modes: f64,
@@ -32,10 +33,11 @@ impl TruncationError {
 
 /// Estimates what harmonics and held modes left out change, by one step of Newton's method on a larger problem.
 ///
-/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and as many as reach to the highest held mode: an internal
-/// resonance with a harmonic beyond the larger problem would stay unseen. Where a step is not small, as next to a resonance, two larger problems differ: the
-/// larger of both estimates counts. Of the held modes that were not computed it also has the next term of
-/// their share of `T`, with `S = Σ_{k>m} g_kᵀ g_k/λ_k³`, which needs no further mode:
+/// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and as many as reach to the highest held mode: an
+/// internal resonance with a harmonic beyond the larger problem would stay unseen. Where a step is not small, as next
+/// to a resonance, two larger problems differ: the larger of both estimates counts. Of the held modes that were not
+/// computed it also has the next term of their share of `T`, with `S = Σ_{k>m} g_kᵀ g_k/λ_k³`, which needs no further
+/// mode:
 ///
 /// ```text
 /// Σ_{k>m} ν²/(λ_k (λ_k − ν²)) h_k g_k = ν² K_NN⁻¹ R + ν⁴ K_NN⁻¹ S + …        between ν⁴ K_NN⁻¹ S and 1/(1 − ν²/λ_m) times that
@@ -43,12 +45,13 @@ impl TruncationError {
 /// e = |δ_ω t_p − δ_p t_ω| / √(t_ω² + t_p²)                                    in ln ω and p = ln E_av
 /// ```
 ///
-/// Frequency and energy are stationary: their error is of the order of the square of that of the motion. So where `e` is less than the
-/// square of the relative change of `b`, as where it happens to change its sign, that square is the estimate.
+/// Frequency and energy are stationary: their error is of the order of the square of that of the motion. So where `e`
+/// is less than the square of the relative change of `b`, as where it happens to change its sign, that square is the
+/// estimate.
 ///
-/// As the error falls with about the fifth power of `N_h`, the larger problem counts as exact; the step of Newton's method, which
-/// neglects only squares of the error, is the error with its sign turned. Where an internal resonance that the solution does not
-/// know stands in the way, `[J; tᵀ]` is nearly singular and the estimate large.
+/// As the error falls with about the fifth power of `N_h`, the larger problem counts as exact; the step of Newton's
+/// method, which neglects only squares of the error, is the error with its sign turned. Where an internal resonance
+/// that the solution does not know stands in the way, `[J; tᵀ]` is nearly singular and the estimate large.
 pub struct TruncationEstimator<'s> {
     structure: &'s CondensedStructure,
     coarse: RealSeries,
@@ -61,12 +64,12 @@ pub struct TruncationEstimator<'s> {
 }
 
 impl CondensedStructure {
-    /// A guess, before any solution is known, for the share of the held modes left out in the relative error of the frequency `omega`
-    /// (rad/s) with these harmonics.
+    /// A guess, before any solution is known, for the share of the held modes left out in the relative error of the
+    /// frequency `omega` (rad/s) with these harmonics.
     ///
-    /// At the amplitude of grazing, `q_N` is taken to have harmonics `n⁻²`, as a motion whose velocity jumps. Then by Rayleigh's principle
-    /// `|δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)`, over `1 − ν²/λ_m` for the terms that follow. Infinite where
-    /// the modes end below the highest harmonic.
+    /// At the amplitude of grazing, `q_N` is taken to have harmonics `n⁻²`, as a motion whose velocity jumps. Then by
+    /// Rayleigh's principle `|δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)`, over `1 − ν²/λ_m`
+    /// for the terms that follow. Infinite where the modes end below the highest harmonic.
     pub fn held_modes_error(&self, start: &Grazing, omega: f64, harmonics: usize) -> f64 {
         let Some(last) = self.modes().last() else { return f64::INFINITY };
         let remainder = 1.0 - (harmonics as f64 * omega).powi(2) / last.lambda;
@@ -78,8 +81,9 @@ impl CondensedStructure {
 }
 
 impl<'s> TruncationEstimator<'s> {
-    /// For solutions of the problem with these settings and scales. The larger problem reaches as far as the highest held mode, up to 300
-    /// harmonics; the one with twice as many harmonics is asked too, and the larger estimate counts.
+    /// For solutions of the problem with these settings and scales. The larger problem reaches as far as the highest
+    /// held mode, up to 300 harmonics; the one with twice as many harmonics is asked too, and the larger estimate
+    /// counts.
     ///
     /// # Errors
     /// As [`MixedShooting::new`].
@@ -101,8 +105,8 @@ impl<'s> TruncationEstimator<'s> {
         Ok(far)
     }
 
-    /// As [`new`](Self::new), the larger problem with `harmonics` at least; the step costs the third power of that. With fewer than the
-    /// highest held mode takes, an internal resonance beyond them stays unseen.
+    /// As [`new`](Self::new), the larger problem with `harmonics` at least; the step costs the third power of that.
+    /// With fewer than the highest held mode takes, an internal resonance beyond them stays unseen.
     ///
     /// # Errors
     /// As [`MixedShooting::new`].
@@ -292,7 +296,8 @@ mod tests {
         MixedShootingSettings { harmonics, symmetry, switching }
     }
 
-    /// Unknowns, tangent and index of the frequency where the branch from grazing has so many times the energy of grazing.
+    /// Unknowns, tangent and index of the frequency where the branch from grazing has so many times the energy of
+    /// grazing.
     fn branch(structure: &CondensedStructure, harmonics: usize, ratio: f64) -> (Vec<f64>, Vec<f64>, usize) {
         let start = grazing(structure, 1).unwrap();
         let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
@@ -307,8 +312,9 @@ mod tests {
         (last.x, last.tangent, problem.frequency_index())
     }
 
-    /// Near grazing, where a motion has hardly any harmonics beyond those asked for, the share of the held modes left out is what these change;
-    /// farther out the harmonics that the estimate looks at beside them have their part in it, and it is up to twice as much.
+    /// Near grazing, where a motion has hardly any harmonics beyond those asked for, the share of the held modes left
+    /// out is what these change; farther out the harmonics that the estimate looks at beside them have their part in
+    /// it, and it is up to twice as much.
     #[test]
     fn the_share_of_the_held_modes_is_what_those_left_out_change() {
         let (few, all) = (chain_of(12, 9), chain_of(12, 12));

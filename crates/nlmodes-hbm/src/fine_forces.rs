@@ -6,10 +6,12 @@ use crate::ContactOperator;
 use crate::double::{Double, DoubleComplex};
 
 impl ContactOperator {
-    /// Contact forces (N, c × width) of gaps with twice the digits (m, c × width), between the instants of the last solution.
+    /// Contact forces (N, c × width) of gaps with twice the digits (m, c × width), between the instants of the last
+    /// solution.
     ///
-    /// A closed rigid stop leaves of the gaps without contact forces only what it is pressed by, which may be 10⁻⁸ of them: then forces have half of
-    /// the digits of these gaps. Where the instants are off by δτ, forces are by δτ², since they start from zero.
+    /// A closed rigid stop leaves of the gaps without contact forces only what it is pressed by, which may be 10⁻⁸ of
+    /// them: then forces have half of the digits of these gaps. Where the instants are off by δτ, forces are by δτ²,
+    /// since they start from zero.
     pub(crate) fn fine_forces(&self, y: &[Double]) -> Vec<f64> {
         let (c, series) = (self.n_contacts(), self.series());
         let (width, h) = (series.width(), series.n_harmonics);

@@ -1,6 +1,7 @@
 use num_complex::Complex64;
 
-/// Coefficients of `b`, `q_N` and `η`, those of the cosines and, where the motion is not even in time, those of the sines.
+/// Coefficients of `b`, `q_N` and `η`, those of the cosines and, where the motion is not even in time, those of the
+/// sines.
 pub(crate) struct HeldMotion {
     pub parts: Vec<HeldPart>,
 }

@@ -12,8 +12,8 @@ use crate::condensed::ResidualMass;
 /// S_1 = Σ_k G_k/(λ_k (λ_k − ν²)) ,   S_2 = Σ_k G_k/(λ_k − ν²)² ,   S_3 = Σ_k G_k/(λ_k − ν²)³ ,   G_k = g_kᵀ g_k
 /// ```
 ///
-/// `K_NN⁻¹ ν² S_1` and `K_NN⁻¹ S_2` are what the modes give to `T` and to its slope; with `S_2` and `S_3` the kinetic energy is a quadratic form of
-/// `q_N` and needs no second pass over the modes.
+/// `K_NN⁻¹ ν² S_1` and `K_NN⁻¹ S_2` are what the modes give to `T` and to its slope; with `S_2` and `S_3` the kinetic
+/// energy is a quadratic form of `q_N` and needs no second pass over the modes.
 #[derive(Debug, Clone)]
 pub(crate) struct HeldSums {
     pub lambda: Vec<f64>,

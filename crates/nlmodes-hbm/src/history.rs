@@ -21,7 +21,8 @@ pub struct ContactDefects {
     pub complementarity: f64,
 }
 
-/// Displacement, velocity and acceleration of the degree of freedom of a stop, from its gap with two derivatives by phase.
+/// Displacement, velocity and acceleration of the degree of freedom of a stop, from its gap with two derivatives by
+/// phase.
 fn along(of: &DofContact, omega: f64, gap: [f64; 3]) -> [f64; 3] {
     let side = of.side.sign();
     [side * (of.gap - gap[0]), -side * omega * gap[1], -side * omega * omega * gap[2]]
@@ -141,8 +142,8 @@ impl ContactOperator {
 }
 
 impl MixedShooting<'_> {
-    /// Motion and force of contact `contact` over one period of the point with the unknowns `x`, at `samples` equidistant
-    /// instants and the end of the period.
+    /// Motion and force of contact `contact` over one period of the point with the unknowns `x`, at `samples`
+    /// equidistant instants and the end of the period.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
@@ -175,9 +176,10 @@ impl MixedShooting<'_> {
         Ok(self.sweep.equidistant_histories(self.structure().model().contacts(), self.omega(x), samples, label))
     }
 
-    /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of contact: where any
-    /// of them closes or opens stand two instants, a rounding apart, with what is just before and just after. Between them lie equidistant
-    /// ones, some within the shortest blow too, so that there are `samples + 1` in all, or as many more as it takes for 65 beside the changes.
+    /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of
+    /// contact: where any of them closes or opens stand two instants, a rounding apart, with what is just before and
+    /// just after. Between them lie equidistant ones, some within the shortest blow too, so that there are
+    /// `samples + 1` in all, or as many more as it takes for 65 beside the changes.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
@@ -214,8 +216,8 @@ impl MixedShooting<'_> {
     }
 }
 
-/// Gap with two derivatives by τ, and force, of a contact whose stop yields by `compliance`, while one set of contacts is closed; `y` are the gaps
-/// without contact forces and their two derivatives.
+/// Gap with two derivatives by τ, and force, of a contact whose stop yields by `compliance`, while one set of contacts
+/// is closed; `y` are the gaps without contact forces and their two derivatives.
 fn state_in(set: &ClosedSet, contact: usize, compliance: f64, y: &[Vec<f64>; 3]) -> ([f64; 3], f64) {
     if set.closed[contact] {
         let force = [0, 1, 2].map(|order| set.force(contact, &y[order]));

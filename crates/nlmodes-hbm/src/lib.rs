@@ -17,9 +17,9 @@
 //! | `ω` | angular frequency | rad/s | | |
 //! | `E_av` | averaged kinetic energy | J | | |
 //!
-//! [`CondensedStructure`] reduces a structure once; [`grazing`] gives the linear mode that just touches; [`MixedShooting`] is the system of
-//! equations, with its Jacobian, for `nlmodes-continuation`. One evaluation costs `modes × N_h × n_N²` and the contact
-//! problems, whatever the size of the finite-element model.
+//! [`CondensedStructure`] reduces a structure once; [`grazing`] gives the linear mode that just touches;
+//! [`MixedShooting`] is the system of equations, with its Jacobian, for `nlmodes-continuation`. One evaluation costs
+//! `modes × N_h × n_N²` and the contact problems, whatever the size of the finite-element model.
 //!
 //! ```
 //! use nlmodes_contact::solver_by_name;
@@ -49,22 +49,24 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes at the
-//! eigenfrequencies of the held structure, and eq. (8) is used in a form without poles; see [`MixedShooting`].
+//! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes
+//! at the eigenfrequencies of the held structure, and eq. (8) is used in a form without poles; see [`MixedShooting`].
 //!
-//! Elastic stops, eq. (3), put `1/k_c` on the diagonal of `A`. Conventional harmonic balance, where the contact nodes keep their mass and
-//! move in harmonics, is the same system for the massless tips of the stops' springs, made by
-//! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see [`CondensedStructure`].
+//! Elastic stops, eq. (3), put `1/k_c` on the diagonal of `A`. Conventional harmonic balance, where the contact nodes
+//! keep their mass and move in harmonics, is the same system for the massless tips of the stops' springs, made by
+//! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see
+//! [`CondensedStructure`].
 //!
-//! Damped and forced motions, in open modes: [`PeriodicSystem`] is put together from a [`ModalStructure`], the [`ContactOperator`] over a period, which
-//! [`MixedShooting`] shares, and [`Closing`]. Its analyses are constructors: [`PeriodicSystem::conservative_mode`],
-//! [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`], [`PeriodicSystem::force_response`],
-//! [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives multipliers from the contact instants. Curves of them: `nlmodes-response`.
+//! Damped and forced motions, in open modes: [`PeriodicSystem`] is put together from a [`ModalStructure`], the
+//! [`ContactOperator`] over a period, which [`MixedShooting`] shares, and [`Closing`]. Its analyses are constructors:
+//! [`PeriodicSystem::conservative_mode`], [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`],
+//! [`PeriodicSystem::force_response`], [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives
+//! multipliers from the contact instants. Curves of them: `nlmodes-response`.
 //!
-//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
-//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F. Schreyer, R. I. Leine, *A mixed
-//! shooting-harmonic balance method for unilaterally constrained mechanical systems*, Archive of Mechanical Engineering 63
-//! (2016) 297-314.
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
+//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F.
+//! Schreyer, R. I. Leine, *A mixed shooting-harmonic balance method for unilaterally constrained mechanical systems*,
+//! Archive of Mechanical Engineering 63 (2016) 297-314.
 
 mod boundary;
 mod closed_set;

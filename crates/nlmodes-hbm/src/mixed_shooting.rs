@@ -49,24 +49,25 @@ impl Scales {
 
 /// Mixed shooting-harmonic balance with massless contacts, eqs. (6)-(16), as a system for continuation.
 ///
-/// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, and the
-/// frequency; the parameter is `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives `q_N(t)` at each
-/// instant, and the equations are
+/// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, and
+/// the frequency; the parameter is `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives
+/// `q_N(t)` at each instant, and the equations are
 ///
 /// ```text
 /// A_n b_n − B_n 𝓕_n(q_N(t)) = 0 ,  n = 0 … N_h        connectivity (14) through eq. (8), in a form without poles
 /// ln(E_av(ω, b)/E_ref) − p = 0                          energy condition of (16)
 /// ```
 ///
-/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N,n = 𝓕_n(q_N(t))`. But `q_N,n` vanishes where
-/// `nω` meets an eigenfrequency of the held structure, and cannot tell solutions apart there; `b_n` does, for `q_N(t)` is a
-/// function of `b(t)`, not the other way round.
+/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N,n = 𝓕_n(q_N(t))`. But `q_N,n`
+/// vanishes where `nω` meets an eigenfrequency of the held structure, and cannot tell solutions apart there; `b_n`
+/// does, for `q_N(t)` is a function of `b(t)`, not the other way round.
 ///
-/// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: an anchor is added, and with it an unknown δ
-/// that multiplies `B_n db_n/dτ`; on a solution of a conservative system δ = 0, which [`MixedShooting::unfolding`] lets one check.
-/// The anchor `Σ n (c_n s̄_n − s_n c̄_n) = 0` holds the phase of the last accepted point, and before any is accepted that of the point
-/// evaluated first; for a motion with a cosine fundamental it is the paper's `Im q_{a,1} = 0`. Both are directions of `db/dτ`, so that
-/// the sign of the determinant, which tells crossings, stays what it is when the anchor moves.
+/// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: an anchor is added, and with it
+/// an unknown δ that multiplies `B_n db_n/dτ`; on a solution of a conservative system δ = 0, which
+/// [`MixedShooting::unfolding`] lets one check. The anchor `Σ n (c_n s̄_n − s_n c̄_n) = 0` holds the phase of the last
+/// accepted point, and before any is accepted that of the point evaluated first; for a motion with a cosine fundamental
+/// it is the paper's `Im q_{a,1} = 0`. Both are directions of `db/dτ`, so that the sign of the determinant, which tells
+/// crossings, stays what it is when the anchor moves.
 ///
 /// Unknown vector: `b/length` (n_N × width, one degree of freedom after the other, [`RealSeries`]), `ω/omega`, and δ.
 pub struct MixedShooting<'s> {
@@ -80,7 +81,8 @@ pub struct MixedShooting<'s> {
     nodes: Vec<Option<NodeResponse>>,
     pub(crate) b: Vec<f64>,
     pub(crate) q: Vec<f64>,
-    /// `b − q_N`: what the contacts keep the nodes from. Small beside both where these are stiff, so that it is not taken as their difference.
+    /// `b − q_N`: what the contacts keep the nodes from. Small beside both where these are stiff, so that it is not
+    /// taken as their difference.
     pub(crate) kept: Vec<f64>,
     /// Its derivative, `1 − dq_N/db`, row-major.
     dkept_db: Vec<f64>,
@@ -175,8 +177,9 @@ impl<'s> MixedShooting<'s> {
         self.scales.energy * p.exp()
     }
 
-    /// An unknown vector, or a direction with the parameter at its end, of a problem on the same structure with another number of
-    /// harmonics as one of this problem: harmonics that it does not have are zero, those that this problem does not have are left out.
+    /// An unknown vector, or a direction with the parameter at its end, of a problem on the same structure with another
+    /// number of harmonics as one of this problem: harmonics that it does not have are zero, those that this problem
+    /// does not have are left out.
     ///
     /// # Panics
     /// If `x` is shorter than the coefficients of `from`.

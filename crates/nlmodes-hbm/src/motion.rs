@@ -108,8 +108,8 @@ impl MixedShooting<'_> {
 
     /// Averaged kinetic energy of each harmonic, and averaged strain energy, that of elastic stops included.
     ///
-    /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and `q_N` and of
-    /// the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`.
+    /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and
+    /// `q_N` and of the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`.
     fn energies(&self, held: &HeldMotion, omega: f64) -> (Vec<f64>, f64) {
         let structure = self.structure();
         let (n_n, k_nn) = (structure.n_contact_dofs(), structure.model().k_nn());
@@ -129,7 +129,8 @@ impl MixedShooting<'_> {
                 for j in 0..n_n {
                     let static_q: f64 = (0..n_n).map(|e| q[e] * structure.t0[(j, e)]).sum();
                     for i in 0..n_n {
-                        // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts twice.
+                        // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts
+                        // twice.
                         let residual = structure.residual.mass[(i, j)] * q[i] * q[j];
                         *kinetic += half * nu2 * residual;
                         strain += 2.0 * half * nu2 * residual;

@@ -1,5 +1,5 @@
-//! Damped, forced and conservative periodic motions of a structure in open modes, put together from a linear response, the contact
-//! operator and closing conditions.
+//! Damped, forced and conservative periodic motions of a structure in open modes, put together from a linear response,
+//! the contact operator and closing conditions.
 
 mod analyses;
 mod block;

@@ -4,8 +4,8 @@ use nlmodes_model::LinearModes;
 
 use crate::{CondensedStructure, HbmError, MixedShooting};
 
-/// Modal coordinates `Φᵀ M q_n` of linear modes, of motions of all degrees of freedom or of the reduced coordinates, for which the sum
-/// over the degrees of freedom is done once.
+/// Modal coordinates `Φᵀ M q_n` of linear modes, of motions of all degrees of freedom or of the reduced coordinates,
+/// for which the sum over the degrees of freedom is done once.
 #[derive(Debug, Clone)]
 pub struct Projection {
     /// `M Φ`, degrees of freedom × modes.

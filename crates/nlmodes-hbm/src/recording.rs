@@ -5,8 +5,8 @@ use nlmodes_reduction::HeldMode;
 
 /// Most degrees of freedom of which modal points hold all coefficients.
 ///
-/// A structure with more is recorded at evenly spaced nodes, half of that number, and at its contacts: a hundred thousand degrees of
-/// freedom with five harmonics would else need 10 MB a point.
+/// A structure with more is recorded at evenly spaced nodes, half of that number, and at its contacts: a hundred
+/// thousand degrees of freedom with five harmonics would else need 10 MB a point.
 pub const MAX_RECORDED: usize = 4000;
 
 /// The degrees of freedom that modal points show, and what makes their coefficients from the reduced ones:

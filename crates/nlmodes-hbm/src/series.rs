@@ -5,10 +5,12 @@ use num_complex::Complex64;
 /// Which motions are admitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Symmetry {
-    /// Motions that are even in time (monophase): cosine coefficients only. The reduced system is square without a phase anchor.
+    /// Motions that are even in time (monophase): cosine coefficients only. The reduced system is square without a
+    /// phase anchor.
     #[default]
     Even,
-    /// Any periodic motion: cosine and sine coefficients, a phase anchor, and an unfolding term that vanishes on solutions.
+    /// Any periodic motion: cosine and sine coefficients, a phase anchor, and an unfolding term that vanishes on
+    /// solutions.
     None,
 }
 
@@ -62,7 +64,8 @@ impl RealSeries {
         }
     }
 
-    /// Coefficients of a series with more harmonics, or fewer, of the same symmetry: those that both have, the others zero.
+    /// Coefficients of a series with more harmonics, or fewer, of the same symmetry: those that both have, the others
+    /// zero.
     pub fn resized(&self, real: &[f64], to: RealSeries) -> Vec<f64> {
         let mut other = vec![0.0; to.width()];
         for n in 0..=self.n_harmonics.min(to.n_harmonics) {

@@ -18,10 +18,12 @@ pub(crate) struct Opening {
 /// R(x; g₀ + s² o) = 0 ,   E_av = E_ref ,   s from 1 to 0
 /// ```
 ///
-/// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with the gap zero is where the
-/// backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)), the parameter is `s`, the unknowns are those of
-/// [`MixedShooting`], and the energy is kept at that of the scales. The square keeps stops that face each other apart where a step passes zero. At `s = 1`, [`Grazing::unknowns`](crate::Grazing::unknowns) are a
-/// solution; at `s = 0` a solution is one of the [`MixedShooting`] itself at `p = 0`.
+/// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with the
+/// gap zero is where the backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)),
+/// the parameter is `s`, the unknowns are those of [`MixedShooting`], and the energy is kept at that of the scales. The
+/// square keeps stops that face each other apart where a step passes zero. At `s = 1`,
+/// [`Grazing::unknowns`](crate::Grazing::unknowns) are a solution; at `s = 0` a solution is one of the
+/// [`MixedShooting`] itself at `p = 0`.
 pub struct ShrinkingGaps<'p, 's> {
     problem: &'p mut MixedShooting<'s>,
 }

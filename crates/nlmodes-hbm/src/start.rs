@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// A linear mode at the amplitude at which the state of a contact is about to change: where the nonlinear mode begins.
 ///
-/// With open contacts that is the amplitude of first touch; a contact that is pressed at rest counts as held, and its force
-/// is about to vanish once a period.
+/// With open contacts that is the amplitude of first touch; a contact that is pressed at rest counts as held, and its
+/// force is about to vanish once a period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grazing {
     /// Number of the linear mode, from 1.
@@ -41,8 +41,8 @@ pub struct Grazing {
     pub fundamental: Vec<f64>,
     /// What a length near one means for the contacts, m.
     pub length: f64,
-    /// By how much contacts that touch at rest stand back, m, c: so far that the mode just touches them. Zero for all others, and from
-    /// [`grazing`].
+    /// By how much contacts that touch at rest stand back, m, c: so far that the mode just touches them. Zero for all
+    /// others, and from [`grazing`].
     pub opening: Vec<f64>,
 }
 
@@ -57,8 +57,8 @@ impl Grazing {
         max_norm(self.fundamental.iter().copied())
     }
 
-    /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and [`MixedShooting::shrinking_gaps`](crate::MixedShooting::shrinking_gaps)
-    /// leads to it from here.
+    /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and
+    /// [`MixedShooting::shrinking_gaps`](crate::MixedShooting::shrinking_gaps) leads to it from here.
     pub fn touches_at_rest(&self) -> bool {
         self.opening.iter().any(|o| *o > 0.0)
     }
@@ -104,8 +104,9 @@ pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, H
 
 /// As [`grazing`], also where contacts touch at rest without force: these stand back by [`Grazing::opening`].
 ///
-/// The motion has half the amplitude at which another contact would change its state, and where there is no such contact the averaged
-/// kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied by any positive number.
+/// The motion has half the amplitude at which another contact would change its state, and where there is no such
+/// contact the averaged kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied
+/// by any positive number.
 ///
 /// # Errors
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`] or [`HbmError::NeverTouches`].
@@ -179,8 +180,8 @@ impl LinearStart {
         }
     }
 
-    /// The contact, none that touches at rest, whose guard reaches zero first as the mode grows, and the amplitude that takes it there
-    /// at τ = 0.
+    /// The contact, none that touches at rest, whose guard reaches zero first as the mode grows, and the amplitude that
+    /// takes it there at τ = 0.
     fn first_change(&self) -> Option<(usize, f64)> {
         let amplitude = |i: usize| -self.guards[i] / self.slopes[i];
         let others = self.moving.iter().copied().filter(|i| !self.touching.contains(i));
@@ -191,7 +192,8 @@ impl LinearStart {
         let energy = 0.25 * self.omega * self.omega * amplitude * amplitude;
         let fundamental: Vec<f64> = self.unit.iter().map(|b| amplitude * b).collect();
         let largest = max_norm(fundamental.iter().copied());
-        // A contact that presses hardly moves `b` before it opens: what it moves then is what this energy does to the structure.
+        // A contact that presses hardly moves `b` before it opens: what it moves then is what this energy does to the
+        // structure.
         let length = largest.max(2.0 * (energy * self.rest.compliance).sqrt());
         Grazing { mode: self.mode, omega: self.omega, energy, contact, mean: self.rest.b, fundamental, length, opening }
     }
@@ -248,8 +250,8 @@ impl Rest {
 /// Relative difference below which two frequencies count as one.
 const REPEATED: f64 = 1e-9;
 
-/// The modes at rest up to `mode`. Of those with its frequency (equal bodies), which are any combinations of each other, the ones that move the contacts most
-/// come first: others are no limits of nonlinear modes.
+/// The modes at rest up to `mode`. Of those with its frequency (equal bodies), which are any combinations of each
+/// other, the ones that move the contacts most come first: others are no limits of nonlinear modes.
 fn separated(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result<LinearModes, HbmError> {
     let mut wanted = mode + 1;
     let mut modes = modes_at_rest(structure, rest, wanted)?;
@@ -301,7 +303,8 @@ fn has_mass_behind_contacts(structure: &CondensedStructure) -> bool {
     (0..model.dofs().len()).any(|i| moves(model.dofs()[i].kind) && mass.get(i, i).is_some_and(|m| *m > 0.0))
 }
 
-/// Linear modes with the contacts that are closed at rest held, rigidly or by their springs; shapes over all degrees of freedom.
+/// Linear modes with the contacts that are closed at rest held, rigidly or by their springs; shapes over all degrees of
+/// freedom.
 fn modes_at_rest(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result<LinearModes, HbmError> {
     let model = &structure.model;
     let (mut held, mut springs) = (Vec::new(), Vec::new());

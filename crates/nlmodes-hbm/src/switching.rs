@@ -22,8 +22,8 @@ const FAR: f64 = 1.0 + 1e-9;
 
 /// Finds the instants at which contacts close and open, cell by cell along the period.
 ///
-/// While a set of contacts is closed, gaps and forces are trigonometric polynomials (the guards of [`ClosedSet`]); the first one
-/// that turns negative ends the interval, and its contact changes sides.
+/// While a set of contacts is closed, gaps and forces are trigonometric polynomials (the guards of [`ClosedSet`]); the
+/// first one that turns negative ends the interval, and its contact changes sides.
 pub(crate) struct Tracer<'a> {
     y: &'a [Vec<Complex64>],
     pub intervals: Vec<PatternInterval>,
@@ -51,8 +51,9 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// True if nothing can happen between two samples with the same closed contacts: every guard is so far from zero, for
-    /// its curvature, that it cannot dip below, or its slopes are too large, for its curvature, to change their sign.
+    /// True if nothing can happen between two samples with the same closed contacts: every guard is so far from zero,
+    /// for its curvature, that it cannot dip below, or its slopes are too large, for its curvature, to change their
+    /// sign.
     pub fn is_quiet(&self, sets: &SetTable, from: usize, to: usize, left: Sample, right: Sample, width: f64) -> bool {
         if from != to {
             return false;
@@ -104,7 +105,8 @@ impl<'a> Tracer<'a> {
         self.bisect(sets, solve, ends, at_ends)
     }
 
-    /// Where single changes do not explain what the solver finds (several contacts at once, degenerate instants): halve the cell.
+    /// Where single changes do not explain what the solver finds (several contacts at once, degenerate instants): halve
+    /// the cell.
     fn bisect(
         &mut self,
         sets: &mut SetTable,
@@ -149,7 +151,8 @@ impl<'a> Tracer<'a> {
         (0..y.len()).all(|i| set.guard_value(i, &y) >= -self.noise_of(set, i))
     }
 
-    /// Largest rounding of a guard: relative to what it is made of, for what is left may be nothing but rounding (redundant contacts).
+    /// Largest rounding of a guard: relative to what it is made of, for what is left may be nothing but rounding
+    /// (redundant contacts).
     fn noise_of(&self, set: &ClosedSet, contact: usize) -> f64 {
         NOISE * set.guard_row(contact).map(|(j, g)| g.abs() * self.sizes[j]).sum::<f64>()
     }
@@ -188,8 +191,8 @@ impl<'a> Tracer<'a> {
 /// First instant in `(from, to]` at which `f` turns negative, having been positive; rounding at `from` does not count.
 fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option<f64> {
     let bounds = f.bounds();
-    // A gap that stays zero while another contact is closed is rounding and nothing else. Without finite numbers nothing would end the search
-    // before its shortest stretch, everywhere.
+    // A gap that stays zero while another contact is closed is rounding and nothing else. Without finite numbers
+    // nothing would end the search before its shortest stretch, everywhere.
     if bounds[0] <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
         return None;
     }
@@ -205,8 +208,8 @@ struct Guard<'a> {
 }
 
 impl Guard<'_> {
-    /// Divides the stretch until the function cannot reach zero, or is convex or concave: then its ends and their slopes tell all. A stretch
-    /// in which it rises, falls and rises again would otherwise hide a short contact.
+    /// Divides the stretch until the function cannot reach zero, or is convex or concave: then its ends and their
+    /// slopes tell all. A stretch in which it rises, falls and rises again would otherwise hide a short contact.
     fn search(&self, from: Instant, to: Instant) -> Option<f64> {
         let width = to.tau - from.tau;
         if from.f[0].min(to.f[0]) > width * width / 8.0 * self.bounds[2] {
@@ -295,7 +298,8 @@ mod tests {
         assert_eq!(falls_below_zero(&f, NOISE, 0.051, 0.098), None);
     }
 
-    /// `cos τ` about its minimum, raised by less and more than one, in any unit; from a place where it falls and from one where it is flat.
+    /// `cos τ` about its minimum, raised by less and more than one, in any unit; from a place where it falls and from
+    /// one where it is flat.
     #[test]
     fn a_dip_is_found_in_gaps_of_any_size() {
         for unit in [1.0, 1e-6, 1e6] {
@@ -312,7 +316,8 @@ mod tests {
         }
     }
 
-    /// Whether the stretch of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts that stay open.
+    /// Whether the stretch of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts that
+    /// stay open.
     fn quiet(height: f64, middle: f64, width: f64, others: usize) -> bool {
         let c = 1 + others;
         let identity = nlmodes_linalg::Mat::from_fn(c, c, |i, j| if i == j { 1.0 } else { 0.0 });
@@ -358,7 +363,8 @@ mod tests {
         assert!(called > 1000, "{called}");
     }
 
-    /// Halved where nothing is known but both ends, the cell has its contact instant where the gap `cos τ` vanishes; where both ends are alike it ends there.
+    /// Halved where nothing is known but both ends, the cell has its contact instant where the gap `cos τ` vanishes;
+    /// where both ends are alike it ends there.
     #[test]
     fn a_cell_that_is_halved_has_its_instants_where_the_gap_vanishes() {
         let identity = nlmodes_linalg::Mat::from_fn(1, 1, |_, _| 1.0);

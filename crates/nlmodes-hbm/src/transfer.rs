@@ -8,16 +8,17 @@ const SMALLEST_ROW: f64 = 1e-9;
 
 /// The linear structure at one harmonic: `A b_n = B q_N,n`, a form of eq. (8) without poles.
 ///
-/// `b_n = T(ν²) q_N,n` has a pole at each eigenfrequency `λ_p` of the held structure, where `q_N,n` vanishes while `b_n` stays
-/// finite. With the more resonant mode `p` of the two around `ν²` apart, `T = F + h_p g_p/δ`, `δ = λ_p − ν²`, multiplication by the regular matrix
+/// `b_n = T(ν²) q_N,n` has a pole at each eigenfrequency `λ_p` of the held structure, where `q_N,n` vanishes while
+/// `b_n` stays finite. With the more resonant mode `p` of the two around `ν²` apart, `T = F + h_p g_p/δ`,
+/// `δ = λ_p − ν²`, multiplication by the regular matrix
 ///
 /// ```text
 /// A = I − (1 − α) h_p g_p / s_p ,   B = A F + β h_p g_p / s_p ,   α = δ/√(δ² + s_p²) ,   β = s_p/√(δ² + s_p²)
 /// ```
 ///
 /// gives coefficients that stay near one and pass smoothly through the pole. Several modes with the same frequency have
-/// `g_i h_j = 0` and add up. The sign of `det A`, carried by α and β of one mode, follows the number of poles below `ν²`, so that it does
-/// not jump where another mode becomes the more resonant one.
+/// `g_i h_j = 0` and add up. The sign of `det A`, carried by α and β of one mode, follows the number of poles below
+/// `ν²`, so that it does not jump where another mode becomes the more resonant one.
 ///
 /// All matrices are row-major, n_N × n_N; derivatives are with respect to `ν²`.
 #[derive(Debug, Clone)]
@@ -26,8 +27,9 @@ pub(crate) struct Plane {
     pub b: Vec<f64>,
     pub da: Vec<f64>,
     pub db: Vec<f64>,
-    /// `A − B`, by which harmonics without contact are held. Beside a contact node that is much stiffer than the structure it is small: for one
-    /// contact degree of freedom it is summed up of small numbers, not taken as a difference of large ones.
+    /// `A − B`, by which harmonics without contact are held. Beside a contact node that is much stiffer than the
+    /// structure it is small: for one contact degree of freedom it is summed up of small numbers, not taken as a
+    /// difference of large ones.
     pub d: Vec<f64>,
     /// `F` and its derivative.
     pub f: Vec<f64>,
@@ -96,8 +98,9 @@ impl Plane {
         self.take_difference();
     }
 
-    /// What is large for row `d` of `A − B`, by which harmonics without contact are held: itself, or what a change of `ν²` by its own size
-    /// makes of it where it vanishes, in resonance. Beside a contact node that is much stiffer than the structure both are small.
+    /// What is large for row `d` of `A − B`, by which harmonics without contact are held: itself, or what a change of
+    /// `ν²` by its own size makes of it where it vanishes, in resonance. Beside a contact node that is much stiffer
+    /// than the structure both are small.
     pub fn size_of_row(&self, d: usize, nu2: f64) -> f64 {
         if let ([d], [da], [db]) = (&*self.d, &*self.da, &*self.db) {
             return (d.abs() + nu2 * (da - db).abs()).clamp(SMALLEST_ROW, 1.0);
@@ -198,7 +201,8 @@ mod tests {
     use nlmodes_linalg::sparse_from_triplets;
     use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 
-    /// Four masses in a row, springs between them and to both sides, and massless nodes before stops; with all of its held modes. Lengths and masses in the given units.
+    /// Four masses in a row, springs between them and to both sides, and massless nodes before stops; with all of its
+    /// held modes. Lengths and masses in the given units.
     fn chain(contacts: &[usize], [metre, kilogram]: [f64; 2]) -> CondensedStructure {
         let (n, spring) = (4 + contacts.len(), 2e4 * kilogram);
         let mut k: Vec<_> = (0..n).map(|i| (i, i, 0.5 * spring)).collect();
@@ -292,7 +296,8 @@ mod tests {
         }
     }
 
-    /// Where all modes are there nothing follows behind them, so that matrices and the way for one degree of freedom tell the same.
+    /// Where all modes are there nothing follows behind them, so that matrices and the way for one degree of freedom
+    /// tell the same.
     #[test]
     fn one_degree_of_freedom_is_no_other_case() {
         for structure in structures().iter().filter(|structure| structure.n_contact_dofs() == 1) {

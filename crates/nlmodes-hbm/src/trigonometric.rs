@@ -30,9 +30,11 @@ impl Trigonometric {
         Instant { tau, f: self.evaluate(tau) }
     }
 
-    /// The zero between two instants at which the function has different signs; a value up to `rounding` is one, for no further step makes it any better.
+    /// The zero between two instants at which the function has different signs; a value up to `rounding` is one, for no
+    /// further step makes it any better.
     ///
-    /// From where the cubic through both ends with their slopes puts it, by Halley's method, kept in the bracket by bisection.
+    /// From where the cubic through both ends with their slopes puts it, by Halley's method, kept in the bracket by
+    /// bisection.
     pub fn root(&self, rounding: f64, low: Instant, high: Instant) -> f64 {
         let falls = low.f[0] >= 0.0;
         let mut tau = expected_root(0, &low, &high);
@@ -54,7 +56,8 @@ impl Trigonometric {
             let is_within = expected > low && expected < high;
             let next = if is_within { expected } else { 0.5 * (low + high) };
             let step = (next - tau).abs();
-            // What Halley's method leaves is the third power of its step, times the square of what the function and its harmonics bend by.
+            // What Halley's method leaves is the third power of its step, times the square of what the function and its
+            // harmonics bend by.
             let left = if is_within { step * (step * bend.abs().max(self.z.len() as f64)).powi(2) } else { step };
             if left <= 4.0 * f64::EPSILON * tau.abs().max(f64::EPSILON) {
                 return next;
@@ -64,10 +67,11 @@ impl Trigonometric {
         tau
     }
 
-    /// Where the function is lowest or highest between two instants at which its slope has different signs, or a place on the way there that is `enough`.
+    /// Where the function is lowest or highest between two instants at which its slope has different signs, or a place
+    /// on the way there that is `enough`.
     ///
-    /// By Newton's method for the slope, kept in the bracket by bisection, until no step would change the value by more than `rounding`; the instant itself is known to
-    /// the root of that.
+    /// By Newton's method for the slope, kept in the bracket by bisection, until no step would change the value by more
+    /// than `rounding`; the instant itself is known to the root of that.
     pub fn turn(&self, rounding: f64, low: Instant, high: Instant, enough: impl Fn(f64) -> bool) -> Instant {
         let falls = low.f[1] >= 0.0;
         let mut at = self.at(expected_root(1, &low, &high));
@@ -102,7 +106,8 @@ pub(crate) struct Instant {
     pub f: [f64; 3],
 }
 
-/// Where the inverse of a function, as a cubic through both ends with their slopes, puts its zero; halfway, where that is not between them.
+/// Where the inverse of a function, as a cubic through both ends with their slopes, puts its zero; halfway, where that
+/// is not between them.
 fn expected_root(order: usize, low: &Instant, high: &Instant) -> f64 {
     let (width, rise) = (high.tau - low.tau, high.f[order] - low.f[order]);
     let share = -low.f[order] / rise;
@@ -157,7 +162,8 @@ mod tests {
         assert_eq!(f.bounds(), [1.5, 1.0, 1.0, 1.0]);
     }
 
-    /// `sin τ − s` in any unit, between ends of which one may lie beside the crest or on the other side of it, and the same with time reversed.
+    /// `sin τ − s` in any unit, between ends of which one may lie beside the crest or on the other side of it, and the
+    /// same with time reversed.
     #[test]
     fn roots_are_found_to_rounding_from_any_ends() {
         for s in [0.0, 0.3, -0.8, 0.999, 1.0 - 1e-9] {
@@ -183,7 +189,8 @@ mod tests {
         }
     }
 
-    /// The crest of a wave whose curvature turns on the way there, in any unit: its height to rounding, or whatever is high enough before.
+    /// The crest of a wave whose curvature turns on the way there, in any unit: its height to rounding, or whatever is
+    /// high enough before.
     #[test]
     fn turning_points_are_known_by_their_height() {
         for unit in [1e-9, 1.0, 1e7] {

@@ -7,7 +7,8 @@ use nlmodes_modal::{ContactPeriod, TimeHistory};
 use nlmodes_model::{Side, StructuralModel};
 use support::{condense, follow, problem, rod};
 
-/// Tip and middle, or both sides of the tip, in units in which lengths are `length`, stiffnesses `stiffness` and masses `mass` times as large.
+/// Tip and middle, or both sides of the tip, in units in which lengths are `length`, stiffnesses `stiffness` and masses
+/// `mass` times as large.
 fn models(length: f64, stiffness: f64, mass: f64) -> [StructuralModel; 2] {
     let stops = |side, second, node| [(10, Side::Positive, length), (node, side, second * length)];
     // A rod of unit length: its stiffness is that of the section, its mass that of the whole.
@@ -58,7 +59,8 @@ fn shares_forces_impulses_and_approach_are_those_of_the_motion() {
     }
 }
 
-/// Few instants have the largest force of the shortest blow too. Of 16 intervals of a half-sine it lies between two by 1 − cos(π/32).
+/// Few instants have the largest force of the shortest blow too. Of 16 intervals of a half-sine it lies between two by
+/// 1 − cos(π/32).
 fn keeps_its_blows(found: &ContactPeriod, history: &TimeHistory) {
     let peak = history.force.iter().copied().fold(0.0, f64::max);
     assert!(found.closed_share < 1e-6 || (peak / found.peak_force - 1.0).abs() < 0.01, "{peak:e} of {found:?}");

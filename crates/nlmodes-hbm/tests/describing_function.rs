@@ -83,7 +83,8 @@ fn one_harmonic_backbone_is_the_closed_form_energy_of_its_frequency() {
             (0..n).map(|i| (0..n).map(|j| full.m[i][j] * moving.q_l[i] * moving.q_l[j]).sum::<f64>()).sum();
         let energy = 0.25 * (omega * q1).powi(2) * square;
         let found = problem.energy(point.p);
-        // T − 1 is near 0.01, so that the angle loses two digits, and near grazing half of what is left: θ ~ √(1 − 1/T).
+        // T − 1 is near 0.01, so that the angle loses two digits, and near grazing half of what is left: θ ~ √(1 −
+        // 1/T).
         assert!((energy / found - 1.0).abs() < 1e-7, "{:.6} Hz: {energy:e} J against {found:e} J", omega / 2.0 / PI);
     }
     // Own computation in Python (dense matrices, Gauss quadrature, Newton's method): 70.336945574391 Hz.

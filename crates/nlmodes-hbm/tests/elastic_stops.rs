@@ -24,8 +24,9 @@ fn with_mass(model: &StructuralModel) -> FullMatrices {
     FullMatrices { k: dense(model.stiffness()), m: dense(model.mass()), contact: Vec::new() }
 }
 
-/// Largest defect of `(K − ν² M) q_n = 𝓕_n(W λ(q(t)))` with the penalty forces of eq. (3) at `samples` instants, over all harmonics and
-/// all degrees of freedom, relative to the largest product: alternating frequency-time from the definition.
+/// Largest defect of `(K − ν² M) q_n = 𝓕_n(W λ(q(t)))` with the penalty forces of eq. (3) at `samples` instants, over
+/// all harmonics and all degrees of freedom, relative to the largest product: alternating frequency-time from the
+/// definition.
 fn harmonic_balance_defect(full: &FullMatrices, model: &StructuralModel, point: &ModalPoint, samples: usize) -> f64 {
     let (mut defect, mut scale) = (0.0_f64, f64::MIN_POSITIVE);
     for n in 0..=point.coefficients.n_harmonics() {
@@ -161,7 +162,8 @@ fn velocity_and_acceleration_in_an_elastic_stop_are_the_derivatives_of_the_displ
             wrong += usize::from((slope - history.velocity[j]).abs() > 1e-4)
                 + usize::from((curvature - history.acceleration[j]).abs() > 1e-2);
         }
-        // The slope of a massless node jumps where its contact or the other one changes; each spoils three samples at most.
+        // The slope of a massless node jumps where its contact or the other one changes; each spoils three samples at
+        // most.
         assert!(wrong <= 40, "{wrong}");
     }
 }
@@ -195,7 +197,8 @@ fn a_stop_that_presses_on_its_spring_at_rest_starts_from_the_mode_with_the_sprin
         let found = grazing(&structure, 1).unwrap();
         // A third of an element's mass is dropped at the tip, of 200.
         assert!((found.omega / kappa - 1.0).abs() < 5e-3, "{} against {kappa}", found.omega);
-        // At rest the spring of 5 and the rod of 1 share 0.1; the mode leaves the stop when the force vanishes once a period.
+        // At rest the spring of 5 and the rod of 1 share 0.1; the mode leaves the stop when the force vanishes once a
+        // period.
         assert!((found.energy / with_mass.energy - 1.0).abs() < 2e-2, "{} {}", found.energy, with_mass.energy);
     }
     assert_eq!(with_mass.contact, 0);
@@ -263,7 +266,8 @@ fn a_stop_that_dissipates_does_not_remember_what_it_was() {
     assert_eq!(hard.omega_squared().last(), Some(&7.0));
 }
 
-/// Beside a contact spring of more than 5·10⁸ times the stiffness of the structure at the stop that is lost in rounding.
+/// Beside a contact spring of more than 5·10⁸ times the stiffness of the structure at the stop that is lost in
+/// rounding.
 #[test]
 fn springs_beside_which_the_structure_is_lost_are_refused_with_their_ratio() {
     // A rod of stiffness EA/L at its end, in three units.

@@ -1,8 +1,10 @@
-//! A face of three nodes that touch one after the other, in open modes, against an integration in time of the structure itself.
+//! A face of three nodes that touch one after the other, in open modes, against an integration in time of the structure
+//! itself.
 //!
-//! The reference owes nothing to the reduction or to harmonics: it steps the masses of the structure, finds the contact forces of each instant among
-//! all eight sets of closed contacts, and closes the period by Newton's method with differences. What is left between the two is the truncation of
-//! the harmonics, and that must vanish as their number grows.
+//! The reference owes nothing to the reduction or to harmonics: it steps the masses of the structure, finds the contact
+//! forces of each instant among all eight sets of closed contacts, and closes the period by Newton's method with
+//! differences. What is left between the two is the truncation of the harmonics, and that must vanish as their number
+//! grows.
 
 mod support;
 
@@ -15,7 +17,8 @@ use support::{fitted_slope, follow, problem, solve_dense};
 
 type Matrix = [[f64; 3]; 3];
 
-/// Three masses that are coupled by their mass matrix, and three nodes of a face without mass, coupled among themselves and each to a mass.
+/// Three masses that are coupled by their mass matrix, and three nodes of a face without mass, coupled among themselves
+/// and each to a mass.
 const MASS: Matrix = [[2.0, 0.3, 0.1], [0.3, 1.5, 0.4], [0.1, 0.4, 1.0]];
 const INNER: Matrix = [[5.0, -2.0, 0.0], [-2.0, 6.0, -1.5], [0.0, -1.5, 4.5]];
 const FACE: Matrix = [[8.0, -1.0, 0.5], [-1.0, 9.0, -1.2], [0.5, -1.2, 7.0]];
@@ -176,7 +179,8 @@ impl InTime {
     }
 }
 
-/// The point at twice the energy of grazing, with so many harmonics, and where its masses are half a period from the contact.
+/// The point at twice the energy of grazing, with so many harmonics, and where its masses are half a period from the
+/// contact.
 fn harmonic(units: Units, harmonics: usize) -> (ModalPoint, [f64; 3]) {
     let model = units.structure();
     let open = OpenModes::of_model(&model, ModeCount::Lowest(3)).unwrap();
@@ -210,7 +214,8 @@ fn forces_of_a_face_in_open_modes_converge_to_those_in_time() {
             of_forces.push((harmonics as f64, error / whole));
             of_frequency.push((harmonics as f64, (point.omega * second * period / std::f64::consts::TAU - 1.0).abs()));
         }
-        // Forces have corners where contacts close and open: their harmonics fall as n⁻², and what is cut off of means and frequencies faster.
+        // Forces have corners where contacts close and open: their harmonics fall as n⁻², and what is cut off of means
+        // and frequencies faster.
         assert!(fitted_slope(&of_forces) < -2.0, "{of_forces:?}");
         assert!(fitted_slope(&of_frequency) < -2.0, "{of_frequency:?}");
         assert!(of_forces[3].1 < 1e-6 && of_frequency[3].1 < 1e-7, "{of_forces:?}, {of_frequency:?}");

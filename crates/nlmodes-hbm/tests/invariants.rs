@@ -224,8 +224,8 @@ fn fewer_held_modes_converge_to_all_of_them() {
     }
 }
 
-/// Modes are orthonormal by mass: what is put together of them is taken apart again, and the motion of a branch from all of its degrees of freedom as from the
-/// reduced ones.
+/// Modes are orthonormal by mass: what is put together of them is taken apart again, and the motion of a branch from
+/// all of its degrees of freedom as from the reduced ones.
 #[test]
 fn modal_coordinates_are_those_that_a_motion_was_put_together_of() {
     let structure = condense(&rod(6, 2.0, 3.0, 1.0, &[(6, Side::Positive, 1.0)]));

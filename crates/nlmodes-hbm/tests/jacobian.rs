@@ -198,8 +198,8 @@ fn jacobian_is_right_where_held_modes_of_the_same_frequency_meet_a_harmonic() {
     }
 }
 
-/// Elastic stops in front of massless nodes, with a rigid one among them; and harmonic balance with contact mass, without, and with
-/// two springs at one node. Soft, like the structure, and stiff.
+/// Elastic stops in front of massless nodes, with a rigid one among them; and harmonic balance with contact mass,
+/// without, and with two springs at one node. Soft, like the structure, and stiff.
 fn with_elastic_stops() -> Vec<CondensedStructure> {
     let one = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0)]);
     let two = rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0), (2, Side::Negative, 0.45)]);
@@ -227,7 +227,8 @@ fn jacobian_is_right_with_elastic_stops_and_in_harmonic_balance() {
                     assert!(closed > 0.05 && closed < 0.95, "structure {i}: {closed}");
                     let linear = nlmodes_hbm::grazing(structure, 1).unwrap().omega;
                     let pole = structure.modes()[1].lambda.sqrt() / harmonics as f64 / linear;
-                    // A mode that hardly moves the contact has a narrow pole, with larger third derivatives: a shorter step.
+                    // A mode that hardly moves the contact has a narrow pole, with larger third derivatives: a shorter
+                    // step.
                     check_with_step(structure, harmonics, symmetry, switching, [1.9, pole * (1.0 - 1e-7)], 0.2 * STEP);
                 }
             }

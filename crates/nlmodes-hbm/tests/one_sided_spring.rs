@@ -1,7 +1,7 @@
 //! One mass before a one-sided spring: a piecewise linear oscillator, whose motion is closed form.
 //!
-//! Two problems of this crate are that oscillator: harmonic balance of a mass before an elastic stop, eq. (3), and mixed shooting of a mass
-//! with a massless node before it, whose spring and that of the stop are in series.
+//! Two problems of this crate are that oscillator: harmonic balance of a mass before an elastic stop, eq. (3), and
+//! mixed shooting of a mass with a massless node before it, whose spring and that of the stop are in series.
 
 mod support;
 
@@ -139,7 +139,8 @@ fn the_closed_form_solves_its_own_equation() {
         worst = worst.max((closed.m * (after - 2.0 * here + before) / (step * step) + force).abs());
         kinetic += 0.5 * closed.m * ((after - here) / step).powi(2) / n as f64;
     }
-    // Where the spring sets in, the third derivative jumps: differences are off by step × jump there, and by rounding/step².
+    // Where the spring sets in, the third derivative jumps: differences are off by step × jump there, and by
+    // rounding/step².
     assert!(worst < 1e-3, "{worst:e}");
     assert!((kinetic / closed.kinetic() - 1.0).abs() < 1e-4);
 }
@@ -158,7 +159,8 @@ fn harmonic_balance_gives_ten_digits_of_frequency_and_energy() {
 
 #[test]
 fn harmonic_balance_converges_with_the_fifth_power_of_the_harmonics() {
-    // The third derivative of x jumps, so x_n ~ n⁻⁴; the frequency is stationary, so its error goes like Σ_{n > H} n² x_n² ~ H⁻⁵.
+    // The third derivative of x jumps, so x_n ~ n⁻⁴; the frequency is stationary, so its error goes like Σ_{n > H} n²
+    // x_n² ~ H⁻⁵.
     let (structure, closed) = (harmonic_balance(6.0), oscillator(6.0, 1.6));
     for which in [0, 1] {
         let found = octaves(5, 5, |h| errors(&structure, &closed, h, Switching::Exact)[which]);
@@ -250,8 +252,8 @@ fn an_elastic_stop_runs_into_the_rigid_one_like_its_compliance() {
 
 #[test]
 fn harmonic_balance_of_a_massless_node_needs_the_harmonics_that_mixed_shooting_spares() {
-    // With the node in harmonics as well, its slope jumps: λ_n ~ n⁻², and the frequency misses Σ_{n > H} λ_n² ~ H⁻³; mixed
-    // shooting, which keeps the node in time, misses H⁻⁵.
+    // With the node in harmonics as well, its slope jumps: λ_n ~ n⁻², and the frequency misses Σ_{n > H} λ_n² ~ H⁻³;
+    // mixed shooting, which keeps the node in time, misses H⁻⁵.
     let k_c = 20.0;
     let elastic = model(Some(2.0), k_c);
     let closed = oscillator(2.0 * k_c / (2.0 + k_c), 1.7);
@@ -265,7 +267,8 @@ fn harmonic_balance_of_a_massless_node_needs_the_harmonics_that_mixed_shooting_s
 
 #[test]
 fn harmonic_balance_runs_into_mixed_shooting_with_a_rigid_stop_where_its_harmonics_keep_up() {
-    // Same masses, k_c → ∞: the difference falls like 1/k_c as long as the harmonics resolve the contact, and no further.
+    // Same masses, k_c → ∞: the difference falls like 1/k_c as long as the harmonics resolve the contact, and no
+    // further.
     let closed = oscillator(2.0, 1.7);
     let rigid = frequency(&condense(&model(Some(2.0), f64::INFINITY)), 60, &closed);
     let difference = |k_c: f64, harmonics: usize| {

@@ -1,4 +1,5 @@
-//! Held modes (this crate) against open modes (`nlmodes-reduction`) of the same structure without the mass of its contact nodes.
+//! Held modes (this crate) against open modes (`nlmodes-reduction`) of the same structure without the mass of its
+//! contact nodes.
 
 mod support;
 
@@ -35,8 +36,8 @@ fn held_transfer(structure: &CondensedStructure, nu_squared: f64) -> Mat<f64> {
     t
 }
 
-/// The same from the answer to contact forces: `q_N = R Wλ`, `b = q_N − K_NN⁻¹ Wλ`, so that `T R = R − K_NN⁻¹`, all turned to the
-/// directions of the contacts.
+/// The same from the answer to contact forces: `q_N = R Wλ`, `b = q_N − K_NN⁻¹ Wλ`, so that `T R = R − K_NN⁻¹`, all
+/// turned to the directions of the contacts.
 #[test]
 fn both_reductions_see_the_same_structure() {
     // In metres and kilograms, and the same rod in millimetres and tonnes.
@@ -70,7 +71,8 @@ fn both_reductions_see_the_same_structure() {
     }
 }
 
-/// A free motion that begins at another instant is the same motion. Once a point is accepted its phase is held: only that one stays a solution.
+/// A free motion that begins at another instant is the same motion. Once a point is accepted its phase is held: only
+/// that one stays a solution.
 #[test]
 fn any_phase_of_a_free_motion_is_a_solution_until_one_is_held() {
     let open = Open::massless(&rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0)]));

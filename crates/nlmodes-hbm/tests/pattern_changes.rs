@@ -10,7 +10,8 @@ use nlmodes_model::Side;
 
 use support::{condense, problem, rod};
 
-/// Logarithms of the energy over that at grazing at which the pattern changes, of a rod of 60 elements, up to 20, with steps up to `longest`.
+/// Logarithms of the energy over that at grazing at which the pattern changes, of a rod of 60 elements, up to 20, with
+/// steps up to `longest`.
 fn changes(ea: f64, rho_a: f64, length: f64, gap: f64, longest: f64) -> Vec<f64> {
     let structure = condense(&rod(60, ea, rho_a, length, &[(60, Side::Positive, gap)]));
     let (mut problem, start) = problem(&structure, 1, 14, Symmetry::Even, Switching::Exact);
@@ -28,7 +29,8 @@ fn changes(ea: f64, rho_a: f64, length: f64, gap: f64, longest: f64) -> Vec<f64>
     branch.points.iter().filter(|q| q.p > 1e-3 && q.events.iter().any(is_change)).map(|q| q.p).collect()
 }
 
-/// On the way back from the tip of its tongue a step of usual length enters and leaves a piece on which the contact closes three times a period.
+/// On the way back from the tip of its tongue a step of usual length enters and leaves a piece on which the contact
+/// closes three times a period.
 #[test]
 fn a_pattern_that_lasts_for_less_than_a_step_is_seen_as_with_short_steps() {
     // Over that at grazing energies are the same in all units.

@@ -10,7 +10,8 @@ use num_complex::Complex64;
 use support::modal::{Open, settings, solver, worst_column};
 use support::{on_springs, rod};
 
-/// With a step of 1e-6 differences are good to about 1e-10 of rounding; 1e-6 leaves room for third derivatives near resonance.
+/// With a step of 1e-6 differences are good to about 1e-10 of rounding; 1e-6 leaves room for third derivatives near
+/// resonance.
 const TOLERANCE: f64 = 1e-6;
 
 /// Rods in two systems of units with one stop, two on different nodes, two facing each other, and elastic ones.

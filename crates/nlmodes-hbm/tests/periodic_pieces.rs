@@ -1,4 +1,5 @@
-//! Contact patterns of damped and forced motions: where they change between two points, told by a function and by halving.
+//! Contact patterns of damped and forced motions: where they change between two points, told by a function and by
+//! halving.
 
 mod support;
 
@@ -43,7 +44,8 @@ fn point(series: RealSeries, n: usize, dim: usize, draw: &mut Draw) -> Vec<f64> 
     z
 }
 
-/// Changes whose boundary is known, and all that are seen, on segments between points drawn by lot. Each that is known is where halving finds it.
+/// Changes whose boundary is known, and all that are seen, on segments between points drawn by lot. Each that is known
+/// is where halving finds it.
 fn changes<S: ParametricSystem>(system: &mut S, (series, n): (RealSeries, usize), seeds: u64) -> (usize, usize) {
     let dim = system.dim();
     let (mut known, mut all) = (0, 0);

@@ -74,7 +74,8 @@ fn sampled_contacts_approach_exact_ones_with_the_square_of_the_sample_distance()
             errors.push((samples as f64, (found / exact - 1.0).abs().max(1e-14)));
         }
         let slope = fitted_slope(&errors);
-        // The trapezoidal rule on a function with corners: order 2, with a factor that depends on where the corners fall.
+        // The trapezoidal rule on a function with corners: order 2, with a factor that depends on where the corners
+        // fall.
         assert!((-2.6..-1.5).contains(&slope), "{name}: order {slope}, {errors:?}");
         assert!(errors.last().unwrap().1 < 1e-5, "{name}: {errors:?}");
     }
@@ -140,8 +141,9 @@ fn the_solver_for_one_contact_refuses_two() {
 
 #[test]
 fn spans_of_the_same_frequency_do_not_feign_branch_points() {
-    // With both contacts held, the halves of the rod have the same frequencies, near 3.49 and 7.31 times the first one of the
-    // rod: harmonics 3, 7 and 8 cross them on the way, harmonics 2, 4 and 6 do not. Either way the backbone is plain.
+    // With both contacts held, the halves of the rod have the same frequencies, near 3.49 and 7.31 times the first one
+    // of the rod: harmonics 3, 7 and 8 cross them on the way, harmonics 2, 4 and 6 do not. Either way the backbone is
+    // plain.
     let structure = condense(&tip_and_middle());
     let held: Vec<f64> = structure.modes().iter().map(|m| m.lambda).collect();
     assert!((held[1] / held[0] - 1.0).abs() < 1e-12 && (held[3] / held[2] - 1.0).abs() < 1e-12);

@@ -1,4 +1,5 @@
-//! A rod of two elements in front of a stop, its tip massless: one degree of freedom with mass, and a motion in closed form.
+//! A rod of two elements in front of a stop, its tip massless: one degree of freedom with mass, and a motion in closed
+//! form.
 
 mod support;
 
@@ -9,8 +10,8 @@ use support::{fitted_slope, problem, settle, two_element_rod};
 
 /// The motion with amplitude `A` while free, in units `EA = ρA = L = g₀ = 1`.
 ///
-/// The massive node x has `m = 1/3`; free it sits on a spring of 2 about 0, and with the tip at the stop on one of 4 about ½.
-/// At `x = 1` both have the same strain energy 1 and the speed is continuous: `6 (A² − 1) = 12 (B² − ¼)`.
+/// The massive node x has `m = 1/3`; free it sits on a spring of 2 about 0, and with the tip at the stop on one of 4
+/// about ½. At `x = 1` both have the same strain energy 1 and the speed is continuous: `6 (A² − 1) = 12 (B² − ¼)`.
 struct ClosedForm {
     a: f64,
     b: f64,
@@ -117,7 +118,8 @@ fn the_closed_form_has_the_figures_it_is_known_for() {
 
 #[test]
 fn frequency_at_given_energy_converges_with_the_fifth_power_of_the_harmonics() {
-    // The third derivative of x jumps, so x_n ~ n⁻⁴; the frequency is stationary, so its error goes like Σ_{n > H} n² x_n² ~ H⁻⁵.
+    // The third derivative of x jumps, so x_n ~ n⁻⁴; the frequency is stationary, so its error goes like Σ_{n > H} n²
+    // x_n² ~ H⁻⁵.
     let closed = ClosedForm::new(2.0);
     let errors = octaves(5, 5, |h| computed(&closed, h, Switching::Exact).0);
     let slope = fitted_slope(&errors);

@@ -38,7 +38,8 @@ impl Fault {
     }
 }
 
-/// Relative difference of mirror images that rounding explains, against `√|a_ii a_jj|` and against the entries themselves.
+/// Relative difference of mirror images that rounding explains, against `√|a_ii a_jj|` and against the entries
+/// themselves.
 const SYMMETRY: f64 = 1e-10;
 
 fn mirrors(value: f64, mirrored: f64, diagonals: (f64, f64)) -> bool {

@@ -37,8 +37,8 @@ pub struct NodeContact {
 }
 
 impl NodeContact {
-    /// How far the node is from the one that it touches, along the normal, by the places of the model, m; negative where that one lies behind. None
-    /// before a wall, and where a place is not known.
+    /// How far the node is from the one that it touches, along the normal, by the places of the model, m; negative
+    /// where that one lies behind. None before a wall, and where a place is not known.
     pub fn distance_in(&self, model: &FeModel) -> Option<f64> {
         let (from, to) = (model.place_of(self.node)?, model.place_of(self.against?)?);
         Some((0..3).map(|axis| (to[axis] - from[axis]) * self.normal[axis]).sum())

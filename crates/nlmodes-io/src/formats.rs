@@ -63,7 +63,8 @@ impl Format {
         }
     }
 
-    /// The format of a file, from the ending of its name; `.mtx` is Matrix Market if it begins as such files do, else Abaqus.
+    /// The format of a file, from the ending of its name; `.mtx` is Matrix Market if it begins as such files do, else
+    /// Abaqus.
     ///
     /// # Errors
     /// [`ReadError`] if the ending is not known or the file cannot be read.
@@ -131,8 +132,8 @@ pub struct MatrixData {
 
 /// Reads a symmetric matrix as it stands in the file, in the file's units.
 ///
-/// `order` is the number of rows where it is known, so that a wrong header or row is refused where it stands. Without it a matrix of n rows
-/// must have at least n entries.
+/// `order` is the number of rows where it is known, so that a wrong header or row is refused where it stands. Without
+/// it a matrix of n rows must have at least n entries.
 ///
 /// # Errors
 /// [`ReadError`] with the place and what was expected there.
@@ -171,7 +172,8 @@ fn check_order(path: &Path, place: crate::Place, found: u64, expected: Option<us
     Err(ReadError::new(path, place, problem))
 }
 
-/// Without an expected order, a header that claims more rows than there are entries would cost memory that nothing pays for.
+/// Without an expected order, a header that claims more rows than there are entries would cost memory that nothing pays
+/// for.
 fn check_entries(path: &Path, place: crate::Place, order: usize, entries: u64, expected: Option<usize>) -> Result<()> {
     if expected.is_none() && entries < order as u64 {
         let what = format!("entries of a matrix of {order} rows, each of which has one at least");

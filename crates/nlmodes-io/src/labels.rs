@@ -97,8 +97,8 @@ pub struct LabelTable {
 }
 
 impl LabelTable {
-    /// Reads a table of labels: `.dof` of CalculiX (a line `node.direction` for each row), `.mapping` of Ansys (equation, node, name of the
-    /// direction), anything else as comma-separated `row,node,component[,x,y,z]`.
+    /// Reads a table of labels: `.dof` of CalculiX (a line `node.direction` for each row), `.mapping` of Ansys
+    /// (equation, node, name of the direction), anything else as comma-separated `row,node,component[,x,y,z]`.
     ///
     /// # Errors
     /// [`ReadError`].

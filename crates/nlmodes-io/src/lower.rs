@@ -2,8 +2,8 @@ use nlmodes_linalg::{LinalgError, SparseMatrix, sparse_from_columns};
 
 /// The lower triangle of a symmetric matrix, diagonal included, in compressed columns.
 ///
-/// `values[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, stands in row `rows[p] ≥ j` of column `j`; rows ascend within a column,
-/// none is stored twice, no stored value is zero.
+/// `values[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, stands in row `rows[p] ≥ j` of column `j`; rows ascend
+/// within a column, none is stored twice, no stored value is zero.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LowerTriangle {
     pub(crate) column_starts: Vec<usize>,
@@ -98,7 +98,8 @@ impl LowerTriangle {
             (rows[next[j]], values[next[j]]) = (i, value);
             next[j] += 1;
         };
-        // Row j of the upper triangle is column j of the lower: columns before j have put theirs above the diagonal when j's turn comes.
+        // Row j of the upper triangle is column j of the lower: columns before j have put theirs above the diagonal
+        // when j's turn comes.
         for (i, j, value) in self.entries() {
             put(i, j, value);
             if i != j {

@@ -35,11 +35,13 @@ pub struct Mesh {
     pub places: Vec<[f64; 3]>,
     /// Elements whose shape is known.
     pub elements: Vec<Element>,
-    /// Sets of nodes by name, as numbers in the file, ascending: sets of nodes, named surfaces, physical groups. Names of decks are in capitals.
+    /// Sets of nodes by name, as numbers in the file, ascending: sets of nodes, named surfaces, physical groups. Names
+    /// of decks are in capitals.
     pub node_sets: BTreeMap<String, Vec<u64>>,
     /// Kinds of elements that were passed over since their shape is not known, and how many there are.
     pub passed_over: BTreeMap<String, usize>,
-    /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, by the number of the node; none of a mesh that knows nothing of supports.
+    /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, by the number of the node; none of a mesh that
+    /// knows nothing of supports.
     pub supports: Option<BTreeMap<u64, [bool; 3]>>,
     index: HashMap<u64, u32>,
 }

@@ -15,8 +15,8 @@ use crate::mesh::Mesh;
 
 /// A linear structure of finite elements in SI units: what the files hold, checked against each other.
 ///
-/// `M` and `K` are symmetric; every diagonal entry of `K` is positive. The mass may be singular and may have negative rows at corners, as
-/// those of quadratic tetrahedra have.
+/// `M` and `K` are symmetric; every diagonal entry of `K` is positive. The mass may be singular and may have negative
+/// rows at corners, as those of quadratic tetrahedra have.
 #[derive(Debug, Clone)]
 pub struct FeModel {
     /// Stiffness `K` (n × n; N/m, N, N·m as the components need).
@@ -29,7 +29,8 @@ pub struct FeModel {
     pub mesh: Option<Mesh>,
     /// Degrees of freedom that the files or `fixed` hold, which have no row.
     pub fixed: Vec<DofLabel>,
-    /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m². What the files hold has none.
+    /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m².
+    /// What the files hold has none.
     pub fixed_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
@@ -54,8 +55,9 @@ impl FeModel {
         self.rows.get(&DofLabel { node, component }).copied()
     }
 
-    /// Whether a displacement that has no row is held: by the files, by `fixed`, or by the deck. If it is not, it depends on others (`*EQUATION`, `*RIGID BODY`,
-    /// `*TIE`); none where nothing is known of supports, or where no node moves along that axis.
+    /// Whether a displacement that has no row is held: by the files, by `fixed`, or by the deck. If it is not, it
+    /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`); none where nothing is known of supports, or where no
+    /// node moves along that axis.
     pub fn is_held(&self, node: u64, component: Component) -> Option<bool> {
         if self.fixed.contains(&DofLabel { node, component }) {
             return Some(true);
@@ -88,7 +90,8 @@ impl FeModel {
         self.mesh.is_some() || !self.places.is_empty()
     }
 
-    /// Nodes with rows but without a place, where places are known at all: those within elements, which a deck does not name.
+    /// Nodes with rows but without a place, where places are known at all: those within elements, which a deck does not
+    /// name.
     pub fn nodes_without_place(&self) -> Vec<u64> {
         if !self.knows_places() {
             return Vec::new();
@@ -96,15 +99,16 @@ impl FeModel {
         self.nodes().into_iter().filter(|node| self.place_of(*node).is_none()).collect()
     }
 
-    /// Nodes of a set of the mesh, and how many of them have no row: they are fixed, or dependent on others. None without such a set.
+    /// Nodes of a set of the mesh, and how many of them have no row: they are fixed, or dependent on others. None
+    /// without such a set.
     pub fn size_of_set(&self, name: &str) -> Option<(usize, usize)> {
         let set = self.mesh.as_ref()?.node_set(name)?;
         let present: HashSet<u64> = self.labels.iter().map(|label| label.node).collect();
         Some((set.len(), set.iter().filter(|node| !present.contains(node)).count()))
     }
 
-    /// Mass that a rigid displacement along x, y and z moves, kg: the sum of `M` over the free displacements of nodes that have a place (of
-    /// all nodes, where no places are known).
+    /// Mass that a rigid displacement along x, y and z moves, kg: the sum of `M` over the free displacements of nodes
+    /// that have a place (of all nodes, where no places are known).
     pub fn mass_along_axes(&self) -> [f64; 3] {
         let inner: HashSet<u64> = self.nodes_without_place().into_iter().collect();
         let axis =
@@ -119,8 +123,8 @@ impl FeModel {
         sums
     }
 
-    /// The motion `r` of each row while the structure with its supports is displaced by one unit along a direction (n). Rotations, and nodes within
-    /// elements that have no place, do not move.
+    /// The motion `r` of each row while the structure with its supports is displaced by one unit along a direction (n).
+    /// Rotations, and nodes within elements that have no place, do not move.
     pub fn rigid_displacement(&self, direction: [f64; 3]) -> Vec<f64> {
         let inner: HashSet<u64> = self.nodes_without_place().into_iter().collect();
         let of = |label: &DofLabel| match label.component.translation() {
@@ -130,7 +134,8 @@ impl FeModel {
         self.labels.iter().map(of).collect()
     }
 
-    /// `M r` of all rows, with the mass between them and what `fixed` holds, in that motion (n, kg): what an acceleration of the base meets.
+    /// `M r` of all rows, with the mass between them and what `fixed` holds, in that motion (n, kg): what an
+    /// acceleration of the base meets.
     pub fn inertia_along(&self, direction: [f64; 3]) -> Vec<f64> {
         let mut inertia = vec![0.0; self.n_dofs()];
         self.mass.multiply(&self.rigid_displacement(direction), &mut inertia);

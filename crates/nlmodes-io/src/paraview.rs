@@ -88,7 +88,8 @@ impl Surface {
         text
     }
 
-    /// Writes frames as `NAME_000.vtu` … beside `NAME.pvd` into `directory`, each with the time or phase at which it is shown.
+    /// Writes frames as `NAME_000.vtu` … beside `NAME.pvd` into `directory`, each with the time or phase at which it is
+    /// shown.
     ///
     /// # Errors
     /// What the file system says.

@@ -73,8 +73,8 @@ impl Lines {
         Ok(true)
     }
 
-    /// As [`advance`](Self::advance), of a file that a program wrote: a last line without an end is one that was cut off, and a number in it
-    /// could be another.
+    /// As [`advance`](Self::advance), of a file that a program wrote: a last line without an end is one that was cut
+    /// off, and a number in it could be another.
     pub(crate) fn advance_whole(&mut self) -> Result<bool> {
         let more = self.advance()?;
         if more && !self.complete {

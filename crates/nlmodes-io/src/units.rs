@@ -7,7 +7,8 @@ use crate::Component;
 
 /// The consistent units in which a model was written, and what turns them into m, kg, s.
 ///
-/// A displacement `q` of the file is `L q` metres, a rotation stays in radians, an energy is `M L²/T²` of the file's joules. So
+/// A displacement `q` of the file is `L q` metres, a rotation stays in radians, an energy is `M L²/T²` of the file's
+/// joules. So
 ///
 /// ```text
 /// K_SI = M L²/T² K / (l_i l_j) ,  M_SI = M L² M / (l_i l_j) ,  l = L for displacements, 1 for rotations and generalised coordinates

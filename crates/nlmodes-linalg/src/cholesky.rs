@@ -21,7 +21,8 @@ use columns::Columns;
 /// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
 const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
 
-/// The order of elimination of a sparse symmetric matrix and what its factorisation will need, found from the pattern alone.
+/// The order of elimination of a sparse symmetric matrix and what its factorisation will need, found from the pattern
+/// alone.
 ///
 /// ```
 /// use nlmodes_linalg::{CholeskyPlan, sparse_from_triplets};
@@ -54,11 +55,12 @@ impl Kind {
 }
 
 impl CholeskyPlan {
-    /// Orders and analyses `a`: by nested dissection of the graph of its nodes from 5000 rows with 16 entries each on, as structures in two and
-    /// three dimensions have them, else by approximate minimum degree.
+    /// Orders and analyses `a`: by nested dissection of the graph of its nodes from 5000 rows with 16 entries each on,
+    /// as structures in two and three dimensions have them, else by approximate minimum degree.
     ///
     /// # Errors
-    /// [`LinalgError::Dimension`] if `a` is not square or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
+    /// [`LinalgError::Dimension`] if `a` is not square or has no row; [`LinalgError::NotFinite`];
+    /// [`LinalgError::OutOfMemory`].
     pub fn new(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
         check_square(a, what)?;
         Self::analyse(a, nested_dissection(a), what)
@@ -159,9 +161,9 @@ impl SparseCholesky {
     /// Factors `a`, of which the lower triangle is read; `what` names it in errors.
     ///
     /// # Errors
-    /// [`LinalgError::NotPositiveDefinite`] with the column whose pivot is negative, or so small (16 machine epsilons of
-    /// its diagonal entry) that the matrix is singular to working precision; [`LinalgError::Dimension`] if `a` is not square
-    /// or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
+    /// [`LinalgError::NotPositiveDefinite`] with the column whose pivot is negative, or so small (16 machine epsilons
+    /// of its diagonal entry) that the matrix is singular to working precision; [`LinalgError::Dimension`] if `a` is
+    /// not square or has no row; [`LinalgError::NotFinite`]; [`LinalgError::OutOfMemory`].
     pub fn factor(a: &SparseMatrix, what: &'static str) -> Result<Self, LinalgError> {
         CholeskyPlan::new(a, what)?.factor(a, what)
     }
@@ -200,7 +202,8 @@ impl SparseCholesky {
         self.solve(x.as_mut());
     }
 
-    /// Whether the factor has dense blocks: then several right-hand sides at once cost far less than one after the other.
+    /// Whether the factor has dense blocks: then several right-hand sides at once cost far less than one after the
+    /// other.
     pub(crate) fn has_dense_blocks(&self) -> bool {
         matches!(self.factor, Factor::Blocks(..))
     }

@@ -2,8 +2,8 @@ use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 
 use crate::{LinalgError, SparseMatrix};
 
-/// A sparse matrix from its compressed columns, without copying them: column `j` has the values `values[p]` in rows `row_indices[p]`,
-/// `column_starts[j] ≤ p < column_starts[j + 1]`, rows ascending.
+/// A sparse matrix from its compressed columns, without copying them: column `j` has the values `values[p]` in rows
+/// `row_indices[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, rows ascending.
 ///
 /// ```
 /// use nlmodes_linalg::sparse_from_columns;

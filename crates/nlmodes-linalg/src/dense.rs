@@ -5,13 +5,15 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use crate::{LinalgError, Mat};
 
-/// From this size on faer's elimination by blocks is faster than one column after the other, twice at 70 and five times at 300 rows.
+/// From this size on faer's elimination by blocks is faster than one column after the other, twice at 70 and five times
+/// at 300 rows.
 const BLOCKED: usize = 56;
 
 /// Rows from which on faer's product by blocks is faster than one row after the other.
 const BLOCKED_PRODUCT: usize = 16;
 
-/// `C += α A B` for matrices row by row in slices: `a` is m × k, rows of `b` (k × n) and of `c` (m × n) begin `stride ≥ n` behind one another.
+/// `C += α A B` for matrices row by row in slices: `a` is m × k, rows of `b` (k × n) and of `c` (m × n) begin
+/// `stride ≥ n` behind one another.
 ///
 /// # Panics
 /// If a slice is shorter than its matrix.

@@ -25,8 +25,9 @@ const LARGEST: f64 = 5.371920351148152;
 const WORTHWHILE: f64 = 0.95;
 const ROUNDS: usize = 100;
 
-/// `e^A` of a square matrix (n × n), by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179-1193) of the matrix with balanced rows and
-/// columns (E. E. Osborne, J. ACM 7 (1960) 338-345): each squaring doubles the error, and positions beside the velocities of a fast motion have many for nothing.
+/// `e^A` of a square matrix (n × n), by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005)
+/// 1179-1193) of the matrix with balanced rows and columns (E. E. Osborne, J. ACM 7 (1960) 338-345): each squaring
+/// doubles the error, and positions beside the velocities of a fast motion have many for nothing.
 ///
 /// ```
 /// use nlmodes_linalg::{Mat, matrix_exponential};
@@ -132,7 +133,8 @@ mod tests {
                 assert!((e[(i, j)] - size * expected).abs() < 1e-12, "{omega} {t}");
             }
         }
-        // The same with position and velocity, which a fast one has in units 10⁸ apart: it has turned 10⁸ times, and died out or not.
+        // The same with position and velocity, which a fast one has in units 10⁸ apart: it has turned 10⁸ times, and
+        // died out or not.
         for (omega, sigma) in [(3.0, 0.1), (2e8, 1e-9), (2e8, 1e6)] {
             let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-omega * omega - sigma * sigma, -2.0 * sigma]][i][j]);
             let (e, size, (sin, cos)) = (matrix_exponential(&a).unwrap(), f64::exp(-sigma), f64::sin_cos(omega));

@@ -9,8 +9,8 @@ mod refine;
 
 use operator::Operator;
 
-/// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors that Lanczos' method needs
-/// would fill half of the space.
+/// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors
+/// that Lanczos' method needs would fill half of the space.
 const DENSE: [usize; 2] = [20, 4];
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
@@ -25,20 +25,21 @@ pub struct Modes {
 
 /// Lowest `count` modes of the sparse symmetric pencil `K φ = λ M φ`.
 ///
-/// `M` may be singular (massless degrees of freedom): the modes with infinite λ are left out, and fewer than `count` come
-/// back if the pencil has no more. Massless degrees of freedom follow the others statically, `φ_0 = −K_00⁻¹ K_0m φ_m`. `K` may
-/// be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the pencil is then solved as
-/// `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
+/// `M` may be singular (massless degrees of freedom): the modes with infinite λ are left out, and fewer than `count`
+/// come back if the pencil has no more. Massless degrees of freedom follow the others statically,
+/// `φ_0 = −K_00⁻¹ K_0m φ_m`. `K` may be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the
+/// pencil is then solved as `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
 ///
-/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes is wanted, else
-/// by Lanczos steps with `L⁻¹ M L⁻ᵀ` of the factor, with blocks of vectors where it is one of dense blocks, and repeated in the complement of what was found
-/// until nothing is missing: multiple λ come with all their modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ,
-/// so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate ones.
-/// Uniform chains come out to some 1e-12 of the closed form at any size. With rigid-body modes the rounding of the entries of
-/// `K + sM` counts: up to 1e-16 times the largest λ of the pencil.
+/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes is
+/// wanted, else by Lanczos steps with `L⁻¹ M L⁻ᵀ` of the factor, with blocks of vectors where it is one of dense
+/// blocks, and repeated in the complement of what was found until nothing is missing: multiple λ come with all their
+/// modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ, so
+/// that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate
+/// ones. Uniform chains come out to some 1e-12 of the closed form at any size. With rigid-body modes the rounding of
+/// the entries of `K + sM` counts: up to 1e-16 times the largest λ of the pencil.
 ///
-/// The result is the same in every run. Where several components of φ have the largest magnitude, the first is positive.
-/// Modes of equal λ form an M-orthonormal, otherwise arbitrary basis.
+/// The result is the same in every run. Where several components of φ have the largest magnitude, the first is
+/// positive. Modes of equal λ form an M-orthonormal, otherwise arbitrary basis.
 ///
 /// ```
 /// use nlmodes_linalg::{lowest_modes, sparse_from_triplets};
@@ -83,8 +84,8 @@ fn diagonal(a: &SparseMatrix, i: usize) -> f64 {
     a.get(i, i).copied().unwrap_or(0.0)
 }
 
-/// The pencil `K φ = λ M φ` with the Cholesky factor of `K + sM`, for whoever needs both modes and statics of one structure: it is
-/// factored once. `s` is zero where `K` is positive definite, else of the size of the first elastic λ.
+/// The pencil `K φ = λ M φ` with the Cholesky factor of `K + sM`, for whoever needs both modes and statics of one
+/// structure: it is factored once. `s` is zero where `K` is positive definite, else of the size of the first elastic λ.
 #[derive(Debug)]
 pub struct Pencil<'a> {
     stiffness: &'a SparseMatrix,

@@ -16,14 +16,15 @@ const SMALLEST: usize = 5_000;
 /// Rods and beams have fewer entries a row; minimum degree eliminates them without fill, nested dissection would not.
 const SPARSEST: usize = 16;
 
-/// An order of elimination by nested dissection, `order[k]` being the column eliminated at step `k`; none where minimum degree is the better
-/// choice: small matrices, and those of structures in one dimension.
+/// An order of elimination by nested dissection, `order[k]` being the column eliminated at step `k`; none where minimum
+/// degree is the better choice: small matrices, and those of structures in one dimension.
 pub(crate) fn nested_dissection(a: &SparseMatrix) -> Option<Vec<usize>> {
     let n = a.nrows();
     (n >= SMALLEST && a.compute_nnz() >= SPARSEST * n).then(|| dissect(a)).flatten()
 }
 
-/// Dissection of the graph of the nodes: columns with the same pattern, as the degrees of freedom of one node have it, are one vertex.
+/// Dissection of the graph of the nodes: columns with the same pattern, as the degrees of freedom of one node have it,
+/// are one vertex.
 fn dissect(a: &SparseMatrix) -> Option<Vec<usize>> {
     let (vertex, members) = vertices(a);
     let (starts, neighbours) = graph(a, &vertex, &members)?;

@@ -202,13 +202,14 @@ pub fn select(a: &SparseMatrix, rows: &[usize], columns: &[usize]) -> Result<Spa
 /// The first entry that differs from its mirror image by more than rounding explains, as
 /// `(row, column, a_ij, a_ji)`; none if `a` is symmetric.
 ///
-/// The difference is measured against `√|a_ii a_jj|` and against the entries themselves, `1e-10` of the larger: a scale that
-/// does not mix the units of displacements and rotations.
+/// The difference is measured against `√|a_ii a_jj|` and against the entries themselves, `1e-10` of the larger: a scale
+/// that does not mix the units of displacements and rotations.
 pub fn asymmetry(a: &SparseMatrix) -> Option<(usize, usize, f64, f64)> {
     let diagonal =
         |k: usize| if k < a.nrows().min(a.ncols()) { a.get(k, k).copied().unwrap_or(0.0).abs() } else { 0.0 };
     let diagonal: Vec<f64> = (0..a.nrows().max(a.ncols())).map(diagonal).collect();
-    // Row `j` of column `i` is looked for with `j` ascending, so that one pass through each column finds all mirror images.
+    // Row `j` of column `i` is looked for with `j` ascending, so that one pass through each column finds all mirror
+    // images.
     let mut next = vec![0; a.ncols()];
     triplets(a).find_map(|(i, j, v)| {
         let mirrored = if i < a.ncols() && j < a.nrows() { entry_at(a, i, j, &mut next[i]) } else { 0.0 };

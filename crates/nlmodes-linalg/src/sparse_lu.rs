@@ -9,14 +9,16 @@ use crate::{LinalgError, SparseMatrix};
 /// Entries of a row over the root of the number of columns, and at least, from which on the row counts as full.
 const FULL: (f64, usize) = (10.0, 16);
 
-/// Factor of rows that are full: eliminated early, one would fill all others. A power of two, so that nothing is rounded.
+/// Factor of rows that are full: eliminated early, one would fill all others. A power of two, so that nothing is
+/// rounded.
 const HELD_BACK: f64 = 1.0 / 256.0;
 
 /// LU factorisation with row exchanges, `P A Q = L U`, of a sparse square matrix.
 ///
-/// Columns are eliminated in an order that keeps the factors sparse (COLAMD), rows by the largest pivot. Rows that are nearly full, such as the
-/// border of a continuation, would fill all others: they are pivots only where those of the others are some hundred times smaller. The order of the
-/// columns is kept by [`SparseLu::refactor`] as long as the pattern is the same.
+/// Columns are eliminated in an order that keeps the factors sparse (COLAMD), rows by the largest pivot. Rows that are
+/// nearly full, such as the border of a continuation, would fill all others: they are pivots only where those of the
+/// others are some hundred times smaller. The order of the columns is kept by [`SparseLu::refactor`] as long as the
+/// pattern is the same.
 ///
 /// ```
 /// use nlmodes_linalg::{SparseLu, sparse_from_triplets};
@@ -46,15 +48,16 @@ impl SparseLu {
     /// Factors `a` (n × n).
     ///
     /// # Errors
-    /// [`LinalgError::Dimension`] if `a` is not square, [`LinalgError::NotFinite`], [`LinalgError::OutOfMemory`], and [`LinalgError::Singular`] if a
-    /// pivot is exactly zero.
+    /// [`LinalgError::Dimension`] if `a` is not square, [`LinalgError::NotFinite`], [`LinalgError::OutOfMemory`], and
+    /// [`LinalgError::Singular`] if a pivot is exactly zero.
     pub fn factor(a: &SparseMatrix) -> Result<Self, LinalgError> {
         let mut lu = Self::default();
         lu.refactor(a)?;
         Ok(lu)
     }
 
-    /// Factors another matrix; the order of the columns is kept if the pattern is the same. After an error the factors are not usable.
+    /// Factors another matrix; the order of the columns is kept if the pattern is the same. After an error the factors
+    /// are not usable.
     ///
     /// # Errors
     /// As [`SparseLu::factor`].

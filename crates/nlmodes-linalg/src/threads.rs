@@ -17,7 +17,8 @@ static WORKERS: AtomicUsize = AtomicUsize::new(0);
 /// Threads that help others at present.
 static HELPERS: AtomicUsize = AtomicUsize::new(0);
 
-/// A thread that computes beside others for as long as this lives: the factorisations of large matrices, which take all cores otherwise, leave it its core.
+/// A thread that computes beside others for as long as this lives: the factorisations of large matrices, which take all
+/// cores otherwise, leave it its core.
 ///
 /// Results do not depend on it, to the last bit.
 #[derive(Debug)]
@@ -70,7 +71,8 @@ fn uncount(workers: usize) {
     WORKERS.fetch_sub(workers, Ordering::Relaxed);
 }
 
-/// Threads that are free to help at present: one for each core beyond those of the [`Worker`]s (of one, where none is known), and of those who help others.
+/// Threads that are free to help at present: one for each core beyond those of the [`Worker`]s (of one, where none is
+/// known), and of those who help others.
 #[derive(Debug)]
 struct Helpers(usize);
 
@@ -127,8 +129,8 @@ pub(crate) fn in_pieces(mut x: MatMut<'_, f64>) -> Vec<(usize, MatMut<'_, f64>)>
     pieces
 }
 
-/// What `work` makes of each of the `tasks`, in their order. They are begun in their order, by this thread and those that are free to help, each with a
-/// workspace of its own.
+/// What `work` makes of each of the `tasks`, in their order. They are begun in their order, by this thread and those
+/// that are free to help, each with a workspace of its own.
 pub(crate) fn spread<A: Send, B: Send, W>(
     tasks: Vec<A>,
     workspace: impl Fn() -> W + Sync,

@@ -9,10 +9,11 @@ pub struct Coordinate {
     pub kind: String,
 }
 
-/// Stability of a periodic motion by its Floquet multipliers `μ`: a disturbance is `μ` times as large after each period.
+/// Stability of a periodic motion by its Floquet multipliers `μ`: a disturbance is `μ` times as large after each
+/// period.
 ///
-/// Of a conservative system they come in pairs `μ`, `1/μ`, so that a motion is stable if and only if all lie on the unit circle; the
-/// double multiplier +1, along the motion and toward its neighbour of another energy, does not count.
+/// Of a conservative system they come in pairs `μ`, `1/μ`, so that a motion is stable if and only if all lie on the
+/// unit circle; the double multiplier +1, along the motion and toward its neighbour of another energy, does not count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stability {
     /// Whether all multipliers lie on the unit circle, but for rounding.
@@ -27,8 +28,8 @@ impl Stability {
         self.largest_multiplier[0].hypot(self.largest_multiplier[1])
     }
 
-    /// Its angle in the complex plane, degrees from 0 to 180: a motion that lost its stability at 0 did so at a fold or a branch point,
-    /// at 180 by a doubling of its period, and between by a collision of two pairs.
+    /// Its angle in the complex plane, degrees from 0 to 180: a motion that lost its stability at 0 did so at a fold or
+    /// a branch point, at 180 by a doubling of its period, and between by a collision of two pairs.
     pub fn angle_deg(&self) -> f64 {
         self.largest_multiplier[1].abs().atan2(self.largest_multiplier[0]).to_degrees()
     }
@@ -67,7 +68,8 @@ pub struct ModalPoint {
     pub contacts: Vec<ContactPeriod>,
     /// Norm of the scaled residual.
     pub residual: f64,
-    /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where one was made.
+    /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where
+    /// one was made.
     pub error_estimate: Option<f64>,
     /// What happens here.
     pub events: Vec<Event>,

@@ -24,9 +24,9 @@ pub struct ContactInterval {
 
 /// Closed intervals of a time history that begin and end within it.
 ///
-/// They come from the instants that the history brings, as a computed one does; where it brings none, from its force: closed is what
-/// exceeds six standard deviations of the noise and a fiftieth of the peak, and the instants are where the force, continued in a straight
-/// line, comes to zero.
+/// They come from the instants that the history brings, as a computed one does; where it brings none, from its force:
+/// closed is what exceeds six standard deviations of the noise and a fiftieth of the peak, and the instants are where
+/// the force, continued in a straight line, comes to zero.
 ///
 /// # Errors
 /// [`ModalError::HistoryLength`], [`ModalError::NotFinite`], [`ModalError::NoContact`].
@@ -88,7 +88,8 @@ fn interval(history: &TimeHistory, first: usize, last: usize) -> ContactInterval
     ContactInterval { touching, leaving, first, last }
 }
 
-/// Where the line through the forces of two samples comes to zero; the instant of the outer one where they do not rise inward.
+/// Where the line through the forces of two samples comes to zero; the instant of the outer one where they do not rise
+/// inward.
 fn zero_before(history: &TimeHistory, outer: usize, inner: usize) -> f64 {
     let (time, force) = (&history.time, &history.force);
     let rise = force[inner] - force[outer];

@@ -1,6 +1,7 @@
 /// What one contact does in a period of a motion: how long it is closed, how hard it pushes, how fast it is met.
 ///
-/// The impulse is what converges with the number of harmonics; the largest force does so slowly, if at all, where contacts are short blows.
+/// The impulse is what converges with the number of harmonics; the largest force does so slowly, if at all, where
+/// contacts are short blows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactPeriod {
     /// Share of the period in which it is closed.

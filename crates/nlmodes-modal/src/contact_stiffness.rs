@@ -7,8 +7,9 @@ const PEAK_SHARE: f64 = 0.1;
 
 /// Contact stiffness by a straight line through force over displacement, `λ = k_c (q − g₀)`, eq. (3), Fig. 7 b.
 ///
-/// Both are measured, so both carry noise: a fit of force over displacement alone would give too small a stiffness. The line is the one of
-/// errors in both variables (Deming), with the ratio of the noise levels taken from the record itself.
+/// Both are measured, so both carry noise: a fit of force over displacement alone would give too small a stiffness. The
+/// line is the one of errors in both variables (Deming), with the ratio of the noise levels taken from the record
+/// itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ContactStiffness {
@@ -38,11 +39,12 @@ struct Moments {
 }
 
 impl ContactStiffness {
-    /// Fits the samples in contact of a time history. Standard errors come from leaving out one contact interval at a time (jackknife), or
-    /// from the scatter about the line where there are fewer than three intervals.
+    /// Fits the samples in contact of a time history. Standard errors come from leaving out one contact interval at a
+    /// time (jackknife), or from the scatter about the line where there are fewer than three intervals.
     ///
     /// # Errors
-    /// As [`contact_intervals`]; [`ModalError::NoPenetration`] if force and displacement do not rise together, as at a rigid stop.
+    /// As [`contact_intervals`]; [`ModalError::NoPenetration`] if force and displacement do not rise together, as at a
+    /// rigid stop.
     pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
         let intervals = contact_intervals(history)?;
         let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
@@ -204,7 +206,8 @@ mod tests {
                 let force = if (10..18).contains(&j) { 9.0 - 0.1 * f64::from(j - 10) } else { 0.0 };
                 history.push(f64::from(j), [unit * f64::from(j), 0.0, 0.0], force);
             }
-            // Eight equidistant values have the variance (8² − 1)/12; evenly spread ones, the square of their span over twelve.
+            // Eight equidistant values have the variance (8² − 1)/12; evenly spread ones, the square of their span over
+            // twelve.
             let error = ContactStiffness::of(&history).unwrap_err();
             let ModalError::NoPenetration { samples: 8, span } = error else { panic!("{error}") };
             assert!((span / (unit * 63f64.sqrt()) - 1.0).abs() < 1e-12, "{span}");
@@ -263,7 +266,8 @@ mod tests {
             (sum, outside) = (sum + fit.stiffness / n as f64, outside + usize::from(miss.abs() > 2.0));
             assert!((fit.stiffness / 2.3e6 - 1.0).abs() < 0.01, "{fit:?}");
         }
-        // The mean of 24 fits, each good to 0.2 %; two standard errors are missed by one fit in twenty, five of 24 by one in 500.
+        // The mean of 24 fits, each good to 0.2 %; two standard errors are missed by one fit in twenty, five of 24 by
+        // one in 500.
         assert!((sum / 2.3e6 - 1.0).abs() < 2e-3, "{sum}");
         assert!(outside <= 5, "{outside} of {n} beyond two standard errors");
     }
@@ -273,7 +277,8 @@ mod tests {
         for unit in [1.0, 1e-6] {
             let mut history = pressed(2.3e6, 1.03e-3, [0.1, 2e-7], 24, 1.0, 5);
             history.force.iter_mut().for_each(|f| *f *= unit);
-            // Some 12 000 samples: medians are good to some per cent, and some of the samples have the corner of a contact in them.
+            // Some 12 000 samples: medians are good to some per cent, and some of the samples have the corner of a
+            // contact in them.
             let ratio = noise_ratio(&history) / (0.1 * unit / 2e-7_f64).powi(2);
             assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
             history.displacement.fill(0.0);

@@ -1,6 +1,7 @@
 use crate::{HarmonicCoefficients, LinearModes};
 
-/// Nonlinear modal damping coefficient `δ̃ = P₁/(q̃² ω̃³)`, eq. (28), from the balance of the fundamental's power, eq. (27).
+/// Nonlinear modal damping coefficient `δ̃ = P₁/(q̃² ω̃³)`, eq. (28), from the balance of the fundamental's power, eq.
+/// (27).
 ///
 /// `fundamental_power` in W, `modal_amplitude` in m·√kg, `omega` in rad/s; the result is a damping ratio, without unit.
 pub fn damping_coefficient(fundamental_power: f64, modal_amplitude: f64, omega: f64) -> f64 {
@@ -10,8 +11,9 @@ pub fn damping_coefficient(fundamental_power: f64, modal_amplitude: f64, omega: 
 /// Power that the damping ratios of linear modes dissipate in a periodic motion, harmonic by harmonic, eqs. (25), (26).
 ///
 /// With `Φᵀ D Φ = diag(2 ζ_k ω_k)` and the modal coordinates `η_{k,n}` the summand of eq. (25) is
-/// `P_n = ½ (nω)² Σ_k 2 ζ_k ω_k |η_{k,n}|²`, in W, and eq. (26) gives `δ̃_n = Σ_k ζ_k ω_k |η_{k,n}|² / (ω q̃²)`. What is missing to the
-/// active power of the excitation (eq. 24) is dissipated elsewhere: at the contact, or in modes that are left out.
+/// `P_n = ½ (nω)² Σ_k 2 ζ_k ω_k |η_{k,n}|²`, in W, and eq. (26) gives `δ̃_n = Σ_k ζ_k ω_k |η_{k,n}|² / (ω q̃²)`. What
+/// is missing to the active power of the excitation (eq. 24) is dissipated elsewhere: at the contact, or in modes that
+/// are left out.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LinearDissipation {

@@ -10,7 +10,8 @@ pub enum Event {
     Grazing,
     /// The branch starts elsewhere.
     Start,
-    /// The parameter along the branch turns: the averaged kinetic energy of a nonlinear mode, frequency or force level of a response.
+    /// The parameter along the branch turns: the averaged kinetic energy of a nonlinear mode, frequency or force level
+    /// of a response.
     Fold,
     /// The frequency of a nonlinear mode turns.
     FrequencyFold,
@@ -92,7 +93,8 @@ impl Event {
         Self::ALL.into_iter().find(|event| event.name() == name)
     }
 
-    /// Whether a branch may have a corner here, since the set of closed contacts changes or branches cross: no curve is smooth across it.
+    /// Whether a branch may have a corner here, since the set of closed contacts changes or branches cross: no curve is
+    /// smooth across it.
     #[must_use]
     pub const fn is_corner(self) -> bool {
         matches!(self, Self::Kink | Self::ContactChange | Self::BranchPoint)

@@ -60,10 +60,11 @@ impl TimeHistory {
         self.force.push(force);
     }
 
-    /// Instants that do justice to motions which are smooth within each of `stretches` (their ends, one after the other) and change between
-    /// them: each with the number of its stretch, in whose formulas it is meant. Both ends of each stretch are among them, and equidistant
-    /// ones within it: some in the shortest too, of which a blow may be one, and in others by their lengths, so that there are `samples + 1` in
-    /// all, or as many more as it takes for 65 beside the changes.
+    /// Instants that do justice to motions which are smooth within each of `stretches` (their ends, one after the
+    /// other) and change between them: each with the number of its stretch, in whose formulas it is meant. Both ends of
+    /// each stretch are among them, and equidistant ones within it: some in the shortest too, of which a blow may be
+    /// one, and in others by their lengths, so that there are `samples + 1` in all, or as many more as it takes for 65
+    /// beside the changes.
     pub fn exact_instants(stretches: &[[f64; 2]], samples: usize) -> Vec<(f64, usize)> {
         let n = stretches.len();
         if n == 0 {
@@ -126,7 +127,8 @@ mod tests {
             assert_eq!((found[0], found[200]), ((0.0, 0), (scale, 3)));
             assert!(found.iter().all(|(t, k)| (stretches[*k][0]..=stretches[*k][1]).contains(t)));
         }
-        // A blow of a thousandth of the period has its largest force between its ends: its middle is among the instants.
+        // A blow of a thousandth of the period has its largest force between its ends: its middle is among the
+        // instants.
         let short: Vec<[f64; 2]> = [0.0, 0.3, 0.301, 1.0].windows(2).map(|pair| [pair[0], pair[1]]).collect();
         let found = TimeHistory::exact_instants(&short, 200);
         let blow: Vec<f64> = found.iter().filter(|(_, k)| *k == 1).map(|(t, _)| *t).collect();

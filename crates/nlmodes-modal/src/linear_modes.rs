@@ -8,8 +8,9 @@ const RANK_TOLERANCE: f64 = 1e-10;
 
 /// Mass-normalised linear modes at some coordinates, `Φ` of eq. (30), `Φᵀ M Φ = 1`.
 ///
-/// A motion `q` at the coordinates has the modal coordinates `η = Φ⁺ q`, in the sense of least squares where there are more coordinates
-/// than modes; then `qᴴ M q = ηᴴ η`, which is how a motion that was measured at a few places is normalised by mass (eq. 22).
+/// A motion `q` at the coordinates has the modal coordinates `η = Φ⁺ q`, in the sense of least squares where there are
+/// more coordinates than modes; then `qᴴ M q = ηᴴ η`, which is how a motion that was measured at a few places is
+/// normalised by mass (eq. 22).
 ///
 /// Shapes: `Φ` is coordinates × modes, unit 1/√kg; `η` has the unit m·√kg.
 ///
@@ -30,13 +31,13 @@ pub struct LinearModes {
 }
 
 impl LinearModes {
-    /// Modes at `positions` (m) with eigenfrequencies `omegas` (rad/s) and damping ratios; `shapes` has a row a position and an entry a
-    /// mode (1/√kg).
+    /// Modes at `positions` (m) with eigenfrequencies `omegas` (rad/s) and damping ratios; `shapes` has a row a
+    /// position and an entry a mode (1/√kg).
     ///
     /// # Errors
-    /// [`ModalError::ShapeTable`] if the table has rows of different lengths or another number of rows than positions, or more modes
-    /// than frequencies or damping ratios; [`ModalError::NotFinite`]; [`ModalError::DependentShapes`] if the positions cannot tell the
-    /// modes apart, as always with fewer positions than modes.
+    /// [`ModalError::ShapeTable`] if the table has rows of different lengths or another number of rows than positions,
+    /// or more modes than frequencies or damping ratios; [`ModalError::NotFinite`]; [`ModalError::DependentShapes`] if
+    /// the positions cannot tell the modes apart, as always with fewer positions than modes.
     pub fn new(
         positions: &[f64],
         omegas: &[f64],

@@ -32,7 +32,8 @@ pub enum PhaseAnchor {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct NonlinearModeShape {
-    /// Nonlinear modal amplitude `q̃`, m·√kg: the amplitude of the mass-normalised mode where the motion is a linear one.
+    /// Nonlinear modal amplitude `q̃`, m·√kg: the amplitude of the mass-normalised mode where the motion is a linear
+    /// one.
     pub modal_amplitude: f64,
     /// Phase `θ` of the anchor in the motion as it came, rad: harmonic `n` was turned by `−nθ`, a shift in time.
     pub phase: f64,

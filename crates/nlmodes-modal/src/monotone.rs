@@ -1,9 +1,11 @@
 //! Cubic interpolation that goes beyond no value.
 
-/// Slopes at values that follow each other at these steps: those of the parabola through three neighbours, limited so that each piece is
-/// monotone (Steffen, *A simple method for monotonic interpolation in one dimension*, Astron. Astrophys. 239, 1990).
+/// Slopes at values that follow each other at these steps: those of the parabola through three neighbours, limited so
+/// that each piece is monotone (Steffen, *A simple method for monotonic interpolation in one dimension*, Astron.
+/// Astrophys. 239, 1990).
 ///
-/// As many slopes as `values`, one more than `steps`, whose entries are positive; in units of a value over those of a step. A single value has the slope zero.
+/// As many slopes as `values`, one more than `steps`, whose entries are positive; in units of a value over those of a
+/// step. A single value has the slope zero.
 #[must_use]
 pub fn monotone_slopes(values: &[f64], steps: &[f64]) -> Vec<f64> {
     let secants: Vec<f64> = values.windows(2).zip(steps).map(|(v, h)| (v[1] - v[0]) / h).collect();
@@ -64,7 +66,8 @@ mod tests {
 
     #[test]
     fn slopes_are_at_most_twice_those_of_the_pieces_beside_and_none_where_these_turn() {
-        // Secants 1, 9 and −2: parabolas have the slopes −3 and 5 at the first two values, 3.5 at the third and −7.5 at the last.
+        // Secants 1, 9 and −2: parabolas have the slopes −3 and 5 at the first two values, 3.5 at the third and −7.5 at
+        // the last.
         assert_eq!(monotone_slopes(&[0.0, 1.0, 10.0, 8.0], &[1.0; 3]), [0.0, 2.0, 0.0, -4.0]);
         // Secants 8 and 1 over steps of 1 and 2.
         let slopes = monotone_slopes(&[0.0, 8.0, 10.0], &[1.0, 2.0]);

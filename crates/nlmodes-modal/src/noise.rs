@@ -5,8 +5,8 @@ const FOURTH_DIFFERENCE_VARIANCE: f64 = 70.0;
 /// Median of the magnitude of a normal variable with unit variance.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_082;
 
-/// Standard deviation of white noise on a signal, from the median of its fourth differences: corners and bursts in less than half
-/// of the record do not count. Zero with fewer than five samples.
+/// Standard deviation of white noise on a signal, from the median of its fourth differences: corners and bursts in less
+/// than half of the record do not count. Zero with fewer than five samples.
 pub fn noise_level(samples: &[f64]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let mut magnitudes: Vec<f64> = samples.windows(5).map(|w| fourth(w).abs()).collect();

@@ -6,9 +6,10 @@ use crate::HarmonicCoefficients;
 
 /// Participation of the linear modes in a nonlinear one, eq. (30): `v = Σ_n Re(Φ⁻¹ φ̃_n e^{−inθ})`.
 ///
-/// Complex shapes of several harmonics have no sum before a time origin is chosen. Here the phase `nθ` that a shift in time gives to
-/// harmonic `n` is taken out first, with `θ` the phase of the fundamental at the anchor: `v` then holds the modal coordinates, over the
-/// modal amplitude, at the instant when the fundamental of the anchor is at its peak. What is left out is the part in quadrature.
+/// Complex shapes of several harmonics have no sum before a time origin is chosen. Here the phase `nθ` that a shift in
+/// time gives to harmonic `n` is taken out first, with `θ` the phase of the fundamental at the anchor: `v` then holds
+/// the modal coordinates, over the modal amplitude, at the instant when the fundamental of the anchor is at its peak.
+/// What is left out is the part in quadrature.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Participation {
     /// Factors `v_k`, one a linear mode.
@@ -17,8 +18,8 @@ pub struct Participation {
     pub quadrature: Vec<f64>,
     /// The harmonics in the sum.
     pub harmonics: RangeInclusive<usize>,
-    /// Share of each linear mode in the averaged kinetic energy, 0 to 1, over all harmonics; where the motion has no fundamental it is still
-    /// there. Empty where it is not known.
+    /// Share of each linear mode in the averaged kinetic energy, 0 to 1, over all harmonics; where the motion has no
+    /// fundamental it is still there. Empty where it is not known.
     pub energy_shares: Vec<f64>,
 }
 
@@ -38,8 +39,8 @@ impl Participation {
         }
     }
 
-    /// With the shares of the modes, whose mass-normalised coordinates are `modal` (m·√kg), in the averaged kinetic energy (J) of a motion of angular
-    /// frequency `omega` (rad/s): `Σ_n (nω)² |η_k,n|² / 4E_av`.
+    /// With the shares of the modes, whose mass-normalised coordinates are `modal` (m·√kg), in the averaged kinetic
+    /// energy (J) of a motion of angular frequency `omega` (rad/s): `Σ_n (nω)² |η_k,n|² / 4E_av`.
     pub fn with_energy_shares(self, modal: &HarmonicCoefficients, omega: f64, kinetic_energy: f64) -> Self {
         let of = |k: usize| {
             let harmonics = modal.of(k).iter().enumerate();

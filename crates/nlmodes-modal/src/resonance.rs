@@ -20,7 +20,8 @@ impl fmt::Display for InternalResonance {
     }
 }
 
-/// A tongue of a branch: the stretch on which an internal resonance holds at least [`RESONANT_SHARE`] of the kinetic energy.
+/// A tongue of a branch: the stretch on which an internal resonance holds at least [`RESONANT_SHARE`] of the kinetic
+/// energy.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Tongue {
@@ -55,8 +56,8 @@ pub fn tongues(points: &[ModalPoint]) -> Vec<Tongue> {
     found
 }
 
-/// The tongue on the points from `start` to `last`, which all have its resonance; `None` for the foot of one that was skipped
-/// behind which nothing follows.
+/// The tongue on the points from `start` to `last`, which all have its resonance; `None` for the foot of one that was
+/// skipped behind which nothing follows.
 fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, last: usize) -> Option<Tongue> {
     let stretch = start..=last;
     let skipped = stretch.clone().any(|i| points[i].has_event(Event::Resumed));

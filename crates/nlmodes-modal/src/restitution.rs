@@ -45,11 +45,12 @@ pub struct RestitutionStatistics {
 }
 
 impl Restitution {
-    /// The impacts of a time history, measured or computed. The stop stands on the side that the sign of [`TimeHistory::stop`] tells, the
-    /// positive one where it is zero.
+    /// The impacts of a time history, measured or computed. The stop stands on the side that the sign of
+    /// [`TimeHistory::stop`] tells, the positive one where it is zero.
     ///
-    /// The velocity at an instant is that of a straight line through the four samples outside the contact next to it: a velocity that
-    /// changes within one sample is not smeared, and noise is halved. Impacts that do not approach are left out.
+    /// The velocity at an instant is that of a straight line through the four samples outside the contact next to it: a
+    /// velocity that changes within one sample is not smeared, and noise is halved. Impacts that do not approach are
+    /// left out.
     ///
     /// # Errors
     /// As [`contact_intervals`]; [`ModalError::NoContact`] also if there is no impact that approaches.
@@ -123,7 +124,8 @@ mod tests {
     use super::*;
     use crate::noise::tests::Normal;
 
-    /// A ball on a floor below it: parabolas between impacts of a short half-sine force, each losing speed by the factor `e`.
+    /// A ball on a floor below it: parabolas between impacts of a short half-sine force, each losing speed by the
+    /// factor `e`.
     fn bouncing(e: f64, noise: f64, side: f64) -> TimeHistory {
         let (g, mut v0, contact, dt) = (9.81, 2.0, 4e-3, 1e-4);
         let mut normal = Normal::new(3);
@@ -183,7 +185,8 @@ mod tests {
         let found = Restitution::of(&bouncing(0.9, noise, 1.0)).unwrap();
         let statistics = found.statistics();
         assert_eq!(statistics.n_impacts, 11);
-        // A line through four samples continued by half a step has 1.05 times the noise of one; the slowest approach is 0.7 m/s.
+        // A line through four samples continued by half a step has 1.05 times the noise of one; the slowest approach is
+        // 0.7 m/s.
         let expected = noise / 0.7 * 2.0;
         assert!((statistics.mean - 0.9).abs() < expected, "{statistics:?}");
         assert!(statistics.std < expected && statistics.std > 0.1 * noise, "{statistics:?}");

@@ -8,25 +8,28 @@ use crate::{Dof, MassRedistribution, ModelError, StructuralModel};
 /// Largest share of its own inertia that a degree of freedom may lose.
 const LARGEST_LOSS: f64 = 0.7;
 
-/// Relative difference of the distances of two nodes up to which it is rounding: both sides of a contact take part, or none.
+/// Relative difference of the distances of two nodes up to which it is rounding: both sides of a contact take part, or
+/// none.
 const EQUALLY_FAR: f64 = 1e-9;
 
-/// The mass of a contact degree of freedom moves to its neighbours so that total mass, centre of mass and moment of inertia stay.
+/// The mass of a contact degree of freedom moves to its neighbours so that total mass, centre of mass and moment of
+/// inertia stay.
 ///
-/// Taking away row and column `d` of `M` takes away mass, first and second moment of [`MassProperties`]: those of the kind of `d`,
-/// `Δ(uᵀ M v)` for `u, v ∈ {r, ρ}`. They come back as point masses and rotary inertias `δ_i` on the diagonal of `M`, those that change
-/// the inertias least in proportion,
+/// Taking away row and column `d` of `M` takes away mass, first and second moment of [`MassProperties`]: those of the
+/// kind of `d`, `Δ(uᵀ M v)` for `u, v ∈ {r, ρ}`. They come back as point masses and rotary inertias `δ_i` on the
+/// diagonal of `M`, those that change the inertias least in proportion,
 ///
 /// ```text
 /// min Σ_i (δ_i/m_ii)²   subject to   Σ_i r_i² δ_i = Δm ,   Σ_i r_i ρ_i δ_i = Δs ,   Σ_i ρ_i² δ_i = ΔJ
 /// ```
 ///
-/// over the nodes next to the contact: as few as allow it with no inertia losing more than 70 % of itself and a mass matrix that
-/// stays positive definite. For deflections the rotations of these nodes take part, that of the contact node included.
+/// over the nodes next to the contact: as few as allow it with no inertia losing more than 70 % of itself and a mass
+/// matrix that stays positive definite. For deflections the rotations of these nodes take part, that of the contact
+/// node included.
 ///
-/// Kept exactly, apart from rounding: the response to rigid motions. The idea of conserving these three is that of Khenous, Laborde, Renard
-/// (2008), who minimise over all of the matrix; here the change stays near the contact, where the mode shapes hardly differ from a
-/// parabola.
+/// Kept exactly, apart from rounding: the response to rigid motions. The idea of conserving these three is that of
+/// Khenous, Laborde, Renard (2008), who minimise over all of the matrix; here the change stays near the contact, where
+/// the mode shapes hardly differ from a parabola.
 ///
 /// [`MassProperties`]: crate::MassProperties
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -114,8 +117,8 @@ impl Moments {
         Err(indefinite.unwrap_or(too_few))
     }
 
-    /// Inertias for the diagonal that bring back what is lost; `None` if these degrees of freedom cannot take it, as where all of them stand at the contact (`length`
-    /// is zero, and the matrix has no finite entries).
+    /// Inertias for the diagonal that bring back what is lost; `None` if these degrees of freedom cannot take it, as
+    /// where all of them stand at the contact (`length` is zero, and the matrix has no finite entries).
     fn least_change(&self, takers: &[(usize, f64)], lost: &[f64], length: f64) -> Option<Vec<Triplet>> {
         let size = max_norm(takers.iter().map(|t| t.1 * self.shares(t.0, length)[0]));
         let gram = Mat::from_fn(3, 3, |a, b| {

@@ -80,8 +80,8 @@ impl Contact {
         Self::stop(dof, side, gap).on_spring(stiffness)
     }
 
-    /// A node in front of a rigid wall. `normal` points from the node to the wall and may have any length: `w = −n` at the displacements of the
-    /// node, those that supports hold left out.
+    /// A node in front of a rigid wall. `normal` points from the node to the wall and may have any length: `w = −n` at
+    /// the displacements of the node, those that supports hold left out.
     ///
     /// # Errors
     /// [`ModelError::NormalLength`]; [`ModelError::NodeCannotMove`] if nothing of the node moves along the normal.
@@ -90,8 +90,8 @@ impl Contact {
         SparseDirection::new(entries).map(|w| Self::new(w, gap)).map_err(|_| ModelError::NodeCannotMove { node })
     }
 
-    /// Two nodes that can meet. `normal` points from `a` to `b` and may have any length: `w = +n` at `b` and `−n` at `a`, so that the gap
-    /// is what separates them.
+    /// Two nodes that can meet. `normal` points from `a` to `b` and may have any length: `w = +n` at `b` and `−n` at
+    /// `a`, so that the gap is what separates them.
     ///
     /// # Errors
     /// As [`Contact::point`], with node `a`; also if both are one node.
@@ -117,7 +117,8 @@ impl Contact {
     }
 }
 
-/// A contact at one degree of freedom, as the partition into massless contact nodes and the rest needs it: `g = g₀ + w q`, `w = −side`.
+/// A contact at one degree of freedom, as the partition into massless contact nodes and the rest needs it:
+/// `g = g₀ + w q`, `w = −side`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DofContact {
     /// Index of the degree of freedom.

@@ -7,7 +7,8 @@ use crate::{Dof, ModelError};
 /// Entries below this share of the largest one of their kind may be rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Refuses negative principal minors of one and of two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever `½ vᵀ M v ≥ 0` does.
+/// Refuses negative principal minors of one and of two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever
+/// `½ vᵀ M v ≥ 0` does.
 ///
 /// # Errors
 /// [`ModelError::NegativeMass`], [`ModelError::CoupledMass`].

@@ -2,8 +2,9 @@ use std::collections::HashMap;
 
 /// What a degree of freedom measures.
 ///
-/// Straight structures have the first three, structures in space the displacements and rotations of their nodes along the axes of coordinates.
-/// [`Self::Axial`], [`Self::Deflection`] and [`Self::Rotation`] are X, Y and RZ of a structure that lies on the axis X.
+/// Straight structures have the first three, structures in space the displacements and rotations of their nodes along
+/// the axes of coordinates. [`Self::Axial`], [`Self::Deflection`] and [`Self::Rotation`] are X, Y and RZ of a structure
+/// that lies on the axis X.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DofKind {
@@ -11,7 +12,8 @@ pub enum DofKind {
     Axial,
     /// Displacement across the axis, m.
     Deflection,
-    /// Rotation of the cross section, rad; positive with the slope, so that a rigid rotation `θ` about `x = 0` displaces by `θ x`.
+    /// Rotation of the cross section, rad; positive with the slope, so that a rigid rotation `θ` about `x = 0`
+    /// displaces by `θ x`.
     Rotation,
     /// Displacement of a node in space along X, m.
     X,
@@ -25,9 +27,11 @@ pub enum DofKind {
     RY,
     /// Rotation of a node in space about Z, rad.
     RZ,
-    /// A coordinate that belongs to no node, of a structure that was reduced before. Rigid-body motions leave it at rest.
+    /// A coordinate that belongs to no node, of a structure that was reduced before. Rigid-body motions leave it at
+    /// rest.
     Modal,
-    /// Displacement of a contact toward what it touches, m, of a structure that was reduced before: it stands beside modal coordinates and has no mass.
+    /// Displacement of a contact toward what it touches, m, of a structure that was reduced before: it stands beside
+    /// modal coordinates and has no mass.
     Contact,
 }
 

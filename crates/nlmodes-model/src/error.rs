@@ -58,7 +58,8 @@ pub enum ModelError {
         /// The entry.
         value: f64,
     },
-    /// Two degrees of freedom are coupled by more mass than they have: some motion of these two has a negative kinetic energy.
+    /// Two degrees of freedom are coupled by more mass than they have: some motion of these two has a negative kinetic
+    /// energy.
     #[error(
         "the mass matrix has {value:e} between degrees of freedom {row} and {column}, beside {most:e} at most for a mass that is nowhere \
          negative (the root of the product of their diagonal entries)"
@@ -98,7 +99,8 @@ pub enum ModelError {
         /// The node.
         node: usize,
     },
-    /// A contact in a direction of several degrees of freedom where the partition into contact nodes and the rest needs single ones.
+    /// A contact in a direction of several degrees of freedom where the partition into contact nodes and the rest needs
+    /// single ones.
     #[error(
         "contact {contact} acts on {dofs} degree(s) of freedom in a direction of its own: the held-modes reduction needs contacts at \
          single degrees of freedom; use open modes"

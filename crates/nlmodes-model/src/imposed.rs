@@ -2,7 +2,8 @@ use nlmodes_linalg::{Mat, SparseMatrix, Triplet, max_norm, multiply, sparse_from
 
 use crate::{DofKind, LinearModes, MassRedistribution, ModelError, StructuralModel, linear_modes};
 
-/// Most degrees of freedom that may take part in modes with imposed frequencies: the stiffness between all of them is a full matrix.
+/// Most degrees of freedom that may take part in modes with imposed frequencies: the stiffness between all of them is a
+/// full matrix.
 pub const MAX_IMPOSED_DOFS: usize = 2000;
 /// A mode rests in a kind of degree of freedom below this share of its largest component.
 const REST: f64 = 1e-9;
@@ -11,17 +12,18 @@ const RIGID: f64 = 1e-6;
 
 /// A structure whose lowest modes have imposed frequencies, as of a measurement.
 ///
-/// With the linear modes `K φ_k = ω_k² M φ_k`, contacts open and mass as the method has it, and the imposed frequencies `ω'_k`, the
-/// stiffness becomes
+/// With the linear modes `K φ_k = ω_k² M φ_k`, contacts open and mass as the method has it, and the imposed frequencies
+/// `ω'_k`, the stiffness becomes
 ///
 /// ```text
 /// K' = K + Σ_k M φ_k (ω'_k² − ω_k²) φ_kᵀ M
 /// ```
 ///
-/// so that `K' φ_k = ω'_k² M φ_k`, and all other modes stay what they were. Mass and shapes are those of the finite elements, and so is the
-/// static flexibility of what is left to the other modes, in particular that of a massless contact node: `M φ_k` has no entry
-/// there, and `K_NN`, `K_NL` do not change. The model is a modal one all the same: no distribution of stiffness along the structure need belong to `K'`,
-/// which couples all degrees of freedom that the modes move.
+/// so that `K' φ_k = ω'_k² M φ_k`, and all other modes stay what they were. Mass and shapes are those of the finite
+/// elements, and so is the static flexibility of what is left to the other modes, in particular that of a massless
+/// contact node: `M φ_k` has no entry there, and `K_NN`, `K_NL` do not change. The model is a modal one all the same:
+/// no distribution of stiffness along the structure need belong to `K'`, which couples all degrees of freedom that the
+/// modes move.
 #[derive(Debug, Clone)]
 pub struct ImposedFrequencies {
     /// The structure with `K'`; its mass and contacts are unchanged.
@@ -33,17 +35,19 @@ pub struct ImposedFrequencies {
 }
 
 impl StructuralModel {
-    /// Imposes the angular frequencies `omega` (rad/s, ascending) on the lowest modes in which degrees of freedom of this kind move: the
-    /// bending modes of a beam have other modes between them. `rule` takes the mass away from the contacts first; the modes are those with the mass
-    /// that it leaves.
+    /// Imposes the angular frequencies `omega` (rad/s, ascending) on the lowest modes in which degrees of freedom of
+    /// this kind move: the bending modes of a beam have other modes between them. `rule` takes the mass away from the
+    /// contacts first; the modes are those with the mass that it leaves.
     ///
     /// # Errors
-    /// [`ModelError::ImposedFrequency`] for one that is not positive or not above the one before, [`ModelError::TooManyImposed`],
-    /// [`ModelError::ImposedAboveNext`] if the last one passes the next mode, which keeps its own, [`ModelError::ImposedOnRigidBody`],
-    /// [`ModelError::ImposedSize`] beyond [`MAX_IMPOSED_DOFS`]; what `rule` and the eigenproblem report.
+    /// [`ModelError::ImposedFrequency`] for one that is not positive or not above the one before,
+    /// [`ModelError::TooManyImposed`], [`ModelError::ImposedAboveNext`] if the last one passes the next mode, which
+    /// keeps its own, [`ModelError::ImposedOnRigidBody`], [`ModelError::ImposedSize`] beyond [`MAX_IMPOSED_DOFS`]; what
+    /// `rule` and the eigenproblem report.
     ///
     /// # Example
-    /// Two unit masses between three unit springs, the second mode moved from √3 to 2 rad/s: the first stays, and the shapes do too.
+    /// Two unit masses between three unit springs, the second mode moved from √3 to 2 rad/s: the first stays, and the
+    /// shapes do too.
     /// ```
     /// use nlmodes_linalg::sparse_from_triplets;
     /// use nlmodes_model::{Dof, DofKind, StructuralModel, linear_modes};
@@ -84,8 +88,8 @@ impl StructuralModel {
         Ok(ImposedFrequencies { model, own, numbers })
     }
 
-    /// Numbers, from 0, of the lowest `count` linear modes in which degrees of freedom of this kind move; `rule` takes the mass away from
-    /// the contacts first.
+    /// Numbers, from 0, of the lowest `count` linear modes in which degrees of freedom of this kind move; `rule` takes
+    /// the mass away from the contacts first.
     ///
     /// # Errors
     /// [`ModelError::TooManyImposed`]; what `rule` and the eigenproblem report.
@@ -215,7 +219,8 @@ mod tests {
             let imposed = model.with_frequencies(Some(rule), DofKind::Axial, &[0.2]).unwrap();
             let [new, old] = [&imposed.model, &model].map(|model| MasslessContactModel::new(model, rule).unwrap());
             assert_eq!((new.k_nn(), new.k_ln(), new.mass().val()), (old.k_nn(), old.k_ln(), old.mass().val()));
-            // Pressed there, the whole yields by the flexibilities φ²/ω² of all modes, one of which has changed, and by that of the node.
+            // Pressed there, the whole yields by the flexibilities φ²/ω² of all modes, one of which has changed, and by
+            // that of the node.
             let flexibility = |model: &MasslessContactModel| {
                 let factor = nlmodes_linalg::SparseCholesky::factor(model.stiffness(), "stiffness").unwrap();
                 let mut x = vec![0.0; N];
@@ -232,7 +237,8 @@ mod tests {
 
     #[test]
     fn held_modes_follow_the_secular_equation() {
-        // Held at the contact, 1/K_NN + Σ_k φ_k(N)² λ/(ω_k² (ω_k² − λ)) + Σ_k φ_k²/ω_k² = 0: the dynamic flexibility there vanishes.
+        // Held at the contact, 1/K_NN + Σ_k φ_k(N)² λ/(ω_k² (ω_k² − λ)) + Σ_k φ_k²/ω_k² = 0: the dynamic flexibility
+        // there vanishes.
         let imposed = stopped().with_frequencies(Some(&Drop), DofKind::Axial, &[0.2, 0.5]).unwrap();
         let massless = MasslessContactModel::new(&imposed.model, &Drop).unwrap();
         let before = MasslessContactModel::new(&stopped(), &Drop).unwrap();

@@ -4,10 +4,10 @@
 //! M q̈ + K q = W λ ,   0 ≤ g ⊥ λ ≥ 0 ,   g = Wᵀ q + g₀                                   eqs. (4), (5)
 //! ```
 //!
-//! [`StructuralModel`] holds `M`, `K` and the contacts. A [`MassRedistribution`] splits the degrees of freedom into those
-//! without contact (L) and those with (N) and takes the mass away from N, eq. (12); what comes out, a
-//! [`MasslessContactModel`], is the only model that mixed shooting-harmonic balance accepts. The contact nodes are then in
-//! static equilibrium at any instant, eq. (13), and no impact law is needed.
+//! [`StructuralModel`] holds `M`, `K` and the contacts. A [`MassRedistribution`] splits the degrees of freedom into
+//! those without contact (L) and those with (N) and takes the mass away from N, eq. (12); what comes out, a
+//! [`MasslessContactModel`], is the only model that mixed shooting-harmonic balance accepts. The contact nodes are then
+//! in static equilibrium at any instant, eq. (13), and no impact law is needed.
 //!
 //! | symbol | name | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
@@ -40,10 +40,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
-//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Massless contact nodes: H. B.
-//! Khenous, P. Laborde, Y. Renard, *Mass redistribution method for finite element contact problems in elastodynamics*,
-//! European Journal of Mechanics A/Solids 27 (2008) 918-932.
+//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear
+//! modal analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Massless contact
+//! nodes: H. B. Khenous, P. Laborde, Y. Renard, *Mass redistribution method for finite element contact problems in
+//! elastodynamics*, European Journal of Mechanics A/Solids 27 (2008) 918-932.
 
 mod conserve;
 mod contact;

@@ -16,8 +16,8 @@ pub struct LinearModes {
 
 /// Lowest `count` modes of the structure with mass `M` and stiffness `K` and all contacts open.
 ///
-/// Massless contact degrees of freedom are allowed; they follow the others statically, `q_N = −K_NN⁻¹ K_NL q_L`, which is
-/// eq. (13) without contact forces. Fewer modes come back if the structure has fewer massive degrees of freedom.
+/// Massless contact degrees of freedom are allowed; they follow the others statically, `q_N = −K_NN⁻¹ K_NL q_L`, which
+/// is eq. (13) without contact forces. Fewer modes come back if the structure has fewer massive degrees of freedom.
 ///
 /// # Errors
 /// [`ModelError::Linalg`] if the eigenproblem cannot be solved.
@@ -26,7 +26,8 @@ pub fn linear_modes(mass: &SparseMatrix, stiffness: &SparseMatrix, count: usize)
     Ok(LinearModes { omega: modes.eigenvalues.iter().map(|λ| λ.sqrt()).collect(), shapes: modes.vectors })
 }
 
-/// Lowest `count` modes of a model with all contacts open, those of [`linear_modes`] for its mass and stiffness; shapes are n × modes.
+/// Lowest `count` modes of a model with all contacts open, those of [`linear_modes`] for its mass and stiffness; shapes
+/// are n × modes.
 ///
 /// The model and its clones keep what was found: the eigenproblem is solved again only where more modes are asked for.
 ///
@@ -38,8 +39,8 @@ pub fn open_modes(model: &MasslessContactModel, count: usize) -> Result<LinearMo
 
 /// Lowest `count` modes with the contact degrees of freedom held, `K_LL φ_k = λ_k M̄_LL φ_k`; shapes are n_L × modes.
 ///
-/// They diagonalise the dynamic stiffness `H_LL,n` of eq. (9): `H_LL,n⁻¹ = Σ_k φ_k φ_kᵀ / (λ_k − n²ω²)`. As `q_N = 0`, `K_NN`
-/// does not enter. Kept like [`open_modes`].
+/// They diagonalise the dynamic stiffness `H_LL,n` of eq. (9): `H_LL,n⁻¹ = Σ_k φ_k φ_kᵀ / (λ_k − n²ω²)`. As `q_N = 0`,
+/// `K_NN` does not enter. Kept like [`open_modes`].
 ///
 /// # Errors
 /// As [`linear_modes`].

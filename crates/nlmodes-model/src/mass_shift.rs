@@ -13,7 +13,8 @@ pub struct MassShift {
 }
 
 impl MassShift {
-    /// Compares the linear modes of this number (from 1); `None` where either structure has no such mode, or none that vibrates.
+    /// Compares the linear modes of this number (from 1); `None` where either structure has no such mode, or none that
+    /// vibrates.
     ///
     /// # Errors
     /// [`ModelError::Linalg`] if an eigenproblem cannot be solved.
@@ -27,7 +28,8 @@ impl MassShift {
         Ok(Self::between(&with_mass, &omega(massless.mass(), massless.stiffness())?, mode))
     }
 
-    /// Compares the angular frequencies (rad/s, ascending) of the structure with and without that mass, where they are known.
+    /// Compares the angular frequencies (rad/s, ascending) of the structure with and without that mass, where they are
+    /// known.
     pub fn between(with_mass: &[f64], without_mass: &[f64], mode: usize) -> Option<Self> {
         let place = mode.checked_sub(1)?;
         let (with_mass, without_mass) = (*with_mass.get(place)?, *without_mass.get(place)?);

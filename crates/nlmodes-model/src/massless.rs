@@ -11,10 +11,11 @@ use crate::{
 /// Which massless coordinates `q_N` follow the contact law at each instant, while all others move in harmonics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactCoordinates {
-    /// The contact nodes of the structure, without mass, one for each contact degree of freedom: mixed shooting-harmonic balance.
+    /// The contact nodes of the structure, without mass, one for each contact degree of freedom: mixed
+    /// shooting-harmonic balance.
     Nodes,
-    /// The tips of the springs of elastic stops, one for each contact. The contact nodes are among the others and keep their mass:
-    /// conventional harmonic balance.
+    /// The tips of the springs of elastic stops, one for each contact. The contact nodes are among the others and keep
+    /// their mass: conventional harmonic balance.
     SpringTips,
 }
 
@@ -25,17 +26,19 @@ pub enum ContactCoordinates {
 /// |  0   0 | | q̈_N | + | K_NL K_NN | | q_N | = | W λ | ,   0 ≤ λ ⊥ Wᵀ q_N + g₀ + C λ ≥ 0
 /// ```
 ///
-/// With [`ContactCoordinates::Nodes`], [`Self::new`], N are the contact nodes, and `C = diag(1/k_c)` is the compliance of the stops,
-/// zero where they are rigid.
+/// With [`ContactCoordinates::Nodes`], [`Self::new`], N are the contact nodes, and `C = diag(1/k_c)` is the compliance
+/// of the stops, zero where they are rigid.
 ///
-/// With [`ContactCoordinates::SpringTips`], [`Self::with_spring_tips`], each elastic stop of eq. (3) is seen as a massless spring `k_c`
-/// that the contact node carries, and its tip meets a rigid wall. With `w_i` the direction of contact i, eq. (2),
+/// With [`ContactCoordinates::SpringTips`], [`Self::with_spring_tips`], each elastic stop of eq. (3) is seen as a
+/// massless spring `k_c` that the contact node carries, and its tip meets a rigid wall. With `w_i` the direction of
+/// contact i, eq. (2),
 ///
 /// ```text
 /// L: all degrees of freedom ,   K_LL = K + Σ_i k_c,i w_i w_iᵀ ,   K_LN: −k_c,i at the node of contact i ,   K_NN = diag(k_c,i) ,   C = 0
 /// ```
 ///
-/// The contact node moves as where the tip would be without wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that `λ = k_c max(−g, 0)`.
+/// The contact node moves as where the tip would be without wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that
+/// `λ = k_c max(−g, 0)`.
 #[derive(Debug, Clone)]
 pub struct MasslessContactModel {
     pub(crate) dofs: Vec<Dof>,
@@ -60,8 +63,8 @@ impl MasslessContactModel {
     /// Redistributes the mass of `model` by `rule` and partitions it.
     ///
     /// # Errors
-    /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` does not do what its trait
-    /// asks for, and what else it reports; [`ModelError::Linalg`] if `K_NN` is not positive definite.
+    /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` does not do what
+    /// its trait asks for, and what else it reports; [`ModelError::Linalg`] if `K_NN` is not positive definite.
     pub fn new(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<Self, ModelError> {
         let n = model.dofs().len();
         let (contacts, places) = (single_dofs(model)?, places_in_space(model)?);
@@ -98,8 +101,8 @@ impl MasslessContactModel {
         })
     }
 
-    /// The model whose contact coordinates are the tips of the springs of its elastic stops; the contact nodes keep their mass, or
-    /// lose it by `rule`.
+    /// The model whose contact coordinates are the tips of the springs of its elastic stops; the contact nodes keep
+    /// their mass, or lose it by `rule`.
     ///
     /// # Errors
     /// [`ModelError::NoContact`]; [`ModelError::RigidStop`]; what `rule` reports.
@@ -146,8 +149,8 @@ impl MasslessContactModel {
         self.coordinates
     }
 
-    /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one a contact: zero where the stop is rigid, or where its spring is in
-    /// `K_NN` already.
+    /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one a contact: zero where the stop is rigid, or where
+    /// its spring is in `K_NN` already.
     pub fn stop_compliance(&self) -> Vec<f64> {
         let of = |c: &DofContact| match self.coordinates {
             ContactCoordinates::Nodes => c.law.compliance(),
@@ -169,8 +172,9 @@ impl MasslessContactModel {
     /// Cholesky factor of `K_LL`.
     ///
     /// # Errors
-    /// [`ModelError::HeldRigidBody`] if the structure can move as a rigid body with its contacts held: contact forces that are
-    /// constant in time could not be balanced then. [`ModelError::Linalg`] if `K_LL` is not positive definite otherwise.
+    /// [`ModelError::HeldRigidBody`] if the structure can move as a rigid body with its contacts held: contact forces
+    /// that are constant in time could not be balanced then. [`ModelError::Linalg`] if `K_LL` is not positive definite
+    /// otherwise.
     pub fn factor_k_ll(&self) -> Result<SparseCholesky, ModelError> {
         match self.held_rigid_motion() {
             Some(motion) => Err(ModelError::HeldRigidBody { motion }),
@@ -194,8 +198,9 @@ impl MasslessContactModel {
         &self.linear
     }
 
-    /// Indices in [`Self::dofs`] of the contact coordinates' degrees of freedom. Of [`ContactCoordinates::Nodes`] ascending, two
-    /// stops at one degree of freedom sharing it; of [`ContactCoordinates::SpringTips`] that of each stop.
+    /// Indices in [`Self::dofs`] of the contact coordinates' degrees of freedom. Of [`ContactCoordinates::Nodes`]
+    /// ascending, two stops at one degree of freedom sharing it; of [`ContactCoordinates::SpringTips`] that of each
+    /// stop.
     pub fn contact_dofs(&self) -> &[usize] {
         &self.nonlinear
     }

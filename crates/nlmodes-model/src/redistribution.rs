@@ -18,27 +18,28 @@ pub trait MassRedistribution {
 
 /// The paper's rule: the mass of the contact degrees of freedom is neglected.
 ///
-/// Their rows and columns of `M` become zero, coupling terms included. The frequencies rise; the change vanishes with the
-/// length of the elements at the contact.
+/// Their rows and columns of `M` become zero, coupling terms included. The frequencies rise; the change vanishes with
+/// the length of the elements at the contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Drop;
 
-/// The mass of a contact degree of freedom moves to its neighbours of the same kind; total mass and centre of mass stay.
+/// The mass of a contact degree of freedom moves to its neighbours of the same kind; total mass and centre of mass
+/// stay.
 ///
-/// Taking away row and column `d` of `M` takes away the mass `Δm` and the first moment `Δs` of [`MassProperties`], those of
-/// the kind of `d`. They come back as two point masses at neighbours at `x_1` and `x_2`,
+/// Taking away row and column `d` of `M` takes away the mass `Δm` and the first moment `Δs` of [`MassProperties`],
+/// those of the kind of `d`. They come back as two point masses at neighbours at `x_1` and `x_2`,
 ///
 /// ```text
 /// m_1 + m_2 = Δm ,   m_1 x_1 + m_2 x_2 = Δs ,
 /// ```
 ///
-/// added to the diagonal of `M`. The neighbours are the nearest degrees of freedom of the same kind that have mass and no
-/// contact: one on either side, or the nearest two if the contact is at an end. There the farther one gets a negative mass,
-/// which is smaller than its own for usual meshes; where it is not, an error says so.
+/// added to the diagonal of `M`. The neighbours are the nearest degrees of freedom of the same kind that have mass and
+/// no contact: one on either side, or the nearest two if the contact is at an end. There the farther one gets a
+/// negative mass, which is smaller than its own for usual meshes; where it is not, an error says so.
 ///
-/// Kept exactly, apart from rounding: for each kind of displacement that a contact has, total mass and first moment, and so
-/// the centre of mass. Not kept: moment of inertia and, with it, the frequencies of rigid rotation; [`Conserve`](crate::Conserve)
-/// keeps that too.
+/// Kept exactly, apart from rounding: for each kind of displacement that a contact has, total mass and first moment,
+/// and so the centre of mass. Not kept: moment of inertia and, with it, the frequencies of rigid rotation;
+/// [`Conserve`](crate::Conserve) keeps that too.
 ///
 /// [`MassProperties`]: crate::MassProperties
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -44,8 +44,8 @@ impl fmt::Display for RigidMotion {
 impl RigidMotion {
     /// A rigid motion that neither `stiffness` nor holding the degrees of freedom `held` prevents.
     ///
-    /// This looks at `K r = 0` row by row instead of at pivots: fine beams have such small pivots that a factorisation cannot
-    /// tell a supported structure from a floating one.
+    /// This looks at `K r = 0` row by row instead of at pivots: fine beams have such small pivots that a factorisation
+    /// cannot tell a supported structure from a floating one.
     ///
     /// `places` are the coordinates of the nodes of a structure in space.
     pub(crate) fn of_held(
@@ -113,9 +113,9 @@ fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
 
 /// Mass and its moments in rigid motions, of the free degrees of freedom.
 ///
-/// `m = rᵀ M r`, `s = rᵀ M ρ` and `J = ρᵀ M ρ`, where `r` translates the structure in the direction of the kind and `ρ` displaces each point by
-/// its position `x`: a rotation about `x = 0` for deflections (with the rotations of the cross sections), a stretch for axial
-/// displacements. Mass at supported degrees of freedom is not in `M` and so not counted.
+/// `m = rᵀ M r`, `s = rᵀ M ρ` and `J = ρᵀ M ρ`, where `r` translates the structure in the direction of the kind and `ρ`
+/// displaces each point by its position `x`: a rotation about `x = 0` for deflections (with the rotations of the cross
+/// sections), a stretch for axial displacements. Mass at supported degrees of freedom is not in `M` and so not counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassProperties {
@@ -161,8 +161,8 @@ mod tests {
     use crate::{Contact, Drop, MasslessContactModel, Side, StructuralModel};
     use nlmodes_linalg::{Triplet, sparse_from_triplets};
 
-    /// Four nodes across an axis from `from` on, `length` apart, whose bending `q_{i−1} − 2 q_i + q_{i+1}` is strained; a spring to the ground at some
-    /// nodes, a stop before the third. The first node is held along the axis.
+    /// Four nodes across an axis from `from` on, `length` apart, whose bending `q_{i−1} − 2 q_i + q_{i+1}` is strained;
+    /// a spring to the ground at some nodes, a stop before the third. The first node is held along the axis.
     fn beam(from: f64, length: f64, stiffness: f64, grounds: &[usize]) -> MasslessContactModel {
         let mut k: Vec<Triplet> = vec![(4, 4, stiffness)];
         let bending = [1.0, -2.0, 1.0];
@@ -180,7 +180,8 @@ mod tests {
         MasslessContactModel::new(&model, &Drop).unwrap()
     }
 
-    /// Of what moves in one direction only: masses across it, beside it and coupled with it are not in it; rotary inertias are in turns.
+    /// Of what moves in one direction only: masses across it, beside it and coupled with it are not in it; rotary
+    /// inertias are in turns.
     #[test]
     fn each_direction_has_its_own_mass() {
         let of = |position, kind| Dof { node: 0, position, kind };

@@ -7,8 +7,8 @@ use crate::{Contact, ContactLaw, Dof, ModelError};
 
 /// A linear structure with unilateral contacts, eqs. (1), (4), (5).
 ///
-/// `M` (n × n, kg or kg·m²), `K` (n × n, N/m …) and, where it is known, the viscous damping `C` (n × n, N·s/m …) are symmetric, of the free degrees
-/// of freedom only. Copies share the matrices.
+/// `M` (n × n, kg or kg·m²), `K` (n × n, N/m …) and, where it is known, the viscous damping `C` (n × n, N·s/m …) are
+/// symmetric, of the free degrees of freedom only. Copies share the matrices.
 #[derive(Debug, Clone)]
 pub struct StructuralModel {
     mass: Arc<SparseMatrix>,
@@ -24,7 +24,8 @@ impl StructuralModel {
     ///
     /// # Errors
     /// [`ModelError::Dimension`] if sizes disagree, [`ModelError::NotFinite`] for an entry, position or gap,
-    /// [`ModelError::NotSymmetric`], [`ModelError::NegativeMass`], [`ModelError::CoupledMass`], [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
+    /// [`ModelError::NotSymmetric`], [`ModelError::NegativeMass`], [`ModelError::CoupledMass`],
+    /// [`ModelError::NoSuchDof`] if a contact names a degree of freedom that does not exist,
     /// [`ModelError::ContactStiffness`] if that of an elastic stop is not positive or its inverse is not finite.
     pub fn new(
         mass: impl Into<Arc<SparseMatrix>>,
@@ -108,8 +109,8 @@ impl StructuralModel {
         Arc::clone(&self.stiffness)
     }
 
-    /// Where the node of degree of freedom `dof` is, m: on the axis X for straight structures. None for modal coordinates, and in space where
-    /// no places were given.
+    /// Where the node of degree of freedom `dof` is, m: on the axis X for straight structures. None for modal
+    /// coordinates, and in space where no places were given.
     pub fn place(&self, dof: usize) -> Option<[f64; 3]> {
         let of = self.dofs.get(dof)?;
         match (&self.places, of.kind) {

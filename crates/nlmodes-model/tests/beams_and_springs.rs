@@ -1,4 +1,5 @@
-//! Beams, frames and stops on springs against the textbook: mass properties, rules of redistribution, rigid motions, and the spring tips.
+//! Beams, frames and stops on springs against the textbook: mass properties, rules of redistribution, rigid motions,
+//! and the spring tips.
 
 use nlmodes_linalg::{SparseMatrix, Triplet, bilinear, multiply, sparse_from_triplets, triplets};
 use nlmodes_model::{
@@ -11,8 +12,8 @@ const UNITS: [(f64, f64); 4] = [(1.0, 1.0), (1e-3, 1.0), (1.0, 1e-6), (40.0, 1e3
 
 const ELEMENTS: usize = 16;
 
-/// A beam from `from` on, free at both ends, with `EI = ρA = 1` in these units and elements of a tenth, with consistent mass; deflection and
-/// rotation of its nodes in turn.
+/// A beam from `from` on, free at both ends, with `EI = ρA = 1` in these units and elements of a tenth, with consistent
+/// mass; deflection and rotation of its nodes in turn.
 fn beam(from: f64, (length, mass): (f64, f64), contacts: Vec<Contact>) -> StructuralModel {
     let l = 0.1 * length;
     let stiffness = [[12.0, 6.0, -12.0, 6.0], [6.0, 4.0, -6.0, 2.0], [-12.0, -6.0, 12.0, -6.0], [6.0, 2.0, -6.0, 4.0]];
@@ -120,7 +121,8 @@ fn a_free_beam_translates_and_turns_about_the_node_that_is_held() {
     }
 }
 
-/// Two nodes of a beam in space along X, 6 degrees of freedom each, with springs to the ground at all but one of the first.
+/// Two nodes of a beam in space along X, 6 degrees of freedom each, with springs to the ground at all but one of the
+/// first.
 fn frame(length: f64, left_free: usize) -> MasslessContactModel {
     let (l, ea, gj, ei) = (length, 3.0, 0.7 * length * length, [1.1 * length * length, 1.9 * length * length]);
     let mut k: Vec<Triplet> = Vec::new();
@@ -174,7 +176,8 @@ fn a_frame_moves_as_the_support_that_is_missing_lets_it() {
     }
 }
 
-/// Tips of springs: beside the structure stand the springs between its nodes and the tips, and a tip on which nothing presses follows its node.
+/// Tips of springs: beside the structure stand the springs between its nodes and the tips, and a tip on which nothing
+/// presses follows its node.
 #[test]
 fn spring_tips_are_springs_between_the_nodes_and_the_stops() {
     let (n, springs) = (5, [3.0, 0.4, 7.0]);

@@ -11,7 +11,8 @@ const INCHES_IN_A_METRE: f64 = 1.0 / 0.0254;
 /// A PNG image on white with so many dots an inch, which it states.
 ///
 /// # Errors
-/// [`PrintError::Resolution`], [`PrintError::Size`], [`PrintError::Svg`] if the text is no SVG document, [`PrintError::Png`].
+/// [`PrintError::Resolution`], [`PrintError::Size`], [`PrintError::Svg`] if the text is no SVG document,
+/// [`PrintError::Png`].
 pub fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, PrintError> {
     if !(dots_per_inch > 0.0 && dots_per_inch.is_finite()) {
         return Err(PrintError::Resolution { dots_per_inch });

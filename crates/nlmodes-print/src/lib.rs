@@ -1,11 +1,13 @@
-//! Figures in SVG as PDF, for journals, and as PNG, for slides: as wide as the figure says, and the same on every machine.
+//! Figures in SVG as PDF, for journals, and as PNG, for slides: as wide as the figure says, and the same on every
+//! machine.
 //!
 //! | from | to | item |
 //! | --- | --- | --- |
 //! | an SVG document, a pixel of which is 1/96 inch | PDF of that size, lines as lines, its font embedded | [`pdf`] |
 //! | | PNG with so many dots an inch, on white | [`png()`] |
 //!
-//! Letters, Latin and Greek, come from a font of this crate (Arimo, as wide as Helvetica and Arial, under the SIL Open Font License); fonts of the machine are looked for only where a text has others.
+//! Letters, Latin and Greek, come from a font of this crate (Arimo, as wide as Helvetica and Arial, under the SIL Open
+//! Font License); fonts of the machine are looked for only where a text has others.
 //!
 //! ```
 //! let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm" viewBox="0 0 720 480">

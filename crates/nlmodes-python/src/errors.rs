@@ -60,7 +60,8 @@ fn raised(made: PyResult<Bound<'_, PyAny>>) -> PyErr {
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// Computes without holding the interpreter. A panic, which is a mistake of this program, becomes an error like any other.
+/// Computes without holding the interpreter. A panic, which is a mistake of this program, becomes an error like any
+/// other.
 pub fn computed<T: Send>(py: Python<'_>, compute: impl FnOnce() -> T + Send) -> PyResult<T> {
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(compute)));
     done.map_err(|panic| {

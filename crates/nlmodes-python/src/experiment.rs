@@ -14,7 +14,8 @@ type Told = Vec<(String, String)>;
 
 /// The table of `modal_points.csv` as text, and the findings of each record.
 ///
-/// `scene` is the text of a scene of records; `records` have a name and their channels, by name, in the units that the scene gives.
+/// `scene` is the text of a scene of records; `records` have a name and their channels, by name, in the units that the
+/// scene gives.
 #[pyfunction]
 pub fn extract(
     py: Python<'_>,

@@ -1,5 +1,5 @@
-//! The compiled part of the Python package `nlmodes`: what computes. Arrays come in checked by `nlmodes._arguments`, and go out as arrays of
-//! NumPy; results of runs are read from their files by `nlmodes._result`.
+//! The compiled part of the Python package `nlmodes`: what computes. Arrays come in checked by `nlmodes._arguments`,
+//! and go out as arrays of NumPy; results of runs are read from their files by `nlmodes._result`.
 //!
 //! | item | what |
 //! | --- | --- |
@@ -11,7 +11,8 @@
 //! | `Study` | many cases of a scene, and the table of what there is |
 //! | `extract` | modal points of records in memory |
 //!
-//! Whatever computes does so without the interpreter, and looks at it twenty times a second for signals. A panic becomes an error.
+//! Whatever computes does so without the interpreter, and looks at it twenty times a second for signals. A panic
+//! becomes an error.
 
 mod check;
 mod contact;

@@ -49,7 +49,8 @@ fn read(source: &Source, scene: Option<&str>) -> Result<StudyFile, SceneError> {
 
 #[pymethods]
 impl Study {
-    /// `scene` is the text of the scene, where that is in no file; `out` the directory, `scratch` one for studies that name none.
+    /// `scene` is the text of the scene, where that is in no file; `out` the directory, `scratch` one for studies that
+    /// name none.
     #[new]
     fn new(
         py: Python<'_>,
@@ -121,7 +122,8 @@ impl Study {
         outcome.map(drop).map_err(|error| raise(py, &error))
     }
 
-    /// Table (as CSV), counts, and statistics (as JSON) of what there is; table, figures and page are written too if they are wanted.
+    /// Table (as CSV), counts, and statistics (as JSON) of what there is; table, figures and page are written too if
+    /// they are wanted.
     fn collect<'py>(
         &self,
         py: Python<'py>,

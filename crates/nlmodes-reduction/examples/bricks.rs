@@ -1,10 +1,10 @@
 //! Time and memory of the reduction of a solid of 8-node bricks, clamped at one end, with contacts on its top.
 //!
-//! `cargo run --release -p nlmodes-reduction --example bricks -- 80 20 20 100 20` takes nodes along X, Y, Z, contacts and modes, and prints CPU
-//! seconds. `minimum-degree` as a sixth word also factors in that order.
+//! `cargo run --release -p nlmodes-reduction --example bricks -- 80 20 20 100 20` takes nodes along X, Y, Z, contacts
+//! and modes, and prints CPU seconds. `minimum-degree` as a sixth word also factors in that order.
 //!
-//! With `-- table 2` it prints the first two rows of a table of sizes instead, each measured in a process of its own; `-- deck 80 20 20` prints the same
-//! solid as a deck for CalculiX that asks for 20 frequencies.
+//! With `-- table 2` it prints the first two rows of a table of sizes instead, each measured in a process of its own;
+//! `-- deck 80 20 20` prints the same solid as a deck for CalculiX that asks for 20 frequencies.
 
 use std::time::Instant;
 
@@ -181,8 +181,8 @@ fn solid([nx, ny, nz]: [usize; 3], contacts: usize) -> Result<StructuralModel, F
     Ok(StructuralModel::new(mass, stiffness, dofs, contacts?)?.with_places((0..n).map(place).collect())?)
 }
 
-/// Stiffness (24 × 24) and mass of one direction (8 × 8) of a cube with linear displacements, by 2 × 2 × 2 Gauss points; corner `c` has its bits as
-/// X, Y, Z.
+/// Stiffness (24 × 24) and mass of one direction (8 × 8) of a cube with linear displacements, by 2 × 2 × 2 Gauss
+/// points; corner `c` has its bits as X, Y, Z.
 fn brick() -> (Vec<[f64; 24]>, [[f64; 8]; 8]) {
     let (e, nu, rho, h) = STEEL;
     let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));

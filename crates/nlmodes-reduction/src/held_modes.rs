@@ -25,8 +25,9 @@ pub struct HeldMode {
 /// K_LL φ_k = λ_k M_LL φ_k ,   Ψ = −K_LL⁻¹ K_LN ,   T_0 = −K_NN⁻¹ K_NL Ψ
 /// ```
 ///
-/// Among modes with the same frequency (equal spans between contacts) it has those with `g_i K_NN⁻¹ g_jᵀ = 0`, of which only as many as there are
-/// contact coordinates move these. Modes that leave the contacts at rest (the axial family of a beam under a transverse stop) are counted only.
+/// Among modes with the same frequency (equal spans between contacts) it has those with `g_i K_NN⁻¹ g_jᵀ = 0`, of which
+/// only as many as there are contact coordinates move these. Modes that leave the contacts at rest (the axial family of
+/// a beam under a transverse stop) are counted only.
 #[derive(Debug, Clone)]
 pub struct HeldModes {
     /// Those that move a contact, ascending.
@@ -35,7 +36,8 @@ pub struct HeldModes {
     pub shapes: Mat<f64>,
     /// Static shapes `Ψ`, n_L × n_N.
     pub statics: Mat<f64>,
-    /// `T_0`: where the contact coordinates would be statically, without stops, by the place at which they are; n_N × n_N.
+    /// `T_0`: where the contact coordinates would be statically, without stops, by the place at which they are; n_N ×
+    /// n_N.
     pub transfer: Mat<f64>,
     /// `K_NN`, factored.
     pub contact_stiffness: DenseLu,
@@ -50,8 +52,8 @@ impl HeldModes {
     /// The lowest `count` modes of `model`, all of them where there are fewer.
     ///
     /// # Errors
-    /// [`ReductionError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot be computed;
-    /// [`ReductionError::Linalg`].
+    /// [`ReductionError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot
+    /// be computed; [`ReductionError::Linalg`].
     pub fn new(model: &MasslessContactModel, count: usize) -> Result<Self, ReductionError> {
         let stiffness = model.factor_k_ll()?;
         let mut statics = -model.k_ln();

@@ -8,9 +8,9 @@
 //! q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ + [K⁻¹ f − Φ Ω⁻² Φᵀ f]                 recovery, at the places that are asked for
 //! ```
 //!
-//! The modes beyond the `m` retained ones answer statically (MacNeal): statics are exact for any contact force, and the frequencies
-//! of the open structure are untouched. No mass is moved, and yet the contacts have none: `A` alone stands between the force and the
-//! gap at each instant, so that no impact law is needed.
+//! The modes beyond the `m` retained ones answer statically (MacNeal): statics are exact for any contact force, and the
+//! frequencies of the open structure are untouched. No mass is moved, and yet the contacts have none: `A` alone stands
+//! between the force and the gap at each instant, so that no impact law is needed.
 //!
 //! | symbol | name | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
@@ -42,9 +42,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! R. H. MacNeal, *A hybrid method of component mode synthesis*, Computers & Structures 1 (1971) 581-601; the massless boundary of
-//! contact: D. Monjaraz-Tec, J. Gross, M. Krack, *A massless boundary component mode synthesis method for elastodynamic contact
-//! problems*, Computers & Structures 260 (2022) 106698.
+//! R. H. MacNeal, *A hybrid method of component mode synthesis*, Computers & Structures 1 (1971) 581-601; the massless
+//! boundary of contact: D. Monjaraz-Tec, J. Gross, M. Krack, *A massless boundary component mode synthesis method for
+//! elastodynamic contact problems*, Computers & Structures 260 (2022) 106698.
 
 mod error;
 mod held_modes;

@@ -8,7 +8,8 @@ use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 use crate::residual::{Residual, blocks, dense_columns};
 use crate::{ModeCount, ReductionError};
 
-/// Up to this many numbers the residual shapes of the contact forces are kept (n × c); beyond, they are solved for again where they are asked for.
+/// Up to this many numbers the residual shapes of the contact forces are kept (n × c); beyond, they are solved for
+/// again where they are asked for.
 const KEPT_SHAPES: usize = 1 << 21;
 
 /// A structure with contacts, reduced to its lowest open modes and the residual flexibility of the contacts.
@@ -17,12 +18,13 @@ const KEPT_SHAPES: usize = 1 << 21;
 /// η̈_r + ω_r² η_r = y_rᵀ λ ,   g = g₀ + Y η + A λ ,   A = Wᵀ K⁻¹ W − Y Ω⁻² Yᵀ
 /// ```
 ///
-/// The mass may be that of the structure, or one without the mass of the contact nodes. With the latter and all its modes, `A` is `W̄ᵀ K_NN⁻¹ W̄`, the
-/// compliance of the nodes with everything else held. `A` is symmetric and positive semidefinite; it is singular where contacts share a direction, and it vanishes
-/// when all modes of a structure whose contact nodes have mass are retained: then nothing without mass is left that could be pressed.
+/// The mass may be that of the structure, or one without the mass of the contact nodes. With the latter and all its
+/// modes, `A` is `W̄ᵀ K_NN⁻¹ W̄`, the compliance of the nodes with everything else held. `A` is symmetric and positive
+/// semidefinite; it is singular where contacts share a direction, and it vanishes when all modes of a structure whose
+/// contact nodes have mass are retained: then nothing without mass is left that could be pressed.
 ///
-/// A structure that floats has its rigid-body motions among the modes, with `ω_r² = 0` up to rounding. The residual flexibility is then that of
-/// loads in balance with the inertia forces of the retained modes.
+/// A structure that floats has its rigid-body motions among the modes, with `ω_r² = 0` up to rounding. The residual
+/// flexibility is then that of loads in balance with the inertia forces of the retained modes.
 #[derive(Debug, Clone)]
 pub struct OpenModes {
     pub(crate) omega_squared: Vec<f64>,
@@ -38,14 +40,16 @@ pub struct OpenModes {
 }
 
 impl OpenModes {
-    /// Reduces the structure with mass `M` and stiffness `K` (n × n) and the contact directions `W` (n × c, one column a contact,
-    /// `g = g₀ + Wᵀ q`). `gaps` (m) and `stop_compliance` (m/N, zero for rigid stops) have one entry a contact.
+    /// Reduces the structure with mass `M` and stiffness `K` (n × n) and the contact directions `W` (n × c, one column
+    /// a contact, `g = g₀ + Wᵀ q`). `gaps` (m) and `stop_compliance` (m/N, zero for rigid stops) have one entry a
+    /// contact.
     ///
     /// # Errors
     /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`], [`ReductionError::StopCompliance`],
     /// [`ReductionError::FrequencyLimit`], [`ReductionError::NoMode`], [`ReductionError::OnlyRigidModes`];
     /// [`ReductionError::Unstable`] if the stiffness is negative in a mode;
-    /// [`ReductionError::Linalg`] if the matrices are not symmetric, the stiffness is far from positive, or modes do not converge.
+    /// [`ReductionError::Linalg`] if the matrices are not symmetric, the stiffness is far from positive, or modes do
+    /// not converge.
     pub fn new(
         mass: impl Into<Arc<SparseMatrix>>,
         stiffness: impl Into<Arc<SparseMatrix>>,
@@ -126,8 +130,8 @@ impl OpenModes {
         Self::new(mass, stiffness, directions, gaps, compliance, modes)
     }
 
-    /// Residual flexibility of the contacts, and the shapes that go with it if they are small: otherwise half a solution will do, and that only where
-    /// the contacts reach.
+    /// Residual flexibility of the contacts, and the shapes that go with it if they are small: otherwise half a
+    /// solution will do, and that only where the contacts reach.
     fn press_contacts(&mut self) {
         let (n, c) = (self.shapes.nrows(), self.gaps.len());
         let mut kept = (n * c <= KEPT_SHAPES).then(|| Mat::zeros(n, c));
@@ -150,8 +154,9 @@ impl OpenModes {
         self.residual_shapes = kept;
     }
 
-    /// The same structure with only the lowest `count` of these modes; the others join what answers statically. Nothing is solved
-    /// again: what comes out next to the full one gives the error of the truncation. `A` grows by `Σ y_r y_rᵀ/ω_r²` of the modes that go.
+    /// The same structure with only the lowest `count` of these modes; the others join what answers statically. Nothing
+    /// is solved again: what comes out next to the full one gives the error of the truncation. `A` grows by
+    /// `Σ y_r y_rᵀ/ω_r²` of the modes that go.
     ///
     /// # Errors
     /// [`ReductionError::NoMode`] for none, [`ReductionError::OnlyRigidModes`] if only rigid-body motions would stay.
@@ -178,8 +183,8 @@ impl OpenModes {
         Ok(fewer)
     }
 
-    /// The same structure before stops with other `gaps` (m) and `stop_compliance` (m/N), one entry a contact. Modes and flexibility do not depend on them:
-    /// nothing is solved again.
+    /// The same structure before stops with other `gaps` (m) and `stop_compliance` (m/N), one entry a contact. Modes
+    /// and flexibility do not depend on them: nothing is solved again.
     ///
     /// # Errors
     /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`], [`ReductionError::StopCompliance`].
@@ -239,7 +244,8 @@ impl OpenModes {
     }
 }
 
-/// A motion that strains nothing has energies that cancel each other to this share: entries of a file have ten digits at least.
+/// A motion that strains nothing has energies that cancel each other to this share: entries of a file have ten digits
+/// at least.
 const CANCELLED: f64 = 1e-9;
 
 /// The eigenvalues are never negative, but `φᵀ K φ` is where a preload takes more stiffness than there is.
@@ -259,8 +265,9 @@ fn refuse_unstable(modes: &Modes, stiffness: &SparseMatrix, shift: f64) -> Resul
 /// Relative difference below which two eigenvalues count as one.
 const REPEATED: f64 = 1e-9;
 
-/// Among modes with the same frequency (equal bodies, square plates), takes those that move the contacts apart from those that do not, the strongest first:
-/// any of their combinations is a mode, but only these are limits of nonlinear modes.
+/// Among modes with the same frequency (equal bodies, square plates), takes those that move the contacts apart from
+/// those that do not, the strongest first: any of their combinations is a mode, but only these are limits of nonlinear
+/// modes.
 fn separate_repeated(modes: &mut Modes, directions: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
     let values = &modes.eigenvalues;
     let is_same = |a: f64, b: f64| b - a <= REPEATED * b.abs() || b.abs().max(a.abs()) <= 1e-6 * shift;

@@ -6,7 +6,8 @@ use crate::{OpenModes, ReductionError};
 /// Relative difference up to which two directions are one.
 const SAME: f64 = 1e-12;
 
-/// Residual flexibility that is left beside the other contacts, over the static one, below which nothing is left that could be pressed.
+/// Residual flexibility that is left beside the other contacts, over the static one, below which nothing is left that
+/// could be pressed.
 const RIGID: f64 = 1e-9;
 
 /// The reduced equations as a structure of their own.
@@ -17,8 +18,8 @@ const RIGID: f64 = 1e-9;
 ///     | 0  0 |         |     A⁻¹ Y        A⁻¹   |
 /// ```
 ///
-/// Its contacts are stops of single degrees of freedom without mass, so that whatever takes a structure with massless contact nodes takes this one:
-/// no mass has been moved. Contacts that face each other at one place share a direction.
+/// Its contacts are stops of single degrees of freedom without mass, so that whatever takes a structure with massless
+/// contact nodes takes this one: no mass has been moved. Contacts that face each other at one place share a direction.
 #[derive(Debug, Clone)]
 pub struct ReducedStructure {
     model: StructuralModel,
@@ -34,8 +35,8 @@ impl ReducedStructure {
     /// The structure of these open modes; `places` are the node and the position (m) by which each contact is known.
     ///
     /// # Errors
-    /// [`ReductionError::Dimension`]; [`ReductionError::DependentContact`] if the motion of a contact follows from those of others, or from the retained
-    /// modes alone; [`ReductionError::Model`].
+    /// [`ReductionError::Dimension`]; [`ReductionError::DependentContact`] if the motion of a contact follows from
+    /// those of others, or from the retained modes alone; [`ReductionError::Model`].
     pub fn new(open: &OpenModes, places: &[(usize, f64)]) -> Result<Self, ReductionError> {
         let (c, m) = (open.n_contacts(), open.n_modes());
         if places.len() != c {
@@ -66,7 +67,8 @@ impl ReducedStructure {
         &self.model
     }
 
-    /// Forces along the directions at the coordinates `x = (η, u)`, N: `f = −A⁻¹ (u + Y η)`, and of contacts that share one their difference.
+    /// Forces along the directions at the coordinates `x = (η, u)`, N: `f = −A⁻¹ (u + Y η)`, and of contacts that share
+    /// one their difference.
     pub fn direction_forces(&self, x: &[f64]) -> Vec<f64> {
         let (m, d) = (self.rows.ncols(), self.rows.nrows());
         let free = |i: usize| x[m + i] + (0..m).map(|r| self.rows[(i, r)] * x[r]).sum::<f64>();

@@ -27,8 +27,8 @@ impl Residual {
         Beside { residual: self, shapes, modal_mass: multiply_many(&self.mass, shapes) }
     }
 
-    /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is `Bᵀ K⁻¹ B`. None of a
-    /// floating structure.
+    /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is
+    /// `Bᵀ K⁻¹ B`. None of a floating structure.
     pub fn form(&self, shapes: &Mat<f64>, rows: &Mat<f64>, directions: &SparseMatrix) -> Option<Mat<f64>> {
         let modal_mass = (self.shift == 0.0).then(|| multiply_many(&self.mass, shapes))?;
         Some(self.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
@@ -46,9 +46,9 @@ pub(crate) struct Beside<'a> {
 impl Beside<'_> {
     /// `G P` for the columns of `loads` (n × any).
     ///
-    /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is taken out of the load, not out of the answer, where it would leave the
-    /// rounding of the larger part behind. A floating structure has no `K⁻¹`, but such loads are in balance, and
-    /// `x ← (K + sM)⁻¹ (P + s M x)` converges by `s/(ω² + s)` a time, ω that of the first mode left out.
+    /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is taken out of the load, not out of the answer, where
+    /// it would leave the rounding of the larger part behind. A floating structure has no `K⁻¹`, but such loads are in
+    /// balance, and `x ← (K + sM)⁻¹ (P + s M x)` converges by `s/(ω² + s)` a time, ω that of the first mode left out.
     pub fn answer(&self, mut loads: Mat<f64>) -> Mat<f64> {
         let modal = self.shapes.transpose() * &loads;
         loads -= &self.modal_mass * modal;

@@ -12,7 +12,8 @@ const ALIKE: f64 = 0.8;
 /// Eigenvalues up to this share of the first elastic one are those of rigid-body motions.
 const RIGID: f64 = 1e-6;
 
-/// A motion that moves the contacts by less than this, squared and beside the strongest one, does not move them: modes have eight digits at least.
+/// A motion that moves the contacts by less than this, squared and beside the strongest one, does not move them: modes
+/// have eight digits at least.
 const UNFELT: f64 = 1e-12;
 
 /// A structure at rest against its stops, pressed by interference or by static loads.
@@ -40,7 +41,8 @@ pub struct ClosedModes {
 }
 
 impl ClosedModes {
-    /// The mode of these, in fewer of the same coordinates, that is mode `mode` of `other`; none where it is made of several.
+    /// The mode of these, in fewer of the same coordinates, that is mode `mode` of `other`; none where it is made of
+    /// several.
     fn most_alike(&self, other: &Self, mode: usize) -> Option<usize> {
         let overlap =
             |r: usize| (0..self.eta.nrows()).map(|s| self.eta[(s, r)] * other.eta[(s, mode)]).sum::<f64>().abs();
@@ -55,7 +57,8 @@ impl OpenModes {
         self.residual.shift > 0.0
     }
 
-    /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact feels, `Yᵀ Y` of those modes having no rank for them.
+    /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact
+    /// feels, `Yᵀ Y` of those modes having no rank for them.
     ///
     /// # Errors
     /// [`ReductionError::Linalg`] if the eigenvalues of that matrix are not found.
@@ -82,7 +85,8 @@ impl OpenModes {
     /// A structure that floats rests where it is, if no contact interferes and nothing loads it.
     ///
     /// # Errors
-    /// [`ReductionError::FloatingRest`] for one that floats otherwise; [`ReductionError::Rest`] if the contact problem cannot be solved.
+    /// [`ReductionError::FloatingRest`] for one that floats otherwise; [`ReductionError::Rest`] if the contact problem
+    /// cannot be solved.
     pub fn rest(&self, preload: &[&ModalLoad], solver: &dyn LcpSolver) -> Result<RestState, ReductionError> {
         let (c, m) = (self.n_contacts(), self.n_modes());
         let is_loaded = preload.iter().any(|load| load.modal.iter().chain(&load.gaps).any(|v| *v != 0.0));
@@ -117,11 +121,12 @@ impl OpenModes {
     /// [Ω² + Y_Sᵀ (A + C)_SS⁻¹ Y_S] η = ω² η
     /// ```
     ///
-    /// The structure with its open modes truncated answers stiffly beyond them: the frequencies are too high, and fall with m.
+    /// The structure with its open modes truncated answers stiffly beyond them: the frequencies are too high, and fall
+    /// with m.
     ///
     /// # Errors
-    /// [`ReductionError::Dimension`]; [`ReductionError::Linalg`] if the flexibility of the closed contacts is singular: they share a
-    /// direction, or nothing without mass is left that could be pressed.
+    /// [`ReductionError::Dimension`]; [`ReductionError::Linalg`] if the flexibility of the closed contacts is singular:
+    /// they share a direction, or nothing without mass is left that could be pressed.
     pub fn closed_modes(&self, closed: &[bool]) -> Result<ClosedModes, ReductionError> {
         let (expected, found) = (self.n_contacts(), closed.len());
         if expected != found {
@@ -151,11 +156,14 @@ impl OpenModes {
         Ok(ClosedModes { omega_squared: values.iter().map(|v| v.max(0.0)).collect(), eta })
     }
 
-    /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed` closed, or of the next one that presses
-    /// these: the relative change from m/2 to m modes; zero where there are no other modes. The error of a truncation falls with the first to third power of m, so that what is left is at most about as large as this.
+    /// Estimate of what the truncation does to the frequency of mode `mode` (from 0) with the contacts of `closed`
+    /// closed, or of the next one that presses these: the relative change from m/2 to m modes; zero where there are no
+    /// other modes. The error of a truncation falls with the first to third power of m, so that what is left is at most
+    /// about as large as this.
     ///
     /// # Errors
-    /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do not reach `mode`.
+    /// As [`OpenModes::closed_modes`] and [`OpenModes::truncated`]; [`ReductionError::NoMode`] if half of the modes do
+    /// not reach `mode`.
     pub fn truncation_error(&self, closed: &[bool], mode: usize) -> Result<f64, ReductionError> {
         if self.has_all_modes() {
             return Ok(0.0);

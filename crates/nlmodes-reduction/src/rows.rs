@@ -3,7 +3,8 @@ use nlmodes_linalg::{LinalgError, Mat, SparseMatrix, multiply_many, multiply_tra
 use crate::residual::{blocks, dense_columns};
 use crate::{OpenModes, ReductionError};
 
-/// A load `f` that acts on the structure, as the reduced equations need it: `η̈ + Ω² η = Yᵀ λ + p`, `g = g₀ + Y η + A λ + a`.
+/// A load `f` that acts on the structure, as the reduced equations need it: `η̈ + Ω² η = Yᵀ λ + p`,
+/// `g = g₀ + Y η + A λ + a`.
 ///
 /// `f` may vary in time by a factor; all of this goes with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,8 +18,8 @@ pub struct ModalLoad {
     pub residual: Vec<f64>,
 }
 
-/// Displacements of chosen places, or other linear functionals of `q`, in reduced coordinates: `Lᵀ q = modes · η + forces · λ`, and what
-/// [`ModalLoad::residual`] adds under a load.
+/// Displacements of chosen places, or other linear functionals of `q`, in reduced coordinates:
+/// `Lᵀ q = modes · η + forces · λ`, and what [`ModalLoad::residual`] adds under a load.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ResponseRows {
@@ -62,7 +63,8 @@ impl OpenModes {
 
     /// Rows for the functionals `Lᵀ q`, one column of `functionals` (n × k) each.
     ///
-    /// No n × c matrix arises: `G = K⁻¹ − Φ Ω⁻² Φᵀ` is symmetric, so that either `G L` or `G W` is solved for in blocks, whichever has fewer columns.
+    /// No n × c matrix arises: `G = K⁻¹ − Φ Ω⁻² Φᵀ` is symmetric, so that either `G L` or `G W` is solved for in
+    /// blocks, whichever has fewer columns.
     ///
     /// # Errors
     /// [`ReductionError::Dimension`] if the functionals have another size than the structure.
@@ -92,10 +94,11 @@ impl OpenModes {
         self.rows(&sparse_from_triplets(self.n_dofs(), dofs.len(), &entries).map_err(failed)?)
     }
 
-    /// Displacements (m, one row for each of `dofs`) where the modal coordinates are the columns of `eta` (m × k) and the contact forces those of
-    /// `lambda` (c × k, N): `q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ`.
+    /// Displacements (m, one row for each of `dofs`) where the modal coordinates are the columns of `eta` (m × k) and
+    /// the contact forces those of `lambda` (c × k, N): `q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ`.
     ///
-    /// One solution for each column: for many contacts and places but few instants this takes far less than [`OpenModes::rows_of_dofs`].
+    /// One solution for each column: for many contacts and places but few instants this takes far less than
+    /// [`OpenModes::rows_of_dofs`].
     ///
     /// # Panics
     /// If `eta` and `lambda` have other sizes, or there is no such degree of freedom.

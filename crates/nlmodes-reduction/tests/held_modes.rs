@@ -41,7 +41,8 @@ fn all_modes_together_are_the_statics() {
     }
 }
 
-/// Two equal spans have each frequency twice: of each two modes one moves the node between them, and the other leaves it at rest.
+/// Two equal spans have each frequency twice: of each two modes one moves the node between them, and the other leaves
+/// it at rest.
 #[test]
 fn of_modes_with_one_frequency_only_one_moves_a_contact() {
     for units in STEEL {

@@ -5,7 +5,8 @@ use nlmodes_linalg::{DenseLu, Mat, SparseCholesky, SparseMatrix, add_scaled, spa
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 
-/// A steel rod with stops on both sides of its tip and one at its middle; lengths in units of `metre` metres, masses of `kilogram` kilograms, seconds.
+/// A steel rod with stops on both sides of its tip and one at its middle; lengths in units of `metre` metres, masses of
+/// `kilogram` kilograms, seconds.
 fn rod(elements: usize, start: Support, metre: f64, kilogram: f64) -> StructuralModel {
     let rod = Rod {
         material: Material::new(210e9 * metre / kilogram, 7800.0 * metre.powi(3) / kilogram).unwrap(),
@@ -81,7 +82,8 @@ fn statics_of_contact_forces_are_exact_with_any_number_of_modes() {
 
 #[test]
 fn open_frequencies_are_those_of_the_structure() {
-    // Clamped-free rod of consistent linear elements: λ = 6 (c/h)² (1 − cos θ)/(2 + cos θ), θ = (2r − 1) π/(2 elements).
+    // Clamped-free rod of consistent linear elements: λ = 6 (c/h)² (1 − cos θ)/(2 + cos θ), θ = (2r − 1) π/(2
+    // elements).
     let elements = 40;
     let open = OpenModes::of_model(&rod(elements, Support::Clamped, 1.0, 1.0), ModeCount::Lowest(9)).unwrap();
     let (c2, h) = (210e9 / 7800.0, 2.0 / elements as f64);

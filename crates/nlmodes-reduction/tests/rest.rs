@@ -8,7 +8,8 @@ use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 
 const ELEMENTS: usize = 24;
 
-/// A rod of EA = 3 and mass per length 5 on a length of 2, in units of `metre` and `kilogram`; stops at its tip and middle with these gaps.
+/// A rod of EA = 3 and mass per length 5 on a length of 2, in units of `metre` and `kilogram`; stops at its tip and
+/// middle with these gaps.
 fn rod(start: Support, gaps: [f64; 2], spring: Option<f64>, metre: f64, kilogram: f64) -> StructuralModel {
     let rod = Rod {
         material: Material::new(3.0 * metre / kilogram, 5.0 * metre.powi(3) / kilogram).unwrap(),
@@ -55,7 +56,8 @@ fn a_preload_closes_the_contact_that_it_pushes_against() {
     let solver = solver_by_name("active-set").unwrap();
     let free = open(&rod(Support::Clamped, [0.1, 1.0], None, 1.0, 1.0), 5);
     assert_eq!(free.rest(&[], solver.as_ref()).unwrap().closed, [false, false]);
-    // P = 0.6 at the middle moves everything beyond by P/(EA/1) = 0.2: the tip is stopped at 0.1, which takes λ = 0.1·EA/L.
+    // P = 0.6 at the middle moves everything beyond by P/(EA/1) = 0.2: the tip is stopped at 0.1, which takes λ =
+    // 0.1·EA/L.
     let mut force = vec![0.0; ELEMENTS];
     force[ELEMENTS / 2 - 1] = 0.6;
     let load = free.load(&force).unwrap();
@@ -140,8 +142,8 @@ fn the_estimate_for_two_equal_bodies_is_that_of_one_before_a_wall() {
     assert!(one > 1e-6 && (two / one - 1.0).abs() < 1e-5, "{one:e} {two:e}");
 }
 
-/// Two rods side by side, one a little softer, joined by a spring that ranges from nothing to a hundredth of them: their modes come in pairs of hardly
-/// different frequency, of which one moves the contact hardly at all.
+/// Two rods side by side, one a little softer, joined by a spring that ranges from nothing to a hundredth of them:
+/// their modes come in pairs of hardly different frequency, of which one moves the contact hardly at all.
 #[test]
 fn the_estimate_compares_a_mode_with_itself_however_little_bodies_are_joined() {
     let (model, n) = (rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0), ELEMENTS);

@@ -1,5 +1,5 @@
-//! What every file of results, its columns and arrays mean: the one source of the tables themselves, of what the command line prints and of
-//! the page of the documentation.
+//! What every file of results, its columns and arrays mean: the one source of the tables themselves, of what the
+//! command line prints and of the page of the documentation.
 
 use std::fmt::Write;
 

@@ -35,10 +35,10 @@ type ContactMotion<'a> = dyn Fn(usize, usize) -> Option<Vec<TimeHistory>> + 'a;
 
 /// `report.html`: one page about some branches, to be opened, shown and printed without a network.
 ///
-/// It shows frequency over energy and over modal amplitude and the participation of linear modes, to zoom and to hover; the motion of the structure at a point
-/// that is chosen there; time histories; tables of events, internal resonances and ends; and whatever is added.
-/// Without JavaScript the same figures stand still. All texts are escaped, and a content security policy allows
-/// this page's own script and style alone.
+/// It shows frequency over energy and over modal amplitude and the participation of linear modes, to zoom and to hover;
+/// the motion of the structure at a point that is chosen there; time histories; tables of events, internal resonances
+/// and ends; and whatever is added. Without JavaScript the same figures stand still. All texts are escaped, and a
+/// content security policy allows this page's own script and style alone.
 ///
 /// ```
 /// # use nlmodes_modal::{BranchEnd, ModalBranch};
@@ -114,8 +114,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take for granted. It begins
-    /// with a capital letter, as sentences do.
+    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take
+    /// for granted. It begins with a capital letter, as sentences do.
     pub fn warning(mut self, text: impl Into<String>) -> Self {
         let text = text.into();
         let mut letters = text.chars();
@@ -124,7 +124,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a name, for instance `P1`, for point `point` of the branch number `branch`. The last point that has a name moves first.
+    /// With a name, for instance `P1`, for point `point` of the branch number `branch`. The last point that has a name
+    /// moves first.
     pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
         self.marks.push((branch, point, name.into()));
         self
@@ -144,8 +145,8 @@ impl<'a> HtmlReport<'a> {
 
     /// With the exact motion and the force of each stop's contact; otherwise contacts move by their harmonics.
     ///
-    /// `motion` takes the branch and the point, gives the contacts in the order of the stops, and is asked once for each point that moves on
-    /// the page.
+    /// `motion` takes the branch and the point, gives the contacts in the order of the stops, and is asked once for
+    /// each point that moves on the page.
     pub fn contact_motion(mut self, motion: &'a ContactMotion<'a>) -> Self {
         self.contact_motion = Some(motion);
         self
@@ -175,7 +176,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With the shares of the lowest linear modes in the kinetic energy over the modal amplitude: for each branch, that at each of its points.
+    /// With the shares of the lowest linear modes in the kinetic energy over the modal amplitude: for each branch, that
+    /// at each of its points.
     pub fn participation(mut self, branches: &'a [&'a [Participation]]) -> Self {
         self.participation = branches;
         self
@@ -193,7 +195,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a quantity more for each point of each branch, which stands among its values and can be an axis; the label ends in ` in ` and its unit.
+    /// With a quantity more for each point of each branch, which stands among its values and can be an axis; the label
+    /// ends in ` in ` and its unit.
     ///
     /// Left out where it has not as many values as there are points.
     pub fn quantity(mut self, label: impl Into<String>, values: Vec<Vec<f64>>) -> Self {
@@ -204,8 +207,9 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With the figure that the page is about, in which points are hovered and chosen. Its axes are `frequency`, `energy`, `amplitude` … of the points, or
-    /// `quantity0` and so on, the quantities in their order; without the script `still` stands there.
+    /// With the figure that the page is about, in which points are hovered and chosen. Its axes are `frequency`,
+    /// `energy`, `amplitude` … of the points, or `quantity0` and so on, the quantities in their order; without the
+    /// script `still` stands there.
     pub fn main_figure(mut self, title: impl Into<String>, still: Figure, axes: [&str; 2]) -> Self {
         self.main_figure = Some(MainFigure { title: title.into(), still, axes: axes.map(str::to_owned) });
         self
@@ -265,8 +269,8 @@ impl<'a> HtmlReport<'a> {
     /// Figures that cannot be drawn, because no value is finite, are left out.
     ///
     /// # Errors
-    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist, [`ReportError::SeriesLength`] if a series
-    /// of a time history does not fit its time, or a branch has not as many participations as points.
+    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist, [`ReportError::SeriesLength`] if a
+    /// series of a time history does not fit its time, or a branch has not as many participations as points.
     pub fn render(&self) -> Result<String, ReportError> {
         self.check_marks()?;
         let sections = self.sections()?;

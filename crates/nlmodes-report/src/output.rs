@@ -33,8 +33,8 @@ fn write_all(path: &Path, write: impl FnOnce(&mut Output<BufWriter<File>>) -> io
     file.flush()
 }
 
-/// What fails once and is silent from then on: writers of archives that are dropped behind a failure try to write their end, and would
-/// complain of that on standard error, beside the message of the failure itself.
+/// What fails once and is silent from then on: writers of archives that are dropped behind a failure try to write their
+/// end, and would complain of that on standard error, beside the message of the failure itself.
 pub(crate) struct Output<W> {
     inner: W,
     has_failed: bool,

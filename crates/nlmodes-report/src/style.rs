@@ -29,7 +29,8 @@ impl FigureStyle {
         self.width_mm.map_or(PIXELS, |mm| (PIXELS_PER_MM * mm.clamp(Self::LEAST_MM, Self::MOST_MM)).round())
     }
 
-    /// Height of a panel over that in a drawing of the usual width: narrow figures are flatter, but less so than they are narrow.
+    /// Height of a panel over that in a drawing of the usual width: narrow figures are flatter, but less so than they
+    /// are narrow.
     pub(crate) fn height_share(&self) -> f64 {
         (self.pixels() / PIXELS).sqrt().clamp(0.6, 1.3)
     }

@@ -80,7 +80,8 @@ impl Svg {
         self.push(&format!(r#"<path class="{class}" d="{course}" {join} {stroke}/>"#));
     }
 
-    /// What follows is drawn within this rectangle (left, top, width, height), from whose corner its places count, until [`Svg::end_part`].
+    /// What follows is drawn within this rectangle (left, top, width, height), from whose corner its places count,
+    /// until [`Svg::end_part`].
     pub fn begin_part(&mut self, (left, top, width, height): (f64, f64, f64, f64)) {
         let (x, y, w, h) = (px(left), px(top), px(width), px(height));
         self.push(&format!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}">"#));

@@ -18,7 +18,8 @@ use num_complex::Complex64;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Harmonics from which the first solution comes, those from which exact shooting starts, and those from which errors are taken, up to twice as many.
+/// Harmonics from which the first solution comes, those from which exact shooting starts, and those from which errors
+/// are taken, up to twice as many.
 const FIRST: usize = 5;
 const START: usize = 160;
 const FROM: [usize; 3] = [5, 20, 80];
@@ -65,7 +66,8 @@ fn main() -> Result<()> {
 /// Numbers of harmonics with what they give, and the state of the last at the beginning of its period.
 type Solutions = (Vec<(usize, Quantities)>, Vec<f64>);
 
-/// The solution of largest amplitude with few harmonics, and from it those with more; and the state of the last at the beginning of its period.
+/// The solution of largest amplitude with few harmonics, and from it those with more; and the state of the last at the
+/// beginning of its period.
 fn solutions(case: &Case) -> Result<Solutions> {
     let mut system = build(case, FIRST)?;
     let mut x = highest(&mut system)?;

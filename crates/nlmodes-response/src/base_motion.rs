@@ -10,7 +10,8 @@ pub enum BaseUnit {
     Displacement,
 }
 
-/// A base whose displacement is a `cos Ωt` in one direction, and its acceleration a `−cos Ωt`, whichever of them has the level as its amplitude: a motion lags both alike.
+/// A base whose displacement is a `cos Ωt` in one direction, and its acceleration a `−cos Ωt`, whichever of them has
+/// the level as its amplitude: a motion lags both alike.
 ///
 /// ```text
 /// M q̈ + C q̇ + K q = W λ − (M_LL r_L + M_LB r_B) ü        q relative to the base
@@ -30,8 +31,8 @@ pub struct BaseMotion {
 }
 
 impl BaseMotion {
-    /// For `supported`, of which `free` is the same structure with no support: the rows that supports take away hold `M_LB`. Degrees of freedom
-    /// of the kind `direction` move with the base; those in `massless` have lost their mass.
+    /// For `supported`, of which `free` is the same structure with no support: the rows that supports take away hold
+    /// `M_LB`. Degrees of freedom of the kind `direction` move with the base; those in `massless` have lost their mass.
     ///
     /// Returns `None` where a degree of freedom of `supported` is not one of `free`.
     pub fn of_supports(

@@ -114,7 +114,8 @@ impl CurveEnd {
         }
     }
 
-    /// From the reason of the continuation; `omega` and `limit` are the coordinates of frequency and of level or energy.
+    /// From the reason of the continuation; `omega` and `limit` are the coordinates of frequency and of level or
+    /// energy.
     pub(crate) fn of(stop: &StopReason, omega: usize, unit: f64) -> Self {
         match stop {
             StopReason::Bound { coordinate, value } if *coordinate == omega => Self::Window(value * unit),

@@ -104,7 +104,8 @@ impl Curve<'_> {
                 guess.events.clear();
                 // The level as it was asked for, without the rounding of its logarithm.
                 let point = ResponsePoint { level, ..self.point(&guess)? };
-                // Where the step between is too long for Newton's method, the nearer end stands for it, with its own level.
+                // Where the step between is too long for Newton's method, the nearer end stands for it, with its own
+                // level.
                 let nearer = if share < 0.5 { a } else { b };
                 found.push(if point.residual < CONVERGED { point } else { self.point(nearer)? });
             }
@@ -164,8 +165,8 @@ const HELD: f64 = 0.05;
 /// Residual of a point that was found at a level.
 pub(crate) const CONVERGED: f64 = 1e-8;
 
-/// A point taken from the tolerance of the continuation to rounding, at the same parameter or, next to a fold, across the tangent. Where powers nearly
-/// cancel, that tolerance would be seen in their balance.
+/// A point taken from the tolerance of the continuation to rounding, at the same parameter or, next to a fold, across
+/// the tangent. Where powers nearly cancel, that tolerance would be seen in their balance.
 fn refined(system: &mut PeriodicSystem, point: &BranchPoint) -> Refined {
     let n = system.dim();
     if point.tangent[n].abs() <= HELD {
@@ -182,7 +183,8 @@ fn unsolved(points: &[ResponsePoint]) -> Option<String> {
     (count > 0).then(|| format!("{count} of its points were not solved, with residuals up to {most:.0e}"))
 }
 
-/// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where it does not get there.
+/// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where
+/// it does not get there.
 pub(crate) fn newton(system: &mut PeriodicSystem, x: &[f64], p: f64) -> Option<Vec<f64>> {
     let n = system.dim();
     let (mut x, mut at) = (x.to_vec(), Linearization::new(n));

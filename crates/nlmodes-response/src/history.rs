@@ -39,7 +39,8 @@ const FEWEST: usize = 512;
 const HALVINGS: usize = 50;
 
 impl ResponseModel {
-    /// When which contacts are closed over a period of the motion; `subharmonic` periods of the load are one of the motion.
+    /// When which contacts are closed over a period of the motion; `subharmonic` periods of the load are one of the
+    /// motion.
     ///
     /// # Errors
     /// [`ResponseError::Problem`] where a contact problem has no solution.
@@ -98,7 +99,8 @@ impl ResponseModel {
 }
 
 impl ContactPattern<'_> {
-    /// Ends in phase (rad) of the stretches in which the closed contacts stay the same, one after the other from 0 to 2π.
+    /// Ends in phase (rad) of the stretches in which the closed contacts stay the same, one after the other from 0 to
+    /// 2π.
     pub fn stretches(&self) -> Vec<[f64; 2]> {
         self.stretches.iter().map(|(ends, _)| *ends).collect()
     }

@@ -15,9 +15,9 @@
 //! | motions of twice the period of the load, from period doublings | Ω | | [`branching_responses`] |
 //! | detached curve through a phase resonance | Ω | | [`detached_response`] |
 //!
-//! [`ResponseModel`] puts damping and loads on a structure reduced by `nlmodes-reduction`. Each analysis gives a [`ResponseCurve`]: its motions with
-//! powers, contacts, stability, what was passed, and why it ended. Curves go through folds and corners, and end at the window: no frequency
-//! and no level turns negative. Nothing is printed.
+//! [`ResponseModel`] puts damping and loads on a structure reduced by `nlmodes-reduction`. Each analysis gives a
+//! [`ResponseCurve`]: its motions with powers, contacts, stability, what was passed, and why it ended. Curves go
+//! through folds and corners, and end at the window: no frequency and no level turns negative. Nothing is printed.
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;

@@ -4,8 +4,8 @@ use nlmodes_linalg::DenseLu;
 
 use crate::ResponseError;
 
-/// The linear motion per unit of the parameter of a response over the level, from rest: the unknowns are linear in the level until a contact is
-/// touched.
+/// The linear motion per unit of the parameter of a response over the level, from rest: the unknowns are linear in the
+/// level until a contact is touched.
 pub(crate) fn linear_motion(system: &mut PeriodicSystem) -> Result<Vec<f64>, ResponseError> {
     let n = system.dim();
     let mut at = Linearization::new(n);

@@ -86,7 +86,8 @@ impl Curve<'_> {
     }
 }
 
-/// Names the losses of stability that no fold explains and that were not located, as where multipliers jump at a corner: at the first or last unstable point.
+/// Names the losses of stability that no fold explains and that were not located, as where multipliers jump at a
+/// corner: at the first or last unstable point.
 pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
     let mut last: Option<(usize, Stability)> = None;
     for i in 0..points.len() {

@@ -65,8 +65,9 @@ impl ResponseModel {
         Ok(())
     }
 
-    /// What a dashpot moves at its place beyond the modes: `c wᵀ(K⁻¹ − Φ Ω⁻² Φᵀ)w` (s), times a frequency the share of its own displacement that the equations leave out,
-    /// in which dashpots act on modes alone. At a contact node without mass it stays, however many modes are taken.
+    /// What a dashpot moves at its place beyond the modes: `c wᵀ(K⁻¹ − Φ Ω⁻² Φᵀ)w` (s), times a frequency the share of
+    /// its own displacement that the equations leave out, in which dashpots act on modes alone. At a contact node
+    /// without mass it stays, however many modes are taken.
     ///
     /// # Errors
     /// [`ResponseError::NoSuchDof`], or what the reduction reports.
@@ -86,7 +87,8 @@ impl ResponseModel {
         self.push_force_at(&vec![(dof, 1.0)], amplitude, harmonic, phase)
     }
 
-    /// As [`push_force`](Self::push_force), on several degrees of freedom with weights: in a direction, or between nodes.
+    /// As [`push_force`](Self::push_force), on several degrees of freedom with weights: in a direction, or between
+    /// nodes.
     ///
     /// # Errors
     /// As [`push_force`](Self::push_force).
@@ -131,7 +133,8 @@ impl ResponseModel {
         Ok(())
     }
 
-    /// Adds the motion of the base, with which or past which the stops stand. Displacements are then relative to the base.
+    /// Adds the motion of the base, with which or past which the stops stand. Displacements are then relative to the
+    /// base.
     ///
     /// # Errors
     /// [`ResponseError::Setting`] for sizes that do not agree, or what the reduction reports.
@@ -192,12 +195,14 @@ impl ResponseModel {
         &self.open
     }
 
-    /// Puts a damper (N s/m) beside the spring of an elastic stop: `λ = k p + d ṗ ≥ 0` while it is touched by p, and it is left where that force vanishes. Until
-    /// the next touch the stop comes back to its place by its own spring and damper. Conservative modes leave the damper out.
+    /// Puts a damper (N s/m) beside the spring of an elastic stop: `λ = k p + d ṗ ≥ 0` while it is touched by p, and it
+    /// is left where that force vanishes. Until the next touch the stop comes back to its place by its own spring and
+    /// damper. Conservative modes leave the damper out.
     ///
     /// # Errors
-    /// [`ResponseError::Setting`] for a damper that is not a positive number or stands beside a rigid stop, [`ResponseError::Problem`] where the contact does not
-    /// exist, has a damper already, or has no flexibility of its own: then it has mass, and a damper would make its force jump.
+    /// [`ResponseError::Setting`] for a damper that is not a positive number or stands beside a rigid stop,
+    /// [`ResponseError::Problem`] where the contact does not exist, has a damper already, or has no flexibility of its
+    /// own: then it has mass, and a damper would make its force jump.
     pub fn add_stop_damper(&mut self, contact: usize, damper: f64) -> Result<(), ResponseError> {
         if !(damper.is_finite() && damper > 0.0) {
             let (what, expected) = ("the damper of a stop (N s/m)", "a positive number");

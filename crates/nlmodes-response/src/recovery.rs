@@ -18,7 +18,8 @@ pub struct ForcePower {
 }
 
 impl ForcePower {
-    /// Power-based mode indicator function, active over apparent power; 1 where the forces appropriate a mode in all harmonics, NaN at rest.
+    /// Power-based mode indicator function, active over apparent power; 1 where the forces appropriate a mode in all
+    /// harmonics, NaN at rest.
     pub fn indicator(&self) -> f64 {
         self.active / self.apparent
     }
@@ -53,8 +54,8 @@ impl ResponseModel {
         self.rows(&dofs.iter().map(|&dof| vec![(dof, 1.0)]).collect::<Vec<_>>())
     }
 
-    /// Complex amplitudes of a displacement, harmonic by harmonic of the motion, m, with the static share of the load; `subharmonic` periods of the
-    /// load are one of the motion.
+    /// Complex amplitudes of a displacement, harmonic by harmonic of the motion, m, with the static share of the load;
+    /// `subharmonic` periods of the load are one of the motion.
     pub fn displacement(&self, row: &ResponseRow, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Complex64> {
         let mut q = motion.displacement(row);
         let omega = motion.at.omega * subharmonic as f64;

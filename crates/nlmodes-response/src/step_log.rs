@@ -5,10 +5,11 @@ use std::rc::Rc;
 
 use nlmodes_continuation::{Correction, RunLog, StepRecord};
 
-/// The log to which the steps of curves go, and from which those of an earlier computation are repeated; none by default.
+/// The log to which the steps of curves go, and from which those of an earlier computation are repeated; none by
+/// default.
 ///
-/// Several curves may have one log: they are to be computed in the same order when they are repeated. Equal to its clones, and to any other
-/// that keeps nothing.
+/// Several curves may have one log: they are to be computed in the same order when they are repeated. Equal to its
+/// clones, and to any other that keeps nothing.
 #[derive(Clone, Default)]
 pub struct StepLog(Option<Rc<RefCell<dyn RunLog>>>);
 

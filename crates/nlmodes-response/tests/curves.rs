@@ -77,8 +77,9 @@ fn curves_from_both_ends_of_the_window_meet() {
     }
 }
 
-/// Between its folds, at 0.42 Hz, the structure has a motion before the stop beside that against it: the curve that comes from below ends with the
-/// latter, and that from the upper end begins with the former, whose amplitude is `F/|K − ω²M + 2iζω₁ωM|` with `K = EA/h = 2`, `M = 2ρAh/3 = 1/3`.
+/// Between its folds, at 0.42 Hz, the structure has a motion before the stop beside that against it: the curve that
+/// comes from below ends with the latter, and that from the upper end begins with the former, whose amplitude is
+/// `F/|K − ω²M + 2iζω₁ωM|` with `K = EA/h = 2`, `M = 2ρAh/3 = 1/3`.
 #[test]
 fn where_the_window_ends_between_folds_each_end_shows_its_motion() {
     let model = rod_of_two();
@@ -151,7 +152,8 @@ fn curves_over_the_level_end_at_it_and_never_below_zero() {
 
 #[test]
 fn a_base_that_shakes_a_rod_linearly_gives_the_exact_discrete_response() {
-    // Two elements, mass as it is: (K − ω²M) u = ω² M_full r for the displacement relative to a base with amplitude one.
+    // Two elements, mass as it is: (K − ω²M) u = ω² M_full r for the displacement relative to a base with amplitude
+    // one.
     for (ea, rho_a, length) in [(1.0, 1.0, 1.0), (2e8, 40.0, 3.0)] {
         let gap = 1e3 * length;
         let model = rod(2, ea, rho_a, length, gap, Support::Clamped);

@@ -13,7 +13,8 @@ use nlmodes_response::{
 use nlmodes_timestep::{ForcedMotion, ForcedStructure};
 use num_complex::Complex64;
 
-/// A rod of two elements before an elastic stop, the mass of its tip left out, 1 %, a force at its middle; stop and damper over `EA/L` and `√(EA ρA)`.
+/// A rod of two elements before an elastic stop, the mass of its tip left out, 1 %, a force at its middle; stop and
+/// damper over `EA/L` and `√(EA ρA)`.
 #[derive(Clone, Copy)]
 struct Case {
     ea: f64,

@@ -7,7 +7,8 @@ use nlmodes_model::{Drop, MasslessContactModel, Side};
 use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_response::{Damping, ResponseModel, ResponseSettings, damped_mode};
 
-/// A tube of 1.5 m between two supports, a rigid stop on one side at mid-span, 1 %: lengths in metres, or in millimetres with forces in newtons and masses in tonnes.
+/// A tube of 1.5 m between two supports, a rigid stop on one side at mid-span, 1 %: lengths in metres, or in
+/// millimetres with forces in newtons and masses in tonnes.
 fn tube(unit: f64) -> ResponseModel {
     let length = 1.5 * unit;
     let section = Section::new(1.1215e-4 * unit.powi(2), 4.0842e-9 * unit.powi(4)).unwrap();

@@ -1,4 +1,5 @@
-//! Limits with known answers, in several systems of units: linear responses, damping proportional to the mass, no damping, multipliers, published numbers.
+//! Limits with known answers, in several systems of units: linear responses, damping proportional to the mass, no
+//! damping, multipliers, published numbers.
 
 use std::f64::consts::TAU;
 
@@ -148,7 +149,8 @@ fn without_damping_a_damped_mode_needs_no_power() {
     }
 }
 
-/// Two masses on springs, one before a spring of 100 N/m at 1 m, with a force on the other: an example that comes along with NLvib.
+/// Two masses on springs, one before a spring of 100 N/m at 1 m, with a force on the other: an example that comes along
+/// with NLvib.
 fn two_masses() -> ResponseModel {
     let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)]).unwrap();
     let k = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)]).unwrap();
@@ -180,7 +182,8 @@ fn two_masses_of_a_published_example_have_its_peak_with_63_harmonics() {
     let best =
         (0..curve.points.len()).max_by(|&a, &b| curve.points[a].drive.norm().total_cmp(&curve.points[b].drive.norm()));
     let best = best.unwrap().clamp(1, curve.points.len() - 2);
-    // The same curve in short steps about its highest point: a parabola through three points misses the peak by the fourth power of their distance.
+    // The same curve in short steps about its highest point: a parabola through three points misses the peak by the
+    // fourth power of their distance.
     let near = curve.points[best].omega;
     let settings = ResponseSettings { window: [near - 4e-4, near + 4e-4], ..settings };
     let curve = detached_response(&model, &curve.points[best], &settings).unwrap();
@@ -222,7 +225,8 @@ fn more_controlled_harmonics_bring_the_structure_nearer_to_its_mode() {
         assert!(distances.iter().all(|d| d.is_finite() && *d < 0.5), "{distances:?}");
         assert!(distances[0] > 2.0 * distances[1] && distances[1] > distances[2] * 0.5, "{distances:?}");
         for one in &all {
-            // Each controlled harmonic gets the power that it loses; the motion differs from the mode, and the sum with it.
+            // Each controlled harmonic gets the power that it loses; the motion differs from the mode, and the sum with
+            // it.
             let power = one.power.unwrap();
             let motion = one.motion.as_ref().unwrap();
             assert!((power.active / motion.dissipated_power - 1.0).abs() < 1e-9);

@@ -1,5 +1,5 @@
-//! Limits with known answers for beams and for structures of matrices, each before two stops and in two systems of units: damping proportional to the
-//! mass, no damping, powers, and responses that touch nothing.
+//! Limits with known answers for beams and for structures of matrices, each before two stops and in two systems of
+//! units: damping proportional to the mass, no damping, powers, and responses that touch nothing.
 
 use std::f64::consts::TAU;
 
@@ -42,7 +42,8 @@ impl Units {
     }
 }
 
-/// A structure before two stops, driven at one of its degrees of freedom, with the window of its first mode, Hz, and a force, N, that closes both.
+/// A structure before two stops, driven at one of its degrees of freedom, with the window of its first mode, Hz, and a
+/// force, N, that closes both.
 struct Case {
     name: &'static str,
     open: fn(Units, f64, usize) -> OpenModes,
@@ -75,7 +76,8 @@ fn beam(units: Units, gap: f64, modes: usize) -> OpenModes {
     OpenModes::of_massless(&massless, ModeCount::Lowest(modes)).unwrap()
 }
 
-/// Four masses of 1 to 2.5 kg on springs, each held by the ground too; the stops push along directions between two of them.
+/// Four masses of 1 to 2.5 kg on springs, each held by the ground too; the stops push along directions between two of
+/// them.
 fn matrices(units: Units, gap: f64, modes: usize) -> OpenModes {
     let (kg, stiffness) = (units.kilogram, units.newton_per_metre());
     let mass: Vec<_> = (0..4).map(|i| (i, i, (1.0 + 0.5 * i as f64) * kg)).collect();

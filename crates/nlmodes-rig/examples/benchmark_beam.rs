@@ -4,8 +4,8 @@
 //! cargo run -p nlmodes-rig --example benchmark_beam -- [force] [hard] [noise] [up] [cut=0.1] [R=2 …] LEVEL…
 //! ```
 //!
-//! Ideal force instead of the shaker, hard stop instead of the spring, noise of the sensors, only upwards, cut-off of the detector
-//! over the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
+//! Ideal force instead of the shaker, hard stop instead of the spring, noise of the sensors, only upwards, cut-off of
+//! the detector over the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
 
 #![allow(mixed_script_confusables, dead_code)]
 

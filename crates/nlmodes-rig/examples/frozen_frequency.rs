@@ -1,13 +1,14 @@
-//! Is phase resonance stable without the loop? Periodic responses of the paper's beam to an ideal force, with their Floquet multipliers, and
-//! what becomes of them when the frequency is frozen.
+//! Is phase resonance stable without the loop? Periodic responses of the paper's beam to an ideal force, with their
+//! Floquet multipliers, and what becomes of them when the frequency is frozen.
 //!
 //! ```text
 //! cargo run -p nlmodes-rig --example frozen_frequency -- FORCE…
 //! ```
 //!
-//! At each force and lag the response is the fixed point of the map over one period of the drive, found by Newton's method with the
-//! frequency as an unknown and the lag as an equation, so that folds over the frequency do not matter. The sampling interval is
-//! a whole fraction of the period. A response is stable with the frequency held if all eigenvalues of the map's derivative lie within the unit circle.
+//! At each force and lag the response is the fixed point of the map over one period of the drive, found by Newton's
+//! method with the frequency as an unknown and the lag as an equation, so that folds over the frequency do not matter.
+//! The sampling interval is a whole fraction of the period. A response is stable with the frequency held if all
+//! eigenvalues of the map's derivative lie within the unit circle.
 
 #![allow(mixed_script_confusables, dead_code)]
 

@@ -6,9 +6,9 @@ const DEPTH: u32 = 50;
 
 /// Smallest `τ` in [0, 1] at which `Σ a_i τ^i` becomes negative.
 ///
-/// The polynomial lies between its smallest and largest Bernstein coefficient on the interval, and has at most as many roots there as
-/// these change sign. So nothing is missed, however briefly it dips below zero: intervals are halved until they
-/// have no change (no root) or one (one root, then bisected).
+/// The polynomial lies between its smallest and largest Bernstein coefficient on the interval, and has at most as many
+/// roots there as these change sign. So nothing is missed, however briefly it dips below zero: intervals are halved
+/// until they have no change (no root) or one (one root, then bisected).
 pub(crate) fn first_negative(power: &[f64]) -> Option<f64> {
     let n = power.len() - 1;
     assert!(n <= MOST, "a Taylor series of one step has a fixed, lower order");

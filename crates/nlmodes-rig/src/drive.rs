@@ -37,7 +37,8 @@ impl Drive {
         (2..=MAX_HARMONICS).rev().find(is_there).unwrap_or(1)
     }
 
-    /// Powers of time over the part of the interval from `start` to `end` (shares of it, which is `interval` seconds long).
+    /// Powers of time over the part of the interval from `start` to `end` (shares of it, which is `interval` seconds
+    /// long).
     pub(crate) fn polynomial(&self, start: f64, end: f64, interval: f64) -> Result<Input, RigError> {
         let highest = self.highest();
         let angle = highest as f64 * self.omega * interval * (end - start);

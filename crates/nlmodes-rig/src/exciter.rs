@@ -18,8 +18,8 @@ pub enum Exciter {
 /// f = k_s (x_a − w) + c_s (v_a − ẇ)
 /// ```
 ///
-/// `f` is what a force sensor between stinger and structure measures. A residual flexibility of the drive point acts in series with
-/// the spring of the stinger; its damper spans both.
+/// `f` is what a force sensor between stinger and structure measures. A residual flexibility of the drive point acts in
+/// series with the spring of the stinger; its damper spans both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaker {
     /// Resistance of the coil `R`, Ω.
@@ -41,8 +41,8 @@ pub struct Shaker {
 }
 
 impl Default for Shaker {
-    /// A small shaker of the 50 N class: 2 Ω, 0.15 mH, 9.8 N/A, 60 g on 12 kN/m; and a thin steel stinger of 1 mm by 150 mm
-    /// (EA/l = 1.0e6 N/m). On a structure that hardly moves it gives some 4.7 N/V at low frequency.
+    /// A small shaker of the 50 N class: 2 Ω, 0.15 mH, 9.8 N/A, 60 g on 12 kN/m; and a thin steel stinger of 1 mm by
+    /// 150 mm (EA/l = 1.0e6 N/m). On a structure that hardly moves it gives some 4.7 N/V at low frequency.
     ///
     /// The paper names no shaker; these are typical data of such machines, not those of its experiment.
     fn default() -> Self {

@@ -12,7 +12,8 @@ use crate::{Drive, RigError, VirtualRig};
 
 /// Which harmonics of the force are controlled beyond the first, and what for.
 ///
-/// The law is that of [`ForceAppropriation`]: each gets the power that the damping of the linear modes takes out of the motion.
+/// The law is that of [`ForceAppropriation`]: each gets the power that the damping of the linear modes takes out of the
+/// motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlledHarmonics {
     /// The highest, from 2 on.

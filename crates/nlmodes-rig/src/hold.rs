@@ -117,7 +117,8 @@ impl Hold {
         off.iter().enumerate().skip(1).filter_map(one).collect()
     }
 
-    /// Findings of a record that follows a hold. One window alone is noisier than their mean: three times the lag tolerance.
+    /// Findings of a record that follows a hold. One window alone is noisier than their mean: three times the lag
+    /// tolerance.
     pub(crate) fn judge_record(&self, record: &SteadyState, target: f64) -> Vec<Finding> {
         let (error, spread) = (record.lag - target, record.spread);
         let mut findings = Vec::new();

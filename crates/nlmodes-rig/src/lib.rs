@@ -1,4 +1,5 @@
-//! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule under a phase-locked loop.
+//! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule under a phase-locked
+//! loop.
 //!
 //! It shows what a test would show before there is one, and makes records with known truth for the extraction of modes.
 //!
@@ -9,10 +10,11 @@
 //! f = k_s (x_a − w_ex) + c_s (v_a − ẇ_ex)                                stinger; f is what the force sensor measures
 //! ```
 //!
-//! `A` is the flexibility of the stop, that of a massless contact node, or both; so a rigid stop needs no impact law, see [`Stop`]. The
-//! whole is piecewise linear. Between contact instants it is propagated by the matrix exponential, and the instants are
-//! the roots of a Taylor series that leaves none out: energy is kept to rounding (below 1e-9 in two seconds with a hundred
-//! contacts), and a step too large for that is [refused](RigError::StepTooLarge). The drive is harmonic within a sampling interval.
+//! `A` is the flexibility of the stop, that of a massless contact node, or both; so a rigid stop needs no impact law,
+//! see [`Stop`]. The whole is piecewise linear. Between contact instants it is propagated by the matrix exponential,
+//! and the instants are the roots of a Taylor series that leaves none out: energy is kept to rounding (below 1e-9 in
+//! two seconds with a hundred contacts), and a step too large for that is [refused](RigError::StepTooLarge). The drive
+//! is harmonic within a sampling interval.
 //!
 //! | symbol | meaning | unit | item |
 //! | --- | --- | --- | --- |
@@ -21,10 +23,11 @@
 //! | `g_0`, `λ`, `A` | gap, contact force, flexibility | m, N, m/N | [`Stop`] |
 //! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
 //!
-//! A [`Session`] is a rig with its loop closed; a [`VirtualTest`] goes through a [`Schedule`] of levels, holds each until lag, drift and
-//! periodicity are within tolerance, and gives its [`Record`](nlmodes_experiment::records::Record), as a measured one, with what is still wrong as
-//! [`Finding`]s. The loop of
-//! [`nlmodes_experiment::phase_loop`] sees two noisy channels and nothing of the model. The same seed gives the same records.
+//! A [`Session`] is a rig with its loop closed; a [`VirtualTest`] goes through a [`Schedule`] of levels, holds each
+//! until lag, drift and periodicity are within tolerance, and gives its
+//! [`Record`](nlmodes_experiment::records::Record), as a measured one, with what is still wrong as [`Finding`]s. The
+//! loop of [`nlmodes_experiment::phase_loop`] sees two noisy channels and nothing of the model. The same seed gives the
+//! same records.
 //!
 //! ```
 //! use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
@@ -54,8 +57,8 @@
 //! # Ok::<(), nlmodes_rig::RigError>(())
 //! ```
 //!
-//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
-//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
+//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 mod bernstein;
 mod drive;

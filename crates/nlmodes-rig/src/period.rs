@@ -27,7 +27,8 @@ impl Period {
         mean
     }
 
-    /// Root mean square distance of some periods from their mean, over the size of the mean: the larger of force and response.
+    /// Root mean square distance of some periods from their mean, over the size of the mean: the larger of force and
+    /// response.
     pub(crate) fn spread(periods: &[Self]) -> f64 {
         let mean = Self::mean(periods);
         let size = |z: &[Complex64]| z.iter().map(|z| z.norm_sqr()).sum::<f64>();
@@ -42,8 +43,9 @@ impl Period {
 
 /// Resamples force and response at equal angles of the drive and forms the Fourier coefficients of each period.
 ///
-/// A period is no whole number of samples; by cubic interpolation at equal angles there is no leakage, and one period can be
-/// compared with the next. There are as many points as samples, so that contact's high harmonics are not folded down.
+/// A period is no whole number of samples; by cubic interpolation at equal angles there is no leakage, and one period
+/// can be compared with the next. There are as many points as samples, so that contact's high harmonics are not folded
+/// down.
 #[derive(Debug, Clone)]
 pub(crate) struct PeriodAnalyzer {
     points: usize,

@@ -25,9 +25,9 @@ pub(crate) type Input = [f64; DEGREE + 1];
 
 /// Exact propagation of a piecewise linear system from contact instant to contact instant.
 ///
-/// Between two instants `ẋ = A x + c + b u` is solved by the matrix exponential, with its integrals against the powers of time for
-/// the input. A step in which the contact may open or close is written as a Taylor series, whose first change of sign of the
-/// penetration is isolated and bisected; from there the other system goes on.
+/// Between two instants `ẋ = A x + c + b u` is solved by the matrix exponential, with its integrals against the powers
+/// of time for the input. A step in which the contact may open or close is written as a Taylor series, whose first
+/// change of sign of the penetration is isolated and bisected; from there the other system goes on.
 #[derive(Debug, Clone)]
 pub(crate) struct Propagator {
     step: f64,
@@ -116,7 +116,8 @@ impl Propagator {
         Err(RigError::Chatter { time, most: MOST_SWITCHES })
     }
 
-    /// Where, in the series at hand, the penetration leaves the side on which it is: negative while open, positive while closed.
+    /// Where, in the series at hand, the penetration leaves the side on which it is: negative while open, positive
+    /// while closed.
     fn departure(&self, closed: bool, just_switched: bool) -> Option<f64> {
         let gauge = self.gauge.as_ref()?;
         let sign = if closed { 1.0 } else { -1.0 };
@@ -217,8 +218,8 @@ fn gauge(penetration: &Functional, system: &Exponential) -> [Functional; 3] {
     [penetration.clone(), velocity, acceleration]
 }
 
-/// Whether the contact cannot switch within a step: at both ends it is farther away than velocities and accelerations there
-/// can carry it. A step resolves all modes (`‖A‖ h ≤ 2`), so that these do not hide larger ones between.
+/// Whether the contact cannot switch within a step: at both ends it is farther away than velocities and accelerations
+/// there can carry it. A step resolves all modes (`‖A‖ h ≤ 2`), so that these do not hide larger ones between.
 fn far(gauge: &[Functional; 3], closed: bool, x: &[f64], next: &[f64], u: &Input) -> bool {
     let (at, after) = ([u[0], u[1], 2.0 * u[2]], [u.iter().sum(), 0.0, 0.0]);
     let reach = |x: &[f64], input: &[f64; 3]| 2.0 * gauge[1].value(x, input).abs() + gauge[2].value(x, input).abs();

@@ -9,12 +9,13 @@ use crate::{DrivePoint, RigError};
 /// A component counts as at rest below this share of the largest one of a mode.
 const REST: f64 = 1e-9;
 
-/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the others: [`OpenModes`]
-/// without contacts, of which those are kept in which what is measured moves.
+/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the
+/// others: [`OpenModes`] without contacts, of which those are kept in which what is measured moves.
 ///
-/// A point of the structure is a list of degrees of freedom with weights, `w = Σ weight · q`. Its shape is `φ_k = Σ weight · Φ_k`, its
-/// residual flexibility `pᵀ K⁻¹ p − Σ_k φ_k² / ω_k²` with `p` the weights as a load. With massless contact nodes ([`MasslessContactModel`],
-/// mass `M_R`) the residual at a contact contains the flexibility `1/K_NN` of its node: what a rigid [`Stop`](crate::Stop) needs.
+/// A point of the structure is a list of degrees of freedom with weights, `w = Σ weight · q`. Its shape is
+/// `φ_k = Σ weight · Φ_k`, its residual flexibility `pᵀ K⁻¹ p − Σ_k φ_k² / ω_k²` with `p` the weights as a load. With
+/// massless contact nodes ([`MasslessContactModel`], mass `M_R`) the residual at a contact contains the flexibility
+/// `1/K_NN` of its node: what a rigid [`Stop`](crate::Stop) needs.
 ///
 /// [`MasslessContactModel`]: nlmodes_model::MasslessContactModel
 #[derive(Debug, Clone)]
@@ -29,7 +30,8 @@ impl ModalReduction {
     /// The lowest `count` modes in which degrees of freedom of this kind move.
     ///
     /// # Errors
-    /// [`RigError::Reduction`] or [`RigError::Statics`] if modes or static deflections cannot be computed, [`RigError::TooFewModes`].
+    /// [`RigError::Reduction`] or [`RigError::Statics`] if modes or static deflections cannot be computed,
+    /// [`RigError::TooFewModes`].
     pub fn new(
         mass: &SparseMatrix,
         stiffness: &SparseMatrix,

@@ -33,9 +33,9 @@ pub struct RigSetup {
 
 /// A rig in motion.
 ///
-/// The motion is exact up to rounding between contact instants, which are located to the same accuracy; only a drive of high
-/// frequency is approximated (a polynomial of degree seven a step). Sensors are read at sampling instants; their noise follows from the
-/// seed, channel by channel.
+/// The motion is exact up to rounding between contact instants, which are located to the same accuracy; only a drive of
+/// high frequency is approximated (a polynomial of degree seven a step). Sensors are read at sampling instants; their
+/// noise follows from the seed, channel by channel.
 #[derive(Debug, Clone)]
 pub struct VirtualRig {
     setup: RigSetup,

@@ -118,12 +118,14 @@ impl Session {
         Ok(())
     }
 
-    /// Gives the higher harmonics of the force to a controller, from here on: measures how the force answers to the drive in each of them, with a tone of a
-    /// tenth of the present level, and lets them come up. To be called at a level that is not zero, best below contact.
+    /// Gives the higher harmonics of the force to a controller, from here on: measures how the force answers to the
+    /// drive in each of them, with a tone of a tenth of the present level, and lets them come up. To be called at a
+    /// level that is not zero, best below contact.
     ///
     /// # Errors
-    /// [`RigError::Loop`] for what the controller has against its settings, or a force that does not answer; [`RigError::NoChannel`] and
-    /// [`RigError::ResponseQuantity`] for channels that are no motions; [`RigError::DriveTooFast`]; those of [`Session::ramp`].
+    /// [`RigError::Loop`] for what the controller has against its settings, or a force that does not answer;
+    /// [`RigError::NoChannel`] and [`RigError::ResponseQuantity`] for channels that are no motions;
+    /// [`RigError::DriveTooFast`]; those of [`Session::ramp`].
     pub fn control_harmonics(&mut self, wanted: &ControlledHarmonics) -> Result<(), RigError> {
         let tone = HarmonicControl::TONE * positive("level", self.amplitude.abs())?;
         let tones = [0.0, tone].map(|tone| (1..=wanted.harmonics).map(move |n| if n > 1 { tone } else { 0.0 }.into()));
@@ -150,8 +152,8 @@ impl Session {
         self.harmonics.as_ref().map(|control| &control.state)
     }
 
-    /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, ahead of the cosine in which the fundamental of the response's displacement
-    /// moves; empty where none but the first is controlled.
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, ahead of the cosine in which the
+    /// fundamental of the response's displacement moves; empty where none but the first is controlled.
     pub fn force_harmonics(&self) -> Vec<Complex64> {
         let [_, response] = self.state.fundamentals();
         let ahead = FRAC_PI_2 * f64::from(self.pll.settings().quantity.derivatives());
@@ -231,8 +233,8 @@ impl Session {
         Ok(window.steady_state(self.pll.target_lag()))
     }
 
-    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least). The last
-    /// channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
+    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least).
+    /// The last channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
     ///
     /// # Errors
     /// As [`Session::ramp`].

@@ -4,8 +4,9 @@ use crate::{DrivePoint, Exciter, LinearStructure, Shaker, Stop};
 
 /// `ẋ = A x + c + b u` with the stop open or closed.
 ///
-/// State: `s q_k`, `q̇_k`, and for a shaker `s √m_a x_a`, `√m_a v_a`, `√L i`. The rate `s`, near the highest frequency with the stop
-/// closed, makes all entries comparable and the norm of `A` as small as it can be: the norm decides on the step.
+/// State: `s q_k`, `q̇_k`, and for a shaker `s √m_a x_a`, `√m_a v_a`, `√L i`. The rate `s`, near the highest frequency
+/// with the stop closed, makes all entries comparable and the norm of `A` as small as it can be: the norm decides on
+/// the step.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
     pub(crate) a: Matrix,

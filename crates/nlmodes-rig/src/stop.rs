@@ -6,16 +6,16 @@ use crate::structure::check_shape;
 
 /// A one-sided stop.
 ///
-/// The point of the structure that meets it stands at `w = Σ_k φ_k q_k − side · R λ`, with `λ` the contact force and `R` the residual
-/// flexibility: what the modes that were left out, among them that of a massless contact node, yield statically. So contact is the
-/// quasi-static complementarity problem of eqs. (11) and (13),
+/// The point of the structure that meets it stands at `w = Σ_k φ_k q_k − side · R λ`, with `λ` the contact force and
+/// `R` the residual flexibility: what the modes that were left out, among them that of a massless contact node, yield
+/// statically. So contact is the quasi-static complementarity problem of eqs. (11) and (13),
 ///
 /// ```text
 /// 0 ≤ g_0 − side · Σ_k φ_k q_k + A λ  ⊥  λ ≥ 0 ,     A = R (rigid) ,   A = R + 1/k_c (elastic)
 /// ```
 ///
-/// with the solution `λ = max(0, side · Σ_k φ_k q_k − g_0) / A`. For a finite element model with a massless contact node and all of
-/// its modes, `R = 1/K_NN`.
+/// with the solution `λ = max(0, side · Σ_k φ_k q_k − g_0) / A`. For a finite element model with a massless contact
+/// node and all of its modes, `R = 1/K_NN`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stop {
     /// Position along the structure, m.

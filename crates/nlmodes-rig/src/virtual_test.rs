@@ -50,8 +50,8 @@ pub struct LevelOutcome {
     pub settling: Settling,
     /// Means over the record.
     pub steady: SteadyState,
-    /// Complex amplitudes of the force in the controlled harmonics 1, 2 … at its end, N, ahead of the cosine in which the fundamental of the drive point's
-    /// displacement moves; none where only the fundamental is controlled.
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 … at its end, N, ahead of the cosine in which
+    /// the fundamental of the drive point's displacement moves; none where only the fundamental is controlled.
     pub force_harmonics: Vec<Complex64>,
     /// What is not as it should be: after the hold, or within the record. Empty for a good level.
     pub findings: Vec<Finding>,
@@ -72,8 +72,8 @@ pub struct VirtualTest {
     pub force: usize,
     /// Channel of the response, for the loop.
     pub response: usize,
-    /// Harmonics of the force that are controlled beyond the first; without them the loop turns the fundamental alone, and the others are what the exciter
-    /// makes of them.
+    /// Harmonics of the force that are controlled beyond the first; without them the loop turns the fundamental alone,
+    /// and the others are what the exciter makes of them.
     pub harmonics: Option<ControlledHarmonics>,
     /// The levels.
     pub schedule: Schedule,
@@ -83,7 +83,8 @@ impl VirtualTest {
     /// Whether the test would begin: refuses all that [`run`](Self::run) refuses before its first sample.
     ///
     /// # Errors
-    /// Those of [`Session::new`], [`RigError::DriveTooFast`] at the starting frequency, and unsuitable numbers in the schedule.
+    /// Those of [`Session::new`], [`RigError::DriveTooFast`] at the starting frequency, and unsuitable numbers in the
+    /// schedule.
     pub fn check(&self) -> Result<(), RigError> {
         self.session().map(drop)
     }
@@ -108,8 +109,8 @@ impl VirtualTest {
     /// Runs the schedule. `observe` sees each level as soon as it is recorded.
     ///
     /// # Errors
-    /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come to rest is no
-    /// error: its findings say so.
+    /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come
+    /// to rest is no error: its findings say so.
     pub fn run(&self, mut observe: impl FnMut(&LevelOutcome)) -> Result<Vec<LevelOutcome>, RigError> {
         let told = |level: &LevelOutcome| {
             observe(level);
@@ -118,7 +119,8 @@ impl VirtualTest {
         self.run_while(|| ControlFlow::Continue(()), told)
     }
 
-    /// As [`run`](Self::run), as long as `asked`, many times a level, lets it go on, and up to the level behind which `observe` ends it.
+    /// As [`run`](Self::run), as long as `asked`, many times a level, lets it go on, and up to the level behind which
+    /// `observe` ends it.
     ///
     /// # Errors
     /// As [`run`](Self::run); [`RigError::Interrupted`] where `asked` ended it.

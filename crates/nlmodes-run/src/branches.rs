@@ -43,10 +43,11 @@ use overlaid::Overlaid;
 use sink::{Sink, branch_directory};
 pub(crate) use stops::lines as stop_lines;
 
-/// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the first one names.
+/// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the
+/// first one names.
 ///
-/// Each point is in `branch.csv`, and the step to it in `steps.jsonl`, as soon as it is found. Nothing is written before the first one.
-/// Several methods or numbers of harmonics have a folder each, and common figures beside these.
+/// Each point is in `branch.csv`, and the step to it in `steps.jsonl`, as soon as it is found. Nothing is written
+/// before the first one. Several methods or numbers of harmonics have a folder each, and common figures beside these.
 ///
 /// # Errors
 /// [`RunError`] if there are no results; a branch that ended early is in the outcome.
@@ -193,7 +194,8 @@ fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
     part.scene.files.histories.iter().copied().filter(move |point| *point >= n_points)
 }
 
-/// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if it is reduced by them.
+/// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if
+/// it is reduced by them.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
@@ -213,8 +215,8 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     Ok(open)
 }
 
-/// The branches from their start; where both ways are asked for, the way down first and then, behind its points in reverse order,
-/// the way up.
+/// The branches from their start; where both ways are asked for, the way down first and then, behind its points in
+/// reverse order, the way up.
 fn compute(
     scene: &Scene,
     model: MasslessContactModel,

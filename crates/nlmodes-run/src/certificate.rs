@@ -1,7 +1,8 @@
 //! How far the numbers of a branch were looked at, and which of them not to use.
 //!
-//! A [`Check`] compares: its value is a relative change, its limit what counts as small. A check that was not made says so, and how to have it made; it never counts for or
-//! against a number. From the checks each [`Number`] is judged: to be used, not to be used, or without anything that speaks for it.
+//! A [`Check`] compares: its value is a relative change, its limit what counts as small. A check that was not made says
+//! so, and how to have it made; it never counts for or against a number. From the checks each [`Number`] is judged: to
+//! be used, not to be used, or without anything that speaks for it.
 
 mod contacts;
 mod energy;
@@ -44,7 +45,8 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// What it says, with the name of what it speaks of behind its first word: a sentence, and why each number is to be used or not.
+    /// What it says, with the name of what it speaks of behind its first word: a sentence, and why each number is to be
+    /// used or not.
     pub fn text(&self, name: &str) -> String {
         let number = |number: &NumberUse| {
             let (what, usable) = (number.number.name(), number.usable.name());
@@ -191,7 +193,8 @@ impl Worst {
     }
 }
 
-/// Who is told the name of the check and the point, its number among so many, before each of those that take long; `false` ends them.
+/// Who is told the name of the check and the point, its number among so many, before each of those that take long;
+/// `false` ends them.
 pub type Looking<'a> = &'a mut dyn FnMut(&'static str, usize, [usize; 2]) -> bool;
 
 /// What is said of checks that were broken off.
@@ -243,7 +246,8 @@ impl Certificate {
         Self { verdict, thorough: false, points, points_in_doubt, checks, numbers }
     }
 
-    /// The numbers not to use as a warning at the head of a page, and those of which nothing is known as a line there. `name` is that of the branch among several.
+    /// The numbers not to use as a warning at the head of a page, and those of which nothing is known as a line there.
+    /// `name` is that of the branch among several.
     pub(crate) fn on_the_head<'a>(&self, page: HtmlReport<'a>, name: Option<&str>) -> HtmlReport<'a> {
         let page = match self.not_to_use(name) {
             Some(text) => page.warning(text),

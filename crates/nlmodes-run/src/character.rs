@@ -57,8 +57,8 @@ fn nodes(model: &StructuralModel, shape: &[f64]) -> Option<String> {
     (!numbers.is_empty()).then(|| format!("does not move {word} {}", numbers.join(", ")))
 }
 
-/// For each mode of a model, which of `others`, with another mass of the same degrees of freedom, is the same one: it has the largest
-/// mass-weighted product of shapes.
+/// For each mode of a model, which of `others`, with another mass of the same degrees of freedom, is the same one: it
+/// has the largest mass-weighted product of shapes.
 pub fn same_modes(model: &StructuralModel, modes: &LinearModes, others: &LinearModes) -> Vec<Option<usize>> {
     if modes.shapes.nrows() != others.shapes.nrows() {
         return (0..modes.omega.len()).map(|k| (k < others.omega.len()).then_some(k)).collect();

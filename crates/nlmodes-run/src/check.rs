@@ -26,7 +26,8 @@ impl Observer for Warned<'_> {
     }
 }
 
-/// What the scene of a structure would compute, where a run of it would begin; what a user should know before, goes to the observer.
+/// What the scene of a structure would compute, where a run of it would begin; what a user should know before, goes to
+/// the observer.
 ///
 /// # Errors
 /// [`RunError`] that says why no run would begin.

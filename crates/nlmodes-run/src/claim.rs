@@ -104,7 +104,8 @@ impl Claim {
         self.take().map_err(|source| RunError::Unwritable { directory, source, kept: false })
     }
 
-    /// Takes the directory: removes what an earlier run left and this one may not write again, and says whose results these are.
+    /// Takes the directory: removes what an earlier run left and this one may not write again, and says whose results
+    /// these are.
     ///
     /// # Errors
     /// [`ReportError`] if it cannot be written.

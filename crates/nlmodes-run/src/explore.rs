@@ -17,11 +17,11 @@ const MOST_POINTS: usize = 600;
 /// Instants of a period of the contacts.
 const SAMPLES: usize = 120;
 
-/// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with responses the first
-/// curve of the first one.
+/// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with
+/// responses the first curve of the first one.
 ///
-/// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it; what `structures` know of files is not
-/// read and reduced again.
+/// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it;
+/// what `structures` know of files is not read and reduced again.
 ///
 /// # Errors
 /// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.

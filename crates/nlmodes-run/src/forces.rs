@@ -1,4 +1,5 @@
-//! `appropriation.csv`: forces harmonic by harmonic, of computed appropriation and of tests with several controlled harmonics.
+//! `appropriation.csv`: forces harmonic by harmonic, of computed appropriation and of tests with several controlled
+//! harmonics.
 
 use std::f64::consts::TAU;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! From a checked scene to a directory of results: journal, tables, figures, page.
 //!
-//! Nothing is printed. What there is to tell goes to an [`Observer`] as an [`Event`], and through it a run is asked to end; what came out
-//! is data, and so is what went wrong. Scenes, outcomes and errors are [`Send`]: a run may go on in a thread of its own.
+//! Nothing is printed. What there is to tell goes to an [`Observer`] as an [`Event`], and through it a run is asked to
+//! end; what came out is data, and so is what went wrong. Scenes, outcomes and errors are [`Send`]: a run may go on in
+//! a thread of its own.
 //!
 //! | item | what it does |
 //! | --- | --- |

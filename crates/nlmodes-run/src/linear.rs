@@ -93,7 +93,8 @@ pub fn frequencies(
     })
 }
 
-/// In open modes the stiffness has the squares of frequencies, none of them negative: where it is not definite the structure floats.
+/// In open modes the stiffness has the squares of frequencies, none of them negative: where it is not definite the
+/// structure floats.
 fn floating(scene: &Scene, error: ModelError) -> StructureError {
     match error {
         ModelError::Linalg { source: LinalgError::NotPositiveDefinite { .. }, .. } if scene.is_in_open_modes() => {

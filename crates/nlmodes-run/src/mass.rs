@@ -13,8 +13,8 @@ use crate::{RunError, refusal};
 /// Relative change of the linear frequency from which on a user is told.
 pub const NOTABLE: f64 = 0.005;
 
-/// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below [`NOTABLE`], and where
-/// the frequency is one that was measured: imposed on the mode, or met by parameters.
+/// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below
+/// [`NOTABLE`], and where the frequency is one that was measured: imposed on the mode, or met by parameters.
 pub fn warning(scene: &Scene, open: &OpenLinearModes) -> Option<String> {
     shift(scene, open).and_then(|shift| warning_about(scene, &shift))
 }
@@ -24,7 +24,8 @@ pub(crate) fn warning_about(scene: &Scene, shift: &MassShift) -> Option<String> 
     (shift.relative().abs() >= NOTABLE).then(|| text(scene, shift))
 }
 
-/// What taking the mass away from the contacts does to the mode that is computed; `None` where nothing is taken, or the frequency is one that was measured.
+/// What taking the mass away from the contacts does to the mode that is computed; `None` where nothing is taken, or the
+/// frequency is one that was measured.
 pub(crate) fn shift(scene: &Scene, open: &OpenLinearModes) -> Option<MassShift> {
     let is_imposed = scene.structure.straight().is_some_and(|structure| structure.modes.is_some());
     if is_imposed || scene.updating.is_some() || scene.is_in_open_modes() {

@@ -107,7 +107,8 @@ pub enum Event<'a> {
     CurveDone {
         /// Its name.
         name: &'a str,
-        /// Whether it stands behind the one that was announced: a branch of that, or the curve from the other end of the window.
+        /// Whether it stands behind the one that was announced: a branch of that, or the curve from the other end of
+        /// the window.
         is_further: bool,
         /// Points, and in words why there are no more; or why there are none.
         outcome: Result<(usize, &'a str), &'a str>,
@@ -135,12 +136,14 @@ pub trait Observer {
         false
     }
 
-    /// Whether the certificates of branches are to look at all that can be looked at, not only at what costs next to nothing. Default no.
+    /// Whether the certificates of branches are to look at all that can be looked at, not only at what costs next to
+    /// nothing. Default no.
     fn certifies(&self) -> bool {
         false
     }
 
-    /// Who looks on between points, when branches begin: he is told what is sought, and may end that at once. Default nobody.
+    /// Who looks on between points, when branches begin: he is told what is sought, and may end that at once. Default
+    /// nobody.
     fn watch(&self) -> Watch {
         Watch::default()
     }

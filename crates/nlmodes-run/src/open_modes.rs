@@ -6,7 +6,8 @@ use nlmodes_scene::scene::Scene;
 /// Modes of the table.
 pub(crate) const LISTED: usize = 10;
 
-/// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the participation are made from, solved once.
+/// Linear modes with the contacts open: what the frequencies, the warning of the mass that contacts lose and the
+/// participation are made from, solved once.
 #[derive(Debug, Clone)]
 pub struct OpenLinearModes {
     /// The modes with the mass of the contacts.

@@ -1,4 +1,5 @@
-//! What results say at a frequency or an energy: every passage of every branch and curve there, with what each stop does.
+//! What results say at a frequency or an energy: every passage of every branch and curve there, with what each stop
+//! does.
 
 mod between;
 mod read;
@@ -62,7 +63,8 @@ pub struct Passage {
     pub stable: [Option<bool>; 2],
     /// Events at the points on both sides, as in `branch.csv`.
     pub events: [String; 2],
-    /// Each stop, in the order of the scene; empty where the results have no `contacts.csv`, or that lacks these points.
+    /// Each stop, in the order of the scene; empty where the results have no `contacts.csv`, or that lacks these
+    /// points.
     pub contacts: Vec<StopValues>,
 }
 

@@ -38,7 +38,8 @@ impl Progress {
         self.limits.first.get_or_insert(here);
     }
 
-    /// So many points are there: some were withdrawn, or the branch goes the other way from its start, which is found once more.
+    /// So many points are there: some were withdrawn, or the branch goes the other way from its start, which is found
+    /// once more.
     pub fn set_points(&mut self, points: usize) {
         self.points = points;
     }

@@ -47,7 +47,8 @@ impl RecordOutcome {
     }
 }
 
-/// Reads all records, extracts from each, and writes table, figures and summary. A record that gives no point has a row with the reason.
+/// Reads all records, extracts from each, and writes table, figures and summary. A record that gives no point has a row
+/// with the reason.
 ///
 /// # Errors
 /// [`RunError`]; a file that cannot be read ends it before anything is written.

@@ -1,4 +1,5 @@
-//! The figures of results drawn anew in another width: the steps of the run are repeated, nothing is computed but what figures show.
+//! The figures of results drawn anew in another width: the steps of the run are repeated, nothing is computed but what
+//! figures show.
 
 use std::fs;
 use std::io;
@@ -55,7 +56,8 @@ struct Summary {
     scenes: Vec<Scene>,
 }
 
-/// Draws the figures of the run in `results` into the folder `into`, which is made: so wide in print, mm, and without their titles unless `titled`.
+/// Draws the figures of the run in `results` into the folder `into`, which is made: so wide in print, mm, and without
+/// their titles unless `titled`.
 ///
 /// Curves of responses are computed anew.
 ///

@@ -12,7 +12,8 @@ use nlmodes_scene::{SceneError, SceneFile};
 
 use crate::{RunError, chain};
 
-/// An error of a branch of a structure in open modes: where it floats and its contacts do not hold it, that is the reason.
+/// An error of a branch of a structure in open modes: where it floats and its contacts do not hold it, that is the
+/// reason.
 pub fn of_branch_in(file: &SceneFile, open: Option<&OpenStructure>, error: &BranchError) -> RunError {
     let is_static = matches!(error, BranchError::Hbm(HbmError::Model(ModelError::Linalg { .. })));
     let error = of_branch(file, error);

@@ -81,11 +81,12 @@ pub fn one_method(files: &[SceneFile]) -> Result<&SceneFile, RunError> {
 
 /// Computes the responses of a scene and writes its tables, figures and page.
 ///
-/// Each step is in `steps.jsonl` as soon as it is taken, and a run that goes on repeats those that are there. `branch.csv` is written anew after
-/// each curve; the other files at the end, also of a run that is asked to end.
+/// Each step is in `steps.jsonl` as soon as it is taken, and a run that goes on repeats those that are there.
+/// `branch.csv` is written anew after each curve; the other files at the end, also of a run that is asked to end.
 ///
 /// # Errors
-/// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is in the outcome.
+/// [`RunError`] if the scene cannot be computed or nothing can be written; a curve that ended early or has no start is
+/// in the outcome.
 pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
     let laid = overlaid::read(file, observer)?;
     if file.scene.n_contact_tables() == 0 {

@@ -1,7 +1,9 @@
-//! Tables of text with named columns, as a run writes them and as others do: a row that is damaged is refused with its line.
+//! Tables of text with named columns, as a run writes them and as others do: a row that is damaged is refused with its
+//! line.
 //!
-//! The crate `csv`, which writes tables here, reads the rest of a file as one cell where a quotation mark is not closed, and does not tell a last line without an end: what is cut
-//! would be taken for whole. So lines are read here, one row each.
+//! The crate `csv`, which writes tables here, reads the rest of a file as one cell where a quotation mark is not
+//! closed, and does not tell a last line without an end: what is cut would be taken for whole. So lines are read here,
+//! one row each.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -122,8 +124,8 @@ fn decimal_point(text: &str) -> String {
     }
 }
 
-/// A table that is read row by row. Blank lines and comments, lines that begin with `#`, are left out; cells are separated by commas,
-/// semicolons or tabs, whichever the line with the names has most.
+/// A table that is read row by row. Blank lines and comments, lines that begin with `#`, are left out; cells are
+/// separated by commas, semicolons or tabs, whichever the line with the names has most.
 pub(crate) struct Sheet {
     path: PathBuf,
     lines: Lines,
@@ -251,7 +253,8 @@ impl Lines {
     }
 }
 
-/// The cells of a line; `None` where a quotation mark is not closed. Within quotation marks a doubled one stands for itself.
+/// The cells of a line; `None` where a quotation mark is not closed. Within quotation marks a doubled one stands for
+/// itself.
 fn split(text: &str, separator: char) -> Option<Vec<String>> {
     let (mut cells, mut cell, mut is_quoted) = (Vec::new(), String::new(), false);
     let mut rest = text.chars().peekable();

@@ -24,7 +24,8 @@ pub struct Found {
     pub modes: usize,
     /// What is missing after a period.
     pub verification: Verification,
-    /// The exact motion of the same averaged kinetic energy next to it, unless the structure is too large or the point not even in time.
+    /// The exact motion of the same averaged kinetic energy next to it, unless the structure is too large or the point
+    /// not even in time.
     pub exact: Option<Result<Exact, TimestepError>>,
 }
 

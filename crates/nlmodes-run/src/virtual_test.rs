@@ -38,10 +38,12 @@ pub struct TestOutcome {
     pub wrong: Vec<String>,
 }
 
-/// Runs the test, extracts from the record of each level, and writes table, figures, summary and the records that are to be kept.
+/// Runs the test, extracts from the record of each level, and writes table, figures, summary and the records that are
+/// to be kept.
 ///
-/// A level is in the table, and its record in its file, as soon as it is recorded. One that does not settle is recorded as it is, with what
-/// is wrong with it among its findings, and the outcome says so. A test begins anew, whatever there was of it.
+/// A level is in the table, and its record in its file, as soon as it is recorded. One that does not settle is recorded
+/// as it is, with what is wrong with it among its findings, and the outcome says so. A test begins anew, whatever there
+/// was of it.
 ///
 /// # Errors
 /// [`RunError`] if there is no level, or what was recorded cannot be written.
@@ -87,7 +89,8 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     Ok(TestOutcome { levels, wrong })
 }
 
-/// Whether the test would begin: refuses all that [`run`] refuses before its first sample, with the same words, but for what is in its directory.
+/// Whether the test would begin: refuses all that [`run`] refuses before its first sample, with the same words, but for
+/// what is in its directory.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
@@ -121,7 +124,8 @@ fn claim(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer) -
     Claim::new(&file.scene.output_directory, &file.document, told, over, observer)
 }
 
-/// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not complete.
+/// The backbones that the scene asks for; what is wrong with them is added to the reasons for which the test is not
+/// complete.
 fn backbones(
     scene: &TestScene,
     rig: &Rig,

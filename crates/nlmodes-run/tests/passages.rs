@@ -119,7 +119,8 @@ fn behind_folds_every_passage_is_told() {
     assert!(said.contains("60 Hz is not passed; 81 points lie between 48 Hz and 52 Hz"), "{said}");
 }
 
-/// Straight pieces on both sides of a corner are met exactly only if neither knows of the other, and where a tongue was left out there is nothing.
+/// Straight pieces on both sides of a corner are met exactly only if neither knows of the other, and where a tongue was
+/// left out there is nothing.
 #[test]
 fn nothing_is_interpolated_across_corners_and_gaps() {
     let folder = tempfile::tempdir().unwrap();

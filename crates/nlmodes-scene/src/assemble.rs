@@ -232,8 +232,8 @@ impl Assembly {
     }
 }
 
-/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it; in open modes where the
-/// scene asks for that.
+/// The structure of the scene with its stops, contact mass kept, and with the frequencies that are imposed on it; in
+/// open modes where the scene asks for that.
 ///
 /// # Errors
 /// [`StructureError`].
@@ -286,7 +286,8 @@ pub fn element_model(structure: &scene::Structure, contacts: &[scene::Contact]) 
     Ok(model.with_contacts(contacts)?)
 }
 
-/// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there are none.
+/// The model with the frequencies of `[structure.modes]`, imposed with the mass that `rule` leaves; `None` where there
+/// are none.
 ///
 /// # Errors
 /// [`ModelError`].
@@ -320,7 +321,8 @@ pub fn redistribution(scene: &Scene) -> Option<&'static dyn MassRedistribution> 
     }
 }
 
-/// The model that the method of the scene works on: massless contact nodes, or nodes that carry the springs of their stops.
+/// The model that the method of the scene works on: massless contact nodes, or nodes that carry the springs of their
+/// stops.
 ///
 /// # Errors
 /// [`ModelError`] if the mass cannot be redistributed.

@@ -25,7 +25,8 @@ impl<'a> Diagnostics<'a> {
         self.document
     }
 
-    /// Says which structure of several (from 0) the key `structure` and those below it are about from here on; none where there is one.
+    /// Says which structure of several (from 0) the key `structure` and those below it are about from here on; none
+    /// where there is one.
     pub fn about_structure(&mut self, body: Option<usize>) {
         self.body = body;
     }

@@ -26,8 +26,9 @@ pub struct KeyPlace {
 }
 
 impl Document {
-    /// Takes the tables of the text and applies the overrides `key=value`. Of several methods, `[[method]]`, the one with this number
-    /// is left as the only one, `[method]`. What is wrong goes to `diagnostics`; there is no table if the text is not TOML.
+    /// Takes the tables of the text and applies the overrides `key=value`. Of several methods, `[[method]]`, the one
+    /// with this number is left as the only one, `[method]`. What is wrong goes to `diagnostics`; there is no table if
+    /// the text is not TOML.
     pub(crate) fn new<'a>(
         text: &Text<'a>,
         overrides: &'a [String],

@@ -1,4 +1,5 @@
-//! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that stands in the way of a computation.
+//! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that stands in the way
+//! of a computation.
 
 mod amplitude;
 mod base;
@@ -15,7 +16,8 @@ use crate::assemble::OpenStructure;
 use crate::rule::number;
 use crate::scene::{Matrices, Scene};
 
-/// What a user should know of a structure from files before trusting what comes out, in sentences; none of other structures.
+/// What a user should know of a structure from files before trusting what comes out, in sentences; none of other
+/// structures.
 pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     let (Some(matrices), Some((model, found))) = (scene.structure.matrices(), &open.files) else { return Vec::new() };
     let skin = model.mesh.as_ref().map(Skin::of_solids).unwrap_or_default();

@@ -4,8 +4,8 @@
 //! file + --set  →  document  →  conform to the schema  →  raw tables  →  check  →  Scene
 //! ```
 //!
-//! Each stage reports what it finds and goes on with the rest, so that a user sees every mistake of a scene at once. Nothing is printed
-//! and nothing is written: what there is to say comes back as data with the place that it is about.
+//! Each stage reports what it finds and goes on with the rest, so that a user sees every mistake of a scene at once.
+//! Nothing is printed and nothing is written: what there is to say comes back as data with the place that it is about.
 //!
 //! | item | what it is |
 //! | --- | --- |

@@ -14,7 +14,8 @@ const UNITS: [(&str, f64); 7] =
     [("KiB", 1024.0), ("MiB", 1024.0 * 1024.0), ("GiB", GIB), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
 /// Where the machine does not say what it has.
 const UNKNOWN: f64 = 4.0 * GIB;
-// The figures below come to 1.2 to 1.6 times what was measured: rods of 590 and 20000 elements, a beam of 3000, 300 harmonics.
+// The figures below come to 1.2 to 1.6 times what was measured: rods of 590 and 20000 elements, a beam of 3000, 300
+// harmonics.
 
 /// Share of the machine's memory that a run may take.
 const SHARE: f64 = 0.75;
@@ -40,11 +41,13 @@ const DENSE: [f64; 2] = [600.0, 400.0];
 
 /// Degrees of freedom of a reduced structure, where these are not known yet.
 const REDUCED_DOFS: f64 = 200.0;
-/// Bytes of an entry of a matrix in a text file beside its two indices, in a packed file, and of both matrices in memory.
+/// Bytes of an entry of a matrix in a text file beside its two indices, in a packed file, and of both matrices in
+/// memory.
 const BYTES_OF_A_VALUE: f64 = 23.0;
 const BYTES_OF_A_PACKED_ENTRY: f64 = 8.0;
 const BYTES_OF_A_READ_ENTRY: f64 = 80.0;
-/// Entries in a row of the lower triangle of a stiffness of tetrahedra, and bytes of its factor over the 4/3rd power of its size.
+/// Entries in a row of the lower triangle of a stiffness of tetrahedra, and bytes of its factor over the 4/3rd power of
+/// its size.
 const ENTRIES_OF_A_ROW: f64 = 40.0;
 const FACTOR: f64 = 150.0;
 
@@ -160,15 +163,15 @@ pub(crate) fn of_files(files: &FeFiles) -> f64 {
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
 }
 
-/// Entries of a matrix in a text file of so many bytes: the larger the matrix, the more digits its indices have, on average a tenth of a digit less than the logarithm
-/// of the number of rows.
+/// Entries of a matrix in a text file of so many bytes: the larger the matrix, the more digits its indices have, on
+/// average a tenth of a digit less than the logarithm of the number of rows.
 fn entries_of_text(size: f64) -> f64 {
     let rows = (size / (BYTES_OF_A_VALUE + 10.0) / ENTRIES_OF_A_ROW).max(10.0);
     size / (BYTES_OF_A_VALUE + 2.0 * (rows.log10() - 0.1))
 }
 
-/// What reducing a solid takes on one core of a usual machine: factorisation, modes, and one solution for each contact, after figures of tetrahedra with
-/// 10⁵ to 10⁶ degrees of freedom; thinner structures take less.
+/// What reducing a solid takes on one core of a usual machine: factorisation, modes, and one solution for each contact,
+/// after figures of tetrahedra with 10⁵ to 10⁶ degrees of freedom; thinner structures take less.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// Most memory, bytes.
@@ -205,7 +208,8 @@ pub fn estimate(file: &SceneFile) -> f64 {
     needs.fixed() + needs.point * file.scene.continuation.max_points.min(USUAL_POINTS) as f64
 }
 
-/// Refuses a scene that does not fit, with what is to be said; of the branches of a structure the number of points is lowered to what fits.
+/// Refuses a scene that does not fit, with what is to be said; of the branches of a structure the number of points is
+/// lowered to what fits.
 ///
 /// # Errors
 /// The message at its place in the scene.

@@ -7,7 +7,8 @@ use crate::Diagnostic;
 
 const KEY: &str = "method";
 
-/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take forever.
+/// Most methods of a scene. Each is checked by itself, so that a hostile file with a million headings would take
+/// forever.
 pub const MAX_METHODS: usize = 100;
 
 /// Number of methods of a scene: that of headings `[[method]]`, or 1.

@@ -1,6 +1,7 @@
 //! The known word that a mistyped one was probably meant to be.
 
-/// The word of `known` nearest to `typed`, if it is near enough to be a slip: few edits, or a unit left out or replaced.
+/// The word of `known` nearest to `typed`, if it is near enough to be a slip: few edits, or a unit left out or
+/// replaced.
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let typed = typed.to_lowercase().replace('-', "_");
     let ranked = known.into_iter().map(|word| (rank(&typed, &word.replace('-', "_")), word));

@@ -10,8 +10,8 @@ use toml::de::Deserializer;
 use crate::text::Text;
 use crate::{Diagnostic, Diagnostics, Document, Mark, SceneError, SceneFile, conform, file, schema};
 
-/// Reads a file of kind `what`, as `study`: its tables against the schema of `T`, then `check` makes of them what is wanted, or tells the
-/// diagnostics why not.
+/// Reads a file of kind `what`, as `study`: its tables against the schema of `T`, then `check` makes of them what is
+/// wanted, or tells the diagnostics why not.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong, each at its place.

@@ -1,4 +1,5 @@
-//! What a scene would compute, in a few rows: so that wrong units, places and supports show before anything is computed.
+//! What a scene would compute, in a few rows: so that wrong units, places and supports show before anything is
+//! computed.
 
 mod matrices;
 mod records;
@@ -35,7 +36,8 @@ pub struct Row {
 const WARNED: &str = "The scene can be computed, but see the warning; nothing was computed.";
 
 impl Outline {
-    /// Of a structure; `open` is known of structures in open modes. `warned` says that a warning stands above it which is to be read first.
+    /// Of a structure; `open` is known of structures in open modes. `warned` says that a warning stands above it which
+    /// is to be read first.
     pub fn of_structure(scene: &Scene, open: Option<&crate::assemble::OpenStructure>, warned: bool) -> Self {
         Self { title: scene.title.clone(), rows: structure::rows(scene, open), verdict: verdict(warned) }
     }

@@ -1,9 +1,9 @@
 //! The tables of a scene file as they are written, one struct a table.
 //!
-//! Every field is optional here, whatever the scene demands: what is missing or wrong is reported by the check against the
-//! [schema](crate::schema), all of it at once, and then taken out. The attributes carry that schema: `required`,
-//! limits, `default` and `unit` are read by the check and printed by `nlmodes-cli schema`, and the field's comment becomes its
-//! description in both.
+//! Every field is optional here, whatever the scene demands: what is missing or wrong is reported by the check against
+//! the [schema](crate::schema), all of it at once, and then taken out. The attributes carry that schema: `required`,
+//! limits, `default` and `unit` are read by the check and printed by `nlmodes-cli schema`, and the field's comment
+//! becomes its description in both.
 
 mod continuation;
 mod matrices;
@@ -58,7 +58,8 @@ pub struct RawAnalysis {
     pub force: Option<Vec<RawForce>>,
     /// A base that shakes, in place of forces
     pub base_motion: Option<RawBaseMotion>,
-    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings `[[response]]`
+    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings
+    /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     #[schemars(required)]
@@ -66,13 +67,15 @@ pub struct RawAnalysis {
     /// How far the branch is followed
     #[schemars(required)]
     pub continuation: Option<RawContinuation>,
-    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading `[[overlay]]`
+    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading
+    /// `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawOutput>,
 }
 
-/// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units throughout.
+/// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units
+/// throughout.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene")]
 pub struct RawScene {
@@ -86,7 +89,8 @@ pub struct RawScene {
     pub analysis: RawAnalysis,
 }
 
-/// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them and one-sided stops.
+/// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them
+/// and one-sided stops.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene of several structures")]
 pub struct RawBodiesScene {
@@ -116,10 +120,12 @@ pub struct RawContact {
     /// Clearance at rest; 0 touches, a negative one presses
     #[schemars(required, extend("unit" = "m"))]
     pub gap_m: Option<f64>,
-    /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has `method.contact_stiffness_n_m`
+    /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has
+    /// `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
-    /// Damper beside that stiffness, for responses and damped modes; it only ever pushes, and the stop is left where the force of both vanishes
+    /// Damper beside that stiffness, for responses and damped modes; it only ever pushes, and the stop is left where
+    /// the force of both vanishes
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
     /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file

@@ -12,8 +12,8 @@ use crate::{
     conform, file, planned, raw, scene_file, schema,
 };
 
-/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several methods, `[[method]]`, it
-/// is a scene for each; an override of `method` holds for all of them.
+/// Reads and checks a scene file of a structure, with the overrides `key=value` of the command line. With several
+/// methods, `[[method]]`, it is a scene for each; an override of `method` holds for all of them.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong with any of them, each mistake once.
@@ -78,7 +78,8 @@ pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneE
     Ok(AnyScene::Structure(each_method(first, overrides)?))
 }
 
-/// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the default of the output directory.
+/// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the
+/// default of the output directory.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong.
@@ -86,7 +87,8 @@ pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<SceneFile, 
     one_method(Read::new(&Text::new(name, text), overrides, 0))
 }
 
-/// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the directory of `name`.
+/// Reads and checks the text of a scene of measured records, in the same way; paths of its files count from the
+/// directory of `name`.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong.

@@ -3,7 +3,8 @@
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// Makes a list of a single response, and adds the table `[continuation]` where there is none: responses have limits of their own.
+/// Makes a list of a single response, and adds the table `[continuation]` where there is none: responses have limits of
+/// their own.
 pub fn listed(root: &mut DeTable<'_>) {
     let Some(written) = root.get_mut("response") else { return };
     let place = written.span();

@@ -117,7 +117,8 @@ pub struct Structure {
     /// Mass per length beside that of the section, kg/m.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub added_mass: f64,
-    /// Parts with their own sections and materials, one behind the other from the start; beyond the last one the structure's own go on.
+    /// Parts with their own sections and materials, one behind the other from the start; beyond the last one the
+    /// structure's own go on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub segments: Vec<Segment>,
     /// Elements that are shorter beside some nodes.
@@ -172,8 +173,8 @@ impl Structure {
         }
     }
 
-    /// The same with each element halved, with its parts at the same places; none where they stand at nodes that the finer mesh has elsewhere, as of a
-    /// graded one.
+    /// The same with each element halved, with its parts at the same places; none where they stand at nodes that the
+    /// finer mesh has elsewhere, as of a graded one.
     pub fn with_twice_the_elements(&self) -> Option<Self> {
         let mut finer = Self { elements: 2 * self.elements, ..self.clone() };
         let has_places = !(self.segments.is_empty() && self.mass_points.is_empty() && self.springs.is_empty());

@@ -74,7 +74,8 @@ fn problem(text: &str, message: &str, place: Range<usize>) -> Diagnostic {
     }
 }
 
-/// That a file is something else: no line of it is a heading as `[structure]`, and its first one is no key with a value.
+/// That a file is something else: no line of it is a heading as `[structure]`, and its first one is no key with a
+/// value.
 fn no_scene(text: &str) -> Option<Diagnostic> {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let first = lines.next()?;
@@ -103,7 +104,8 @@ fn no_scene(text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// That a heading has one bracket where others of the same name have two, at the one with one bracket. `at` is in any of them.
+/// That a heading has one bracket where others of the same name have two, at the one with one bracket. `at` is in any
+/// of them.
 fn one_bracket(text: &str, at: usize) -> Option<Diagnostic> {
     let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
     let line = text.get(start..)?.lines().next()?;

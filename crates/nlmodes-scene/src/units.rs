@@ -11,7 +11,8 @@ const UNITS: [(&str, &[(&str, i32)]); 7] = [
     ("_m", &[("m", 0), ("cm", -2), ("mm", -3), ("µm", -6), ("um", -6)]),
 ];
 
-/// What to write for a number with its unit, as `210 GPa` for the key `youngs_modulus_pa`: `210e9`. `None` if it is something else.
+/// What to write for a number with its unit, as `210 GPa` for the key `youngs_modulus_pa`: `210e9`. `None` if it is
+/// something else.
 pub fn converted(key: &str, text: &str) -> Option<String> {
     let (_, units) = UNITS.iter().find(|(end, _)| key.ends_with(end))?;
     let power = |name: &str| units.iter().find(|(unit, _)| *unit == name).map(|(_, power)| *power);

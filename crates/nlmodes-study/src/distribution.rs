@@ -40,7 +40,8 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// The value below which the share `u` of all values lies, `0 < u < 1`: the inverse of the cumulative distribution function.
+    /// The value below which the share `u` of all values lies, `0 < u < 1`: the inverse of the cumulative distribution
+    /// function.
     pub fn quantile(self, u: f64) -> f64 {
         match self {
             Self::Uniform { low, high } => low + u * (high - low),

@@ -53,7 +53,8 @@ impl Evaluator {
         self.ended.store(true, Ordering::Relaxed);
     }
 
-    /// The case with these values, by the names of variables or by keys that `--set` takes; nothing if an end was asked for.
+    /// The case with these values, by the names of variables or by keys that `--set` takes; nothing if an end was asked
+    /// for.
     ///
     /// # Errors
     /// [`StudyError`] if it cannot be written.

@@ -4,9 +4,10 @@
 //! study.toml  →  Study  →  cases  →  cases/<id>/ (a run each)  →  table, statistics, page
 //! ```
 //!
-//! A case is the scene of the study with the values of one point of the design, one method and one number of harmonics. Its name is a hash of the
-//! scene that comes out and of the version of the program: what is there is not computed again, whoever computed it, and what has changed is.
-//! Nothing is printed; progress goes to a [`StudyObserver`], and results are data.
+//! A case is the scene of the study with the values of one point of the design, one method and one number of harmonics.
+//! Its name is a hash of the scene that comes out and of the version of the program: what is there is not computed
+//! again, whoever computed it, and what has changed is. Nothing is printed; progress goes to a [`StudyObserver`], and
+//! results are data.
 //!
 //! | item | what it is |
 //! | --- | --- |

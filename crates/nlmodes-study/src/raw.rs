@@ -42,7 +42,8 @@ pub struct RawDesign {
     /// Of a list: a CSV with a row a case, its header the keys that `--set` takes; a path relative to this file
     #[schemars(length(min = 1))]
     pub file: Option<String>,
-    /// Whether each of `samples` points gets the further ones from which Sobol indices follow: 2 more than there is to vary
+    /// Whether each of `samples` points gets the further ones from which Sobol indices follow: 2 more than there is to
+    /// vary
     #[schemars(extend("default" = false))]
     pub sobol_indices: Option<bool>,
 }
@@ -114,7 +115,8 @@ pub struct RawQuantity {
     /// A column of `branch.csv`, as "frequency_hz", or `energy_ratio`, the averaged kinetic energy over that at grazing
     #[schemars(required, length(min = 1))]
     pub of: Option<String>,
-    /// Where on the branch: { energy_ratio = 2.0 } or { column = value }, "first", "last", "max", "min", or the name of an event
+    /// Where on the branch: { energy_ratio = 2.0 } or { column = value }, "first", "last", "max", "min", or the name of
+    /// an event
     #[schemars(required, schema_with = "any")]
     pub at: Option<Value>,
 }

@@ -27,8 +27,9 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Computes the cases that are not there yet.
 ///
-/// Each case is a directory `cases/<id>` as a plain run makes it, with `case.json` as its last file. A case that fails is one with its reason; the
-/// others go on. A process that is killed loses nothing: what it was at goes on from its last step.
+/// Each case is a directory `cases/<id>` as a plain run makes it, with `case.json` as its last file. A case that fails
+/// is one with its reason; the others go on. A process that is killed loses nothing: what it was at goes on from its
+/// last step.
 ///
 /// # Errors
 /// [`StudyError`], where no case can be computed, or the disk takes no more.

@@ -11,11 +11,11 @@ use crate::evaluate::Evaluator;
 use crate::run::Settings;
 use crate::study::Study;
 
-/// Answers line by line until there are no more, or nobody reads the answers; so many cases at a time as the settings say, in the order in
-/// which they are done.
+/// Answers line by line until there are no more, or nobody reads the answers; so many cases at a time as the settings
+/// say, in the order in which they are done.
 ///
-/// A line is `{"id": …, "set": {"gap_m": 1e-3}}`, or the values alone; names are those of the study's variables, or keys that `--set` takes. Its
-/// answer has `id`, `status`, `reason`, `quantities` and `case`.
+/// A line is `{"id": …, "set": {"gap_m": 1e-3}}`, or the values alone; names are those of the study's variables, or
+/// keys that `--set` takes. Its answer has `id`, `status`, `reason`, `quantities` and `case`.
 ///
 /// # Errors
 /// [`StudyError`] where a case cannot be written, as the next one could not either; what was computed until then stays.

@@ -60,7 +60,8 @@ pub struct Needs {
     pub missing: usize,
 }
 
-/// What a task of so many shards with so many cores needs: time from the cases that are there, memory from the estimate of the first scene.
+/// What a task of so many shards with so many cores needs: time from the cases that are there, memory from the estimate
+/// of the first scene.
 pub fn needs(study: &Study, shards: usize, jobs: usize) -> Needs {
     let store = Store::new(&study.directory);
     let all = cases(study, jobs);
@@ -99,7 +100,8 @@ impl fmt::Display for ArrayJob {
 impl ArrayJob {
     /// The script for `sbatch`.
     ///
-    /// A task that is told to end (its time runs out, its node is wanted) keeps what it has and queues itself again; so does Slurm where a node goes away.
+    /// A task that is told to end (its time runs out, its node is wanted) keeps what it has and queues itself again; so
+    /// does Slurm where a node goes away.
     pub fn script(&self) -> String {
         let Self { name, shards, jobs, .. } = self;
         let last = shards - 1;

@@ -20,7 +20,8 @@ pub enum Keep {
     /// All that a run writes
     #[default]
     All,
-    /// Tables and summary: no coefficients, no participation of modes, and no steps from which it could go on with more points
+    /// Tables and summary: no coefficients, no participation of modes, and no steps from which it could go on with more
+    /// points
     Tables,
 }
 

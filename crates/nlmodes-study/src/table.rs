@@ -1,4 +1,5 @@
-//! Columns of cells, whatever they hold, and the files that they go to. Which columns a study has stands in `collect/table.rs`.
+//! Columns of cells, whatever they hold, and the files that they go to. Which columns a study has stands in
+//! `collect/table.rs`.
 
 mod cells;
 mod csv;

@@ -1,5 +1,5 @@
-//! The oscillator with an elastic stop of Code_Aster's SDND122 over gap and stop stiffness: each frequency, mean, quantiles and Sobol' indices
-//! against the closed form.
+//! The oscillator with an elastic stop of Code_Aster's SDND122 over gap and stop stiffness: each frequency, mean,
+//! quantiles and Sobol' indices against the closed form.
 
 use nlmodes_run::Silent;
 use nlmodes_study::{Collected, Settings, Study, run};

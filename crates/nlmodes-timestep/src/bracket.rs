@@ -1,6 +1,7 @@
 //! A root within a bracket.
 
-/// Where a function that is not negative at `low` falls below zero before `high`: Newton's method kept within the bracket. `evaluate` gives the function and its slope.
+/// Where a function that is not negative at `low` falls below zero before `high`: Newton's method kept within the
+/// bracket. `evaluate` gives the function and its slope.
 pub(crate) fn falls_below_zero(mut evaluate: impl FnMut(f64) -> [f64; 2], mut low: f64, mut high: f64) -> f64 {
     let mut t = 0.5 * (low + high);
     for _ in 0..200 {
@@ -42,7 +43,8 @@ mod tests {
     #[test]
     fn roots_are_found_to_rounding_by_few_evaluations_wherever_they_are() {
         for at in [1e-3, 0.3, 0.5, 0.999] {
-            // A line takes two, one to get there and one to see it, and one more where rounding counts beside a small root; a sine converges with cubes.
+            // A line takes two, one to get there and one to see it, and one more where rounding counts beside a small
+            // root; a sine converges with cubes.
             let (found, asked) = root(|t| [at - t, -1.0], 0.0, 1.0);
             assert!((found - at).abs() <= f64::EPSILON * at && asked <= 3, "{at}: {found}, {asked}");
             let (found, asked) = root(|t| [-(t - at).sin(), -(t - at).cos()], 0.0, 1.0);

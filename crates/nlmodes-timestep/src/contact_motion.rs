@@ -45,7 +45,8 @@ impl Trajectory {
         closed.map(|s| s.phase.force_motion(contact, &s.start).integral(s.to - s.from)).sum::<f64>() + 0.0
     }
 
-    /// Largest speed at which the gap of contact `contact` closes as it is touched, m/s, the beginning taken to follow the end.
+    /// Largest speed at which the gap of contact `contact` closes as it is touched, m/s, the beginning taken to follow
+    /// the end.
     fn approach_velocity(&self, contact: usize) -> f64 {
         let around = self.segments.last().zip(self.segments.first());
         let pairs = self.segments.windows(2).map(|pair| (&pair[0], &pair[1])).chain(around);

@@ -18,18 +18,20 @@ pub const MAX_DOFS: usize = 2000;
 /// Most stretches between contact instants in one trajectory: each keeps its modal coordinates.
 const MAX_SEGMENTS: usize = 100_000;
 
-/// Switchings without progress in time, a contact, after which the contact problem just ahead decides, and after which all is given up.
+/// Switchings without progress in time, a contact, after which the contact problem just ahead decides, and after which
+/// all is given up.
 const PATIENCE: [usize; 2] = [2, 8];
 
-/// A structure with massless contact nodes as an ordinary system, propagated exactly from contact instant to contact instant.
+/// A structure with massless contact nodes as an ordinary system, propagated exactly from contact instant to contact
+/// instant.
 ///
 /// ```text
 /// M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ(q_L) ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
-/// The right-hand side is Lipschitz and linear while the set of closed contacts stays the same: then all is cosines and sines in the
-/// modes of that set, which are computed when it first occurs and kept. Instants are roots of gaps and forces, of which none is missed.
-/// No quantity jumps, nothing is dissipated.
+/// The right-hand side is Lipschitz and linear while the set of closed contacts stays the same: then all is cosines and
+/// sines in the modes of that set, which are computed when it first occurs and kept. Instants are roots of gaps and
+/// forces, of which none is missed. No quantity jumps, nothing is dissipated.
 pub struct ContactDynamics {
     model: MasslessContactModel,
     body: ContactBody,
@@ -49,8 +51,8 @@ impl ContactDynamics {
     /// Takes the structure apart into its modes with all contacts open.
     ///
     /// # Errors
-    /// [`TimestepError::TooLarge`]; [`TimestepError::Model`], [`TimestepError::Contact`] or [`TimestepError::Linalg`] if its matrices are
-    /// not usable.
+    /// [`TimestepError::TooLarge`]; [`TimestepError::Model`], [`TimestepError::Contact`] or [`TimestepError::Linalg`]
+    /// if its matrices are not usable.
     pub fn new(model: MasslessContactModel) -> Result<Self, TimestepError> {
         let found = model.dofs().len();
         if found > MAX_DOFS {
@@ -64,7 +66,8 @@ impl ContactDynamics {
         Ok(Self { model, body, open, phases, workspace, goes_on: Box::new(|| true) })
     }
 
-    /// Asks before each stretch between contact instants whether to go on; where not, what is computed ends with [`TimestepError::Ended`].
+    /// Asks before each stretch between contact instants whether to go on; where not, what is computed ends with
+    /// [`TimestepError::Ended`].
     pub fn asking(self, goes_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self { goes_on: Box::new(goes_on), ..self }
     }
@@ -84,7 +87,8 @@ impl ContactDynamics {
         &self.open.omega
     }
 
-    /// The state with these displacements and velocities of all degrees of freedom; what they say of massless ones does not count.
+    /// The state with these displacements and velocities of all degrees of freedom; what they say of massless ones does
+    /// not count.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -170,8 +174,8 @@ impl ContactDynamics {
     /// The motion from `state` over `duration` (s).
     ///
     /// # Errors
-    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`], [`TimestepError::Ended`], or what the modes of a new set of closed
-    /// contacts report.
+    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`],
+    /// [`TimestepError::Ended`], or what the modes of a new set of closed contacts report.
     pub fn propagate(&mut self, state: &ModalState, duration: f64) -> Result<Trajectory, TimestepError> {
         if !(duration.is_finite() && duration > 0.0) {
             return Err(TimestepError::NotPositive { what: "duration (s)", value: duration });
@@ -228,8 +232,8 @@ impl ContactDynamics {
         self.solve(&free)
     }
 
-    /// The set a moment later, where several contacts are about to change at once: the displacement is smooth up to its second
-    /// derivative.
+    /// The set a moment later, where several contacts are about to change at once: the displacement is smooth up to its
+    /// second derivative.
     fn phase_ahead(&mut self, phase: &Phase, at: &Coordinates) -> Result<Arc<Phase>, TimestepError> {
         let moment = 1e-4 / phase.omega.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
         let (z, v) = phase.leave(at);
@@ -267,7 +271,8 @@ fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<us
         let mut guard = phase.guard(i, start);
         let value = guard.evaluate(0.0)[0];
         if value < 0.0 {
-            // Behind an instant the guard is zero but for rounding; what is more than that is a set that does not belong to this state.
+            // Behind an instant the guard is zero but for rounding; what is more than that is a set that does not
+            // belong to this state.
             if value < -1e-9 * guard.size() {
                 return (0.0, Some(i));
             }

@@ -11,16 +11,18 @@ pub const UNIT_CIRCLE: f64 = 1e-6;
 
 /// Floquet multipliers of a periodic motion.
 ///
-/// A conservative autonomous system has the multiplier +1 twice: a shift along the motion comes back as it is, and a change of energy moves
-/// on to the neighbour in the family, with another period. This pair is not semisimple, and rounding would split it by the square root
-/// of 1e-16. It is therefore taken out exactly: with `f` the direction of the motion and `e` the gradient of the energy, `e · f = 0`, the
-/// monodromy matrix is block triangular in `f`, the complement of both, and `e`; the multipliers given are those of the block between.
+/// A conservative autonomous system has the multiplier +1 twice: a shift along the motion comes back as it is, and a
+/// change of energy moves on to the neighbour in the family, with another period. This pair is not semisimple, and
+/// rounding would split it by the square root of 1e-16. It is therefore taken out exactly: with `f` the direction of
+/// the motion and `e` the gradient of the energy, `e · f = 0`, the monodromy matrix is block triangular in `f`, the
+/// complement of both, and `e`; the multipliers given are those of the block between.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Floquet {
     /// The 2m − 2 multipliers beside the double +1, by falling magnitude.
     pub multipliers: Vec<Complex64>,
-    /// `‖(M − I) f‖ / ‖f‖` in the energy norm: how well the motion comes back along itself; rounding for a periodic one.
+    /// `‖(M − I) f‖ / ‖f‖` in the energy norm: how well the motion comes back along itself; rounding for a periodic
+    /// one.
     pub trivial_defect: f64,
 }
 
@@ -54,7 +56,8 @@ impl Floquet {
         self.multipliers.first().map_or(1.0, |μ| μ.norm())
     }
 
-    /// Whether all multipliers lie on the unit circle but for [`UNIT_CIRCLE`]: no small disturbance grows exponentially.
+    /// Whether all multipliers lie on the unit circle but for [`UNIT_CIRCLE`]: no small disturbance grows
+    /// exponentially.
     pub fn is_stable(&self) -> bool {
         self.largest() <= 1.0 + UNIT_CIRCLE
     }

@@ -1,4 +1,5 @@
-//! Damped structures under periodic loads in time: exact between the instants of contact, and periodic motions by shooting over all their period.
+//! Damped structures under periodic loads in time: exact between the instants of contact, and periodic motions by
+//! shooting over all their period.
 
 mod flow;
 mod motion;
@@ -20,8 +21,9 @@ use crate::TimestepError;
 /// d_i ṡ_i + k_i s_i = λ_i                                             the stops that dissipate, without mass; s_i = 0 for the others
 /// ```
 ///
-/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the flexibility at the contacts with that of elastic stops, `F` the level.
-/// Nothing of it comes from harmonics: these motions are what those of harmonic balance are held against.
+/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the flexibility at the contacts with that of
+/// elastic stops, `F` the level. Nothing of it comes from harmonics: these motions are what those of harmonic balance
+/// are held against.
 #[derive(Debug, Clone)]
 pub struct ForcedStructure {
     omega_squared: Vec<f64>,
@@ -43,10 +45,12 @@ struct ForcedLoad {
 }
 
 impl ForcedStructure {
-    /// From squared open frequencies (m, rad²/s²), `Ĉ` (m × m, 1/s), `Y` (c × m), `A` with the compliance of elastic stops (c × c) and gaps (c, m).
+    /// From squared open frequencies (m, rad²/s²), `Ĉ` (m × m, 1/s), `Y` (c × m), `A` with the compliance of elastic
+    /// stops (c × c) and gaps (c, m).
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`], or [`TimestepError::Contact`] where a stop meets no flexibility.
+    /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`], or [`TimestepError::Contact`] where a stop meets no
+    /// flexibility.
     pub fn new(
         omega_squared: &[f64],
         damping: &Mat<f64>,
@@ -85,7 +89,8 @@ impl ForcedStructure {
         })
     }
 
-    /// Adds a harmonic of the load: modal forces `p` (m, √kg m/s² by a unit of the level) and what it adds to the gaps, `a` (c, m by a unit of the level).
+    /// Adds a harmonic of the load: modal forces `p` (m, √kg m/s² by a unit of the level) and what it adds to the gaps,
+    /// `a` (c, m by a unit of the level).
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -101,7 +106,8 @@ impl ForcedStructure {
         Ok(())
     }
 
-    /// Puts the stop of a contact on a spring (N/m) and a damper (N s/m) beside each other. It comes back to its place while the contact is open.
+    /// Puts the stop of a contact on a spring (N/m) and a damper (N s/m) beside each other. It comes back to its place
+    /// while the contact is open.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`] or [`TimestepError::NotPositive`].
@@ -129,7 +135,8 @@ impl ForcedStructure {
         self.gaps.len()
     }
 
-    /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the stops that dissipate (m).
+    /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the stops that dissipate
+    /// (m).
     pub fn n_states(&self) -> usize {
         2 * self.n_modes() + self.dampers.len()
     }

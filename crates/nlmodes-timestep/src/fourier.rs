@@ -11,7 +11,8 @@ impl Trajectory {
     /// Fourier coefficients of all degrees of freedom, eqs. (7), (14), with the trajectory as one period:
     /// `q_n = (2/T) ∫ q e^{−inωt} dt`, half of that for `n = 0`.
     ///
-    /// The integrals over the stretches between contact instants have closed forms, so that the coefficients are exact however few there are.
+    /// The integrals over the stretches between contact instants have closed forms, so that the coefficients are exact
+    /// however few there are.
     pub fn harmonics(&self, n_harmonics: usize) -> HarmonicCoefficients {
         let n = self.segments.first().map_or(0, |s| s.phase.offset.len());
         let mut all = HarmonicCoefficients::zeros(n, n_harmonics);

@@ -12,9 +12,9 @@ use crate::TimestepError;
 /// 0 ≤ λ ⊥ 𝒜 λ + g₀ ≥ 0                                                                                     eq. (11)
 /// ```
 ///
-/// with `T_n = K_NN⁻¹ K_NL (K_LL − n²ω² M_LL)⁻¹ K_LN`, `c_0 = 1` and `c_n = 2`. Its solutions are those of the sampled method at the
-/// frequency ω. It has `N_t` times the number of contacts as unknowns and is not positive definite, so that it serves to check solutions
-/// of small systems.
+/// with `T_n = K_NN⁻¹ K_NL (K_LL − n²ω² M_LL)⁻¹ K_LN`, `c_0 = 1` and `c_n = 2`. Its solutions are those of the sampled
+/// method at the frequency ω. It has `N_t` times the number of contacts as unknowns and is not positive definite, so
+/// that it serves to check solutions of small systems.
 #[derive(Debug, Clone)]
 pub struct GlobalContactProblem {
     /// `𝒜`, m/N; sample after sample, c × N_t rows and columns.
@@ -27,8 +27,8 @@ impl GlobalContactProblem {
     /// Assembles it from dense factorisations of each harmonic's dynamic stiffness.
     ///
     /// # Errors
-    /// [`TimestepError::Samples`]; [`TimestepError::NotPositive`]; [`TimestepError::Linalg`] where a harmonic meets an eigenfrequency of the
-    /// structure, with the contacts held or open.
+    /// [`TimestepError::Samples`]; [`TimestepError::NotPositive`]; [`TimestepError::Linalg`] where a harmonic meets an
+    /// eigenfrequency of the structure, with the contacts held or open.
     pub fn new(
         model: &MasslessContactModel,
         omega: f64,

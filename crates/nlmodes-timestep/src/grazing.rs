@@ -26,7 +26,8 @@ impl ContactDynamics {
     /// Grazing of the linear mode whose angular frequency is next to `omega` (rad/s).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if it has no frequency, does not move a contact, or a contact touches at rest without force.
+    /// [`TimestepError::NoGrazing`] if it has no frequency, does not move a contact, or a contact touches at rest
+    /// without force.
     pub fn grazing(&mut self, omega: f64) -> Result<GrazingState, TimestepError> {
         let closed = self.closed_at_rest()?;
         let phase = self.phase(&closed)?;

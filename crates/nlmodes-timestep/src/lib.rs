@@ -1,5 +1,6 @@
-//! Exact time integration of structures with massless contact nodes, and what follows from it: a check of computed periodic motions, exact
-//! periodic motions by shooting, free ones and those of damped structures under periodic loads, and their stability. No harmonics are involved.
+//! Exact time integration of structures with massless contact nodes, and what follows from it: a check of computed
+//! periodic motions, exact periodic motions by shooting, free ones and those of damped structures under periodic loads,
+//! and their stability. No harmonics are involved.
 //!
 //! ```text
 //! M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ          (8) in time, with q_N from (13)
@@ -40,13 +41,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Main decision: between contact instants all modes of the structure with that set of closed contacts are propagated as cosines and sines, so
-//! that the only errors are those of rounding; contact instants are roots of guards of which none is missed. That costs dense matrices, and so
-//! [`MAX_DOFS`].
+//! Main decision: between contact instants all modes of the structure with that set of closed contacts are propagated
+//! as cosines and sines, so that the only errors are those of rounding; contact instants are roots of guards of which
+//! none is missed. That costs dense matrices, and so [`MAX_DOFS`].
 //!
-//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal analysis of
-//! nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and multipliers: A. H. Nayfeh, B. Balachandran,
-//! *Applied Nonlinear Dynamics*, Wiley 1995, doi:10.1002/9783527617548.
+//! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
+//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and
+//! multipliers: A. H. Nayfeh, B. Balachandran, *Applied Nonlinear Dynamics*, Wiley 1995, doi:10.1002/9783527617548.
 
 mod bracket;
 mod contact_motion;

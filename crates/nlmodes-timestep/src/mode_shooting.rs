@@ -13,8 +13,8 @@ pub const MAX_SHOOTING_MODES: usize = 200;
 /// Harmonics up to which the energy of a motion is told apart, whatever number is kept of its coefficients.
 const MOST_HARMONICS: usize = 64;
 
-/// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a [`GalerkinReduction`], begun at
-/// grazing. A system for continuation.
+/// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a
+/// [`GalerkinReduction`], begun at grazing. A system for continuation.
 #[derive(Debug)]
 pub struct ModeShooting {
     structure: GalerkinReduction,
@@ -24,8 +24,8 @@ pub struct ModeShooting {
 }
 
 impl ModeShooting {
-    /// The nonlinear mode that begins with the linear mode whose angular frequency is next to `omega` (rad/s); the coefficients
-    /// of its motions are given up to harmonic `harmonics` at least.
+    /// The nonlinear mode that begins with the linear mode whose angular frequency is next to `omega` (rad/s); the
+    /// coefficients of its motions are given up to harmonic `harmonics` at least.
     ///
     /// # Errors
     /// [`TimestepError::TooManyModes`]; what [`ContactDynamics::grazing`](crate::ContactDynamics::grazing) reports.
@@ -70,10 +70,12 @@ impl ModeShooting {
         self.shooting.omega(x)
     }
 
-    /// Unknown vector and parameter of a motion of the full structure that is given by its Fourier coefficients, taken as even in time.
+    /// Unknown vector and parameter of a motion of the full structure that is given by its Fourier coefficients, taken
+    /// as even in time.
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`] if it has other coordinates than the full structure; [`TimestepError::NotPositive`] for its energy.
+    /// [`TimestepError::Dimension`] if it has other coordinates than the full structure; [`TimestepError::NotPositive`]
+    /// for its energy.
     pub fn unknowns(&mut self, motion: &HarmonicCoefficients, omega: f64) -> Result<(Vec<f64>, f64), TimestepError> {
         let displacement: Vec<f64> = (0..motion.n_coordinates()).map(|d| motion.value(d, 0.0)).collect();
         let reduced = self.structure.project(&displacement)?;
@@ -108,8 +110,8 @@ impl ModeShooting {
         Floquet::new(self.shooting.dynamics(), &motion)
     }
 
-    /// Displacements of all degrees of freedom of the full structure at the beginning of the motion with the unknowns `x`, where
-    /// it stands still.
+    /// Displacements of all degrees of freedom of the full structure at the beginning of the motion with the unknowns
+    /// `x`, where it stands still.
     ///
     /// # Errors
     /// What [`ContactDynamics::displacement_and_velocity`](crate::ContactDynamics::displacement_and_velocity) reports.
@@ -121,8 +123,8 @@ impl ModeShooting {
 
     /// The point with the unknowns `x`, as a nonlinear mode with its modal quantities.
     ///
-    /// Its coefficients are exact and go as far as harmonics of the motion can be resonant with a mode, 64 at most and those asked for at
-    /// least; its energies are those of the exact motion, with all harmonics.
+    /// Its coefficients are exact and go as far as harmonics of the motion can be resonant with a mode, 64 at most and
+    /// those asked for at least; its energies are those of the exact motion, with all harmonics.
     ///
     /// # Errors
     /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
@@ -168,8 +170,8 @@ impl ModeShooting {
         self.structure.full().contacts().len()
     }
 
-    /// Motion and force of contact `contact` over one period of the motion with the unknowns `x`, at `samples` equidistant instants
-    /// and the end of the period.
+    /// Motion and force of contact `contact` over one period of the motion with the unknowns `x`, at `samples`
+    /// equidistant instants and the end of the period.
     ///
     /// # Errors
     /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
@@ -204,9 +206,9 @@ impl ModeShooting {
         })
     }
 
-    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the instants of contact: where any of
-    /// them closes or opens stand two instants, a rounding apart, with what is just before and just after; `samples + 1` instants in all, or
-    /// as many more as it takes for 64 equidistant ones.
+    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the instants of
+    /// contact: where any of them closes or opens stand two instants, a rounding apart, with what is just before and
+    /// just after; `samples + 1` instants in all, or as many more as it takes for 64 equidistant ones.
     ///
     /// # Errors
     /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.

@@ -70,10 +70,11 @@ impl Oscillation<'_> {
 
     /// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
     ///
-    /// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`, `|f'''| ≤ G`. A cell
-    /// counts as quiet if that polynomial stays above the difference; if `f` is proven monotone or of one curvature in it, its ends or
-    /// its extremum decide; else it is halved. So no pair of roots is missed, however close, and a graze is decided by the value at
-    /// its extremum. What stays above minus a few roundings of the amplitudes is quiet too: a guard may be zero all the time.
+    /// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`,
+    /// `|f'''| ≤ G`. A cell counts as quiet if that polynomial stays above the difference; if `f` is proven monotone or
+    /// of one curvature in it, its ends or its extremum decide; else it is halved. So no pair of roots is missed,
+    /// however close, and a graze is decided by the value at its extremum. What stays above minus a few roundings of
+    /// the amplitudes is quiet too: a guard may be zero all the time.
     pub fn first_negative(&self, end: f64) -> Option<f64> {
         let (bound, noise) = (self.third_derivative(), 4.0 * f64::EPSILON * self.size());
         if !(bound.is_finite() && noise.is_finite()) {
@@ -106,7 +107,8 @@ impl Oscillation<'_> {
         self
     }
 
-    /// Smallest value in `[0, end]`: samples, eight in the shortest period, then the zero of the slope beside the best one.
+    /// Smallest value in `[0, end]`: samples, eight in the shortest period, then the zero of the slope beside the best
+    /// one.
     pub fn lowest(&self, end: f64) -> f64 {
         let highest = self.omega.last().copied().unwrap_or(0.0);
         let cells = 16 + (8.0 * highest * end / std::f64::consts::TAU).min(1e5) as usize;
@@ -148,7 +150,8 @@ impl Oscillation<'_> {
         }
     }
 
-    /// Where the derivative of the given order changes sign between `from` and `to`: f falls through zero, f' rises through it.
+    /// Where the derivative of the given order changes sign between `from` and `to`: f falls through zero, f' rises
+    /// through it.
     fn root(&self, order: usize, from: f64, to: f64) -> f64 {
         let sign = if order == 0 { 1.0 } else { -1.0 };
         let value_and_slope = |t: f64| {

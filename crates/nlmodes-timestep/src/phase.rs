@@ -12,8 +12,8 @@ use crate::restrained::Restrained;
 /// q = q_s + Φ u ,   ü_k + λ_k u_k = 0 ,   Φᵀ M Φ = I
 /// ```
 ///
-/// Degrees of freedom at closed rigid stops are held at these, springs of closed elastic stops belong to the structure, and massless
-/// degrees of freedom that are free follow statically; `q_s` is the static equilibrium of all that.
+/// Degrees of freedom at closed rigid stops are held at these, springs of closed elastic stops belong to the structure,
+/// and massless degrees of freedom that are free follow statically; `q_s` is the static equilibrium of all that.
 #[derive(Debug, Clone)]
 pub(crate) struct Phase {
     pub closed: Vec<bool>,
@@ -26,7 +26,8 @@ pub(crate) struct Phase {
     pub offset: Vec<f64>,
     /// Strain energy at `q_s`, with that of elastic stops, J.
     pub strain: f64,
-    /// `u = T z − o`, with `z` the modal coordinates of the open structure: `T = Φᵀ M Φ_0`, orthogonal, and `o = Φᵀ M q_s`.
+    /// `u = T z − o`, with `z` the modal coordinates of the open structure: `T = Φᵀ M Φ_0`, orthogonal, and
+    /// `o = Φᵀ M q_s`.
     pub turn: Mat<f64>,
     pub shift: Vec<f64>,
     /// What must not turn negative, m: the gap of an open contact, the force of a closed one times its own compliance.
@@ -167,8 +168,8 @@ impl Phase {
     }
 }
 
-/// Gaps that there would be without contact forces, `y = Wᵀ b + g₀`, over the modal coordinates of a phase: the open structure's massless
-/// nodes follow statically, so that their displacement is `b`.
+/// Gaps that there would be without contact forces, `y = Wᵀ b + g₀`, over the modal coordinates of a phase: the open
+/// structure's massless nodes follow statically, so that their displacement is `b`.
 fn free_gaps(model: &MasslessContactModel, open_shapes: &Mat<f64>, turn: &Mat<f64>, shift: &[f64]) -> Vec<Row> {
     let row = |contact: &nlmodes_model::DofContact| {
         let shape: Vec<f64> =

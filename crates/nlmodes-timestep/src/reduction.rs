@@ -17,10 +17,11 @@ const NOTHING: f64 = 1e-13;
 /// K_NN q_N + K_NL B y = W λ                                                                       massless contacts (13)
 /// ```
 ///
-/// `χ`, one column a contact coordinate, is what the kept modes leave over of the static shapes `Ψ = −K_LL⁻¹ K_LN`, made orthogonal to them.
-/// So the static stiffness is that of the full structure, and its mass up to `ν²`, as in mixed shooting-harmonic balance, while the contacts
-/// stay massless: this is a structure with massless contacts itself. Where all modes are kept it is the full structure. Modes that
-/// leave the contacts at rest (the axial family of a beam under a transverse stop) stay at rest and are left out.
+/// `χ`, one column a contact coordinate, is what the kept modes leave over of the static shapes `Ψ = −K_LL⁻¹ K_LN`,
+/// made orthogonal to them. So the static stiffness is that of the full structure, and its mass up to `ν²`, as in mixed
+/// shooting-harmonic balance, while the contacts stay massless: this is a structure with massless contacts itself.
+/// Where all modes are kept it is the full structure. Modes that leave the contacts at rest (the axial family of a beam
+/// under a transverse stop) stay at rest and are left out.
 #[derive(Debug, Clone)]
 pub struct GalerkinReduction {
     full: MasslessContactModel,
@@ -35,8 +36,8 @@ impl GalerkinReduction {
     /// Keeps the lowest `count` held modes, of these the ones that move a contact, and the static correction.
     ///
     /// # Errors
-    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot be computed;
-    /// [`TimestepError::Linalg`].
+    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot
+    /// be computed; [`TimestepError::Linalg`].
     pub fn new(full: MasslessContactModel, count: usize) -> Result<Self, TimestepError> {
         let n_l = full.linear_dofs().len();
         let held = HeldModes::new(&full, count.min(n_l))?;
@@ -103,8 +104,8 @@ impl GalerkinReduction {
         all
     }
 
-    /// Displacements or velocities of the reduced structure, from those of all degrees of freedom of the full one; those of its contact
-    /// coordinates follow statically and are left at zero.
+    /// Displacements or velocities of the reduced structure, from those of all degrees of freedom of the full one;
+    /// those of its contact coordinates follow statically and are left at zero.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -126,7 +127,8 @@ impl GalerkinReduction {
     }
 }
 
-/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span what the modes `φ` leave over of the static shapes, and their `χᵀ K χ`.
+/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span what the modes `φ` leave over of the static shapes, and their
+/// `χᵀ K χ`.
 fn static_correction(
     full: &MasslessContactModel,
     modes: &Mat<f64>,

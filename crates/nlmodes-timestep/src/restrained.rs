@@ -53,7 +53,8 @@ impl<'m> Restrained<'m> {
 
     /// Static equilibrium of all degrees of freedom.
     ///
-    /// Where a rigid motion is left, the load does no work on it: held degrees of freedom and springs do not move in it.
+    /// Where a rigid motion is left, the load does no work on it: held degrees of freedom and springs do not move in
+    /// it.
     pub fn equilibrium(&self, modes: &LinearModes) -> Result<Vec<f64>, TimestepError> {
         let n = self.model.dofs().len();
         let mut q = vec![0.0; n];

@@ -23,10 +23,10 @@ pub struct ShootingScales {
 /// ln(E_av/E_ref) − p = 0 ,   E_av = (1/T) ∫ ½ żᵀż dt
 /// ```
 ///
-/// Unknowns are the m coordinates `z(0)` at an instant at which the structure stands still, and the frequency; the structure then
-/// runs through the same motion backwards, so that it stands still again after half a period if and only if the motion is periodic.
-/// The parameter is that of mixed shooting-harmonic balance, the logarithm of the averaged kinetic energy. The motion
-/// is exact, and so is the derivative: the monodromy matrix over half a period.
+/// Unknowns are the m coordinates `z(0)` at an instant at which the structure stands still, and the frequency; the
+/// structure then runs through the same motion backwards, so that it stands still again after half a period if and only
+/// if the motion is periodic. The parameter is that of mixed shooting-harmonic balance, the logarithm of the averaged
+/// kinetic energy. The motion is exact, and so is the derivative: the monodromy matrix over half a period.
 ///
 /// Unknown vector: `max(ω_k, ω_ref) z_k / √(2 E_ref)`, then `ω/ω_ref`.
 #[derive(Debug)]
@@ -70,11 +70,13 @@ impl Shooting {
         Ok(Self { dynamics, scales, units, pattern: 0 })
     }
 
-    /// In the scales of linear mode `mode` (from 1) at the amplitude at which it just touches a stop, where the nonlinear mode begins;
-    /// with the unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
+    /// In the scales of linear mode `mode` (from 1) at the amplitude at which it just touches a stop, where the
+    /// nonlinear mode begins; with the unknown vector of that point, whose parameter is zero, and the direction of
+    /// growing amplitude (m + 2).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a stop touches at rest.
+    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a
+    /// stop touches at rest.
     pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
         let (mut dynamics, k) = (dynamics, mode.wrapping_sub(1));
         let Some(&omega) = dynamics.omega().get(k) else {

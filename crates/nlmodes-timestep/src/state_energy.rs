@@ -9,13 +9,15 @@ use num_complex::Complex64;
 use crate::TimestepError;
 use crate::dynamics::contact_body;
 
-/// Energy of single states of a structure whose massless contact coordinates follow the contact law, for any number of degrees of freedom.
+/// Energy of single states of a structure whose massless contact coordinates follow the contact law, for any number of
+/// degrees of freedom.
 ///
 /// ```text
 /// E = ½ q̇_Lᵀ M_LL q̇_L + ½ qᵀ K q + ½ λᵀ C λ ,   q_N = b + K_NN⁻¹ W λ ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
-/// Energies in J, displacements in m, velocities in m/s. No mode is computed, unlike in [`ContactDynamics`](crate::ContactDynamics).
+/// Energies in J, displacements in m, velocities in m/s. No mode is computed, unlike in
+/// [`ContactDynamics`](crate::ContactDynamics).
 pub struct StateEnergy<'m> {
     model: &'m MasslessContactModel,
     k_nn: DenseLu,
@@ -40,12 +42,12 @@ impl<'m> StateEnergy<'m> {
         Ok(Self { model, k_nn, workspace })
     }
 
-    /// Energy at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7); what they say of massless degrees of
-    /// freedom does not count.
+    /// Energy at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7); what they
+    /// say of massless degrees of freedom does not count.
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`] if it has other coordinates than the structure; [`TimestepError::Contact`] if the contact problem has no
-    /// solution there.
+    /// [`TimestepError::Dimension`] if it has other coordinates than the structure; [`TimestepError::Contact`] if the
+    /// contact problem has no solution there.
     pub fn of_harmonics(&mut self, motion: &HarmonicCoefficients, omega: f64, tau: f64) -> Result<f64, TimestepError> {
         let (expected, found) = (self.model.dofs().len(), motion.n_coordinates());
         if expected != found {

@@ -5,8 +5,8 @@ use nlmodes_linalg::Mat;
 use crate::oscillation::cosine_and_sine;
 use crate::phase::{Coordinates, Phase};
 
-/// Displacements and velocities in modal coordinates of the open structure: `q = Φ z` where it is open, with `Φᵀ M Φ = I`, so that m·√kg
-/// and m·√kg/s.
+/// Displacements and velocities in modal coordinates of the open structure: `q = Φ z` where it is open, with
+/// `Φᵀ M Φ = I`, so that m·√kg and m·√kg/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalState {
     /// Coordinates, m.
@@ -105,7 +105,8 @@ impl Trajectory {
     }
 
     /// The derivative of the end state with respect to the first one times `z` and `v` (m × any each): a product of
-    /// exponentials, since nothing jumps at contact instants. `each` sees the derivative at the beginning of each stretch, in the coordinates of its phase.
+    /// exponentials, since nothing jumps at contact instants. `each` sees the derivative at the beginning of each
+    /// stretch, in the coordinates of its phase.
     pub(crate) fn transition(
         &self,
         z: Mat<f64>,

@@ -127,7 +127,8 @@ impl Comparison {
         Errors { frequency, neighbour: l2(tip - 1), tip: l2(tip), returned }
     }
 
-    /// Largest errors among some numbers of harmonics of each octave: single ones oscillate with where the corners fall.
+    /// Largest errors among some numbers of harmonics of each octave: single ones oscillate with where the corners
+    /// fall.
     fn octaves(&self, from: usize, count: usize, each: usize) -> Vec<(f64, Errors)> {
         let octave = |k: usize| {
             let low = from << k;
@@ -153,8 +154,8 @@ fn order(errors: &[(f64, Errors)], of: fn(&Errors) -> f64) -> f64 {
 fn ms_hbm_converges_to_the_exact_motion_of_the_rod_of_ten_elements() {
     let errors = Comparison::new(10, 3.0, 20).octaves(20, 4, 4);
     let orders = [order(&errors, |e| e.frequency), order(&errors, |e| e.neighbour), order(&errors, |e| e.tip)];
-    // The tip's speed jumps, so that its coefficients go like n⁻², and the third derivative of its neighbour, so n⁻⁴; in the L2 norm
-    // half a power less remains of what is left out. The frequency is stationary.
+    // The tip's speed jumps, so that its coefficients go like n⁻², and the third derivative of its neighbour, so n⁻⁴;
+    // in the L2 norm half a power less remains of what is left out. The frequency is stationary.
     assert!((-5.6..-4.4).contains(&orders[0]), "{orders:?}");
     assert!((-3.9..-3.2).contains(&orders[1]), "{orders:?}");
     assert!((-1.8..-1.3).contains(&orders[2]), "{orders:?}");
@@ -179,7 +180,8 @@ fn figures_of_the_rod_of_a_hundred_elements() {
     println!("{} {} {}", order(&errors, |e| e.frequency), order(&errors, |e| e.neighbour), order(&errors, |e| e.tip));
 }
 
-/// Contact forces at the samples from the Fourier coefficients alone: `b = −K_NN⁻¹ K_NL q_L`, and a contact problem each.
+/// Contact forces at the samples from the Fourier coefficients alone: `b = −K_NN⁻¹ K_NL q_L`, and a contact problem
+/// each.
 fn forces_at_samples(model: &MasslessContactModel, point: &ModalPoint, samples: usize) -> Vec<f64> {
     let k_nn = DenseLu::factor(model.k_nn()).unwrap();
     let structure = condensed(model);

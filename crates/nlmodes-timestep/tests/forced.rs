@@ -9,7 +9,8 @@ use num_complex::Complex64;
 /// Units in which the rod of two elements is given: stiffness `EA/L`, mass, length.
 const UNITS: [(f64, f64, f64); 2] = [(1.0, 1.0, 1.0), (4e6, 0.3, 2e-4)];
 
-/// A rod of two elements with `EA = ρA = L = g₀ = 1`, the mass of its tip left out, 1 % of damping, a unit force at its middle; in other units.
+/// A rod of two elements with `EA = ρA = L = g₀ = 1`, the mass of its tip left out, 1 % of damping, a unit force at its
+/// middle; in other units.
 struct Rod {
     stiffness: f64,
     mass: f64,

@@ -58,7 +58,8 @@ fn structures() -> Vec<(&'static str, MasslessContactModel, f64)> {
     ]
 }
 
-/// Let go from rest in the first mode, with a touch of others; and some ten of its periods, of the beam, which rattles, a third of one.
+/// Let go from rest in the first mode, with a touch of others; and some ten of its periods, of the beam, which rattles,
+/// a third of one.
 fn let_go(model: &MasslessContactModel, tip: f64) -> (ContactDynamics, ModalState, f64) {
     let modes = linear_modes(model.mass(), model.stiffness(), usize::MAX).unwrap();
     let last = model.contacts()[0].dof;
@@ -236,7 +237,8 @@ fn the_motion_is_that_of_small_steps_of_runge_and_kutta() {
 
 #[test]
 fn derivatives_of_the_shooting_equations_are_those_by_differences() {
-    // The beam before its three stops is replaced by that before one: a step that differences of a rattling motion stand is below rounding.
+    // The beam before its three stops is replaced by that before one: a step that differences of a rattling motion
+    // stand is below rounding.
     let stop = Stop::rigid(0.62975520, Direction::Transverse, Side::Positive, 1e-3);
     let one_stop = ("beam", massless(&beam(5, &[stop])), -4e-3);
     for (name, model, tip) in structures().into_iter().take(6).chain([one_stop]) {
@@ -247,7 +249,8 @@ fn derivatives_of_the_shooting_equations_are_those_by_differences() {
         let energy = 0.5 * state.z.iter().zip(dynamics.omega()).map(|(z, ω)| (ω * z).powi(2)).sum::<f64>();
         let mut shooting = Shooting::new(dynamics, ShootingScales { omega, energy }).unwrap();
         let x = shooting.unknowns(&state, factor * omega);
-        // Third derivatives grow with the ratio of frequencies; the beam's highest is some ten thousand times its lowest.
+        // Third derivatives grow with the ratio of frequencies; the beam's highest is some ten thousand times its
+        // lowest.
         let (step, tolerance) = if name.starts_with("beam") { (1e-8, 1e-4) } else { (1e-6, 1e-6) };
         let defect = jacobian_defect(&mut shooting, &x, 0.1, step).unwrap();
         assert!(defect < tolerance, "{name}: {defect:e}");

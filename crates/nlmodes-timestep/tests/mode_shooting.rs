@@ -92,8 +92,8 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
         let t = duration * f64::from(j) / 40.0;
         let (a, b) = (long.at(t), reduced.expand(&short.at(t).displacement));
         let gap = (0..b.len()).filter(translation).map(|d| (a.displacement[d] - b[d]).abs()).fold(0.0, f64::max);
-        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so that seven of its digits are left in
-        // double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
+        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so that seven of its
+        // digits are left in double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
         assert!(gap < 4e-9, "at {t}: {gap:e} m beside a gap of 1e-3 m");
         assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-5 * long.peak_force(0));
     }
@@ -216,7 +216,8 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
                     let (h, (q, v, force)) = (1e-6, whole(t));
                     assert!((history.displacement[j] - q).abs() < 1e-9, "{i} {t}: {} {q}", history.displacement[j]);
                     assert!((history.force[j] - force).abs() < 1e-8, "{i} {t}: {} {force}", history.force[j]);
-                    // Velocities of massless nodes jump where a contact changes, and differences must not reach over that.
+                    // Velocities of massless nodes jump where a contact changes, and differences must not reach over
+                    // that.
                     let far = |instant: f64| (t - instant).abs() > 1e-5;
                     let within = exact.iter().flat_map(|h| &h.instants).all(|instant| far(instant.time));
                     if within && far(0.0) && far(trajectory.duration()) {

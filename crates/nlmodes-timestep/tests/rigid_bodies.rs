@@ -35,8 +35,8 @@ impl Body {
     }
 }
 
-/// Free, the body does not bend and flies on. From the instant at which the tip touches at speed V on, the indentation `2 q₂ − q₁ − g` is
-/// `V/ω sin ωt` and the force `k V/ω sin ωt`; half a period later the tip leaves at speed V.
+/// Free, the body does not bend and flies on. From the instant at which the tip touches at speed V on, the indentation
+/// `2 q₂ − q₁ − g` is `V/ω sin ωt` and the force `k V/ω sin ωt`; half a period later the tip leaves at speed V.
 #[test]
 fn a_free_body_rebounds_from_a_stop_as_in_the_closed_form() {
     let soft = ContactLaw::Elastic { stiffness: 7.0 };

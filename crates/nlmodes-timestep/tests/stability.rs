@@ -60,7 +60,8 @@ fn disturbances_of_a_stable_motion_grow_no_faster_than_time() {
         let floquet = Floquet::new(shooting.dynamics(), motion).unwrap();
         if floquet.is_stable() && floquet.largest() < 1.0 + 1e-9 {
             let found = distances(&mut shooting, motion, 400);
-            // A disturbance changes the energy and with it the period: it drifts away along the motion, linearly in time.
+            // A disturbance changes the energy and with it the period: it drifts away along the motion, linearly in
+            // time.
             assert!(found[399] < 8.0 * found[99], "{:e} and {:e} at {}", found[99], found[399], motion.omega);
             tested += 1;
         }

@@ -1,5 +1,5 @@
-//! The rod of three elements in units `EA = ρA = L = g₀ = 1`, consistent mass, that of the tip dropped; its branch by shooting, from
-//! grazing on.
+//! The rod of three elements in units `EA = ρA = L = g₀ = 1`, consistent mass, that of the tip dropped; its branch by
+//! shooting, from grazing on.
 
 mod support;
 
@@ -30,7 +30,8 @@ fn energies_at_a_frequency_are_those_known_from_elsewhere() {
     let last = branch.points.last().unwrap();
     let motion = shooting.motion(&last.x).unwrap();
     assert!((motion.omega / TAU / 0.34155 - 1.0).abs() < 1e-14);
-    // From another program. The frequency is given with its last digit exact; energies rise by 55 times its relative change.
+    // From another program. The frequency is given with its last digit exact; energies rise by 55 times its relative
+    // change.
     assert!((motion.total_energy / 1.630_176_961_523_382 - 1.0).abs() < 1e-12, "{}", motion.total_energy);
     assert!((motion.kinetic_energy / 0.842_186_695_352_613 - 1.0).abs() < 1e-12, "{}", motion.kinetic_energy);
     assert_eq!(motion.trajectory.closed_intervals().len(), 2);

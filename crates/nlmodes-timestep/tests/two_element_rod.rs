@@ -1,4 +1,5 @@
-//! A rod of two elements in front of a stop, its tip massless: one degree of freedom with mass, and a motion in closed form.
+//! A rod of two elements in front of a stop, its tip massless: one degree of freedom with mass, and a motion in closed
+//! form.
 
 mod support;
 

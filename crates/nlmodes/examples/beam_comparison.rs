@@ -1,6 +1,8 @@
-//! The beam of Section 4 by MS-HBM, with a rigid stop and with an elastic one, and by conventional HBM: what Section 5.2 says in numbers.
+//! The beam of Section 4 by MS-HBM, with a rigid stop and with an elastic one, and by conventional HBM: what Section
+//! 5.2 says in numbers.
 //!
-//! `cargo run --release --example beam_comparison -- FOLDER` prints the tables of `benchmarks/results/beam_comparison.md` and writes its figures.
+//! `cargo run --release --example beam_comparison -- FOLDER` prints the tables of
+//! `benchmarks/results/beam_comparison.md` and writes its figures.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -109,7 +111,8 @@ fn displacement_difference(one: &TimeHistory, other: &TimeHistory) -> f64 {
     pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / size
 }
 
-/// Participation of the first two linear modes in a point, eq. (30), of harmonics 1 to `last`; the motion is even in time and needs no shift.
+/// Participation of the first two linear modes in a point, eq. (30), of harmonics 1 to `last`; the motion is even in
+/// time and needs no shift.
 fn participation(branch: &ComputedBranch, point: &ModalPoint, last: usize) -> Outcome<Vec<f64>> {
     let model = branch.structure.model();
     let modes = linear_modes(model.mass(), model.stiffness(), 2)?;

@@ -6,9 +6,10 @@
 //! M q̈ + K q = W λ ,   0 ≤ g ⊥ λ ≥ 0 ,   g = Wᵀ q + g₀                                   eqs. (4), (5)
 //! ```
 //!
-//! Its nonlinear modes are the families of periodic solutions. This crate computes them without any contact parameter: the
-//! contact nodes are made massless, so that contact is a static complementarity problem at each instant, while the rest of
-//! the structure moves in a few harmonics (mixed shooting-harmonic balance). It wires the crates that do one thing each:
+//! Its nonlinear modes are the families of periodic solutions. This crate computes them without any contact parameter:
+//! the contact nodes are made massless, so that contact is a static complementarity problem at each instant, while the
+//! rest of the structure moves in a few harmonics (mixed shooting-harmonic balance). It wires the crates that do one
+//! thing each:
 //!
 //! | crate | what |
 //! | --- | --- |
@@ -49,8 +50,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
-//! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
+//! Equation numbers are those of S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear
+//! modal analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 pub mod branches;
 pub mod updating;

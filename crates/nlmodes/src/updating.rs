@@ -75,7 +75,8 @@ pub enum UpdatingError<E: Error + 'static> {
     Model(#[source] E),
 }
 
-/// Step of the logarithms of the parameters in central differences: rounding of the frequencies and curvature are equally small.
+/// Step of the logarithms of the parameters in central differences: rounding of the frequencies and curvature are
+/// equally small.
 const DIFFERENCE: f64 = 1e-4;
 /// Largest change of a logarithm in one step.
 const LARGEST_STEP: f64 = 1.0;
@@ -85,15 +86,15 @@ const SMALLEST_STEP: f64 = 1e-10;
 const INDISTINCT: f64 = 1e-10;
 const MAX_STEPS: usize = 50;
 
-/// Finds positive parameters `p`, from `start` on, such that the linear frequencies `f_r(p)` are those of the targets: exactly, where there
-/// are as many as parameters, else with the least
+/// Finds positive parameters `p`, from `start` on, such that the linear frequencies `f_r(p)` are those of the targets:
+/// exactly, where there are as many as parameters, else with the least
 ///
 /// ```text
 /// Σ_r (ln f_r(p) − ln f_r*)²
 /// ```
 ///
-/// by the Gauss-Newton method in the logarithms of the parameters, in which frequencies are nearly linear. `frequencies` gives those of
-/// the model with given parameters, ascending.
+/// by the Gauss-Newton method in the logarithms of the parameters, in which frequencies are nearly linear.
+/// `frequencies` gives those of the model with given parameters, ascending.
 ///
 /// # Errors
 /// [`UpdatingError`].

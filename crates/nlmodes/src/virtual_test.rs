@@ -1,5 +1,5 @@
-//! Virtual tests of finite-element structures: a bench with exciter, stop and sensors, a schedule under the phase-locked loop, and each
-//! level's record through the extraction that measured records go through.
+//! Virtual tests of finite-element structures: a bench with exciter, stop and sensors, a schedule under the
+//! phase-locked loop, and each level's record through the extraction that measured records go through.
 
 use std::ops::ControlFlow;
 
@@ -59,7 +59,8 @@ pub struct BenchNoise {
     pub contact_force: f64,
 }
 
-/// A bench as in Fig. 6 of the paper: displacement and velocity at drive point and stop, accelerometers between, both forces.
+/// A bench as in Fig. 6 of the paper: displacement and velocity at drive point and stop, accelerometers between, both
+/// forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
     /// Angular eigenfrequencies, rad/s: measured ones, or those of the reduction.
@@ -134,8 +135,8 @@ impl Bench {
         LinearModes::new(&positions, &self.omega, &self.damping_ratios, &shapes)
     }
 
-    /// Harmonics of the force up to this one under control, by the motion at drive point, accelerometers and stop and these modes there, as of
-    /// [`linear_modes`](Self::linear_modes).
+    /// Harmonics of the force up to this one under control, by the motion at drive point, accelerometers and stop and
+    /// these modes there, as of [`linear_modes`](Self::linear_modes).
     pub fn controlled_harmonics(&self, harmonics: usize, modes: LinearModes) -> ControlledHarmonics {
         let last = ACCELEROMETERS + self.accelerometers.len();
         let channels = std::iter::once(DRIVE_DISPLACEMENT).chain(ACCELEROMETERS..last);
@@ -144,8 +145,9 @@ impl Bench {
         ControlledHarmonics { harmonics, modes, channels, drive: 0 }
     }
 
-    /// The undamped modes and the stop as a model whose nonlinear mode can be computed: modal coordinates with unit mass, and the massless
-    /// tip of a spring that is the stop's own or, at a rigid one, the residual flexibility `R` of the modes left out.
+    /// The undamped modes and the stop as a model whose nonlinear mode can be computed: modal coordinates with unit
+    /// mass, and the massless tip of a spring that is the stop's own or, at a rigid one, the residual flexibility `R`
+    /// of the modes left out.
     ///
     /// ```text
     /// K = [Λ + k φ φᵀ, −k φ; −k φᵀ, k] ,   k = k_c or 1/R
@@ -232,8 +234,8 @@ pub struct TestRun {
     pub failure: Option<RigError>,
 }
 
-/// Runs a test and extracts from each record as soon as it is there. `observe` sees each level. Where the motion cannot be followed any
-/// further, the levels before remain.
+/// Runs a test and extracts from each record as soon as it is there. `observe` sees each level. Where the motion cannot
+/// be followed any further, the levels before remain.
 pub fn run(test: &VirtualTest, settings: &ExtractionSettings, mut observe: impl FnMut(&TestLevel)) -> TestRun {
     run_while(test, settings, &Watch::default(), |level| {
         observe(level);

@@ -93,7 +93,8 @@ fn the_estimate_is_the_error_of_the_two_element_rod() {
     }
 }
 
-/// Every change of the number of harmonics is at the same energy, within the accuracy, and shown to be on the same branch.
+/// Every change of the number of harmonics is at the same energy, within the accuracy, and shown to be on the same
+/// branch.
 fn assert_changes(branch: &ComputedBranch, accuracy: f64) {
     let (points, reached) = (&branch.branch.points, branch.accuracy.unwrap());
     assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
@@ -119,7 +120,8 @@ fn harmonics_change_along_the_branch_of_the_beam() {
     assert_changes(&branch, 1e-3);
 }
 
-/// The beam's branch enters one tongue after another, where no number of harmonics reaches the accuracy: it goes on to its limit all the same.
+/// The beam's branch enters one tongue after another, where no number of harmonics reaches the accuracy: it goes on to
+/// its limit all the same.
 #[test]
 fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     let (model, asked) = (beam(), 1e-3);
@@ -141,7 +143,8 @@ fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     assert!(points[1..].iter().all(|p| p.contact_fraction > 0.0));
 }
 
-/// Points are found anew only with another number of harmonics, of which each is asked for once, or after a change that led back.
+/// Points are found anew only with another number of harmonics, of which each is asked for once, or after a change that
+/// led back.
 #[test]
 fn points_are_not_taken_back_for_ever() {
     let (mut shown, mut tops) = (0, Vec::new());
@@ -166,7 +169,8 @@ fn points_are_not_taken_back_for_ever() {
     }
 }
 
-/// More harmonics cannot be had next to an internal resonance, but some points before it: without going back an eighth of the branch misses the accuracy.
+/// More harmonics cannot be had next to an internal resonance, but some points before it: without going back an eighth
+/// of the branch misses the accuracy.
 #[test]
 fn hardly_a_point_of_the_rod_misses_the_accuracy() {
     let wanted = BranchSettings { frequency_hz: Some([50.0, 66.5]), harmonics: 3, ..settings(1e-3, 20.0) };
@@ -176,7 +180,8 @@ fn hardly_a_point_of_the_rod_misses_the_accuracy() {
     assert!(20 * reached.points_beyond < points, "{reached:?} of {points}");
 }
 
-/// With more harmonics the motion behind a tongue may lie before its foot at the same energy: such a beginning does not count.
+/// With more harmonics the motion behind a tongue may lie before its foot at the same energy: such a beginning does not
+/// count.
 #[test]
 fn a_beginning_with_more_harmonics_that_lies_outside_of_the_limits_does_not_end_the_branch() {
     let internal_resonance = ResonanceRule::Skip;
@@ -195,7 +200,8 @@ fn a_branch_that_closes_after_a_change_goes_on_without_it() {
     assert_eq!(branch.branch.end.reasons, [EndReason::MaxEnergy], "{}", branch.branch.end.message);
 }
 
-/// Behind a tongue the way back to its foot is bounded in frequency, whose place among the unknowns changes with the number of harmonics.
+/// Behind a tongue the way back to its foot is bounded in frequency, whose place among the unknowns changes with the
+/// number of harmonics.
 #[test]
 fn tongues_are_skipped_with_as_many_harmonics_as_it_takes() {
     let internal_resonance = ResonanceRule::Skip;
@@ -212,7 +218,8 @@ fn tongues_are_skipped_with_as_many_harmonics_as_it_takes() {
     assert!(points.iter().all(|point| point.omega <= 66.5 * std::f64::consts::TAU * (1.0 + 1e-9)));
 }
 
-/// A resonance with a harmonic between 15 and 20 makes the error of the rod of 10 elements with 6 of them: the estimate has to reach that far.
+/// A resonance with a harmonic between 15 and 20 makes the error of the rod of 10 elements with 6 of them: the estimate
+/// has to reach that far.
 #[test]
 fn the_estimate_sees_resonances_far_beyond_the_harmonics() {
     let model = rod(10);
@@ -293,8 +300,8 @@ fn too_few_harmonics_are_said_and_do_not_end_the_branch() {
     assert!(reached.points_beyond > 10 && reached.largest_estimate > 1e-8 && reached.harmonics[1] == 6, "{reached:?}");
 }
 
-/// With few held modes the linear mode before several stops is not quite that of the whole rod: the branch begins at the mode that they have, and the
-/// error of its frequency falls with their number.
+/// With few held modes the linear mode before several stops is not quite that of the whole rod: the branch begins at
+/// the mode that they have, and the error of its frequency falls with their number.
 #[test]
 fn branches_before_several_stops_begin_with_any_number_of_held_modes() {
     for length in [1.0, 2e-4] {

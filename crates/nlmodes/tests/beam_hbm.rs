@@ -57,8 +57,8 @@ fn hz_at(computed: &ComputedBranch, amplitude: f64) -> f64 {
 
 #[test]
 fn harmonic_balance_of_the_beam_passes_through_frequencies_computed_elsewhere() {
-    // Own computation in Python (Timoshenko elements integrated by Gauss, receptances of the full matrices, quadrature by Gauss between
-    // the roots of the gap, Powell's method): grazing energy, and Hz over the energy ratio.
+    // Own computation in Python (Timoshenko elements integrated by Gauss, receptances of the full matrices, quadrature
+    // by Gauss between the roots of the gap, Powell's method): grazing energy, and Hz over the energy ratio.
     for (ratio, expected) in [(1.5, 44.034_781_044_8), (3.0, 48.148_150_479_5), (6.0, 51.393_472_036_7)] {
         let computed = branch(hbm(), ratio);
         assert_eq!(computed.branch.label, "HBM, 5 harmonics");

@@ -30,8 +30,8 @@ fn both_rows_of_table_1_lie_at_40_10_hz() {
         [linear_modes(kept.mass(), kept.stiffness(), 1), linear_modes(massless.mass(), massless.stiffness(), 1)]
     {
         let hz = modes.unwrap().omega[0] / TAU;
-        // Length and grading were fitted to 40.10 Hz; a beam written independently in Python, its shape functions integrated by
-        // Gauss, gives 40.1000001 for both.
+        // Length and grading were fitted to 40.10 Hz; a beam written independently in Python, its shape functions
+        // integrated by Gauss, gives 40.1000001 for both.
         assert!((hz - 40.10).abs() < 1e-6, "{hz}");
     }
 }
@@ -39,8 +39,8 @@ fn both_rows_of_table_1_lie_at_40_10_hz() {
 #[test]
 fn five_harmonics_lead_smoothly_from_grazing_to_six_times_its_energy() {
     let computed = branch(5, 6.0);
-    // Its corner is a regular one: all equations are small behind so stiff a contact node, which does not make directions free. (Curves around it
-    // took 6700 evaluations.)
+    // Its corner is a regular one: all equations are small behind so stiff a contact node, which does not make
+    // directions free. (Curves around it took 6700 evaluations.)
     assert!(computed.evaluations < 3000, "{}", computed.evaluations);
     let points = &computed.branch.points;
     for pair in points.windows(2) {
@@ -63,15 +63,16 @@ fn the_backbone_passes_through_frequencies_computed_elsewhere() {
         [(1, 3.0, 49.473_500_209), (1, 6.0, 54.040_955_957), (5, 1.5, 44.241_216_140), (5, 3.0, 48.522_571_620)];
     for (harmonics, ratio, expected) in elsewhere {
         let found = end_hz(&branch(harmonics, ratio));
-        // Both solve the same equations; the matrices differ by rounding, and 21 graded elements have a condition near 1e9.
+        // Both solve the same equations; the matrices differ by rounding, and 21 graded elements have a condition near
+        // 1e9.
         assert!((found - expected).abs() < 1e-6, "{harmonics} harmonics, {ratio}: {found} against {expected}");
     }
 }
 
 #[test]
 fn two_touches_close_together_are_not_missed() {
-    // With six harmonics the tip touches twice in quick succession, and between two of the 64 samples of a period its gap rises,
-    // falls and rises again. With sampled switching and 4096 samples the branch ends at 41.795528 Hz too.
+    // With six harmonics the tip touches twice in quick succession, and between two of the 64 samples of a period its
+    // gap rises, falls and rises again. With sampled switching and 4096 samples the branch ends at 41.795528 Hz too.
     let found = end_hz(&branch(6, 6.0));
     assert!((found - 41.795_528).abs() < 1e-5, "{found}");
 }

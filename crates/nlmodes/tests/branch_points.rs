@@ -91,7 +91,8 @@ fn all_four_arms_meet_where_the_loop_of_the_rod_has_its_tip() {
     assert!(above.branch.points.windows(2).all(|w| w[1].omega > w[0].omega - 1e-9));
 }
 
-/// The place at which the steps come to the tip is another one with each mesh: a little beside it, before or behind one of its two changes of contact.
+/// The place at which the steps come to the tip is another one with each mesh: a little beside it, before or behind one
+/// of its two changes of contact.
 #[test]
 fn the_tip_of_the_loop_is_a_branch_point_with_every_mesh() {
     for elements in [20, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 40, 42] {
@@ -116,7 +117,8 @@ fn the_tip_of_the_loop_is_a_branch_point_with_every_mesh() {
     }
 }
 
-/// The tongue of a coarse rod, whose tip lies beside two changes of contact: whatever the number of harmonics, the branch comes back from it.
+/// The tongue of a coarse rod, whose tip lies beside two changes of contact: whatever the number of harmonics, the
+/// branch comes back from it.
 #[test]
 fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod() {
     let [a, b, c] = [13, 14, 15].map(|harmonics| {
@@ -133,7 +135,8 @@ fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod()
 
 #[test]
 fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
-    // At the tip of the loop, where the third harmonic moves alone, the fundamental may come back with any of three phases.
+    // At the tip of the loop, where the third harmonic moves alone, the fundamental may come back with any of three
+    // phases.
     let [even, any] = [Symmetry::Even, Symmetry::None]
         .map(|symmetry| compute_branch(rod(), &BranchSettings { symmetry, ..settings(3) }, go_on_alone).unwrap());
     for computed in [&even, &any] {
@@ -214,7 +217,8 @@ fn a_skipped_tongue_leaves_the_backbone_as_it_is() {
     assert!(computed.branch.points.len() < followed.branch.points.len() / 2);
 }
 
-/// A strip of 0.8 mm before two stops in two systems of units of time: on the flank behind a tongue the share of the resonant harmonic falls, but is large everywhere.
+/// A strip of 0.8 mm before two stops in two systems of units of time: on the flank behind a tongue the share of the
+/// resonant harmonic falls, but is large everywhere.
 #[test]
 fn behind_a_tongue_the_branch_goes_on_at_the_backbone_and_not_on_a_flank() {
     for second in [1.0, 1e3] {
@@ -291,8 +295,8 @@ fn a_branch_starts_at_an_energy() {
     }
 }
 
-/// An exact branch comes back from the tip of the loop. Samples that do not divide a period in three part the arms there: the branch that ends
-/// on the second mode says so.
+/// An exact branch comes back from the tip of the loop. Samples that do not divide a period in three part the arms
+/// there: the branch that ends on the second mode says so.
 #[test]
 fn a_sampled_branch_that_leaves_its_mode_says_so() {
     let switching = |samples| BranchSettings { switching: Switching::Sampled { samples }, ..settings(3) };
@@ -317,7 +321,8 @@ fn a_sampled_branch_that_leaves_its_mode_says_so() {
     assert!(computed.left_mode().is_some_and(|left| left.at_branch_point) && computed.branch.end.complete);
 }
 
-/// The same rod before a stop a thousand times stiffer than itself, all of its mass kept: conventional harmonic balance.
+/// The same rod before a stop a thousand times stiffer than itself, all of its mass kept: conventional harmonic
+/// balance.
 fn rod_on_spring() -> MasslessContactModel {
     let rod = Rod {
         material: Material::new(210e9, 9000.0).unwrap(),
@@ -331,7 +336,8 @@ fn rod_on_spring() -> MasslessContactModel {
     MasslessContactModel::with_spring_tips(&rod.assemble(&[stop]).unwrap(), None).unwrap()
 }
 
-/// Whatever samples do at the tip of the loop, in either method: the branch ends where the exact one does, or says that it left its mode.
+/// Whatever samples do at the tip of the loop, in either method: the branch ends where the exact one does, or says that
+/// it left its mode.
 #[test]
 fn sampled_branches_of_either_method_come_back_or_say_that_they_left() {
     for model in [rod, rod_on_spring] {

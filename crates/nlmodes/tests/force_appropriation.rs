@@ -1,4 +1,5 @@
-//! Harmonics of the force under control in the loop of the virtual rig, against the conservative mode of the same structure and against the law itself.
+//! Harmonics of the force under control in the loop of the virtual rig, against the conservative mode of the same
+//! structure and against the law itself.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -26,7 +27,8 @@ const ACCELEROMETERS: [f64; 4] = [0.15, 0.55, 0.75, 0.95];
 /// Channels of force, displacement at the drive point, and first accelerometer.
 const CHANNELS: [usize; 3] = [0, 1, 2];
 
-/// A structure of 1 m with the shapes of a clamped-free rod, in some system of units: its mass (kg) and the gap at its end (m).
+/// A structure of 1 m with the shapes of a clamped-free rod, in some system of units: its mass (kg) and the gap at its
+/// end (m).
 #[derive(Clone, Copy)]
 struct Structure {
     mass: f64,
@@ -127,7 +129,8 @@ fn settings() -> LoopSettings {
     LoopSettings::new(Resonance { omega: TAU * HZ, damping_ratio: DAMPING }, TAU * 39.8, INTERVAL)
 }
 
-/// Harmonics 0 to [`HARMONICS`] of the modal coordinates over forty periods, from these themselves and not from sensors.
+/// Harmonics 0 to [`HARMONICS`] of the modal coordinates over forty periods, from these themselves and not from
+/// sensors.
 fn motion(session: &mut Session) -> Vec<Vec<Complex64>> {
     let samples = (40.0 * TAU / session.state().omega() / INTERVAL).round() as usize;
     let (mut sums, mut weights) = (vec![vec![Complex64::ZERO; MODES]; HARMONICS + 1], 0.0);
@@ -194,7 +197,8 @@ fn each_controlled_harmonic_brings_the_motion_nearer_to_the_mode() {
             assert!(settling.findings.is_empty(), "{newtons} N, {harmonics}: {:?}", settling.findings);
             nearest(&motion(&mut session), &mode)
         });
-        // 0.037, 0.015, 0.010; 0.039, 0.017, 0.012; 0.038, 0.021, 0.015. Where there is no contact at all it is 0.005 and more: a force at one point.
+        // 0.037, 0.015, 0.010; 0.039, 0.017, 0.012; 0.038, 0.021, 0.015. Where there is no contact at all it is 0.005
+        // and more: a force at one point.
         let [one, three, five] = distances;
         assert!(one > 0.03 && three < 0.6 * one && five < 0.75 * three, "{newtons} N: {distances:?}");
     }

@@ -120,7 +120,8 @@ fn stops_that_touch_on_both_sides_hold_the_node() {
 #[test]
 fn the_branch_of_a_gap_leads_to_that_without_as_the_energy_grows() {
     let flat = last_hz(&follow(rod(20, &[(1.0, Side::Positive, 0.0)]), 1.1, 1));
-    // The gap counts as its share of the amplitude: f(E) = f(∞) − a/√E + …, so each hundredfold energy takes a tenth of the difference.
+    // The gap counts as its share of the amplitude: f(E) = f(∞) − a/√E + …, so each hundredfold energy takes a tenth of
+    // the difference.
     let off = [1e2, 1e4].map(|ratio| flat - last_hz(&follow(rod(20, &[(1.0, Side::Positive, 0.5)]), ratio, 1)));
     assert!((off[0] / off[1] / 10.0 - 1.0).abs() < 0.05, "{off:?}");
 }
@@ -171,7 +172,8 @@ fn springs_a_million_times_stiffer_make_one_mass_of_two() {
     }
 }
 
-/// From grazing this branch falls in energy: a start that touches by rounding, which is another one in each unit, must not lead back along the linear mode.
+/// From grazing this branch falls in energy: a start that touches by rounding, which is another one in each unit, must
+/// not lead back along the linear mode.
 #[test]
 fn a_branch_that_falls_from_grazing_is_followed_in_any_unit_of_length() {
     for unit in [1.0, 1e3, 0.3] {
@@ -241,12 +243,13 @@ fn facing_stops_a_micrometre_away_hold_the_node_at_high_energy() {
 
 #[test]
 fn a_branch_goes_on_where_harmonics_3_to_9_are_resonant_at_once() {
-    // 1:3:5:7:9 up to 4e-7 to 3e-5: singular values down to 1e-7, and contacts that open by 1e-9 of the gap. What rounding leaves open must neither
-    // refuse all steps nor let a contact pass for closed that has opened.
+    // 1:3:5:7:9 up to 4e-7 to 3e-5: singular values down to 1e-7, and contacts that open by 1e-9 of the gap. What
+    // rounding leaves open must neither refuse all steps nor let a contact pass for closed that has opened.
     let computed = follow(rod(600, &[(1.0, Side::Positive, 0.5)]), 3.6, 9);
     let free = held_rod(600) / 2.0;
     let hz = last_hz(&computed);
-    // Along a tongue: nearly at the frequency of the linear mode, half of that held, but for half an element of mass left out.
+    // Along a tongue: nearly at the frequency of the linear mode, half of that held, but for half an element of mass
+    // left out.
     assert!((hz / free - 1.0).abs() < 2.0 / 600.0, "{hz} {free}");
 }
 

@@ -27,9 +27,11 @@ fn a_long_rod_is_recorded_at_some_nodes_and_its_modal_quantities_count_all() {
     assert!((branch.coordinates[contact].position - at).abs() < 1e-12);
     assert_eq!(structure.recorded_dofs()[contact], structure.model().contacts()[0].dof);
 
-    // At grazing the motion is the first linear mode, a quarter of a sine wave with ω = π/2, but for the mass of the contact node left out.
+    // At grazing the motion is the first linear mode, a quarter of a sine wave with ω = π/2, but for the mass of the
+    // contact node left out.
     let first = &branch.points[0];
-    // Its rows in the mass matrix sum up to 4/3 of an element's mass, which raises ω by half of that and the square of the shape there.
+    // Its rows in the mass matrix sum up to 4/3 of an element's mass, which raises ω by half of that and the square of
+    // the shape there.
     let shift = 4.0 / 3.0 / ELEMENTS as f64 * (FRAC_PI_2 * at).sin().powi(2);
     assert!((first.omega / FRAC_PI_2 - 1.0 - shift).abs() < 1e-6, "{} rad/s", first.omega);
     assert_eq!(first.coefficients.n_coordinates(), branch.coordinates.len());
@@ -45,8 +47,8 @@ fn a_long_rod_is_recorded_at_some_nodes_and_its_modal_quantities_count_all() {
     // The linear modes are orthogonal over all degrees of freedom; over the recorded ones they are not.
     let participation = computed.participation(3).unwrap();
     assert_eq!(participation.len(), branch.points.len());
-    // 68 held modes are used, 112 before their number followed their frequencies; what is left out of the others' motion under a force at a point falls with
-    // the third power of 1/135, the ratio of frequencies: 4e-7.
+    // 68 held modes are used, 112 before their number followed their frequencies; what is left out of the others'
+    // motion under a force at a point falls with the third power of 1/135, the ratio of frequencies: 4e-7.
     assert!((participation[0].factors[0] - 1.0).abs() < 4e-7, "{:?}", participation[0]);
     assert!(participation[0].factors[1..].iter().all(|v| v.abs() < 2e-7), "{:?}", participation[0]);
 }

@@ -151,7 +151,8 @@ fn a_fine_mesh_with_few_held_modes_gives_what_all_of_them_give() {
     assert!((few / all - 1.0).abs() < 1e-6, "{few} Hz against {all} Hz");
 }
 
-/// The continuous rod has an exact backbone: one contact of length `2D − T` a period T, `D = 2L/c`, with a constant force.
+/// The continuous rod has an exact backbone: one contact of length `2D − T` a period T, `D = 2L/c`, with a constant
+/// force.
 #[test]
 fn finer_rods_approach_the_backbone_of_the_continuous_one() {
     let speed = (210e9_f64 / 9000.0).sqrt();

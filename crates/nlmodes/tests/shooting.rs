@@ -57,7 +57,8 @@ fn the_branch_of_the_rod_of_two_elements_is_the_closed_form() {
     }
 }
 
-/// Share of the period, peak, impulse and approach velocity at the stop of the same rod: the tip pushes with `2 (x − 1)`.
+/// Share of the period, peak, impulse and approach velocity at the stop of the same rod: the tip pushes with
+/// `2 (x − 1)`.
 fn contact_in_closed_form(total_energy: f64) -> (f64, f64, f64, f64) {
     let (free, closed) = (6.0_f64.sqrt(), 12.0_f64.sqrt());
     let a = total_energy.sqrt();
@@ -72,7 +73,8 @@ fn contact_in_closed_form(total_energy: f64) -> (f64, f64, f64, f64) {
 fn share_force_impulse_and_approach_at_the_stop_are_the_closed_form_exactly_and_in_harmonics() {
     let exact = BranchSettings { max_energy_ratio: Some(20.0), ..settings() };
     let harmonic = BranchSettings { method: BranchMethod::HarmonicBalance, harmonics: 60, ..exact.clone() };
-    // The displacement has a kink in its second derivative: coefficients fall with the cube of their number, forces with the square.
+    // The displacement has a kink in its second derivative: coefficients fall with the cube of their number, forces
+    // with the square.
     for (settings, tolerance) in [(exact, 1e-9), (harmonic, 2e-3)] {
         let computed = branch(rod(2, &[tip()]), &settings);
         for point in computed.branch.points.iter().filter(|point| point.total_energy > 1.5) {
@@ -216,7 +218,8 @@ fn what_is_called_unstable_grows_and_what_is_called_stable_does_not() {
     // A change of energy drifts away linearly in time, and faster than that nothing.
     let stable = (1..points.len()).find(|&i| judged(&points[i]).stable && points[i].events.is_empty()).unwrap();
     assert!(growth(&computed, stable, [50, 200]) < 8.0);
-    // The changes are located: beyond each the multiplier has hardly left the circle, and the next point is of the new kind.
+    // The changes are located: beyond each the multiplier has hardly left the circle, and the next point is of the new
+    // kind.
     let is_change = |i: &usize| points[*i].has_event(Event::StabilityChange);
     let changes: Vec<usize> = (0..points.len()).filter(is_change).collect();
     assert!(!changes.is_empty() && changes.len() % 2 == usize::from(!judged(points.last().unwrap()).stable));

@@ -1,4 +1,5 @@
-//! What a parameter study needs: problems, solvers and results cross threads, and a branch is the same wherever it is computed.
+//! What a parameter study needs: problems, solvers and results cross threads, and a branch is the same wherever it is
+//! computed.
 
 mod support;
 

@@ -38,8 +38,8 @@ fn both_moduli_of_table_1_follow_from_40_10_hertz() {
             let model = |p: &[f64]| hertz(&beam(p[0], 7730.0, 0.629_755_20), without_tip_mass);
             let found = update_parameters(&[start], &[target(1, 40.10)], model).unwrap();
             assert!((found.values[0] / expected - 1.0).abs() < 5e-6, "{start}: {}", found.values[0]);
-            // Twelve moduli that differ in the 13th digit have frequencies up to 4e-11 of themselves apart from √E: the rounding of the
-            // entries of K. No search comes nearer.
+            // Twelve moduli that differ in the 13th digit have frequencies up to 4e-11 of themselves apart from √E: the
+            // rounding of the entries of K. No search comes nearer.
             assert!((found.after[0] / 40.10 - 1.0).abs() < 1e-10, "{}", found.after[0]);
             // ω ~ √E: in logarithms one step leads there, and long ones are cut.
             assert!(found.iterations <= 8, "{}", found.iterations);
@@ -49,7 +49,8 @@ fn both_moduli_of_table_1_follow_from_40_10_hertz() {
 
 #[test]
 fn modulus_and_length_come_back_from_two_frequencies() {
-    // Timoshenko: shear lowers the second mode of a shorter beam more, so that two frequencies tell length and modulus apart.
+    // Timoshenko: shear lowers the second mode of a shorter beam more, so that two frequencies tell length and modulus
+    // apart.
     let given = hertz(&beam(190e9, 7730.0, 0.3), false).unwrap();
     let targets = [target(1, given[0]), target(4, given[3])];
     let found = update_parameters(&[170e9, 0.32], &targets, |p| hertz(&beam(p[0], 7730.0, p[1]), false)).unwrap();

@@ -91,7 +91,8 @@ fn distance(branch: &ModalBranch, amplitude: f64, hz: f64) -> f64 {
     branch.points.windows(2).filter_map(crossing).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
 }
 
-/// `√Σ |q_k,1|²` of eqs. (21), (22) over forty periods, from the modal coordinates themselves: only the loop is on trial here.
+/// `√Σ |q_k,1|²` of eqs. (21), (22) over forty periods, from the modal coordinates themselves: only the loop is on
+/// trial here.
 fn modal_amplitude(session: &mut Session) -> f64 {
     let samples = (40.0 * TAU / session.state().omega() / 5e-5).round() as usize;
     let (mut sums, mut weights) = ([Complex64::ZERO; 6], 0.0);
@@ -173,7 +174,8 @@ fn a_bench_is_tested_and_its_levels_are_extracted() {
             level.extraction.as_ref().unwrap().modal_point().unwrap()
         })
         .collect();
-    // The drive point has the residual flexibility of the elements, a few percent less than the exact one inside an element.
+    // The drive point has the residual flexibility of the elements, a few percent less than the exact one inside an
+    // element.
     assert!((points[0].omega / TAU - 40.1007).abs() < 1e-3, "{}", points[0].omega / TAU);
     let branch = backbone(&test.rig.stop.as_ref().unwrap().shape);
     let off = distance(&branch, points[1].modal_amplitude, points[1].omega / TAU);

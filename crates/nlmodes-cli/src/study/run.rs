@@ -24,7 +24,8 @@ pub struct Arguments {
     /// Cases at a time [default: as many as the machine has cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Every n-th case only, beginning with case i from 0: the shares of several machines, 0/n to (n−1)/n; without table and page
+    /// Every n-th case only, beginning with case i from 0: the shares of several machines, 0/n to (n−1)/n; without
+    /// table and page
     #[arg(long, value_name = "I/N", default_value = "0/1")]
     shard: Shard,
     /// Taken for likeness with `run`: a study always goes on where it was interrupted

@@ -41,7 +41,8 @@ harmonics = 8
 stability = "never"
 "#;
 
-/// The same example as it is, as a rod of two lumped elements: masses of 1 kg on springs of 1 N/m, a spring of 100 N/m before the tip.
+/// The same example as it is, as a rod of two lumped elements: masses of 1 kg on springs of 1 N/m, a spring of 100 N/m
+/// before the tip.
 const LUMPS: &str = r#"
 [structure]
 kind = "rod"
@@ -121,8 +122,9 @@ fn a_detached_curve_is_followed_from_a_phase_resonance_and_named() -> Outcome {
     Ok(())
 }
 
-/// The rod of two elements with 2 % and a force of 12 in time, `q̈ = 3 (12 cos Ωt − 2q − 2 (q − 1)⁺) − 2ζω q̇` with `ω² = 6`: amplitude of its middle at the frequency of
-/// the load, of motions of twice its period to which it comes from a state.
+/// The rod of two elements with 2 % and a force of 12 in time, `q̈ = 3 (12 cos Ωt − 2q − 2 (q − 1)⁺) − 2ζω q̇` with
+/// `ω² = 6`: amplitude of its middle at the frequency of the load, of motions of twice its period to which it comes
+/// from a state.
 fn settled(hertz: f64, mut state: [f64; 2]) -> f64 {
     let (omega, damping) = (TAU * hertz, 0.04 * 6.0_f64.sqrt());
     let rate = |t: f64, [q, v]: [f64; 2]| {

@@ -45,7 +45,8 @@ harmonics = 5
 max_energy_ratio = 4.0
 "#;
 
-/// Runs the scene with further keys and flags; gives its directory, which lasts as long as the first value, and what was said.
+/// Runs the scene with further keys and flags; gives its directory, which lasts as long as the first value, and what
+/// was said.
 fn run(set: &[&str]) -> Result<(tempfile::TempDir, PathBuf, String), Box<dyn Error>> {
     let folder = tempdir()?;
     let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
@@ -222,7 +223,8 @@ fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
     Ok(())
 }
 
-/// Each check has a value or says how to have it made, never both; each number is judged; the page has both at its foot.
+/// Each check has a value or says how to have it made, never both; each number is judged; the page has both at its
+/// foot.
 #[test]
 fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
     let small = ["method.harmonics=3", "continuation.max_energy_ratio=2.0"];

@@ -14,7 +14,8 @@ const CUBE: f64 = 7850.0 * EDGE * EDGE * EDGE;
 /// Corners of a cross section in the order of a solid's, in edges along y and z.
 const SECTION: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
-/// Rows of three cubes along x. Layer by layer they have nodes from `first` on; the nodes of one end are held and have no rows.
+/// Rows of three cubes along x. Layer by layer they have nodes from `first` on; the nodes of one end are held and have
+/// no rows.
 struct Row {
     first: usize,
     start: f64,
@@ -239,7 +240,8 @@ fn sti(n: usize, entry: impl Fn(usize, usize) -> f64) -> String {
     upper.map(|(i, j)| format!("{} {} {:e}\n", i + 1, j + 1, entry(i, j))).collect()
 }
 
-/// A chain of four nodes, clamped before the first one, whose three elements have an unknown each that a strain moves, as those of C3D8I.
+/// A chain of four nodes, clamped before the first one, whose three elements have an unknown each that a strain moves,
+/// as those of C3D8I.
 fn chain(folder: &TempDir, more: &str) -> Outcome<(String, String)> {
     let at = |name: &str| folder.path().join(name);
     let stiffness = |i: usize, j: usize| match (i, j) {

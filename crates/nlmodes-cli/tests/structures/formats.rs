@@ -11,7 +11,8 @@ use crate::{Outcome, call, text, writers};
 /// Frequency (Hz), energy (J), largest displacement (m) and force (N) of each point.
 type Branch = Vec<[f64; 4]>;
 
-/// The sample with a stop beside node 80, which its first mode moves most, from these files; `files` are the lines that name them.
+/// The sample with a stop beside node 80, which its first mode moves most, from these files; `files` are the lines that
+/// name them.
 fn branch(folder: &TempDir, files: &str, normal: [f64; 3]) -> Outcome<Branch> {
     let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
     let text_of_scene = format!(

@@ -98,8 +98,8 @@ fn run(scene: &Path, out: &Path, set: &[&str]) -> Outcome<Vec<[f64; 2]>> {
     table.records().map(|record| row(record?)).collect()
 }
 
-/// Energies of the one are `factor` times those of the other. Where a contact comes or goes the point is located to 1e-10 of a step, along which the energy moves: it gets
-/// ten times the tolerance of the frequency.
+/// Energies of the one are `factor` times those of the other. Where a contact comes or goes the point is located to
+/// 1e-10 of a step, along which the energy moves: it gets ten times the tolerance of the frequency.
 fn assert_same(one: &[[f64; 2]], other: &[[f64; 2]], factor: f64, tolerance: f64) {
     assert_eq!(one.len(), other.len());
     for (a, b) in one.iter().zip(other) {

@@ -38,13 +38,14 @@ impl Case {
     pub(super) fn with_solution(name: impl Into<String>, a: Mat<f64>, lambda: &[f64], gaps: &[f64]) -> Self {
         let product = |i: usize| (0..lambda.len()).map(|j| a[(i, j)] * lambda[j]).sum::<f64>();
         let b: Vec<f64> = gaps.iter().enumerate().map(|(i, g)| g - product(i)).collect();
-        // The gaps of a violation of 1e-10 differ from the solution's by at most about its root times the condition's; the
-        // tolerance is that of a wrong closed set, not of rounding.
+        // The gaps of a violation of 1e-10 differ from the solution's by at most about its root times the condition's;
+        // the tolerance is that of a wrong closed set, not of rounding.
         let tolerance = 1e-6 * b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self { name: name.into(), a, b, expected: Expected::Gaps { gaps: gaps.to_vec(), tolerance } }
     }
 
-    /// The same problem in other units: contact `i` in `1 / units(i)` times the unit of length and `units(i)` times that of force.
+    /// The same problem in other units: contact `i` in `1 / units(i)` times the unit of length and `units(i)` times
+    /// that of force.
     pub(super) fn in_units(mut self, name: impl Into<String>, unit: impl Fn(usize) -> f64) -> Self {
         let c = self.b.len();
         self.a = Mat::from_fn(c, c, |i, j| self.a[(i, j)] * unit(i) * unit(j));

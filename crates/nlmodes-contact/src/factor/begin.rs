@@ -7,7 +7,8 @@ use faer::{MatMut, Par};
 use super::{Factor, offset};
 use crate::scaled::Scaled;
 
-/// From so many contacts on a factor that begins with all of them is found by blocks: faer's, on the instructions that the processor has.
+/// From so many contacts on a factor that begins with all of them is found by blocks: faer's, on the instructions that
+/// the processor has.
 pub(crate) const MANY: usize = 96;
 
 /// Columns that stay in the cache while rows are put together from them.
@@ -21,7 +22,8 @@ pub(crate) struct Memory {
 }
 
 impl Factor {
-    /// Begins with all of the contacts at once. False, and nothing is there, if one depends on others: then they are to come one after the other.
+    /// Begins with all of the contacts at once. False, and nothing is there, if one depends on others: then they are to
+    /// come one after the other.
     pub(super) fn begin(&mut self, matrix: &Scaled, contacts: &[usize]) -> bool {
         let mut memory = std::mem::take(&mut self.memory);
         let mut block = std::mem::take(&mut memory.block);

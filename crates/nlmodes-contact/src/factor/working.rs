@@ -3,9 +3,9 @@ use crate::{kernel, scaled::Scaled};
 
 /// The factor of a closed set that changes by a few contacts from one problem to the next.
 ///
-/// A contact that closes appends a row. One that opens stays in the factor and is suppressed. Neither copies the factor, a
-/// contact that closes again costs nothing, and one factor stays close to the processor. When many are suppressed they are
-/// taken out for good.
+/// A contact that closes appends a row. One that opens stays in the factor and is suppressed. Neither copies the
+/// factor, a contact that closes again costs nothing, and one factor stays close to the processor. When many are
+/// suppressed they are taken out for good.
 #[derive(Debug)]
 pub(crate) struct WorkingFactor {
     factor: Factor,
@@ -27,7 +27,8 @@ const NEAR: usize = 4;
 /// The same where a new factor is found by blocks, which is less work than that of its rows one after the other.
 const NEAR_OF_MANY: usize = 32;
 
-/// Rows over contacts taken out from which on a new factor, found by blocks, costs less than the rotations of the old one.
+/// Rows over contacts taken out from which on a new factor, found by blocks, costs less than the rotations of the old
+/// one.
 const ROTATIONS_OF_A_FACTOR: usize = 64;
 
 impl WorkingFactor {
@@ -37,7 +38,8 @@ impl WorkingFactor {
         Self { factor, asked, members, suppression, list: vec![], right: vec![] }
     }
 
-    /// The contacts in the order of the entries that [`WorkingFactor::solve`] works on, with suppressed ones among them.
+    /// The contacts in the order of the entries that [`WorkingFactor::solve`] works on, with suppressed ones among
+    /// them.
     pub(crate) fn order(&self) -> &[usize] {
         self.factor.order()
     }
@@ -133,7 +135,8 @@ impl WorkingFactor {
         }
     }
 
-    /// Takes the suppressed contacts out of the factor: one after the other, or by a new factor where that is less work.
+    /// Takes the suppressed contacts out of the factor: one after the other, or by a new factor where that is less
+    /// work.
     fn consolidate(&mut self, matrix: &Scaled) {
         self.suppression.clear();
         let before = self.factor.len();
@@ -159,8 +162,8 @@ impl WorkingFactor {
         self.right.clear();
     }
 
-    /// `−A_aa⁻¹ b_a` in the order of the contacts, zero where they are suppressed. As long as the problem is the same, only
-    /// the rows added since the last call are substituted forward.
+    /// `−A_aa⁻¹ b_a` in the order of the contacts, zero where they are suppressed. As long as the problem is the same,
+    /// only the rows added since the last call are substituted forward.
     pub(crate) fn forces(&mut self, b: &[f64], x: &mut Vec<f64>) {
         let known = self.right.len();
         self.right.extend(self.factor.order()[known..].iter().map(|&i| -b[i]));

@@ -67,8 +67,8 @@ impl SeriesSolution {
         }
     }
 
-    /// Expects a contact closed where the force of a closed one, or the penetration of an open one, is positive if it goes
-    /// on as between the two samples before.
+    /// Expects a contact closed where the force of a closed one, or the penetration of an open one, is positive if it
+    /// goes on as between the two samples before.
     fn extrapolate(&mut self, sample: usize) {
         let (last, before) = (self.range(sample - 1), self.range(sample - 2));
         let (closed, guess) = self.closed.split_at_mut(sample * self.c);

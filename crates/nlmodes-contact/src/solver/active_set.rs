@@ -19,11 +19,13 @@ pub(crate) const NAME: &str = "active-set";
 
 /// Finds the closed contacts, with an updated Cholesky factor of their block; exact up to rounding. The default.
 ///
-/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one; of many contacts, accelerated projected gradient steps.
-/// 2. Semismooth Newton: solve the closed block, exchange every contact with a wrong sign, repeat. Usually 1 to 4 steps.
-/// 3. That may cycle. When the number of wrong signs has not fallen for `patience` steps, the primal active-set method of
-///    Keller takes over: contacts enter one by one, forces never pull, the energy falls at every exchange, so it ends. It
-///    also treats redundant contacts, choosing an independent subset, and proves infeasibility.
+/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one; of many contacts, accelerated projected gradient
+///    steps.
+/// 2. Semismooth Newton: solve the closed block, exchange every contact with a wrong sign, repeat. Usually 1 to 4
+///    steps.
+/// 3. That may cycle. When the number of wrong signs has not fallen for `patience` steps, the primal active-set method
+///    of Keller takes over: contacts enter one by one, forces never pull, the energy falls at every exchange, so it
+///    ends. It also treats redundant contacts, choosing an independent subset, and proves infeasibility.
 ///
 /// One contact is solved in closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +58,8 @@ impl LcpSolver for ActiveSet {
     }
 }
 
-/// Contacts from which on steps of all of them at once give a better guess in the same time than one contact after the other.
+/// Contacts from which on steps of all of them at once give a better guess in the same time than one contact after the
+/// other.
 const ALL_AT_ONCE: usize = 16;
 
 struct Search {
@@ -104,8 +107,8 @@ impl Search {
         let budget = self.settings.exchanges_per_contact * closed.len() + 100;
         let mut outcome = self.primal.run(sample, budget);
         if !outcome.infeasible && !outcome.verdict.is_accepted() {
-            // The sweeps may hand over a block that is dependent but for rounding. From nothing, contacts come one at a time,
-            // and the one that cannot be closed shows why.
+            // The sweeps may hand over a block that is dependent but for rounding. From nothing, contacts come one at a
+            // time, and the one that cannot be closed shows why.
             sample.lambda.fill(0.0);
             let first = outcome.iterations;
             outcome = self.primal.run(sample, budget);

@@ -15,8 +15,8 @@ pub(crate) const NAME: &str = "clarabel";
 /// The convex quadratic programme `min ½ λᵀ A λ + bᵀ λ` over `λ ≥ 0` by the interior-point solver Clarabel.
 ///
 /// The programme is built once per matrix; only `b` changes between samples. There is no warm start. Near opening and
-/// closing an interior point errs like the square root of the tolerance, so the closed set is read off and its block solved
-/// exactly; the judge decides as everywhere.
+/// closing an interior point errs like the square root of the tolerance, so the closed set is read off and its block
+/// solved exactly; the judge decides as everywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clarabel {
     /// Tolerance of gap and residuals. Default 1e-12.

@@ -12,9 +12,9 @@ pub(crate) const NAME: &str = "lemke";
 
 /// Lemke's complementary pivoting with the lexicographic rule: finite, without cycling, on a dense tableau.
 ///
-/// The reference to trust on small problems: `O(c²)` per pivot, usually about as many pivots as closed contacts. There are
-/// problems with exponentially many; they end with [`LcpError::NotConverged`] after `pivots_per_contact · c + 1000`. A guess is
-/// not used.
+/// The reference to trust on small problems: `O(c²)` per pivot, usually about as many pivots as closed contacts. There
+/// are problems with exponentially many; they end with [`LcpError::NotConverged`] after
+/// `pivots_per_contact · c + 1000`. A guess is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lemke {
     /// Pivots per contact, at most, beyond the first thousand. Default 50.

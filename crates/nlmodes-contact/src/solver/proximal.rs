@@ -8,11 +8,11 @@ pub(crate) const NAME: &str = "proximal";
 
 /// Fixed point of the proximal point function, `λ = max(0, λ − r g)`, which is eq. (11) as an equation.
 ///
-/// In units in which the diagonal of `A` is near one and with `r = 1/(1.02 ρ)`, ρ the largest eigenvalue of `A`, the plain
-/// iteration descends and cannot diverge; should ρ be underestimated, the descent test fails and `r` is reduced. By default
-/// it is accelerated (Nesterov, restarted when the momentum points uphill), and after 16, 32, 64, … iterations the closed
-/// set is read off and its block solved exactly: the iteration need only find the set. Matrices with a condition above about 1e5
-/// may end with [`LcpError::NotConverged`], which carries the best iterate.
+/// In units in which the diagonal of `A` is near one and with `r = 1/(1.02 ρ)`, ρ the largest eigenvalue of `A`, the
+/// plain iteration descends and cannot diverge; should ρ be underestimated, the descent test fails and `r` is reduced.
+/// By default it is accelerated (Nesterov, restarted when the momentum points uphill), and after 16, 32, 64, …
+/// iterations the closed set is read off and its block solved exactly: the iteration need only find the set. Matrices
+/// with a condition above about 1e5 may end with [`LcpError::NotConverged`], which carries the best iterate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proximal {
     /// Iterations, at most. Default 20 000.

@@ -1,7 +1,7 @@
 //! How Newton's method comes to rest.
 
-/// Share of the shortest Newton step so far below which one counts as shorter: towards a point where curves cross, each is half the one before.
-/// So many that are not shorter have come to rest.
+/// Share of the shortest Newton step so far below which one counts as shorter: towards a point where curves cross, each
+/// is half the one before. So many that are not shorter have come to rest.
 const SHORTER: f64 = 0.7;
 pub(super) const IDLE: usize = 3;
 
@@ -42,7 +42,8 @@ impl Progress {
 mod tests {
     use super::*;
 
-    /// Whether steps of these lengths have come to rest with the last, and whether that hardly is shorter than the one before.
+    /// Whether steps of these lengths have come to rest with the last, and whether that hardly is shorter than the one
+    /// before.
     fn seen(steps: &[f64]) -> (bool, bool) {
         let (last, before) = steps.split_last().unwrap();
         let mut progress = Progress::default();

@@ -22,7 +22,8 @@ const PROBES: usize = 8;
 const MOST_ROUNDED: f64 = 1e-6;
 
 impl Corrector {
-    /// Whether Newton's method does not come further because the residual is rounded by more than was known; takes note of how much.
+    /// Whether Newton's method does not come further because the residual is rounded by more than was known; takes note
+    /// of how much.
     pub(super) fn rests_on_rounding<S: ParametricSystem>(
         &mut self,
         system: &mut S,
@@ -48,8 +49,8 @@ impl Corrector {
         self.rounding.iter_mut().zip(measured).for_each(|(known, measured)| *known = known.min(DOUBTFUL * measured));
     }
 
-    /// How far each entry of the residual is from smooth over distances at which nothing but rounding changes it: the median of a few. The
-    /// point is the one evaluated last again.
+    /// How far each entry of the residual is from smooth over distances at which nothing but rounding changes it: the
+    /// median of a few. The point is the one evaluated last again.
     fn measured_rounding<S: ParametricSystem>(&mut self, system: &mut S, z: &[f64]) -> Option<Vec<f64>> {
         self.evaluate(system, z).ok()?;
         let at = self.linearization.clone();
@@ -82,13 +83,15 @@ impl Corrector {
         entries.into_iter().all(|(r, rounding)| r.abs() <= tolerance.max(factor * rounding))
     }
 
-    /// Whether no entry of the residual is larger than this multiple of its rounding, by that of the digits of the unknowns too.
+    /// Whether no entry of the residual is larger than this multiple of its rounding, by that of the digits of the
+    /// unknowns too.
     pub(super) fn is_rounding(&self, factor: f64) -> bool {
         let rounding = self.rounding.iter().zip(&self.digits).map(|(rounding, digits)| rounding.max(*digits));
         self.linearization.residual.iter().zip(rounding).all(|(r, rounding)| r.abs() <= factor * rounding)
     }
 
-    /// What the last digits of the unknowns change in each entry of the residual: no point has a smaller one but by chance.
+    /// What the last digits of the unknowns change in each entry of the residual: no point has a smaller one but by
+    /// chance.
     pub(super) fn look_at_digits(&mut self, z: &[f64]) {
         let digits = &mut self.digits;
         digits.fill(0.0);
@@ -96,8 +99,8 @@ impl Corrector {
         digits.iter_mut().for_each(|digits| *digits *= f64::EPSILON);
     }
 
-    /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last: `ε ‖B⁻¹‖`, which is
-    /// `ε/σ` where a direction with the singular value σ is nearly free.
+    /// How far the rounding of the residual may move the solution, by the bordered matrix that was factored last:
+    /// `ε ‖B⁻¹‖`, which is `ε/σ` where a direction with the singular value σ is nearly free.
     pub(super) fn blurred_by(&self) -> f64 {
         // The mean of ‖B⁻¹ s‖² over vectors of signs is the square of the norm of Frobenius.
         let mut signs = Signs::default();

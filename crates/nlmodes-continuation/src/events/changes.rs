@@ -14,7 +14,8 @@ const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 const HALVINGS: usize = 6;
 
 impl<S: ParametricSystem> Search<'_, S> {
-    /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one stands for the rest.
+    /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one
+    /// stands for the rest.
     pub fn pattern_changes(&mut self) -> Vec<Located> {
         let mut found = Vec::new();
         for pair in self.witnesses().windows(2) {
@@ -37,7 +38,8 @@ impl<S: ParametricSystem> Search<'_, S> {
         }
     }
 
-    /// Both ends of the step and, where the system tells at little expense that the pattern changes more than once in between, a point on each piece.
+    /// Both ends of the step and, where the system tells at little expense that the pattern changes more than once in
+    /// between, a point on each piece.
     fn witnesses(&mut self) -> Vec<Mark> {
         let [low, high] = self.whole();
         let pieces = self.pieces_between(&low, &high);
@@ -66,7 +68,8 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     /// A change of the pattern between two points, and a point beyond it from which the next one is looked for.
     ///
-    /// Two points are brought together until the system knows the boundary between their pieces, whose function then tells the place.
+    /// Two points are brought together until the system knows the boundary between their pieces, whose function then
+    /// tells the place.
     fn first_change(&mut self, mut low: Mark, mut high: Mark) -> (Located, Mark) {
         let from = low.at.pattern;
         let change = |s: f64, point: Correction, to: u64| {
@@ -98,7 +101,8 @@ impl<S: ParametricSystem> Search<'_, S> {
         (change(high.s, high.at.clone(), high.at.pattern), high)
     }
 
-    /// A place a little beyond the first change of the piece on the curve through two points, as the system tells at little expense.
+    /// A place a little beyond the first change of the piece on the curve through two points, as the system tells at
+    /// little expense.
     fn beyond_change(&mut self, low: &Mark, high: &Mark) -> Option<f64> {
         let curve = self.curve(low, high)?;
         let (mut before, mut beyond) = (low.s, high.s);

@@ -8,7 +8,8 @@ use crate::pencil::orthonormal;
 use crate::signs::Signs;
 use crate::vectors::{along, distance, dot};
 
-/// Loops around the point on which boundaries are looked for, and the shortest piece into which one is divided, over the radius.
+/// Loops around the point on which boundaries are looked for, and the shortest piece into which one is divided, over
+/// the radius.
 const LOOPS: usize = 3;
 const SHORTEST: f64 = 1e-3;
 
@@ -24,8 +25,8 @@ const MOST: usize = 6;
 /// A point around the center, and the piece on which it lies.
 type Place = (Vec<f64>, u64);
 
-/// Unit vectors across the boundaries through `center`; `None` if the system does not know the pieces around it, or they are not as these boundaries
-/// alone would make them.
+/// Unit vectors across the boundaries through `center`; `None` if the system does not know the pieces around it, or
+/// they are not as these boundaries alone would make them.
 pub(super) fn around<S: ParametricSystem>(system: &mut S, center: &[f64], radius: f64) -> Option<Vec<Vec<f64>>> {
     let mut signs = Signs::default();
     let (mut slopes, mut places) = (Vec::new(), Vec::new());

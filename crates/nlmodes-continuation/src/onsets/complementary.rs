@@ -7,20 +7,23 @@ use super::reduced::{RADIUS, Reduced};
 use crate::expansion::SHALLOW;
 use crate::vectors::{along, dot};
 
-/// Factor or distance from the boundary, over the length of the direction, below which it is not clear which side is taken, and singular value below
-/// which it is not clear which direction.
+/// Factor or distance from the boundary, over the length of the direction, below which it is not clear which side is
+/// taken, and singular value below which it is not clear which direction.
 const CLEAR: f64 = 1e-6;
 
 impl Reduced {
-    /// The coordinates of all arms at the distance one; `None` where depths are not small beside that or it is not clear which sides the arms take.
+    /// The coordinates of all arms at the distance one; `None` where depths are not small beside that or it is not
+    /// clear which sides the arms take.
     ///
-    /// Where the depths are small beside the distance, the directions `t` of the arms and what sets in, `m`, solve a complementarity problem,
+    /// Where the depths are small beside the distance, the directions `t` of the arms and what sets in, `m`, solve a
+    /// complementarity problem,
     ///
     /// ```text
     /// J t + Σ_j m_j F_j = 0 ,   0 ≤ m_j ⊥ ∇g_j · t ≥ 0
     /// ```
     ///
-    /// which for each set of boundaries that are passed has at most one solution, or two of opposite senses where none is passed.
+    /// which for each set of boundaries that are passed has at most one solution, or two of opposite senses where none
+    /// is passed.
     pub(super) fn stiff_arms(&self) -> Option<Vec<Vec<f64>>> {
         let k = self.slopes.len();
         let inward = dual(&self.slopes)?;

@@ -27,7 +27,8 @@ pub(super) struct Onset {
 }
 
 impl Onset {
-    /// What sets in at `z` beyond the boundary with this gradient of unit length, on the one side or the other; `across` leads across it alone.
+    /// What sets in at `z` beyond the boundary with this gradient of unit length, on the one side or the other;
+    /// `across` leads across it alone.
     pub fn measured<S: ParametricSystem>(
         system: &mut S,
         corrector: &mut Corrector,

@@ -14,8 +14,8 @@ pub(super) const RADIUS: f64 = 1e-3;
 /// Length that is left of a direction without those before, over its own, below which it is one of them.
 const DEPENDENT: f64 = 1e-10;
 
-/// `J (z − z₀) + Σ_j F_j (d_j/d₀)^k_j = 0` with `d_j = (−∇g_j · (z − z₀))₊`, where `z − z₀` is a combination of the k + 1 directions for which `J` times
-/// them is one of the `F_j`: what is left are k equations, one for each factor.
+/// `J (z − z₀) + Σ_j F_j (d_j/d₀)^k_j = 0` with `d_j = (−∇g_j · (z − z₀))₊`, where `z − z₀` is a combination of the k +
+/// 1 directions for which `J` times them is one of the `F_j`: what is left are k equations, one for each factor.
 ///
 /// Lengths are such that the distance at which arms are looked for is [`RADIUS`].
 pub(super) struct Reduced {
@@ -30,8 +30,8 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// For arms at the distance `distance`; `at` is the Jacobian where nothing has set in. None where a direction that belongs to nothing that sets in is
-    /// nearly free at that distance: something else may happen there.
+    /// For arms at the distance `distance`; `at` is the Jacobian where nothing has set in. None where a direction that
+    /// belongs to nothing that sets in is nearly free at that distance: something else may happen there.
     pub fn new(
         at: &Linearization,
         tangent: &[f64],
@@ -166,7 +166,8 @@ mod tests {
         }
     }
 
-    /// As soft as that the depths are not small beside the distance: each stop is open, `v = −q p`, or closed, at a root that halving finds.
+    /// As soft as that the depths are not small beside the distance: each stop is open, `v = −q p`, or closed, at a
+    /// root that halving finds.
     #[test]
     fn all_arms_of_stops_that_are_not_stiff_are_found() {
         for (sizes, q) in [([100.0, 100.0], [0.8, 1.1]), ([150.0, 300.0], [1.0, 0.7])] {

@@ -73,8 +73,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         Ok((StopReason::Bound { coordinate, value }, last))
     }
 
-    /// Keeps the point on a bound between the foot and the first point beyond a corner or a crossing, and says why the branch ends;
-    /// `None` if there is no bound in between.
+    /// Keeps the point on a bound between the foot and the first point beyond a corner or a crossing, and says why the
+    /// branch ends; `None` if there is no bound in between.
     pub(super) fn bound_before(&mut self, next: &Correction) -> Option<ControlFlow<StopReason, StopReason>> {
         let (coordinate, value) = self.bound_ahead(&next.z)?;
         let (from, to) = (self.foot.z[coordinate], next.z[coordinate]);
@@ -128,8 +128,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
     }
 }
 
-/// Whether a coordinate that is within its bounds at both ends of a step may have been beyond them in between: where it turns, and its two
-/// tangents meet beyond.
+/// Whether a coordinate that is within its bounds at both ends of a step may have been beyond them in between: where it
+/// turns, and its two tangents meet beyond.
 fn may_peak_beyond(bound: &Bound, from: &[f64], along: &[f64], end: &Correction) -> bool {
     let i = bound.coordinate;
     let (a, b) = (along[i], end.tangent[i]);

@@ -18,8 +18,9 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         Some(self.go_around(&bend))
     }
 
-    /// Through the corner at which the branch begins, once shorter steps are seen not to come nearer to it: where directions are nearly free all along, as
-    /// beside many contacts, no expansion tells what is behind. Elsewhere it is located first.
+    /// Through the corner at which the branch begins, once shorter steps are seen not to come nearer to it: where
+    /// directions are nearly free all along, as beside many contacts, no expansion tells what is behind. Elsewhere it
+    /// is located first.
     pub(super) fn beyond_corner_at_start(&mut self, refusal: &Refusal) -> Option<ControlFlow<StopReason, f64>> {
         if !(self.control.comes_no_nearer(refusal) && self.branch.points.len() == 1) {
             return None;
@@ -69,8 +70,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         self.leave_for(&bend.end, distance(&bend.end.z, &self.foot.z))
     }
 
-    /// One step of those that lead away from a point at which a longer one was refused, though there is no corner; what happens within is
-    /// looked for as in any other.
+    /// One step of those that lead away from a point at which a longer one was refused, though there is no corner; what
+    /// happens within is looked for as in any other.
     fn step_below_the_shortest(&mut self, from: Foot) -> Option<ControlFlow<StopReason, f64>> {
         let ahead = std::mem::replace(&mut self.foot, from);
         let h = corner::APPROACHING * self.control.limits.min;

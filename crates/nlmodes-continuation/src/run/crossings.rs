@@ -16,8 +16,8 @@ use crate::{BranchPoint, EventKind, Refusal, StopReason};
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
     /// The crossing within a step, if there is one, and the changes of the pattern, where they have been looked for.
     ///
-    /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of sign without
-    /// a crossing is a jump to another arm.
+    /// `det [J; tᵀ]` keeps its sign along a curve, corners included, unless other branches cross it. So a change of
+    /// sign without a crossing is a jump to another arm.
     pub(super) fn crossing_passed(
         &mut self,
         end: &Correction,
@@ -34,8 +34,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         Ok((self.touched_corner(&changes, end, border, h), Some(changes)))
     }
 
-    /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the sign of
-    /// `det [J; tᵀ]` as it was, but the Jacobian becomes singular there.
+    /// A change of the pattern within a step at which the corner of another curve touches this one: that leaves the
+    /// sign of `det [J; tᵀ]` as it was, but the Jacobian becomes singular there.
     fn touched_corner(
         &mut self,
         changes: &[Located],
@@ -53,21 +53,22 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         })
     }
 
-    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends and those close by, or where the former are not known by
-    /// itself.
+    /// Whether the Jacobian at a point of a step is nearly singular beside those at its ends and those close by, or
+    /// where the former are not known by itself.
     pub(super) fn becomes_singular(&mut self, z: &[f64], end: Option<&Bordered>) -> bool {
         let (Some(foot), Some(end)) = (self.foot.border.clone(), end) else {
             return self.corrector.evaluate(self.system, z).is_ok()
                 && self.corrector.singular_directions().is_some_and(|free| free.ratio <= NEARLY_FREE);
         };
         let Some(at) = self.corrector.border_at(self.system, z, &self.foot.tangent) else { return true };
-        // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by itself.
+        // A contact that closes is stiff beside one that is open: only what is singular in terms of both ends is so by
+        // itself.
         [&*foot, end].into_iter().all(|end| at.is_singular_beside(end, GROWN))
             && self.is_singular_beside_neighbours(&at, z)
     }
 
-    /// Whether this Jacobian, at `z`, is nearly singular beside those on the branch at the least distance at which arms are looked for: where others meet
-    /// it, it is so to the last digits of the place.
+    /// Whether this Jacobian, at `z`, is nearly singular beside those on the branch at the least distance at which arms
+    /// are looked for: where others meet it, it is so to the last digits of the place.
     fn is_singular_beside_neighbours(&mut self, at: &Bordered, z: &[f64]) -> bool {
         let s = dot(z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
         let near = 10.0 * self.control.limits.min;

@@ -11,8 +11,8 @@ use crate::vectors::{distance, dot};
 use crate::{BranchPoint, EventKind, ParametricSystem, StopReason};
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
-    /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch ends; and
-    /// the length of the next step.
+    /// Keeps the events of an accepted step and its end, or the point on the bound or at the start where the branch
+    /// ends; and the length of the next step.
     pub(super) fn accept(&mut self, taken: Taken, h: f64, next: f64) -> ControlFlow<StopReason, f64> {
         let Taken { end, crossing, last, changes, border, .. } = &taken;
         let changes = if last.is_none() { changes.clone() } else { None };

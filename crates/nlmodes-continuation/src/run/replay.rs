@@ -9,14 +9,15 @@ use crate::record::StepRecord;
 use crate::step::Foot;
 use crate::{ParametricSystem, StopReason};
 
-/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the second it does in
-/// any case, beyond the third in none.
+/// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the
+/// second it does in any case, beyond the third in none.
 const WORSE: f64 = 1e3;
 const SOLVED: f64 = 1e-9;
 const UNSOLVED: f64 = 1e-3;
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
-    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may have been altered.
+    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may
+    /// have been altered.
     pub(super) fn holds(&mut self, record: &StepRecord) -> bool {
         if !record.is_of(self.system.dim()) {
             return false;
@@ -81,14 +82,16 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
     }
 
-    /// Tells the system of the foot: what it holds there, such as a phase, is in the Jacobian of the steps behind, not in that of the foot itself.
+    /// Tells the system of the foot: what it holds there, such as a phase, is in the Jacobian of the steps behind, not
+    /// in that of the foot itself.
     pub(super) fn accept_foot(&mut self) {
         if let Some((p, x)) = self.foot.z.split_last() {
             self.system.accepted(x, *p);
         }
     }
 
-    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken: before the system was told of it.
+    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken: before the system was
+    /// told of it.
     pub(super) fn restore_border(&mut self) {
         let Some(row) = self.row.take() else { return };
         let evaluations = self.corrector.evaluations;

@@ -32,7 +32,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let located = self.singular_point(mean * h, end, h);
         let tangent = between(&self.foot.tangent, &end.tangent, located.s / h);
         let center = &located.point.z;
-        // Where a contact sets in, the Jacobian changes unevenly: it may seem to become singular and be regular all the way.
+        // Where a contact sets in, the Jacobian changes unevenly: it may seem to become singular and be regular all the
+        // way.
         let choice = if self.becomes_singular(center, border) {
             meeting::of_several(self.system, &mut self.corrector, &self.control.limits, center, &tangent)
         } else {

@@ -7,8 +7,8 @@ use nlmodes_continuation::{Boundary, Continuation, EventKind, Linearization, Par
 
 use crate::samples::{events, window};
 
-/// `ξ − π − k ξ₊^{3/2} = 0` with `ξ = x/a − 1` and `π = p/b`: from (a, 0) the parameter rises with the unknown as far as `ξ = (2/3k)²`, and
-/// falls from there on, while the unknown hardly moves.
+/// `ξ − π − k ξ₊^{3/2} = 0` with `ξ = x/a − 1` and `π = p/b`: from (a, 0) the parameter rises with the unknown as far
+/// as `ξ = (2/3k)²`, and falls from there on, while the unknown hardly moves.
 pub struct Stop {
     pub stiffness: f64,
     pub units: [f64; 2],
@@ -75,8 +75,8 @@ fn the_fold_within_a_tight_bend_at_the_beginning_is_named_where_it_is() {
     }
 }
 
-/// The same bend on the way, from starts that let it fall anywhere within a step: the change of the piece and the fold behind it are two places, not
-/// one corner.
+/// The same bend on the way, from starts that let it fall anywhere within a step: the change of the piece and the fold
+/// behind it are two places, not one corner.
 #[test]
 fn the_fold_within_a_tight_bend_on_the_way_is_named_where_it_is() {
     for (stiffness, units) in [(1e4, [1.0, 1.0]), (1e5, [1.0, 1.0]), (1e4, [1024.0, 0.125]), (1e5, [1e-3, 7.0])] {

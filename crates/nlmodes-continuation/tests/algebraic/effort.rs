@@ -1,7 +1,8 @@
 //! What branches cost: evaluations, points and refused steps, summed over many starts.
 //!
-//! Numbers that steer a continuation hardly show in its points, which Newton's method corrects, but they show here. The table is what was measured, not
-//! what must be: where a change of the steps moves it, look whether it moved the way that was meant, and write down what is measured then.
+//! Numbers that steer a continuation hardly show in its points, which Newton's method corrects, but they show here. The
+//! table is what was measured, not what must be: where a change of the steps moves it, look whether it moved the way
+//! that was meant, and write down what is measured then.
 
 use std::ops::ControlFlow;
 

@@ -7,7 +7,8 @@ use nlmodes_continuation::{Bound, Boundary, Continuation, EventKind, Linearizati
 
 use crate::samples::events;
 
-/// `ξ = c (π − π₁)₊ (π₂ − π)₊` with `ξ = x/a`, `π = p/b`: another piece from π₁ to π₂, on which the curve bends so little that no step is refused.
+/// `ξ = c (π − π₁)₊ (π₂ − π)₊` with `ξ = x/a`, `π = p/b`: another piece from π₁ to π₂, on which the curve bends so
+/// little that no step is refused.
 struct Bump {
     units: [f64; 2],
     /// The piece at the point evaluated last.

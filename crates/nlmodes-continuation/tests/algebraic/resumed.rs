@@ -166,8 +166,8 @@ fn a_curve_around_a_corner_goes_on_wherever_it_was_cut() {
     check(&window(1, -0.7, 0.6), corner, &[-0.14, -0.7]);
 }
 
-/// An oscillation in two harmonics, `x₀ cos + x₁ sin + x₂ cos 2 + x₃ sin 2`, whose phase is free: it does not move along the turn of the last point. Something sets
-/// in at `p = 0.3`.
+/// An oscillation in two harmonics, `x₀ cos + x₁ sin + x₂ cos 2 + x₃ sin 2`, whose phase is free: it does not move
+/// along the turn of the last point. Something sets in at `p = 0.3`.
 struct FreePhase {
     turn: [f64; 4],
     pattern: u64,

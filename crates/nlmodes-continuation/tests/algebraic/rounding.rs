@@ -15,8 +15,8 @@ const SIGMA: f64 = 1e-9;
 /// Rounding of the residual.
 const NOISE: f64 = 4e-16;
 
-/// `x − sin p = 0`, `σ (y − cos p) + noise = 0`, with noise of a few units of rounding that changes with every digit of the unknowns, as that
-/// of a long sum does.
+/// `x − sin p = 0`, `σ (y − cos p) + noise = 0`, with noise of a few units of rounding that changes with every digit of
+/// the unknowns, as that of a long sum does.
 struct NearlyFree;
 
 impl NearlyFree {
@@ -83,7 +83,8 @@ impl ParametricSystem for Ending {
     }
 }
 
-/// Points of it are known to about `noise/σ`, 10⁻⁷: steps of that length would lead anywhere, whatever shortest one is permitted.
+/// Points of it are known to about `noise/σ`, 10⁻⁷: steps of that length would lead anywhere, whatever shortest one is
+/// permitted.
 #[test]
 fn a_branch_that_ends_is_not_looked_for_by_steps_shorter_than_rounding_blurs_it() {
     for min in [1e-6, 1e-8] {
@@ -98,14 +99,14 @@ fn a_branch_that_ends_is_not_looked_for_by_steps_shorter_than_rounding_blurs_it(
     }
 }
 
-/// `x − √(p² + δ²) = 0`, `σ (y − cos p) = 0` in units of unknowns, parameter and equations: the second equation is small beside its unit, and rounded as
-/// what is so small. Within a bend of radius δ the steps must be shorter than it.
+/// `x − √(p² + δ²) = 0`, `σ (y − cos p) = 0` in units of unknowns, parameter and equations: the second equation is
+/// small beside its unit, and rounded as what is so small. Within a bend of radius δ the steps must be shorter than it.
 struct SmallRow {
     units: [f64; 3],
 }
 
-/// Radius of the bend: steps of a third of it are within the shortest one that is permitted, 10⁻⁶, and far below those that rounding of numbers near
-/// one would permit, 50 · 8 ε/σ ≈ 10⁻⁴.
+/// Radius of the bend: steps of a third of it are within the shortest one that is permitted, 10⁻⁶, and far below those
+/// that rounding of numbers near one would permit, 50 · 8 ε/σ ≈ 10⁻⁴.
 const RADIUS: f64 = 1e-5;
 
 impl ParametricSystem for SmallRow {

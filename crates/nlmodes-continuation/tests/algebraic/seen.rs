@@ -55,7 +55,8 @@ fn a_bound_that_a_curve_passes_between_two_points_ends_it() {
 
 #[test]
 fn a_bound_is_not_passed_behind_a_corner() {
-    // The parameter turns back at once where the curve has just turned at x = 0: the bound is half a shortest step beyond.
+    // The parameter turns back at once where the curve has just turned at x = 0: the bound is half a shortest step
+    // beyond.
     let f = |x: f64, p: f64| [p + 3.0 * x.abs(), 3.0 * x.signum(), 1.0];
     for beyond in [5e-7, 5e-6, 1e-4] {
         let bounds = vec![Bound { coordinate: 0, min: -1.0, max: beyond }];

@@ -12,7 +12,8 @@ use crate::units::InUnits;
 
 const CROSSING: fn(&EventKind) -> bool = |e| *e == EventKind::BranchPoint;
 
-/// `(p − c_i) x_i − x_i³ − g x_i Σ x_j² = 0`: the normal form with the symmetry of a cube where all c are zero; modes of a stripe otherwise.
+/// `(p − c_i) x_i − x_i³ − g x_i Σ x_j² = 0`: the normal form with the symmetry of a cube where all c are zero; modes
+/// of a stripe otherwise.
 pub struct Modes {
     pub at: Vec<f64>,
     pub g: f64,
@@ -126,7 +127,8 @@ fn double_branch_points_of_a_square_are_found_on_all_grids() {
                     (found[0] - first).abs() < 1e-6 && (found[1] - double).abs() < 1e-6,
                     "m = {m}: {found:?} {double}"
                 );
-                // Two modes and both their sums and differences, each with two signs, and the branch itself; twice as many arms on a ring of eight nodes.
+                // Two modes and both their sums and differences, each with two signs, and the branch itself; twice as
+                // many arms on a ring of eight nodes.
                 let expected = if m == 3 { 17 } else { 9 };
                 let crossing = &branch.crossings[1];
                 assert_eq!((crossing.arms.len(), crossing.unsearched), (expected, 0), "m = {m}, from {share}");
@@ -139,8 +141,8 @@ fn double_branch_points_of_a_square_are_found_on_all_grids() {
 const UNITS: [([f64; 3], bool); 4] =
     [([1.0, 1.0, 1.0], true), ([0.5, 0.5, 16.0], true), ([2.0, 4.0, 1e6], false), ([0.01, 1e3, 1e6], false)];
 
-/// The motions of 3 × 3 nodes that are odd about the middle one are those of the ring of the other eight, which are alike: what is symmetric under an eighth
-/// of a turn has 16 arms, and only terms of seventh order tell them apart.
+/// The motions of 3 × 3 nodes that are odd about the middle one are those of the ring of the other eight, which are
+/// alike: what is symmetric under an eighth of a turn has 16 arms, and only terms of seventh order tell them apart.
 ///
 /// Where lengths are in such units that these are below rounding at all distances, it is said that some are missing.
 #[test]
@@ -180,7 +182,8 @@ fn all_arms_of_the_double_point_of_nine_nodes_are_found_from_any_start() {
     }
 }
 
-/// Branch points of the equation of Swift and Hohenberg on a stripe of this length: its modes `k`, where `p = (1 − (k π/length)²)²`.
+/// Branch points of the equation of Swift and Hohenberg on a stripe of this length: its modes `k`, where
+/// `p = (1 − (k π/length)²)²`.
 fn check_stripe(length: f64, modes: u32, count: usize, longest_steps: &[f64]) {
     let at: Vec<f64> =
         (1..=modes).map(|k| (1.0 - (f64::from(k) * std::f64::consts::PI / length).powi(2)).powi(2)).collect();

@@ -114,7 +114,8 @@ fn a_circle_in_any_units_is_closed_with_two_folds_and_ends_on_its_bound() {
     }
 }
 
-/// Two bars of stiffness EA, N, with supports 2 m apart, that meet at the height w; load P, N. `P = 2 EA w (1/L − 1/L₀)`, `L² = 1 + w²`.
+/// Two bars of stiffness EA, N, with supports 2 m apart, that meet at the height w; load P, N.
+/// `P = 2 EA w (1/L − 1/L₀)`, `L² = 1 + w²`.
 fn truss(ea: f64, height: f64) -> impl Fn(f64, f64) -> [f64; 3] {
     move |w, load| {
         let (l, l0) = ((1.0 + w * w).sqrt(), (1.0 + height * height).sqrt());

@@ -16,7 +16,8 @@ use crate::records::Channel;
 const SHIFT: f64 = 3.0;
 /// Error of a squared eigenfrequency, relative.
 const EIGENVALUE: f64 = 0.02;
-/// Power of the force over what the damping ratios dissipate that is told: above, where a structure may lose power elsewhere, and below.
+/// Power of the force over what the damping ratios dissipate that is told: above, where a structure may lose power
+/// elsewhere, and below.
 const POWER: [f64; 2] = [1.0 / 3.0, 5.0];
 /// Error of the phase of the force at the stop, rad.
 const PHASE: f64 = 0.01;
@@ -105,7 +106,8 @@ mod tests {
     use super::*;
     use crate::records::{Quantity, Role};
 
-    /// A mode of 100 rad/s and 1 %, in resonance or beside it, whose force at the stop and power are those of the equation of motion, times the given factors.
+    /// A mode of 100 rad/s and 1 %, in resonance or beside it, whose force at the stop and power are those of the
+    /// equation of motion, times the given factors.
     fn factors(
         omega: f64,
         size: f64,

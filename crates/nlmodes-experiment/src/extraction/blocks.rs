@@ -25,8 +25,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Of the signals of a window of whole periods. Coefficients of a block are those of the whole plus those of what is left there: the
-    /// rest is small, so that its leakage within a block is of second order.
+    /// Of the signals of a window of whole periods. Coefficients of a block are those of the whole plus those of what
+    /// is left there: the rest is small, so that its leakage within a block is of second order.
     pub fn new(fit: &HarmonicFit, signals: &[&[f64]], periods: usize, sample_rate: f64) -> Self {
         let all = fit.coefficients(signals);
         let models = fit.signals(&all);
@@ -70,7 +70,8 @@ fn block(
     coefficients
 }
 
-/// Takes the delay of a channel out of its coefficients: it recorded late, so harmonic `n` is turned forward by `nω·delay`.
+/// Takes the delay of a channel out of its coefficients: it recorded late, so harmonic `n` is turned forward by
+/// `nω·delay`.
 pub fn take_out_delay(coefficients: &mut [Complex64], omega: f64, delay: f64) {
     for (n, q) in coefficients.iter_mut().enumerate() {
         *q *= Complex64::cis(n as f64 * omega * delay);
@@ -81,7 +82,8 @@ pub fn take_out_delay(coefficients: &mut [Complex64], omega: f64, delay: f64) {
 mod tests {
     use super::*;
 
-    /// Four periods of 100 samples, each with its own mean and amplitudes: those of a block are its own discrete Fourier sums.
+    /// Four periods of 100 samples, each with its own mean and amplitudes: those of a block are its own discrete
+    /// Fourier sums.
     #[test]
     fn blocks_have_their_own_means_and_amplitudes() {
         let (n, step) = (400, std::f64::consts::TAU / 100.0);

@@ -3,12 +3,14 @@
 use crate::extraction::Finding;
 use crate::records::Channel;
 
-/// A run of equal samples at an extreme counts as clipped from this share of a period on: a sine clipped by one part in a thousand.
+/// A run of equal samples at an extreme counts as clipped from this share of a period on: a sine clipped by one part in
+/// a thousand.
 const PLATEAU: f64 = 0.014;
 /// Fewest samples of such a run.
 const SHORTEST: usize = 4;
 
-/// Reports samples at the limits of the sensor's range, or, where that is unknown, runs of equal samples at the extremes of the signal.
+/// Reports samples at the limits of the sensor's range, or, where that is unknown, runs of equal samples at the
+/// extremes of the signal.
 pub fn check(channel: &Channel, samples: &[f64], samples_per_period: f64, findings: &mut Vec<Finding>) {
     let name = || channel.name.clone();
     if let Some([low, high]) = channel.si_range() {

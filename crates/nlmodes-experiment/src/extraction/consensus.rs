@@ -4,9 +4,9 @@
 //! min_η Σ_i |x_i − φ_i η|²/σ_i² + Σ_k |η_k|²/τ_k²
 //! ```
 //!
-//! `x_i` is the fundamental of the displacement from channel `i`, `σ_i` its calibration and noise. Modes far from the frequency `ω` follow a
-//! force as static ones do, so that `τ_k` falls with `ω²/|ω_k² − ω²|`; the nearest mode is free. Channels at a place without a row of
-//! the modes share an unknown of their own.
+//! `x_i` is the fundamental of the displacement from channel `i`, `σ_i` its calibration and noise. Modes far from the
+//! frequency `ω` follow a force as static ones do, so that `τ_k` falls with `ω²/|ω_k² − ω²|`; the nearest mode is free.
+//! Channels at a place without a row of the modes share an unknown of their own.
 
 use nalgebra::{DMatrix, DVector};
 use nlmodes_modal::LinearModes;
@@ -177,7 +177,8 @@ mod tests {
         Row { channel: place, place, shape, value, noise }
     }
 
-    /// Two sensors at one place have the mean that their variances weigh, and are as far from each other as their difference is beside its deviation.
+    /// Two sensors at one place have the mean that their variances weigh, and are as far from each other as their
+    /// difference is beside its deviation.
     #[test]
     fn sensors_at_one_place_have_their_weighted_mean_in_any_unit() {
         for unit in [1.0, 1e-9, 1e4] {

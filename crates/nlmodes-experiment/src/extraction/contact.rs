@@ -86,7 +86,8 @@ impl Evidence<'_> {
         Some(stiffness)
     }
 
-    /// Mean of the largest forces of the single periods; zero, with the noise as its error, where no force rises above the noise.
+    /// Mean of the largest forces of the single periods; zero, with the noise as its error, where no force rises above
+    /// the noise.
     fn peak(&self, force: &[f64]) -> Measured {
         let noise = noise_level(force);
         if force.iter().all(|force| *force <= DETECTED * noise) {

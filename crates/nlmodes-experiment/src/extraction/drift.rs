@@ -66,7 +66,8 @@ impl Drift {
         relative.abs() > tolerances.amplitude_drift.max(SIGNIFICANT * error)
     }
 
-    /// Reports a vibration whose own energy is not small against what the force brings in: `damping` is what its power gives, eq. (28).
+    /// Reports a vibration whose own energy is not small against what the force brings in: `damping` is what its power
+    /// gives, eq. (28).
     pub fn transient(&self, omega: f64, damping: Option<f64>, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
         let (rate, error) = self.growth;
         let own = rate.abs() / omega;
@@ -80,7 +81,8 @@ impl Drift {
     }
 }
 
-/// Factor of a shape in the values, beside line and mean where the shape is even, with its standard error; NaN with fewer than four values.
+/// Factor of a shape in the values, beside line and mean where the shape is even, with its standard error; NaN with
+/// fewer than four values.
 fn fit(t: &[f64], values: &[f64], shape: impl Fn(f64) -> f64) -> (f64, f64) {
     let n = values.len() as f64;
     if n < 4.0 {
@@ -131,7 +133,8 @@ mod tests {
         assert_eq!(findings.len(), 2);
     }
 
-    /// A parabola beside a line that both have their centre elsewhere, with a rest that is orthogonal to both: factor and standard error of the textbook.
+    /// A parabola beside a line that both have their centre elsewhere, with a rest that is orthogonal to both: factor
+    /// and standard error of the textbook.
     #[test]
     fn a_shape_beside_a_line_has_its_factor_and_its_standard_error() {
         let rest = [-7.0, 5.0, 7.0, 3.0, -3.0, -7.0, -5.0, 7.0];

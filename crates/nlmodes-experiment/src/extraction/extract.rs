@@ -14,8 +14,8 @@ use crate::extraction::{
 };
 use crate::records::Record;
 
-/// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the time grows with their
-/// third power.
+/// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the
+/// time grows with their third power.
 const MAX_HARMONICS: usize = 1000;
 /// Lag at phase resonance, degrees.
 const RESONANCE_DEG: f64 = 90.0;
@@ -24,13 +24,15 @@ const SIGNIFICANT: f64 = 5.0;
 
 /// Turns a record into a point of a nonlinear mode.
 ///
-/// Frequency: from the excitation phase where there is such a channel, else from the record itself. Fourier coefficients: least squares on
-/// all harmonics over a whole number of periods at the end of the record, velocity and acceleration integrated in the frequency domain.
-/// Modal amplitude, shape, participation and damping: eqs. (20)-(22), (28), (30), normalised by mass through the linear modes. Power:
-/// eqs. (17)-(19). Every figure has the standard error of the mean of its values in single periods, with what the sampling rate leaves open.
+/// Frequency: from the excitation phase where there is such a channel, else from the record itself. Fourier
+/// coefficients: least squares on all harmonics over a whole number of periods at the end of the record, velocity and
+/// acceleration integrated in the frequency domain. Modal amplitude, shape, participation and damping: eqs. (20)-(22),
+/// (28), (30), normalised by mass through the linear modes. Power: eqs. (17)-(19). Every figure has the standard error
+/// of the mean of its values in single periods, with what the sampling rate leaves open.
 ///
 /// # Errors
-/// [`ExtractionError`] if no frequency is found, or with the finding that stands in the way. What does not is in the result.
+/// [`ExtractionError`] if no frequency is found, or with the finding that stands in the way. What does not is in the
+/// result.
 pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordExtraction, ExtractionError> {
     check(settings)?;
     let mut findings = Vec::new();

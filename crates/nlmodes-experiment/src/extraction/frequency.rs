@@ -4,13 +4,14 @@ use crate::extraction::{ExtractionError, HarmonicFit, Measured};
 const STAGES: [usize; 3] = [1, 3, 10];
 /// Most Gauss-Newton steps of a stage.
 const MAX_STEPS: usize = 30;
-/// Relative step at which a frequency is found; the steps converge quadratically, so that the one after it is lost in rounding.
+/// Relative step at which a frequency is found; the steps converge quadratically, so that the one after it is lost in
+/// rounding.
 const CONVERGED: f64 = 1e-9;
 /// The same for the stages before the last.
 const NEAR: f64 = 1e-4;
 
-/// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least squares problem in coefficients
-/// and frequency, of which the coefficients are eliminated (variable projection).
+/// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least squares
+/// problem in coefficients and frequency, of which the coefficients are eliminated (variable projection).
 ///
 /// `harmonics` are taken in the end. `None` if it leaves the neighbourhood of the start, or finds nothing.
 pub fn refine(signal: &[f64], start: f64, harmonics: usize) -> Option<f64> {
@@ -46,7 +47,8 @@ fn gauss_newton(signal: &[f64], step: f64, harmonics: usize) -> Option<f64> {
     (square > 0.0).then_some(product / square)
 }
 
-/// Frequency (rad/s) of a phase channel over its samples, with its standard error: the slope of the line through the unwrapped phase.
+/// Frequency (rad/s) of a phase channel over its samples, with its standard error: the slope of the line through the
+/// unwrapped phase.
 ///
 /// # Errors
 /// [`ExtractionError::NoFrequency`] if the phase does not advance.
@@ -116,7 +118,8 @@ mod tests {
         assert!(from_phase(&[1.0; 10], 1.0, "p").is_err());
     }
 
-    /// With a part that is not periodic the least of the squares is not zero; the frequency is there where Gauss and Newton stand still.
+    /// With a part that is not periodic the least of the squares is not zero; the frequency is there where Gauss and
+    /// Newton stand still.
     #[test]
     fn the_frequency_found_is_a_stationary_point_of_the_least_squares() {
         let (f, rate, periods) = (40.1, 20_000.0, 5.3);

@@ -2,8 +2,8 @@ use nlmodes_modal::HarmonicBasis;
 
 /// Frequency of the largest peak of the spectrum, in cycles a sample; `None` where there is none.
 ///
-/// A Hann window keeps the mean and slow trends from covering the peak; its place between the lines comes from the parabola through
-/// their logarithms.
+/// A Hann window keeps the mean and slow trends from covering the peak; its place between the lines comes from the
+/// parabola through their logarithms.
 pub fn strongest_frequency(signal: &[f64]) -> Option<f64> {
     let n = signal.len();
     let mean = signal.iter().sum::<f64>() / n as f64;

@@ -3,11 +3,13 @@ use num_complex::Complex64;
 
 use crate::extraction::ExtractionError;
 
-/// Least squares fit of a mean and harmonics to evenly sampled signals: `x_j ≈ Re Σ_{n=0}^{H} q_n e^{inψ_j}`, `ψ_j = ω (j − (N−1)/2) Δt`.
+/// Least squares fit of a mean and harmonics to evenly sampled signals: `x_j ≈ Re Σ_{n=0}^{H} q_n e^{inψ_j}`,
+/// `ψ_j = ω (j − (N−1)/2) Δt`.
 ///
-/// It is exact for a periodic signal, whatever the number of periods (at least one): there is no leakage. With phases counted from the
-/// middle of the samples cosines and sines are orthogonal to each other, and the sums of their products are in closed form,
-/// `Σ_j cos kψ_j = sin(kN ωΔt/2) / sin(k ωΔt/2)`; so the matrices cost nothing but their size.
+/// It is exact for a periodic signal, whatever the number of periods (at least one): there is no leakage. With phases
+/// counted from the middle of the samples cosines and sines are orthogonal to each other, and the sums of their
+/// products are in closed form, `Σ_j cos kψ_j = sin(kN ωΔt/2) / sin(k ωΔt/2)`; so the matrices cost nothing but their
+/// size.
 #[derive(Debug, Clone)]
 pub struct HarmonicFit {
     n_harmonics: usize,
@@ -21,7 +23,8 @@ impl HarmonicFit {
     /// `n_harmonics` of a frequency whose phase advances by `step` (rad) from sample to sample, over `n_samples`.
     ///
     /// # Errors
-    /// [`ExtractionError::Harmonics`] if they cannot be told apart: less than about a period, or harmonics at half the sampling rate.
+    /// [`ExtractionError::Harmonics`] if they cannot be told apart: less than about a period, or harmonics at half the
+    /// sampling rate.
     pub fn new(n_harmonics: usize, step: f64, n_samples: usize) -> Result<Self, ExtractionError> {
         let refuse =
             || ExtractionError::Harmonics { harmonics: n_harmonics, frequency_hz: f64::NAN, samples: n_samples };

@@ -1,4 +1,5 @@
-//! What a careful experimenter looks at once the values are there: delays, scales, signs, phases, forces, the state of the vibration.
+//! What a careful experimenter looks at once the values are there: delays, scales, signs, phases, forces, the state of
+//! the vibration.
 
 use num_complex::Complex64;
 
@@ -15,7 +16,8 @@ use crate::records::{Quantity, Record};
 
 /// Distance of the stop from where it is declared, over gap or motion, that is told.
 const GAP: f64 = 0.5;
-/// Factor between the frequency and that of the nearest linear mode that is told: a stop raises it to its double, two stops further.
+/// Factor between the frequency and that of the nearest linear mode that is told: a stop raises it to its double, two
+/// stops further.
 const FAR: f64 = 3.0;
 
 /// What is judged.

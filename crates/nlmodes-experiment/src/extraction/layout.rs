@@ -60,7 +60,8 @@ impl Layout {
     }
 }
 
-/// Position of the drive point: where the force acts, if a channel of the drive point is there, else that of the first of them.
+/// Position of the drive point: where the force acts, if a channel of the drive point is there, else that of the first
+/// of them.
 fn home(channels: &[Channel], drives: &[usize], force: Option<usize>) -> Option<f64> {
     let at_force = force.and_then(|force| channels[force].position);
     let there =
@@ -74,7 +75,8 @@ pub fn is_at(channels: &[Channel], channel: usize, position: Option<f64>) -> boo
     channels[channel].position.zip(position).is_none_or(|(a, b)| (a - b).abs() <= SAME_PLACE * largest)
 }
 
-/// Displacement before velocity before acceleration, since it has the weakest harmonics; then the channel with the least noise.
+/// Displacement before velocity before acceleration, since it has the weakest harmonics; then the channel with the
+/// least noise.
 fn reference(record: &Record, motion: &[usize]) -> Option<usize> {
     let order = |i: &usize| record.channels[*i].quantity.time_derivative().unwrap_or(0);
     let lowest = motion.iter().map(order).min()?;
@@ -129,8 +131,9 @@ pub fn modes_at(
     Some((modes.restricted(&rows, wanted.min(sensors)).ok()?, at))
 }
 
-/// Displacement from the coefficients of collocated channels, each integrated in the frequency domain, weighted by its noise: displacement
-/// counts most at low harmonics, acceleration at high ones. The mean comes from displacement alone and is zero without it.
+/// Displacement from the coefficients of collocated channels, each integrated in the frequency domain, weighted by its
+/// noise: displacement counts most at low harmonics, acceleration at high ones. The mean comes from displacement alone
+/// and is zero without it.
 pub fn displacement(place: &Place, coefficients: &[Vec<Complex64>], noise: &[f64], omega: f64, n: usize) -> Complex64 {
     let (mut sum, mut weights) = (Complex64::default(), 0.0);
     for (i, order) in &place.members {

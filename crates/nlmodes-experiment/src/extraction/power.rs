@@ -3,9 +3,10 @@ use num_complex::Complex64;
 /// Power of the excitation, and how well it is appropriated to a mode, eqs. (17)-(19).
 ///
 /// With peak amplitudes `F_n`, `V_n` of force and drive-point velocity, `P = ½ Σ Re(F_n V_n*)` is the active and
-/// `S = ½ √(Σ|F_n|²) √(Σ|V_n|²)` the apparent power of the harmonics 1 … N. The indicator is `Λ = P/S`: force and velocity are those of one
-/// coordinate in one direction, so a force in phase with the velocity brings power in, and +1 is perfect. The minus sign of eq. (19) belongs
-/// to the opposite count of the force; near −1 the force channel is reversed.
+/// `S = ½ √(Σ|F_n|²) √(Σ|V_n|²)` the apparent power of the harmonics 1 … N. The indicator is `Λ = P/S`: force and
+/// velocity are those of one coordinate in one direction, so a force in phase with the velocity brings power in, and +1
+/// is perfect. The minus sign of eq. (19) belongs to the opposite count of the force; near −1 the force channel is
+/// reversed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExcitationPower {

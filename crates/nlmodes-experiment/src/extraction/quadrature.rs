@@ -6,8 +6,8 @@ use num_complex::Complex64;
 use crate::extraction::Finding;
 use crate::extraction::layout::Place;
 
-/// Share of the fundamental in quadrature to the phase `anchor` (rad), by mass where modal coordinates are known. Without an anchor it is the
-/// phase for which the share is smallest.
+/// Share of the fundamental in quadrature to the phase `anchor` (rad), by mass where modal coordinates are known.
+/// Without an anchor it is the phase for which the share is smallest.
 pub fn share(fundamental: &[Complex64], anchor: Option<f64>) -> f64 {
     let anchor = anchor.unwrap_or_else(|| best_phase(fundamental));
     let total: f64 = fundamental.iter().map(Complex64::norm_sqr).sum();
@@ -20,7 +20,8 @@ fn best_phase(fundamental: &[Complex64]) -> f64 {
     0.5 * fundamental.iter().map(|q| q * q).sum::<Complex64>().arg()
 }
 
-/// Reports a share beyond the tolerance with the place that has most of it. `modal` are the modal coordinates of the fundamental, if known.
+/// Reports a share beyond the tolerance with the place that has most of it. `modal` are the modal coordinates of the
+/// fundamental, if known.
 pub fn report(
     motion: &HarmonicCoefficients,
     modal: Option<&[Complex64]>,

@@ -9,7 +9,8 @@ use crate::records::{Record, Role};
 /// Standard errors from which on a fundamental is one.
 const SIGNIFICANT: f64 = 5.0;
 
-/// Which channels hold nothing but finite numbers, and not one number alone; the others are reported. A force at the stop may rest at zero.
+/// Which channels hold nothing but finite numbers, and not one number alone; the others are reported. A force at the
+/// stop may rest at zero.
 pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
     let n = record.n_samples();
     let mut usable = Vec::new();
@@ -110,7 +111,8 @@ pub fn sample_rate(record: &Record, tolerances: &Tolerances, findings: &mut Vec<
     }
 }
 
-/// Leaves out a force or a drive point that holds nothing but noise at the frequency (rad/s, with the number of samples).
+/// Leaves out a force or a drive point that holds nothing but noise at the frequency (rad/s, with the number of
+/// samples).
 pub fn silent(
     record: &Record,
     layout: &mut Layout,

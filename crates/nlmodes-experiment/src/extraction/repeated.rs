@@ -22,14 +22,16 @@ pub fn rate_deviation(rate_error: f64) -> f64 {
 }
 
 impl Repeated {
-    /// Evaluates the coefficients of all periods and of single ones; `rate_error` is the bound of the sampling rate's relative error.
+    /// Evaluates the coefficients of all periods and of single ones; `rate_error` is the bound of the sampling rate's
+    /// relative error.
     pub fn new(
         method: &Method<'_>,
         all: &[Vec<Complex64>],
         single: &[Vec<Vec<Complex64>>],
         rate_error: f64,
     ) -> Result<Self, ExtractionError> {
-        // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are taken, nothing else.
+        // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are
+        // taken, nothing else.
         let stretched = Method { omega: method.omega * (1.0 + rate_deviation(rate_error)), ..method.clone() };
         let stretched = (rate_error > 0.0).then(|| stretched.values(all)).transpose()?;
         let single = single.iter().map(|q| method.values(q)).collect::<Result<_, _>>()?;

@@ -19,7 +19,8 @@ pub struct RecordExtraction {
     pub harmonics: usize,
     /// Positions of the sensors, m.
     pub positions: Vec<f64>,
-    /// Displacement at these positions, m; phases count from the middle of the periods. The mean is zero where no sensor gives it.
+    /// Displacement at these positions, m; phases count from the middle of the periods. The mean is zero where no
+    /// sensor gives it.
     pub motion: HarmonicCoefficients,
     /// Modal quantities, where linear modes are given.
     pub modal: Option<ModalFigures>,

@@ -15,8 +15,8 @@ const REVERSED_DEG: f64 = 135.0;
 /// Logarithm within which a factor is that of a unit.
 const LIKE_A_UNIT: f64 = 0.15;
 
-/// The unit in which the numbers of a channel would have to be for its values to be off by `factor`; `spread` is the logarithm by which
-/// the factor itself may be off.
+/// The unit in which the numbers of a channel would have to be for its values to be off by `factor`; `spread` is the
+/// logarithm by which the factor itself may be off.
 pub fn likely_unit(channel: &Channel, factor: f64, spread: f64) -> Option<&'static str> {
     let declared = channel.quantity.factor(&channel.unit)?;
     let off = |of: f64| (factor.abs() * of / declared).ln().abs();
@@ -46,7 +46,8 @@ pub struct Scales<'a> {
 }
 
 impl Scales<'_> {
-    /// Reports the one cause for which responses do not fit together: a channel, all of one quantity or place, two exchanged ones.
+    /// Reports the one cause for which responses do not fit together: a channel, all of one quantity or place, two
+    /// exchanged ones.
     pub fn report(&self, findings: &mut Vec<Finding>) {
         let n = self.consensus.rows.len();
         let deviates: Vec<f64> = (0..n).map(|i| self.off(i).map_or(0.0, |(deviate, _)| deviate)).collect();
@@ -150,7 +151,8 @@ impl Scales<'_> {
         })
     }
 
-    /// Tells the cause that is most like a slip: a factor between units or a reversed sign, then what leaves least; and what else it may be.
+    /// Tells the cause that is most like a slip: a factor between units or a reversed sign, then what leaves least; and
+    /// what else it may be.
     fn told(&self, mut causes: Vec<Cause>, findings: &mut Vec<Finding>) {
         let plain = |cause: &Cause| !(self.unit(cause).is_some() || is_reversed(cause.ratio));
         causes.sort_by(|a, b| plain(a).cmp(&plain(b)).then(a.misfit.total_cmp(&b.misfit)));

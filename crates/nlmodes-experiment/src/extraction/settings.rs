@@ -24,7 +24,8 @@ pub struct ExtractionSettings {
 }
 
 impl Default for ExtractionSettings {
-    /// First mode, all periods, 20 harmonics, the indicator from all that there are, frequency from the phase channel or the record.
+    /// First mode, all periods, 20 harmonics, the indicator from all that there are, frequency from the phase channel
+    /// or the record.
     fn default() -> Self {
         Self {
             mode: 1,

@@ -47,8 +47,8 @@ impl Comparison<'_> {
         }
     }
 
-    /// Reports the one place, if any, whose delay makes all others agree with the linear modes. It takes at least two more places than
-    /// modes: one to see that something is wrong, one more to see where.
+    /// Reports the one place, if any, whose delay makes all others agree with the linear modes. It takes at least two
+    /// more places than modes: one to see that something is wrong, one more to see where.
     pub fn against_modes(&self, modes: &LinearModes, places: &[Place], findings: &mut Vec<Finding>) {
         if places.len() < modes.n_modes() + 2 {
             return;
@@ -124,7 +124,8 @@ impl Comparison<'_> {
         Some(eta.iter().enumerate().map(|(k, eta)| eta * modes.shape(place, k)).sum())
     }
 
-    /// Delay (s) and its standard error from the phases of a ratio over the harmonics, each weighted by its scatter from block to block.
+    /// Delay (s) and its standard error from the phases of a ratio over the harmonics, each weighted by its scatter
+    /// from block to block.
     fn delay(&self, ratio: impl Fn(&[Vec<Complex64>], usize) -> Complex64) -> Option<(f64, f64)> {
         let (mut sum, mut weights) = (0.0, 0.0);
         let highest = self.blocks.all.first().map_or(0, |q| q.len() - 1).min(HARMONICS);
@@ -175,7 +176,8 @@ mod tests {
             let blocks = Blocks { all: of(0.0), single, centres: vec![], rest: vec![], noise: vec![] };
             let (found, error) = of_blocks(&blocks).delay(|q, n| q[0][n]).unwrap();
             assert!((found - delay).abs() < 1e-12, "{highest}: {found}");
-            // Each harmonic has the same delay of the blocks: with as many it is not better known than by the square root of their number.
+            // Each harmonic has the same delay of the blocks: with as many it is not better known than by the square
+            // root of their number.
             let one = 1e-6 * (42.0_f64 / 7.0 / 8.0).sqrt();
             assert!((error / (one / (highest as f64).sqrt()) - 1.0).abs() < 1e-6, "{highest}: {error}");
         }

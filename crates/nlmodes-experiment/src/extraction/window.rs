@@ -32,7 +32,8 @@ impl Window {
         &samples[self.first..self.first + self.n_samples]
     }
 
-    /// Highest harmonic that the sampling rate carries: its mirror image about half the rate must be told apart from it.
+    /// Highest harmonic that the sampling rate carries: its mirror image about half the rate must be told apart from
+    /// it.
     pub fn nyquist_harmonics(&self, sample_rate: f64) -> usize {
         let half = 0.5 * sample_rate * std::f64::consts::TAU / self.omega;
         (half - 0.75 / self.periods as f64).max(0.0) as usize

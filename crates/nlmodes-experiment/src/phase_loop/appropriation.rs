@@ -55,8 +55,8 @@ impl AppropriationSettings {
     }
 }
 
-/// Force appropriation in the loop: harmonics of the force beyond the first that put into each harmonic of the motion the power which the linear damping
-/// takes out of it.
+/// Force appropriation in the loop: harmonics of the force beyond the first that put into each harmonic of the motion
+/// the power which the linear damping takes out of it.
 ///
 /// ```text
 /// η_n = Φ⁺ x_n                                            modal coordinates, from all motion sensors
@@ -64,11 +64,12 @@ impl AppropriationSettings {
 /// U̇_n = κ (F*_n − F_n) / G_n                               drive, U = Re Σ U_n e^{inθ}
 /// ```
 ///
-/// `X_n` is the displacement of the drive point, `F_n` the measured force and `G_n` how the force answers to the drive, N or N/V, measured beforehand with the
-/// exciter on the structure. With `N_c = 1` there is the phase-locked loop alone, under which a force sensor shows whatever harmonics the exciter has.
+/// `X_n` is the displacement of the drive point, `F_n` the measured force and `G_n` how the force answers to the drive,
+/// N or N/V, measured beforehand with the exciter on the structure. With `N_c = 1` there is the phase-locked loop
+/// alone, under which a force sensor shows whatever harmonics the exciter has.
 ///
-/// At a drive point that harmonic `n` does not move, `F*_n` has no bound; it is then held at the largest one permitted, and the state
-/// [says so](AppropriationState::is_limited). Shapes and units: amplitudes in SI units, one a harmonic.
+/// At a drive point that harmonic `n` does not move, `F*_n` has no bound; it is then held at the largest one permitted,
+/// and the state [says so](AppropriationState::is_limited). Shapes and units: amplitudes in SI units, one a harmonic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceAppropriation {
     settings: AppropriationSettings,
@@ -81,8 +82,8 @@ impl ForceAppropriation {
     /// A controller with the answer `transfer` of the force to the drive in the harmonics 2, 3 …
     ///
     /// # Errors
-    /// [`PhaseLoopError::ControlledHarmonics`], [`PhaseLoopError::Sensors`], [`PhaseLoopError::NoTransfer`] where the force does not answer, and the variants
-    /// for numbers that cannot be.
+    /// [`PhaseLoopError::ControlledHarmonics`], [`PhaseLoopError::Sensors`], [`PhaseLoopError::NoTransfer`] where the
+    /// force does not answer, and the variants for numbers that cannot be.
     pub fn new(settings: AppropriationSettings, transfer: &[Complex64]) -> Result<Self, PhaseLoopError> {
         settings.check()?;
         for n in 2..=settings.harmonics {
@@ -115,8 +116,8 @@ impl ForceAppropriation {
         }
     }
 
-    /// Moves on by the samples `force` and `motions`, one a sensor, that were taken at the phase `theta` of the drive with the angular frequency `omega`,
-    /// rad/s. Samples that are not finite are passed over. Allocates nothing.
+    /// Moves on by the samples `force` and `motions`, one a sensor, that were taken at the phase `theta` of the drive
+    /// with the angular frequency `omega`, rad/s. Samples that are not finite are passed over. Allocates nothing.
     ///
     /// # Panics
     /// If there is not one sample for each sensor.
@@ -179,7 +180,8 @@ pub struct AppropriationState {
 }
 
 impl AppropriationState {
-    /// Complex amplitudes of the drive in the harmonics 1, 2 … N_c, in its unit; the first is zero, for it is the loop's.
+    /// Complex amplitudes of the drive in the harmonics 1, 2 … N_c, in its unit; the first is zero, for it is the
+    /// loop's.
     pub fn drive(&self) -> &[Complex64] {
         &self.drive[..self.harmonics]
     }

@@ -16,8 +16,8 @@ pub enum PhaseDetector {
         /// Number of harmonics, at most [`MAX_HARMONICS`].
         harmonics: usize,
     },
-    /// Synchronous demodulation and low-pass, as in the paper: `2 y e^{−iθ}` has a part at twice the frequency (and, from a mean
-    /// value, at the frequency itself) that the low-pass leaves as [ripple](Self::ripple).
+    /// Synchronous demodulation and low-pass, as in the paper: `2 y e^{−iθ}` has a part at twice the frequency (and,
+    /// from a mean value, at the frequency itself) that the low-pass leaves as [ripple](Self::ripple).
     Demodulation {
         /// Order of the low-pass.
         order: Order,
@@ -42,8 +42,8 @@ impl PhaseDetector {
 
     /// Amplitude, rad, with which the measured lag of two sinusoids oscillates at `2ω`.
     ///
-    /// Demodulated, a sinusoid of amplitude `Y` reads `Y + H(−2iω) Ȳ e^{−2iθ}`, which turns the lag `ψ = arg F − arg X` by
-    /// `2 |sin ψ| |H(2iω)|` to first order. The adaptive detector has none.
+    /// Demodulated, a sinusoid of amplitude `Y` reads `Y + H(−2iω) Ȳ e^{−2iθ}`, which turns the lag `ψ = arg F − arg X`
+    /// by `2 |sin ψ| |H(2iω)|` to first order. The adaptive detector has none.
     pub fn ripple(self, cut_off: f64, omega: f64, lag: f64, step: f64) -> f64 {
         match self {
             Self::Adaptive { .. } => 0.0,

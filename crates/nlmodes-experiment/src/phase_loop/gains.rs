@@ -31,8 +31,8 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// Gains after the symmetrical optimum: unit loop gain at a quarter of the cut-off, where the phase margin is about 60
-    /// degrees with a low-pass of first order and about 55 with one of second.
+    /// Gains after the symmetrical optimum: unit loop gain at a quarter of the cut-off, where the phase margin is about
+    /// 60 degrees with a low-pass of first order and about 55 with one of second.
     ///
     /// ```text
     /// L(s) = (K_p + K_i / s) H(s) / (s + δ) ,   |L(iω_x)| = 1   at   ω_x = ω_c / 4 ,   K_i = (δ + ω_x / 4) K_p
@@ -57,8 +57,9 @@ impl Gains {
 
     /// Largest stable integral gain, 1/s², at the proportional gain of `self`; zero if there is none.
     ///
-    /// By Routh, with `δ` the decay rate and `ω_c` the cut-off: for a low-pass of first order `(ω_c + δ) (δ + K_p)`; for one of
-    /// second order `a_1 (a_3 a_2 − a_1) / (a_3² ω_c²)` with `a_3 = √2 ω_c + δ`, `a_2 = ω_c² + √2 ω_c δ`, `a_1 = ω_c² (δ + K_p)`.
+    /// By Routh, with `δ` the decay rate and `ω_c` the cut-off: for a low-pass of first order `(ω_c + δ) (δ + K_p)`;
+    /// for one of second order `a_1 (a_3 a_2 − a_1) / (a_3² ω_c²)` with `a_3 = √2 ω_c + δ`, `a_2 = ω_c² + √2 ω_c δ`,
+    /// `a_1 = ω_c² (δ + K_p)`.
     pub fn integral_limit(&self, resonance: Resonance, low_pass: LowPass) -> f64 {
         let (delta, w) = (resonance.decay_rate(), low_pass.cut_off);
         let limit = match low_pass.order {
@@ -94,8 +95,8 @@ mod tests {
     use proptest::prelude::*;
     use std::f64::consts::{PI, TAU};
 
-    /// Roots of the characteristic polynomial in the right half-plane, by the argument principle along the imaginary axis: a
-    /// polynomial of degree n turns by `(n − 2 N) π` from `−i∞` to `i∞`.
+    /// Roots of the characteristic polynomial in the right half-plane, by the argument principle along the imaginary
+    /// axis: a polynomial of degree n turns by `(n − 2 N) π` from `−i∞` to `i∞`.
     fn unstable_roots(gains: Gains, resonance: Resonance, low_pass: LowPass) -> i32 {
         let polynomial = |y: f64| {
             let s = Complex64::new(0.0, y);

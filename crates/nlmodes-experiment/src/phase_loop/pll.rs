@@ -18,7 +18,8 @@ impl PhaseLockedLoop {
     /// A loop with these settings.
     ///
     /// # Errors
-    /// [`PhaseLoopError::UnstableGains`] beyond the limit of Routh, and the other variants for settings that cannot work.
+    /// [`PhaseLoopError::UnstableGains`] beyond the limit of Routh, and the other variants for settings that cannot
+    /// work.
     pub fn new(settings: LoopSettings) -> Result<Self, PhaseLoopError> {
         settings.check()?;
         let low_pass = settings.detector.low_pass(settings.cut_off);
@@ -70,8 +71,8 @@ impl PhaseLockedLoop {
 
     /// The state after the samples `force` and `response`, taken at the phase [`LoopState::drive_phase`] of `state`.
     ///
-    /// The phase of the result is that of the next sample, one step later. Samples that are not finite are passed over: the
-    /// drive goes on at its frequency, and the loop counts as not locked.
+    /// The phase of the result is that of the next sample, one step later. Samples that are not finite are passed over:
+    /// the drive goes on at its frequency, and the loop counts as not locked.
     pub fn step(&self, state: &LoopState, force: f64, response: f64) -> LoopState {
         let mut next = *state;
         let finite = force.is_finite() && response.is_finite();
@@ -130,7 +131,8 @@ mod tests {
         PhaseLockedLoop::new(LoopSettings { range, lock, ..LoopSettings::new(resonance, 250.0, 1e-4) }).unwrap()
     }
 
-    /// The integral would wind up under an error that presses against the end, however small, and falls under one that leads away from it.
+    /// The integral would wind up under an error that presses against the end, however small, and falls under one that
+    /// leads away from it.
     #[test]
     fn at_an_end_of_the_range_the_integral_only_goes_back() {
         let pll = made([249.0, 251.0], Default::default());

@@ -13,8 +13,8 @@ pub enum ResponseQuantity {
 }
 
 impl ResponseQuantity {
-    /// Lag of this quantity behind the force where the displacement lags by `displacement_lag`, rad: each derivative leads its
-    /// predecessor by a quarter of a period. At phase resonance `π/2`, 0 and `−π/2`.
+    /// Lag of this quantity behind the force where the displacement lags by `displacement_lag`, rad: each derivative
+    /// leads its predecessor by a quarter of a period. At phase resonance `π/2`, 0 and `−π/2`.
     pub fn lag(self, displacement_lag: f64) -> f64 {
         displacement_lag - FRAC_PI_2 * f64::from(self.derivatives())
     }

@@ -31,11 +31,11 @@ pub struct LoopSettings {
 }
 
 impl LoopSettings {
-    /// Displacement at 90 degrees, adaptive detector with a cut-off of `ω_0/10`, designed gains, and half to twice the frequency
-    /// of the resonance as range.
+    /// Displacement at 90 degrees, adaptive detector with a cut-off of `ω_0/10`, designed gains, and half to twice the
+    /// frequency of the resonance as range.
     ///
-    /// A slower detector filters more noise, but where contact bends the backbone strongly a slow loop loses the motion and has to
-    /// come up anew: on the beam of the paper at 6.5 N with `ω_0/20`, not with `ω_0/10`.
+    /// A slower detector filters more noise, but where contact bends the backbone strongly a slow loop loses the motion
+    /// and has to come up anew: on the beam of the paper at 6.5 N with `ω_0/20`, not with `ω_0/10`.
     pub fn new(resonance: Resonance, start: f64, step: f64) -> Self {
         Self {
             step,
@@ -78,8 +78,8 @@ impl LoopSettings {
         if self.step >= limit { Err(PhaseLoopError::AboveNyquist { harmonic, omega: high, limit }) } else { Ok(()) }
     }
 
-    /// Averaging needs a detector that is slow against the oscillation; its equations for small steps need one that is slow
-    /// against the sampling.
+    /// Averaging needs a detector that is slow against the oscillation; its equations for small steps need one that is
+    /// slow against the sampling.
     fn check_cut_off(&self) -> Result<(), PhaseLoopError> {
         let cut_off = positive("cut-off of the detector (rad/s)", self.cut_off)?;
         let of_drive = (0.25 * self.range[0], "a quarter of the lowest frequency");

@@ -43,8 +43,8 @@ impl Role {
 
 /// A channel of a record: what was measured where, and how the recorded numbers become SI values.
 ///
-/// `value = sign · recorded / sensitivity`, in `unit`; that times the factor of the unit is the SI value. The signal arrived `delay`
-/// seconds late.
+/// `value = sign · recorded / sensitivity`, in `unit`; that times the factor of the unit is the SI value. The signal
+/// arrived `delay` seconds late.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Name of the column, or in the header.
@@ -86,7 +86,8 @@ impl Channel {
     /// Factor from recorded numbers to SI values.
     ///
     /// # Errors
-    /// [`RecordError::Unit`] for a unit of another quantity, [`RecordError::Sensitivity`] if sensitivity or sign are zero or not finite.
+    /// [`RecordError::Unit`] for a unit of another quantity, [`RecordError::Sensitivity`] if sensitivity or sign are
+    /// zero or not finite.
     pub fn scale(&self) -> Result<f64, RecordError> {
         let unit = || RecordError::Unit {
             channel: self.name.clone(),

@@ -11,8 +11,9 @@ use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
 /// Name of the time column that is written.
 pub const TIME_COLUMN: &str = "time_s";
 
-/// Reads a table: a header with the names of the columns, then a row of numbers a sample. Columns are separated by commas, semicolons or
-/// tabs; `nan` and an empty field stand for a missing number. The time column (s) gives the sampling rate and is left out of the table.
+/// Reads a table: a header with the names of the columns, then a row of numbers a sample. Columns are separated by
+/// commas, semicolons or tabs; `nan` and an empty field stand for a missing number. The time column (s) gives the
+/// sampling rate and is left out of the table.
 ///
 /// # Errors
 /// [`RecordError`]; each names the line. Line ends of one file must be alike, numbers have decimal points.
@@ -134,8 +135,8 @@ fn table(error: &csv::Error) -> RecordError {
     RecordError::Table { message: error.to_string() }
 }
 
-/// Writes a record as a table in SI units, time first. `digits` is the number of significant digits; without one as many as bring every
-/// number back exactly.
+/// Writes a record as a table in SI units, time first. `digits` is the number of significant digits; without one as
+/// many as bring every number back exactly.
 ///
 /// # Errors
 /// [`RecordError`] if the stream cannot be written.

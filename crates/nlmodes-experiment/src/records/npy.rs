@@ -10,8 +10,8 @@ use crate::records::{Column, Record, RecordError, RecordTable};
 /// Most bytes of the text that describes an array.
 const MAX_HEADER: usize = 4096;
 
-/// Reads an array of numbers, samples × channels (or channels × samples: there are always more samples), or the samples of one channel.
-/// The channels have no names and no sampling rate.
+/// Reads an array of numbers, samples × channels (or channels × samples: there are always more samples), or the samples
+/// of one channel. The channels have no names and no sampling rate.
 ///
 /// # Errors
 /// [`RecordError::Npy`] and what limits there are.
@@ -46,7 +46,8 @@ pub fn read_npy(source: impl Read) -> Result<RecordTable, RecordError> {
     Ok(RecordTable { columns: (0..channels).map(column).collect(), named: false })
 }
 
-/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths unchecked.
+/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths
+/// unchecked.
 fn check_header(bytes: &[u8]) -> Result<(), String> {
     let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
     let claimed = bytes.get(8..start).unwrap_or_default().iter().rev().fold(0_usize, |n, b| (n << 8) | usize::from(*b));

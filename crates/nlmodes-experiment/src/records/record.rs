@@ -57,7 +57,8 @@ impl Record {
         RecordTable { columns: self.channels.iter().zip(&self.samples).map(column).collect(), named: true }
     }
 
-    /// Description of the channels as they are written: SI units, sign and sensitivity one. Delays stay in the samples and so stay here.
+    /// Description of the channels as they are written: SI units, sign and sensitivity one. Delays stay in the samples
+    /// and so stay here.
     pub fn si_channels(&self) -> Vec<Channel> {
         self.channels.iter().map(|channel| Channel { delay: channel.delay, ..channel.in_si() }).collect()
     }

@@ -55,7 +55,8 @@ pub fn rounding(text: &str) -> f64 {
     0.5 * 10f64.powi(exponent.saturating_sub(decimals as i32))
 }
 
-/// Decimals and significant digits of a column of numbers: the most that stand there, since some writers drop zeros at the end.
+/// Decimals and significant digits of a column of numbers: the most that stand there, since some writers drop zeros at
+/// the end.
 #[derive(Debug, Clone, Copy)]
 pub struct Digits {
     finest: f64,

@@ -26,7 +26,8 @@ pub struct Column {
 }
 
 impl RecordTable {
-    /// The record that the channels describe, in SI units. `rate_hz` is the declared sampling rate; without one that of the file counts.
+    /// The record that the channels describe, in SI units. `rate_hz` is the declared sampling rate; without one that of
+    /// the file counts.
     ///
     /// A described channel that a file with names does not have is no error here: it is listed in [`Record::missing`].
     ///

@@ -11,10 +11,11 @@ const MAX_STEPS: usize = 60;
 /// Share by which the golden section makes an interval shorter.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Sampling interval with its largest relative error, from stamps that were each rounded by at most `rounding` (all in s).
+/// Sampling interval with its largest relative error, from stamps that were each rounded by at most `rounding` (all in
+/// s).
 ///
-/// The interval is the slope of the line of least squares through all stamps, so that the rounding of each counts little. Its error is no
-/// estimate but a bound: intervals beyond it need a stamp that is further off than rounding.
+/// The interval is the slope of the line of least squares through all stamps, so that the rounding of each counts
+/// little. Its error is no estimate but a bound: intervals beyond it need a stamp that is further off than rounding.
 ///
 /// # Errors
 /// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] at the place where they do not go on evenly.
@@ -82,8 +83,8 @@ fn narrowest(times: &[f64], slope: f64, reach: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The slope at which the range of the stamps falls to `width`, from one at which it is larger: Newton's method on a convex function, which
-/// does not step over the root.
+/// The slope at which the range of the stamps falls to `width`, from one at which it is larger: Newton's method on a
+/// convex function, which does not step over the root.
 fn limit(times: &[f64], mut slope: f64, width: f64) -> f64 {
     for _ in 0..MAX_STEPS {
         let (range, low, high) = span(times, slope);
@@ -99,8 +100,8 @@ fn limit(times: &[f64], mut slope: f64, width: f64) -> f64 {
     slope
 }
 
-/// Where the stamps do not go on evenly, and by how many intervals: the first interval of another length; for stamps that are too coarse
-/// for that, the step that explains most; else the stamp that is furthest off.
+/// Where the stamps do not go on evenly, and by how many intervals: the first interval of another length; for stamps
+/// that are too coarse for that, the step that explains most; else the stamp that is furthest off.
 fn irregular(times: &[f64], slope: f64, rounding: f64) -> (usize, f64) {
     let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = intervals.len() / 2;
@@ -118,7 +119,8 @@ fn irregular(times: &[f64], slope: f64, rounding: f64) -> (usize, f64) {
     step(times)
 }
 
-/// The step in the stamps that explains most of what their line leaves: its first sample and its height over the interval beside it.
+/// The step in the stamps that explains most of what their line leaves: its first sample and its height over the
+/// interval beside it.
 fn step(times: &[f64]) -> (usize, f64) {
     let (n, slope) = (times.len() as f64, slope(times));
     let (centre, mean) = (0.5 * (n - 1.0), times.iter().sum::<f64>() / n);
@@ -185,7 +187,8 @@ mod tests {
         assert!(sample.abs_diff(777) <= 5 && (deviation - 20.0).abs() < 1.0, "{sample} {deviation}");
     }
 
-    /// Two neighbours in the middle that are rounded up and down by as much as there is: half of that more is no rounding.
+    /// Two neighbours in the middle that are rounded up and down by as much as there is: half of that more is no
+    /// rounding.
     #[test]
     fn stamps_may_be_off_by_their_rounding_and_no_more() {
         for (unit, rounding) in [(1.0, 0.9), (1e-3, 2.0), (50.0, 1.0)] {
@@ -217,7 +220,8 @@ mod tests {
         place(&[3.0, 2.0, 1.0]);
     }
 
-    /// Intervals that grow from 0.95 to 1.05, none far from the median: the stamp furthest from the line is in the middle, 12.5 intervals early.
+    /// Intervals that grow from 0.95 to 1.05, none far from the median: the stamp furthest from the line is in the
+    /// middle, 12.5 intervals early.
     #[test]
     fn a_clock_that_slows_down_is_refused_where_it_is_furthest_off() {
         for unit in [1.0, 1e-5] {

@@ -1,8 +1,9 @@
 //! Universal File Format, dataset 58 (function at nodal degree of freedom), as text and as binary (58b).
 //!
-//! A file is a sequence of datasets between lines that hold `−1` alone. Dataset 58 has eleven header lines of fixed-width fields and then
-//! the ordinates: real or complex, in single or double precision, over an even or an uneven abscissa; in 58b these are binary, in either
-//! byte order. All of these are read and written; datasets of other types are passed over.
+//! A file is a sequence of datasets between lines that hold `−1` alone. Dataset 58 has eleven header lines of
+//! fixed-width fields and then the ordinates: real or complex, in single or double precision, over an even or an uneven
+//! abscissa; in 58b these are binary, in either byte order. All of these are read and written; datasets of other types
+//! are passed over.
 
 mod bytes;
 mod dataset;
@@ -26,8 +27,9 @@ use crate::records::{Column, Quantity, Record, RecordError, RecordTable, SampleR
 /// Abscissa of time, in the codes of the format.
 const TIME: i32 = 17;
 
-/// Reads the time records of a Universal File. The name of a column is the first identification line of its dataset, or where that is empty
-/// the label of its ordinate, or the name of its response entity; all of them, and `node:direction`, find it.
+/// Reads the time records of a Universal File. The name of a column is the first identification line of its dataset, or
+/// where that is empty the label of its ordinate, or the name of its response entity; all of them, and
+/// `node:direction`, find it.
 ///
 /// # Errors
 /// [`UffError`] for a file that is not sound, or that holds something else than real functions of time.
@@ -60,8 +62,8 @@ fn column(dataset: Dataset58) -> Result<Column, RecordError> {
 
 /// Writes the channels of a record in SI units, a dataset each, in double precision.
 ///
-/// The sampling interval stands in a header field of six digits. Where it needs more, a reader takes the rate from its user, or to a
-/// relative error of 5e-6 from the header.
+/// The sampling interval stands in a header field of six digits. Where it needs more, a reader takes the rate from its
+/// user, or to a relative error of 5e-6 from the header.
 ///
 /// # Errors
 /// [`RecordError`] if the stream cannot be written.

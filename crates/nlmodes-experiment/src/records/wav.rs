@@ -7,7 +7,8 @@ use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
 use crate::records::limits::{MAX_CHANNELS, read_all};
 use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
 
-/// Reads the channels of a WAV file: floating-point samples as they are, whole numbers over their full scale. The channels have no names.
+/// Reads the channels of a WAV file: floating-point samples as they are, whole numbers over their full scale. The
+/// channels have no names.
 ///
 /// # Errors
 /// [`RecordError::Wav`] and what limits there are.
@@ -55,8 +56,8 @@ fn refuse(error: &hound::Error) -> RecordError {
 /// Writes a record in SI units as 32-bit floating-point samples: seven digits.
 ///
 /// # Errors
-/// [`RecordError::Wav`] if the stream cannot be written, or if the sampling rate is not a whole number of hertz, which is all that such a
-/// file can hold.
+/// [`RecordError::Wav`] if the stream cannot be written, or if the sampling rate is not a whole number of hertz, which
+/// is all that such a file can hold.
 pub fn write_wav(target: impl Write + Seek, record: &Record) -> Result<(), RecordError> {
     let rate = record.sample_rate;
     let channels = u16::try_from(record.channels.len()).unwrap_or(0);

@@ -1,5 +1,6 @@
-//! A beam-like structure of three modes with a compliant stop at its end, kept in phase resonance by a force that follows the velocity of
-//! its first mode: `F = F₀ η̇₁ / √(η̇₁² + ω₁² η₁²)`. That is what a phase-locked loop aims at, without the loop.
+//! A beam-like structure of three modes with a compliant stop at its end, kept in phase resonance by a force that
+//! follows the velocity of its first mode: `F = F₀ η̇₁ / √(η̇₁² + ω₁² η₁²)`. That is what a phase-locked loop aims at,
+//! without the loop.
 
 use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
 use nlmodes_modal::LinearModes;
@@ -87,7 +88,8 @@ impl Rig {
         state.iter().enumerate().map(|(k, s)| s[i] * self.modes.shape(row, k)).sum()
     }
 
-    /// Force, displacement and velocity at the drive point, accelerations between, displacement and velocity at the tip, contact force.
+    /// Force, displacement and velocity at the drive point, accelerations between, displacement and velocity at the
+    /// tip, contact force.
     fn signals(&self, state: &State) -> Vec<f64> {
         let rate = self.rate(state);
         let mut row = vec![self.excitation(state), self.at(self.drive, state, 0), self.at(self.drive, state, 1)];

@@ -56,8 +56,8 @@ pub mod euler_bernoulli {
 
 /// Timoshenko beam of length L, in the numbers `b² = ρA L⁴ ω² / EI`, `r² = I / A L²`, `s² = EI / κGA L²`.
 ///
-/// With `α, β = √(½ (∓(r² + s²) + √((r² − s²)² + 4/b²)))` the shapes are combinations of `cosh bαξ`, `sinh bαξ`, `cos bβξ`,
-/// `sin bβξ`, as long as `b² r² s² < 1` (T. C. Huang, *Journal of Applied Mechanics* 28 (1961) 579-584).
+/// With `α, β = √(½ (∓(r² + s²) + √((r² − s²)² + 4/b²)))` the shapes are combinations of `cosh bαξ`, `sinh bαξ`,
+/// `cos bβξ`, `sin bβξ`, as long as `b² r² s² < 1` (T. C. Huang, *Journal of Applied Mechanics* 28 (1961) 579-584).
 pub struct Timoshenko {
     pub r2: f64,
     pub s2: f64,

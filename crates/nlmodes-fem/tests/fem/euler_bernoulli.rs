@@ -21,7 +21,8 @@ fn check(start: Support, end: Support, rigid: usize, beta: &[f64]) {
         assert_eq!(rigid_modes(&model), rigid, "{start}-{end}");
         let omega = frequencies_of(&model, DofKind::Deflection, 4);
         for (omega, beta) in omega.iter().zip(beta) {
-            // Shear and rotary inertia lower the frequency by about 2 (β h / L)² / 12, the mesh raises it by (β/n)⁴ / 1440.
+            // Shear and rotary inertia lower the frequency by about 2 (β h / L)² / 12, the mesh raises it by (β/n)⁴
+            // / 1440.
             assert_close(*omega, beta * beta * stiffness_to_mass(), 6e-5);
         }
     }

@@ -93,7 +93,8 @@ fn added_mass_lowers_all_frequencies_of_a_rod_by_one_factor() {
     }
 }
 
-/// A steel tube of 1 m, 20 mm by 2 mm, filled over its outer half with 0.3 kg/m; a round bar of 16 mm in the inner half.
+/// A steel tube of 1 m, 20 mm by 2 mm, filled over its outer half with 0.3 kg/m; a round bar of 16 mm in the inner
+/// half.
 fn stepped_beam() -> (Beam, [Step<Section>; 2]) {
     let steel = Material::new(210e9, 7800.0).unwrap();
     let [bar, tube] = [(0.016, 0.008), (0.020, 0.002)].map(|(outer, wall)| Section::tube(outer, wall, 0.3).unwrap());

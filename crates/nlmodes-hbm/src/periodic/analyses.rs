@@ -17,7 +17,8 @@ use crate::{HbmError, Scales, Symmetry};
 /// The unknowns that stand for the linear structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Coordinates {
-    /// Motions of the contacts where these are fewer than the modes, no modes are coupled and no two of them can be resonant at once; else modes.
+    /// Motions of the contacts where these are fewer than the modes, no modes are coupled and no two of them can be
+    /// resonant at once; else modes.
     #[default]
     Automatic,
     /// Motions of the contacts: c × (2 N_h + 1) unknowns. Where damping couples modes, these are taken nevertheless.
@@ -63,8 +64,8 @@ fn has_repeated(structure: &ModalStructure) -> bool {
 }
 
 impl PeriodicSystem {
-    /// The conservative nonlinear mode of the structure without its damping: parameter `p = ln(E_av/E_ref)`, unknown ω, and with
-    /// [`Symmetry::None`] also ξ, which unfolds the free phase and vanishes on solutions.
+    /// The conservative nonlinear mode of the structure without its damping: parameter `p = ln(E_av/E_ref)`, unknown ω,
+    /// and with [`Symmetry::None`] also ξ, which unfolds the free phase and vanishes on solutions.
     ///
     /// # Errors
     /// [`HbmError::Harmonics`], [`HbmError::Samples`], or what the contact solver has against the compliance.
@@ -83,8 +84,8 @@ impl PeriodicSystem {
         Self::assemble(undamped, Load::default(), closing, (settings, symmetry), scales, solver)
     }
 
-    /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`, parameter
-    /// `p = ln(E_av/E_ref)`, unknowns ω and ξ. The damping ratio is `D = ξ/(2ω)`, and `ξ = P_diss/(2 E_av)`.
+    /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`,
+    /// parameter `p = ln(E_av/E_ref)`, unknowns ω and ξ. The damping ratio is `D = ξ/(2ω)`, and `ξ = P_diss/(2 E_av)`.
     ///
     /// # Errors
     /// As [`conservative_mode`](Self::conservative_mode).
@@ -99,7 +100,8 @@ impl PeriodicSystem {
         Self::assemble(parts.0, parts.1, closing, (settings, Symmetry::None), scales, solver)
     }
 
-    /// The response to a load of the given level over the base frequency: the parameter is ω in units of `unit` (rad/s).
+    /// The response to a load of the given level over the base frequency: the parameter is ω in units of `unit`
+    /// (rad/s).
     ///
     /// # Errors
     /// As [`conservative_mode`](Self::conservative_mode), and [`HbmError::LoadBeyond`].
@@ -122,8 +124,8 @@ impl PeriodicSystem {
         Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
 
-    /// The response at the base frequency `omega` (rad/s) over the level of the load: the parameter is the level in units of `unit`. At the
-    /// level zero the structure rests, all unknowns zero where its gaps are open.
+    /// The response at the base frequency `omega` (rad/s) over the level of the load: the parameter is the level in
+    /// units of `unit`. At the level zero the structure rests, all unknowns zero where its gaps are open.
     ///
     /// # Errors
     /// As [`frequency_response`](Self::frequency_response).
@@ -146,11 +148,12 @@ impl PeriodicSystem {
         Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
 
-    /// Motions whose drive point lags the load by a given angle, what a phase-locked loop holds: the parameter is `ln(level/reference)`, the
-    /// unknown ω.
+    /// Motions whose drive point lags the load by a given angle, what a phase-locked loop holds: the parameter is
+    /// `ln(level/reference)`, the unknown ω.
     ///
     /// # Errors
-    /// As [`frequency_response`](Self::frequency_response), and [`HbmError::Size`] for a drive point of another structure.
+    /// As [`frequency_response`](Self::frequency_response), and [`HbmError::Size`] for a drive point of another
+    /// structure.
     pub fn phase_resonance(
         structure: &ModalStructure,
         load: Load,

@@ -121,7 +121,8 @@ impl ClosingEquation for PhaseCondition {
     }
 }
 
-/// `arg(q_n e^{iφ}) = 0`: the displacement `q` lags a cosine in its harmonic `n` by the angle φ; 90° is phase resonance.
+/// `arg(q_n e^{iφ}) = 0`: the displacement `q` lags a cosine in its harmonic `n` by the angle φ; 90° is phase
+/// resonance.
 #[derive(Debug, Clone)]
 pub struct PhaseLag {
     /// The displacement, such as that of the drive point.

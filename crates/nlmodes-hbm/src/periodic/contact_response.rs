@@ -8,11 +8,12 @@ use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 
-/// The linear structure as the contacts see it: `x = u = Y η`, for few contacts and uncoupled modes. Contacts that share a direction, such as
-/// stops that face each other, share a coordinate.
+/// The linear structure as the contacts see it: `x = u = Y η`, for few contacts and uncoupled modes. Contacts that
+/// share a direction, such as stops that face each other, share a coordinate.
 ///
-/// `u_n = Σ_k y_k w_k/D_k`, `w_k = y_kᵀ λ_n + p_k`, has a pole where an undamped mode is resonant. With the most resonant mode p apart,
-/// `v = u − Σ_{k≠p} y_k w_k/D_k`, `ρ = √(|D_p|² + s_p²)` and the reflection `B` that brings `y_p` to the first coordinate, the first row is multiplied by `D_p/ρ`:
+/// `u_n = Σ_k y_k w_k/D_k`, `w_k = y_kᵀ λ_n + p_k`, has a pole where an undamped mode is resonant. With the most
+/// resonant mode p apart, `v = u − Σ_{k≠p} y_k w_k/D_k`, `ρ = √(|D_p|² + s_p²)` and the reflection `B` that brings
+/// `y_p` to the first coordinate, the first row is multiplied by `D_p/ρ`:
 ///
 /// ```text
 /// α = y_pᵀ v/|y_p|²
@@ -20,8 +21,9 @@ use super::structure::ModalStructure;
 /// η_p = [D̄_p w_p + s_p² α]/ρ²                                          also where D_p vanishes; η_k = w_k/D_k else
 /// ```
 ///
-/// A complex factor turns and stretches a pair of real rows, so that the determinant keeps its sign. Even motions have one real row: there the
-/// signs of the other `D_k` go with it, and the sign does not jump where another mode becomes the most resonant one.
+/// A complex factor turns and stretches a pair of real rows, so that the determinant keeps its sign. Even motions have
+/// one real row: there the signs of the other `D_k` go with it, and the sign does not jump where another mode becomes
+/// the most resonant one.
 pub(crate) struct ContactResponse {
     structure: Arc<ModalStructure>,
     coupling: Vec<f64>,
@@ -200,7 +202,8 @@ impl ContactResponse {
     }
 }
 
-/// The reflection that brings a direction `y` to the first coordinate, `B y = ±|y| e₀`, of either sign: `B = β w wᵀ − I` with `w = y/|y| ± e₀`.
+/// The reflection that brings a direction `y` to the first coordinate, `B y = ±|y| e₀`, of either sign:
+/// `B = β w wᵀ − I` with `w = y/|y| ± e₀`.
 struct Turn {
     w: Vec<f64>,
     beta: f64,

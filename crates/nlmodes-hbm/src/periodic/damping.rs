@@ -16,19 +16,22 @@ impl ModalDamping {
         Self::Diagonal(vec![0.0; modes])
     }
 
-    /// Damping ratios `ζ_k` mode by mode; the last one goes on for all modes behind it, none of them stands for no damping.
+    /// Damping ratios `ζ_k` mode by mode; the last one goes on for all modes behind it, none of them stands for no
+    /// damping.
     pub fn ratios(omega_squared: &[f64], ratios: &[f64]) -> Self {
         let last = ratios.last().copied().unwrap_or(0.0);
         let ratio = |k: usize| ratios.get(k).copied().unwrap_or(last);
         Self::Diagonal(omega_squared.iter().enumerate().map(|(k, w)| 2.0 * ratio(k) * w.max(0.0).sqrt()).collect())
     }
 
-    /// Rayleigh damping `C = mass M + stiffness K` with `mass` in 1/s and `stiffness` in s: `ĉ_k = mass + stiffness ω_k²`.
+    /// Rayleigh damping `C = mass M + stiffness K` with `mass` in 1/s and `stiffness` in s:
+    /// `ĉ_k = mass + stiffness ω_k²`.
     pub fn rayleigh(omega_squared: &[f64], mass: f64, stiffness: f64) -> Self {
         Self::Diagonal(omega_squared.iter().map(|w| mass + stiffness * w).collect())
     }
 
-    /// This damping and that of dashpots, each a row of the open modes (m, 1/√kg) and its constant (N s/m): `Ĉ + Σ d φ φᵀ`.
+    /// This damping and that of dashpots, each a row of the open modes (m, 1/√kg) and its constant (N s/m):
+    /// `Ĉ + Σ d φ φᵀ`.
     #[must_use]
     pub fn with_dashpots(self, dashpots: &[(Vec<f64>, f64)]) -> Self {
         if dashpots.is_empty() {

@@ -11,7 +11,8 @@ const SAMPLES: usize = 24;
 const ITERATIONS: usize = 3;
 
 impl PeriodicSystem {
-    /// The disturbance of the motion with the unknowns `x` whose multiplier is nearest to −1: it changes its sign from period to period.
+    /// The disturbance of the motion with the unknowns `x` whose multiplier is nearest to −1: it changes its sign from
+    /// period to period.
     ///
     /// ```text
     /// M v = −v ,   δη(τ) = Re Σ_k δη_k e^{ikτ/2} ,   δη_k = (1/π) ∫_0^{2π} δη(τ) e^{−ikτ/2} dτ ,   k = 1, 3, 5 … `highest`
@@ -62,7 +63,8 @@ impl PeriodicSystem {
         Ok(sums)
     }
 
-    /// Coefficients of the unknowns for modal coordinates (m each, harmonic by harmonic), without what contact forces add statically.
+    /// Coefficients of the unknowns for modal coordinates (m each, harmonic by harmonic), without what contact forces
+    /// add statically.
     pub fn coefficients_of(&self, eta: &[Vec<Complex64>]) -> Vec<f64> {
         let (series, unit) = (self.series(), self.unit());
         let width = series.width();

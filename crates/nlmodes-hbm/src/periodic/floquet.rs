@@ -25,9 +25,9 @@ pub enum Instability {
 /// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy ;    M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
 /// ```
 ///
-/// Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three times the
-/// harmonics, whose additional ones follow from the contact forces; what each multiplier changes against those of the solution itself
-/// makes the error band, also where another one may be the largest.
+/// Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three
+/// times the harmonics, whose additional ones follow from the contact forces; what each multiplier changes against
+/// those of the solution itself makes the error band, also where another one may be the largest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floquet {
     /// The 2m multipliers, by falling magnitude.
@@ -42,7 +42,8 @@ impl Floquet {
         self.multipliers.first().map_or(Complex64::default(), |m| Complex64::new(m.re, m.im.abs()))
     }
 
-    /// Whether small disturbances die out; `None` where the largest multiplier is as close to the unit circle as it is uncertain.
+    /// Whether small disturbances die out; `None` where the largest multiplier is as close to the unit circle as it is
+    /// uncertain.
     pub fn is_stable(&self) -> Option<bool> {
         let beyond = self.largest().norm() - 1.0;
         (beyond.abs() > self.error).then_some(beyond < 0.0)
@@ -65,7 +66,8 @@ impl Floquet {
 const FINER: usize = 3;
 
 impl PeriodicSystem {
-    /// Floquet multipliers of the response with the unknowns `x` at the parameter `p`. A free motion has the multiplier +1 by its phase.
+    /// Floquet multipliers of the response with the unknowns `x` at the parameter `p`. A free motion has the multiplier
+    /// +1 by its phase.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
@@ -81,7 +83,8 @@ impl PeriodicSystem {
         Ok(Floquet { multipliers, error: error.max(1e-9) })
     }
 
-    /// Gaps with more harmonics, by the forces of the gaps that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`, uncoupled damping.
+    /// Gaps with more harmonics, by the forces of the gaps that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`,
+    /// uncoupled damping.
     fn finer_gaps(&self, finer: &mut ContactOperator, at: OperatingPoint) -> Result<Vec<f64>, HbmError> {
         let (own, series) = (self.series(), finer.series());
         let (c, m) = (self.structure.n_contacts(), self.structure.n_modes());
@@ -107,7 +110,8 @@ impl PeriodicSystem {
         Ok(y)
     }
 
-    /// What the motion does to a disturbance within an interval of the contact pattern: `e^{𝒜 Δt}`, `𝒜` that of [`flow`](Self::flow).
+    /// What the motion does to a disturbance within an interval of the contact pattern: `e^{𝒜 Δt}`, `𝒜` that of
+    /// [`flow`](Self::flow).
     pub(super) fn step(
         &self,
         operator: &ContactOperator,
@@ -172,8 +176,9 @@ impl PeriodicSystem {
     }
 }
 
-/// How far the largest multiplier may lie from that of `after`, both by falling magnitude: each multiplier by its distance from the nearest one of
-/// `before`, for another one may be the largest in truth. Beside a fold a small one moves far.
+/// How far the largest multiplier may lie from that of `after`, both by falling magnitude: each multiplier by its
+/// distance from the nearest one of `before`, for another one may be the largest in truth. Beside a fold a small one
+/// moves far.
 fn band(before: &[Complex64], after: &[Complex64]) -> f64 {
     let (Some(old), Some(new)) = (before.first(), after.first()) else { return 0.0 };
     let off = |m: &Complex64| before.iter().map(|b| (b - m).norm()).fold(f64::INFINITY, f64::min);
@@ -209,7 +214,8 @@ mod tests {
     fn a_band_holds_the_multiplier_that_is_the_largest_in_truth() {
         let pair = |size: f64| [Complex64::from_polar(size, 2.28), Complex64::from_polar(size, -2.28)];
         let real = |x: f64| Complex64::new(x, 0.0);
-        // A response beside a fold: the real multiplier, which is +1 there, moves most, and is the largest in truth, 0.9062.
+        // A response beside a fold: the real multiplier, which is +1 there, moves most, and is the largest in truth,
+        // 0.9062.
         let before = [pair(0.9047).as_slice(), &[real(0.88)]].concat();
         let after = [pair(0.9011).as_slice(), &[real(0.896)]].concat();
         let error = band(&before, &after);

@@ -9,8 +9,8 @@ use crate::HbmError;
 pub struct LoadTerm {
     /// Harmonic `n` of the base frequency ω of the motion.
     pub harmonic: usize,
-    /// Power of ω by which the load grows: 0 for a force, 2 for a base that moves by a given amplitude, −2 for the displacement that
-    /// belongs to a given acceleration.
+    /// Power of ω by which the load grows: 0 for a force, 2 for a base that moves by a given amplitude, −2 for the
+    /// displacement that belongs to a given acceleration.
     pub omega_power: i32,
     /// `Φᵀ f`, m, N/√kg.
     pub modal: Vec<Complex64>,

@@ -45,7 +45,8 @@ pub struct PeriodicMotion {
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Mean of kinetic and strain energy, J, with that of the residual flexibility and of the stops; without the work of contact-free static loads.
+    /// Mean of kinetic and strain energy, J, with that of the residual flexibility and of the stops; without the work
+    /// of contact-free static loads.
     pub total_energy: f64,
     /// Mean power that the load puts in, W.
     pub input_power: f64,
@@ -126,8 +127,8 @@ impl PeriodicSystem {
         })
     }
 
-    /// The point of a conservative branch with the unknowns `x` in the coordinates `(η, u)` of a structure in open modes, `u` the displacement of
-    /// each direction toward its stop; `contacts` are its contacts at these coordinates.
+    /// The point of a conservative branch with the unknowns `x` in the coordinates `(η, u)` of a structure in open
+    /// modes, `u` the displacement of each direction toward its stop; `contacts` are its contacts at these coordinates.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
@@ -187,8 +188,8 @@ impl PeriodicSystem {
         all
     }
 
-    /// Motion and force of all contacts over a period of the point with the unknowns `x`, exact at the instants of contact; `contacts` as in
-    /// [`modal_point`](Self::modal_point).
+    /// Motion and force of all contacts over a period of the point with the unknowns `x`, exact at the instants of
+    /// contact; `contacts` as in [`modal_point`](Self::modal_point).
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
@@ -298,7 +299,8 @@ fn largest(z: &[Complex64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// `Σ a_n cos n(τ − τ₀)` with positive a_n has its maximum at τ₀; samples alone would be off by 3e-4 of the amplitude and more.
+    /// `Σ a_n cos n(τ − τ₀)` with positive a_n has its maximum at τ₀; samples alone would be off by 3e-4 of the
+    /// amplitude and more.
     #[test]
     fn the_largest_value_of_a_series_is_found_between_its_samples() {
         for amplitudes in [vec![1.0], vec![1.0, 0.3], vec![0.2, 0.0, 0.7, 0.1]] {

@@ -78,7 +78,8 @@ impl Source {
     }
 }
 
-/// What makes a periodic problem square: where frequency, negative damping and level come from, and an equation for each unknown.
+/// What makes a periodic problem square: where frequency, negative damping and level come from, and an equation for
+/// each unknown.
 pub struct Closing {
     /// Base frequency.
     pub omega: Source,

@@ -8,8 +8,9 @@ use crate::{HbmError, Symmetry};
 
 /// A solution with more digits than its unknowns have.
 ///
-/// A rigid stop turns the last digit of the gaps into forces that are far above the last digit of the others: what such forces do to the balance
-/// of power is seen. So unknowns keep what lies below their last digit, and contact forces follow from both.
+/// A rigid stop turns the last digit of the gaps into forces that are far above the last digit of the others: what such
+/// forces do to the balance of power is seen. So unknowns keep what lies below their last digit, and contact forces
+/// follow from both.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Refined {
@@ -28,8 +29,8 @@ const STEPS: usize = 20;
 const SHORTEST: f64 = 0.05;
 
 impl PeriodicSystem {
-    /// The solution near `(x, p)` to rounding, by steps of Newton's method across `border` (n + 1): along it the unknowns and the parameter stay. The
-    /// best of the iterates, with its residual, where these do not converge.
+    /// The solution near `(x, p)` to rounding, by steps of Newton's method across `border` (n + 1): along it the
+    /// unknowns and the parameter stay. The best of the iterates, with its residual, where these do not converge.
     pub fn refine(&mut self, x: &[f64], p: f64, border: &[f64]) -> Refined {
         let n = self.dim();
         let mut best = Refined { x: x.to_vec(), p, residual: f64::INFINITY, rest: Vec::new() };
@@ -73,12 +74,14 @@ impl PeriodicSystem {
         motion
     }
 
-    /// Whether what lies below the last digits has a meaning: motions that are even in time do no work, and samples are no better than their number.
+    /// Whether what lies below the last digits has a meaning: motions that are even in time do no work, and samples are
+    /// no better than their number.
     fn keeps_rest(&self) -> bool {
         self.series().symmetry == Symmetry::None && !self.operator.is_sampled()
     }
 
-    /// The gaps without contact forces of the coefficients `x` with twice the digits; `moved` (c × width, m) is what the load adds.
+    /// The gaps without contact forces of the coefficients `x` with twice the digits; `moved` (c × width, m) is what
+    /// the load adds.
     pub(super) fn fine_gaps(&self, x: &[f64], moved: &[f64]) -> Vec<Double> {
         let (unit, width) = (Double::of(self.unit()), self.series().width());
         let (c, d) = (self.structure.n_contacts(), self.response.n_coordinates());

@@ -73,7 +73,8 @@ impl Assembly {
         }
     }
 
-    /// Adds the derivative of harmonic `n` with respect to scalar `t` (ω, ξ, level), times `factor`, to a column; `force` is that of `λ̂`.
+    /// Adds the derivative of harmonic `n` with respect to scalar `t` (ω, ξ, level), times `factor`, to a column;
+    /// `force` is that of `λ̂`.
     #[expect(clippy::too_many_arguments, reason = "one product with all its factors")]
     pub fn scalar_column(
         &self,

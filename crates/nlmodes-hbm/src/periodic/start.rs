@@ -70,8 +70,8 @@ impl ModalGrazing {
         Scales { length: self.length, omega: self.omega, energy: self.energy }
     }
 
-    /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping couples no modes, else a
-    /// guess.
+    /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping
+    /// couples no modes, else a guess.
     pub fn unknowns(&self, system: &PeriodicSystem) -> Vec<f64> {
         let mut x = self.cosines(system);
         let scales = system.scales;

@@ -11,10 +11,12 @@ use crate::HbmError;
 /// η̈ + Ĉ η̇ + diag(ω_k²) η = Yᵀ λ + p(t) ,   y = g₀ + Y η + a(t) ,   0 ≤ λ ⊥ (A + C) λ + y ≥ 0
 /// ```
 ///
-/// [`DampedStop`](crate::DampedStop)s are coordinates without mass behind the modes: `d_i ṡ_i + k_i s_i = λ_i`, and `s_i` opens gap i.
+/// [`DampedStop`](crate::DampedStop)s are coordinates without mass behind the modes: `d_i ṡ_i + k_i s_i = λ_i`, and
+/// `s_i` opens gap i.
 ///
-/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance of the stops.
-/// The contacts themselves have no mass. A structure whose contact nodes are massless is of this form with all its modes.
+/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance
+/// of the stops. The contacts themselves have no mass. A structure whose contact nodes are massless is of this form
+/// with all its modes.
 #[derive(Debug, Clone)]
 pub struct ModalStructure {
     pub(super) omega_squared: Vec<f64>,
@@ -29,7 +31,8 @@ pub struct ModalStructure {
     pub(super) damping: ModalDamping,
 }
 
-/// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the load moves statically.
+/// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the
+/// load moves statically.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseRow {
     /// `φ`, m, 1/√kg.
@@ -41,11 +44,12 @@ pub struct ResponseRow {
 }
 
 impl ModalStructure {
-    /// From squared open frequencies (m, rad²/s²), `Y` (c × m), `A` (c × c), gaps `g₀` (c, m), compliances of the stops (c, m/N, zero for
-    /// rigid ones) and damping.
+    /// From squared open frequencies (m, rad²/s²), `Y` (c × m), `A` (c × c), gaps `g₀` (c, m), compliances of the stops
+    /// (c, m/N, zero for rigid ones) and damping.
     ///
     /// # Errors
-    /// [`HbmError::Size`], [`HbmError::NotFinite`], or [`HbmError::Compliance`] where a rigid stop meets a contact without flexibility.
+    /// [`HbmError::Size`], [`HbmError::NotFinite`], or [`HbmError::Compliance`] where a rigid stop meets a contact
+    /// without flexibility.
     pub fn new(
         omega_squared: Vec<f64>,
         rows: Mat<f64>,

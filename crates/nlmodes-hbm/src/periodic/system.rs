@@ -31,7 +31,8 @@ impl Default for PeriodicSettings {
     }
 }
 
-/// A periodic motion of a structure with one-sided contacts as a system for continuation: linear response, contact operator, closing equations.
+/// A periodic motion of a structure with one-sided contacts as a system for continuation: linear response, contact
+/// operator, closing equations.
 ///
 /// ```text
 /// L_n x_n − G_n Pᵀ λ_n − load_n = 0 ,   n = 0 … N_h       the linear structure, harmonic by harmonic
@@ -39,8 +40,9 @@ impl Default for PeriodicSettings {
 /// closing equations                                        energy, phase, …, one for each unknown behind the coefficients
 /// ```
 ///
-/// `x` are the motions of the contacts (`P = I`) or modal coordinates (`P = Y`), [`Coordinates`]. Unknown vector: coefficients of the coordinates in their
-/// unit, one coordinate after the other ([`RealSeries`]), then the unknowns of the [`Closing`].
+/// `x` are the motions of the contacts (`P = I`) or modal coordinates (`P = Y`), [`Coordinates`]. Unknown vector:
+/// coefficients of the coordinates in their unit, one coordinate after the other ([`RealSeries`]), then the unknowns of
+/// the [`Closing`].
 pub struct PeriodicSystem {
     pub(crate) structure: Arc<ModalStructure>,
     pub(crate) response: Box<dyn LinearResponse + Send>,
@@ -198,7 +200,8 @@ impl PeriodicSystem {
         }
     }
 
-    /// What the load adds to the gaps (c × width): derivatives with respect to ω, ξ and the level, and, last, the value.
+    /// What the load adds to the gaps (c × width): derivatives with respect to ω, ξ and the level, and, last, the
+    /// value.
     pub(super) fn load_gaps(&self, at: OperatingPoint) -> [Vec<f64>; 4] {
         let (series, c) = (self.series(), self.structure.n_contacts());
         let mut moved = [0, 1, 2, 3].map(|_| vec![0.0; c * series.width()]);
@@ -256,8 +259,8 @@ impl PeriodicSystem {
 }
 
 impl PeriodicSystem {
-    /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the level; `forces_by` are
-    /// those of the forces with respect to the latter through the gaps.
+    /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the
+    /// level; `forces_by` are those of the forces with respect to the latter through the gaps.
     fn gradient(&self, functional: &Functional, forces_by: &[Vec<f64>; 3]) -> (Vec<f64>, [f64; 3]) {
         let (series, d) = (self.series(), self.response.n_coordinates());
         let width = series.width();

@@ -42,7 +42,8 @@ fn run(system: &mut PeriodicSystem, x: &[f64], p: f64, direction: f64, bounds: [
     settings.run(system, x, p, &t, |_| std::ops::ControlFlow::Continue(())).unwrap()
 }
 
-/// All solutions at the level and frequency, with few harmonics, from the curve over the force; carried over to more harmonics.
+/// All solutions at the level and frequency, with few harmonics, from the curve over the force; carried over to more
+/// harmonics.
 fn solutions(
     structure: &ModalStructure,
     load: &Load,
@@ -124,7 +125,8 @@ fn phase_resonance_of_the_rod_is_where_it_is_known_to_be() {
         .unwrap()
     };
     let (mut coarse, mut fine) = (build(20), build(80));
-    // Linear phase resonance at a hundredth of the force: q = F φ²/(i ω ω₁ 2ζ) lags by 90 degrees at ω₁ but for what the tip adds statically.
+    // Linear phase resonance at a hundredth of the force: q = F φ²/(i ω ω₁ 2ζ) lags by 90 degrees at ω₁ but for what
+    // the tip adds statically.
     let (k, width) = (0, coarse.series().width());
     let omega = open.omega_squared[k].sqrt();
     let row = structure.rows()[(0, k)];

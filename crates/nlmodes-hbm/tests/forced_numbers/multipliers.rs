@@ -10,7 +10,8 @@ use num_complex::Complex64;
 use super::support::modal::{Open, newton, settings, solver};
 use super::{AUTO, rod_of_two, run, unit};
 
-/// NLvib's example 03: `M = I`, `K = [1 −1; −1 2]`, `C = 0.03 K`, a one-sided spring of 100 with gap 1 at mass 1, a force of 0.1 at mass 2.
+/// NLvib's example 03: `M = I`, `K = [1 −1; −1 2]`, `C = 0.03 K`, a one-sided spring of 100 with gap 1 at mass 1, a
+/// force of 0.1 at mass 2.
 fn two_masses() -> (Open, ModalStructure, Load) {
     let k =
         nlmodes_linalg::sparse_from_triplets(2, 2, &[(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)]).unwrap();
@@ -78,8 +79,9 @@ fn the_peak_of_two_masses_is_the_one_known_and_its_multiplier_too() {
     assert!((product.re / expected - 1.0).abs() < 1e-9 && product.im.abs() < 1e-9 * expected);
 }
 
-/// Two masses without damping and all but without contact, a spring of 1e-12 of their own, at twice the first frequency: after a period the first is where it was with the other sign, and its disturbance
-/// is a sine of half the frequency. The second, at 2.5 times the first frequency, turns by 5/4.
+/// Two masses without damping and all but without contact, a spring of 1e-12 of their own, at twice the first
+/// frequency: after a period the first is where it was with the other sign, and its disturbance is a sine of half the
+/// frequency. The second, at 2.5 times the first frequency, turns by 5/4.
 #[test]
 fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
     for unit in [1.0, 250.0] {
@@ -116,7 +118,8 @@ fn the_disturbance_at_a_period_doubling_is_a_sine_of_half_the_frequency() {
     }
 }
 
-/// Largest multipliers, with their errors, of the two responses of the rod at 0.42 Hz whose amplitudes are known to `within`, and the known ones.
+/// Largest multipliers, with their errors, of the two responses of the rod at 0.42 Hz whose amplitudes are known to
+/// `within`, and the known ones.
 fn multipliers_of_the_rod(harmonics: usize, within: f64) -> Vec<(Floquet, Complex64)> {
     let (_, structure, load) = rod_of_two();
     let (level, omega) = (0.2, 0.42 * TAU);

@@ -28,7 +28,8 @@ fn stops(length: f64) -> [Vec<(usize, Side, f64)>; 3] {
     ]
 }
 
-/// Where a contact only just touches the motion is linear still: residual and `J t` are zero. Rounding of the gap, 1e-16, closes it for 1e-8 of the period.
+/// Where a contact only just touches the motion is linear still: residual and `J t` are zero. Rounding of the gap,
+/// 1e-16, closes it for 1e-8 of the period.
 #[test]
 fn branches_begin_at_solutions_and_along_their_tangents() {
     for (ea, rho_a, length) in [(1.0, 1.0, 1.0), (2e8, 40.0, 1e-3)] {
@@ -107,7 +108,8 @@ fn motion(coefficients: usize, seed: f64) -> Vec<f64> {
     (0..coefficients).map(|i| (1.7 * i as f64 + seed).sin()).chain([1.05, 0.0]).collect()
 }
 
-/// The anchor of the phase is zero at the accepted motion, and grows with its speed along the same motion a moment later.
+/// The anchor of the phase is zero at the accepted motion, and grows with its speed along the same motion a moment
+/// later.
 fn check_anchor(system: &mut impl ParametricSystem, series: RealSeries, coordinates: usize, hold: bool) {
     let n = system.dim();
     let mut at = Linearization::new(n);

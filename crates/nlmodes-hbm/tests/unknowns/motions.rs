@@ -1,4 +1,5 @@
-//! What is told of a motion: responses before they touch, figures in open and in held modes, power, the way to contacts that touch at rest.
+//! What is told of a motion: responses before they touch, figures in open and in held modes, power, the way to contacts
+//! that touch at rest.
 
 use crate::support::modal::{Open, newton, settings, solver};
 use crate::support::{condense, on_springs, problem, rod};
@@ -23,7 +24,8 @@ fn forced(open: &Open, coordinates: Coordinates) -> PeriodicSystem {
         .unwrap()
 }
 
-/// Two rods side by side, each before its stop. Where they are alike every mode is there twice, and motions of the contacts do not tell both.
+/// Two rods side by side, each before its stop. Where they are alike every mode is there twice, and motions of the
+/// contacts do not tell both.
 #[test]
 fn of_modes_with_the_same_frequency_all_are_unknowns() {
     for (ratio, coordinates) in [(1.3, Coordinates::Contact), (1.0, Coordinates::Modal)] {
@@ -51,7 +53,8 @@ fn of_modes_with_the_same_frequency_all_are_unknowns() {
     }
 }
 
-/// A linear response with damping that couples modes: `(K − ω² M + iωC) q = f`, solved for real and imaginary part at once.
+/// A linear response with damping that couples modes: `(K − ω² M + iωC) q = f`, solved for real and imaginary part at
+/// once.
 #[test]
 fn a_response_before_it_touches_is_that_of_the_matrices_with_any_damping() {
     let model = on_springs(&rod(4, 1.0, 1.0, 1.0, &[(4, Side::Positive, 1e6)]), &[5.0]);
@@ -97,7 +100,8 @@ fn a_response_before_it_touches_is_that_of_the_matrices_with_any_damping() {
     }
 }
 
-/// Refined across a direction, a disturbed solution comes back to rounding, and has moved by nothing along that direction.
+/// Refined across a direction, a disturbed solution comes back to rounding, and has moved by nothing along that
+/// direction.
 #[test]
 fn a_refined_solution_balances_its_power_and_stays_along_the_border() {
     let open = Open::massless(&rod(6, 1.0, 1.0, 1.0, &[(6, Side::Positive, 1.0)]));

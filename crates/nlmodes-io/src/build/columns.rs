@@ -12,8 +12,8 @@ pub(crate) enum Stored {
 
 /// Takes column after column, the upper triangle only to compare it: nothing but the final matrix is held.
 ///
-/// When column j comes, its entries above the diagonal are mirror images of entries (j, i) of earlier columns i. Columns come in order, so
-/// a cursor in each earlier column stands at the first row that has not been compared yet.
+/// When column j comes, its entries above the diagonal are mirror images of entries (j, i) of earlier columns i.
+/// Columns come in order, so a cursor in each earlier column stands at the first row that has not been compared yet.
 pub(crate) struct ColumnBuilder {
     stored: Stored,
     lower: LowerTriangle,

@@ -10,8 +10,8 @@ pub(crate) enum Triangles {
     Both,
 }
 
-/// Entries of one block: what is taken at a time while they are read, and given back at a time while they are sorted. 32 MiB, from where on
-/// allocators give memory back to the system at once.
+/// Entries of one block: what is taken at a time while they are read, and given back at a time while they are sorted.
+/// 32 MiB, from where on allocators give memory back to the system at once.
 const BLOCK: usize = 1 << 21;
 /// Marks an entry that came from above the diagonal.
 const UPPER: usize = 1 << 31;
@@ -23,8 +23,8 @@ struct Entry {
     value: f64,
 }
 
-/// Collects entries in any order: 16 bytes for each that is not zero, in blocks that are freed as the columns fill, and nothing for the rows between, whose
-/// number nobody has checked yet.
+/// Collects entries in any order: 16 bytes for each that is not zero, in blocks that are freed as the columns fill, and
+/// nothing for the rows between, whose number nobody has checked yet.
 pub(crate) struct EntryBuilder {
     triangles: Triangles,
     blocks: Vec<Vec<Entry>>,
@@ -33,7 +33,8 @@ pub(crate) struct EntryBuilder {
 }
 
 impl EntryBuilder {
-    /// With an entry to look out for: the second one at the place of a duplicate is an error, and the first at that of an asymmetry.
+    /// With an entry to look out for: the second one at the place of a duplicate is an error, and the first at that of
+    /// an asymmetry.
     pub(crate) fn new(triangles: Triangles, watched: Option<Fault>) -> Self {
         Self { triangles, blocks: Vec::new(), watched, seen: false }
     }
@@ -81,8 +82,8 @@ impl EntryBuilder {
         self.blocks.iter().map(Vec::len).sum()
     }
 
-    /// Sorts the entries into the columns of a matrix of `order` rows. With `to`, entry `(i, j)` goes to `(to[i], to[j])`, and where there is
-    /// no such place it is left out; a fault names the rows as they were pushed.
+    /// Sorts the entries into the columns of a matrix of `order` rows. With `to`, entry `(i, j)` goes to
+    /// `(to[i], to[j])`, and where there is no such place it is left out; a fault names the rows as they were pushed.
     pub(crate) fn finish(mut self, order: usize, to: Option<&[Option<usize>]>) -> Result<LowerTriangle, Fault> {
         let triangles = self.triangles;
         let place = |k: u32| match to {

@@ -10,8 +10,8 @@ pub struct ContactChoice {
     pub partner: Partner,
     /// Direction from them to what they touch; with a table of pairs it may stand there.
     pub normal: Option<NormalChoice>,
-    /// Clearance at rest; with a table of pairs it may stand there, and between nodes that are sought it may be left out: then it is their distance
-    /// along the normal in the mesh.
+    /// Clearance at rest; with a table of pairs it may stand there, and between nodes that are sought it may be left
+    /// out: then it is their distance along the normal in the mesh.
     pub gap: Option<GapChoice>,
     /// Contact stiffness, N/m; none of rigid contacts.
     pub stiffness: Option<f64>,
@@ -40,8 +40,8 @@ pub enum ContactNodes {
 pub enum Partner {
     /// A rigid wall.
     Wall,
-    /// The one of these nodes that is nearest to the line along the normal, and no farther from it than the tolerance in m (default: a
-    /// thousandth of their extent).
+    /// The one of these nodes that is nearest to the line along the normal, and no farther from it than the tolerance
+    /// in m (default: a thousandth of their extent).
     Nearest(ContactNodes, Option<f64>),
     /// Node by node as in a table `node_a,node_b[,nx,ny,nz,gap_m]`.
     Table(PathBuf),

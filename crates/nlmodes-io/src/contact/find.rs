@@ -6,7 +6,8 @@ use super::{
 use crate::mesh::Skin;
 use crate::model::{FeFiles, FeModel};
 
-/// By this the product of the normals of two contacts may differ from 1 or −1 where they have one direction: less than three seconds of arc are rounding.
+/// By this the product of the normals of two contacts may differ from 1 or −1 where they have one direction: less than
+/// three seconds of arc are rounding.
 const ROUNDED: f64 = 1e-10;
 
 type Vector = [f64; 3];
@@ -15,7 +16,8 @@ type Outcome<T> = Result<T, ContactProblem>;
 /// All contacts of a model, in the order of the choices and of the nodes in their sets.
 ///
 /// # Errors
-/// [`ContactError`]: nodes that are not there or held along the normal, contacts that stand twice, nodes without a partner.
+/// [`ContactError`]: nodes that are not there or held along the normal, contacts that stand twice, nodes without a
+/// partner.
 pub fn find_contacts(
     model: &FeModel,
     files: &FeFiles,
@@ -197,7 +199,8 @@ impl One<'_> {
     }
 }
 
-/// Share of the extent of the other body by which its nodes may lie beside the normal, and of that of both by which they may lie behind the node.
+/// Share of the extent of the other body by which its nodes may lie beside the normal, and of that of both by which
+/// they may lie behind the node.
 const BESIDE: f64 = 1e-3;
 
 /// Distances up to this share of the extent of two bodies are rounding of their places.

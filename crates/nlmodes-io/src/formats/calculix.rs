@@ -1,4 +1,5 @@
-//! `.sti` and `.mas` of CalculiX: lines `row column value`, counted from 1, upper triangle column by column, the diagonal last in each.
+//! `.sti` and `.mas` of CalculiX: lines `row column value`, counted from 1, upper triangle column by column, the
+//! diagonal last in each.
 
 use std::path::Path;
 

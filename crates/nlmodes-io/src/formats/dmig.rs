@@ -1,4 +1,5 @@
-//! Direct matrix input at grid points, as Nastran punches: fields of 8 or 16 characters, symmetric (form 6) or square (form 1).
+//! Direct matrix input at grid points, as Nastran punches: fields of 8 or 16 characters, symmetric (form 6) or square
+//! (form 1).
 
 use std::path::Path;
 

@@ -35,7 +35,8 @@ fn count(text: &[u8]) -> Option<usize> {
     if text.is_empty() { Some(1) } else { crate::text::unsigned(text).filter(|n| *n <= 1000).map(|n| n as usize) }
 }
 
-/// What follows a scale factor `1P` or `1P,`, which changes how numbers are written, not how those with an exponent are read.
+/// What follows a scale factor `1P` or `1P,`, which changes how numbers are written, not how those with an exponent are
+/// read.
 fn scale(text: &[u8]) -> &[u8] {
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
     match text[digits..].strip_prefix(b"P") {

@@ -1,4 +1,5 @@
-//! Harwell-Boeing format, real symmetric assembled (`RSA`): the lower triangle in compressed columns, numbers in Fortran's columns.
+//! Harwell-Boeing format, real symmetric assembled (`RSA`): the lower triangle in compressed columns, numbers in
+//! Fortran's columns.
 
 use std::path::Path;
 

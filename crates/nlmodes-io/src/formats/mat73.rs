@@ -1,4 +1,5 @@
-//! MATLAB's files of version 7.3: HDF5, a sparse matrix is a group of `data`, `ir` and `jc` with the number of rows as an attribute.
+//! MATLAB's files of version 7.3: HDF5, a sparse matrix is a group of `data`, `ir` and `jc` with the number of rows as
+//! an attribute.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Matrix Market exchange format, <https://math.nist.gov/MatrixMarket/formats.html>: real or integer, symmetric or general, coordinate or array.
+//! Matrix Market exchange format, <https://math.nist.gov/MatrixMarket/formats.html>: real or integer, symmetric or
+//! general, coordinate or array.
 
 use std::path::Path;
 

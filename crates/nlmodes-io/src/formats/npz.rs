@@ -1,4 +1,5 @@
-//! Archives of `scipy.sparse.save_npz`: `format`, `shape`, `data` and the indices, stored or deflated, read side by side.
+//! Archives of `scipy.sparse.save_npz`: `format`, `shape`, `data` and the indices, stored or deflated, read side by
+//! side.
 
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read};
@@ -144,7 +145,8 @@ impl Npz<'_> {
         builder.finish(order, None).map_err(|fault| ReadError::whole(self.path, fault.problem(|k| k.to_string())))
     }
 
-    /// The array `name`, with a header that a plain array has: the parser behind it recurses over brackets and multiplies lengths unchecked.
+    /// The array `name`, with a header that a plain array has: the parser behind it recurses over brackets and
+    /// multiplies lengths unchecked.
     fn array<'a>(&self, archive: &'a mut Archive, name: &str) -> Result<NpyFile<impl Read + 'a>> {
         let mut known: Vec<String> = archive.array_names().map(str::to_owned).collect();
         if !known.iter().any(|found| found == name) {

@@ -6,7 +6,8 @@ use super::{Component, Distinct, DofLabel, LabelTable, found_again};
 use crate::error::{Problem, Result};
 use crate::text::{Lines, unsigned};
 
-/// `node.direction` is two whole numbers with a point between them and no decimal fraction: 10.1 and 10.10 would be one number.
+/// `node.direction` is two whole numbers with a point between them and no decimal fraction: 10.1 and 10.10 would be one
+/// number.
 pub(super) fn read(path: &Path) -> Result<LabelTable> {
     let mut lines = Lines::open(path)?;
     let mut labels = Distinct::default();

@@ -17,7 +17,8 @@ use self::source::Source;
 use super::{Element, Mesh};
 use crate::error::{Place, Problem, ReadError, Result};
 
-/// Keywords that make nodes or elements which no line of the deck holds, or turn axes: a mesh without heeding them would be wrong.
+/// Keywords that make nodes or elements which no line of the deck holds, or turn axes: a mesh without heeding them
+/// would be wrong.
 const REFUSED: [(&str, &str); 11] = [
     ("NGEN", "generated nodes are not read; write the deck with all its nodes"),
     ("NFILL", "generated nodes are not read; write the deck with all its nodes"),

@@ -110,7 +110,8 @@ mod tests {
     fn faces_look_outward_and_close_the_solid() {
         for (kind, volume) in SOLIDS {
             let places = corners(kind);
-            // Divergence theorem: a third of the flux of the position through triangles from the first corner of each face.
+            // Divergence theorem: a third of the flux of the position through triangles from the first corner of each
+            // face.
             let mut sum = 0.0;
             for face in kind.faces() {
                 for k in 1..face.len() - 1 {

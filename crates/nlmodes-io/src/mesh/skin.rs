@@ -68,7 +68,8 @@ impl Skin {
         Self { cells }
     }
 
-    /// The volume that it encloses, m³ if the mesh's places are in m: a third of the flux of the position through its faces, each of them between its corners.
+    /// The volume that it encloses, m³ if the mesh's places are in m: a third of the flux of the position through its
+    /// faces, each of them between its corners.
     pub fn volume(&self, mesh: &Mesh) -> f64 {
         let corner = |cell: &SkinCell, k: usize| mesh.places[cell.nodes[k % cell.kind.corners()] as usize];
         let of = |cell: &SkinCell| -> f64 {
@@ -100,7 +101,8 @@ impl Skin {
         edges
     }
 
-    /// The edges at which the surface bends by more than `angle` (rad), ends, or meets more than one other face; and all lines.
+    /// The edges at which the surface bends by more than `angle` (rad), ends, or meets more than one other face; and
+    /// all lines.
     pub fn sharp_edges(&self, mesh: &Mesh, angle: f64) -> Vec<[u32; 2]> {
         let mut around: HashMap<[u32; 2], Vec<[f64; 3]>> = HashMap::new();
         let mut lines = Vec::new();
@@ -130,14 +132,15 @@ impl Skin {
         lines
     }
 
-    /// The outward normal times the area that belongs to each node of the mesh, m² if its places are in m; zero for nodes elsewhere.
-    /// A face gives each of its nodes an equal part.
+    /// The outward normal times the area that belongs to each node of the mesh, m² if its places are in m; zero for
+    /// nodes elsewhere. A face gives each of its nodes an equal part.
     pub fn normals(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
         self.normals_of(mesh, |_| true)
     }
 
-    /// The same for nodes (by index) of a set: where faces lie in it with all of their corners, they alone count, so that normals do not tilt at its
-    /// edges toward faces beside it. Nodes of a set that holds no face, as of an edge, have the mean of all faces around them.
+    /// The same for nodes (by index) of a set: where faces lie in it with all of their corners, they alone count, so
+    /// that normals do not tilt at its edges toward faces beside it. Nodes of a set that holds no face, as of an edge,
+    /// have the mean of all faces around them.
     pub fn normals_within(&self, mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
         let set: HashSet<u32> = nodes.iter().copied().collect();
         let inside = |cell: &SkinCell| cell.nodes[..cell.kind.corners()].iter().all(|node| set.contains(node));

@@ -6,11 +6,12 @@ use super::skin::{Skin, SkinCell, cell_area};
 use super::{ElementKind, Mesh};
 
 impl Skin {
-    /// The area that belongs to each node of a set, m² if the mesh's places are in m, as seen along the direction beside it: force over it is the mean pressure
-    /// around the node. Nodes are indices in the mesh.
+    /// The area that belongs to each node of a set, m² if the mesh's places are in m, as seen along the direction
+    /// beside it: force over it is the mean pressure around the node. Nodes are indices in the mesh.
     ///
-    /// Faces count that lie in the set with all of their corners and look along the direction of the node. A face with nodes in the middle of its edges is divided
-    /// into pieces between neighbouring nodes. A node without such a face, as of an edge or of a single corner, has zero.
+    /// Faces count that lie in the set with all of their corners and look along the direction of the node. A face with
+    /// nodes in the middle of its edges is divided into pieces between neighbouring nodes. A node without such a face,
+    /// as of an edge or of a single corner, has zero.
     pub fn tributary_areas(&self, mesh: &Mesh, nodes: &[(u32, [f64; 3])]) -> Vec<f64> {
         let place: HashMap<u32, usize> = nodes.iter().enumerate().map(|(k, (node, _))| (*node, k)).collect();
         let mut areas = vec![0.0; nodes.len()];

@@ -160,8 +160,8 @@ fn check_diagonal(model: &FeModel, files: &FeFiles) -> Result<()> {
     }
 }
 
-/// Below this `K_ii/M_ii`, rad²/s², no row of a structure vibrates: that is the frequency which it has where all others are held, above the lowest ones. Of a
-/// kilogram on a spring of a newton per metre it is 1.
+/// Below this `K_ii/M_ii`, rad²/s², no row of a structure vibrates: that is the frequency which it has where all others
+/// are held, above the lowest ones. Of a kilogram on a spring of a newton per metre it is 1.
 const NO_STIFFNESS: f64 = 1e-3;
 
 /// Matrices that were given for each other have the inverse of a structure's eigenvalues.

@@ -2,8 +2,8 @@
 
 use super::FeModel;
 
-/// A node answers displacements of all others by at least this share of its own stiffness. What is within an element answers them by nothing but for
-/// distortion, a node before a support by some half.
+/// A node answers displacements of all others by at least this share of its own stiffness. What is within an element
+/// answers them by nothing but for distortion, a node before a support by some half.
 const ANSWERS: f64 = 0.2;
 
 impl FeModel {
@@ -13,8 +13,9 @@ impl FeModel {
     /// −Σ_j K_ij < 0.2 K_ii ,   summed over the three directions, j of other nodes
     /// ```
     ///
-    /// At nodes of a mesh the left side is `K_ii`, less what supports take. Unknowns within elements, as those of CalculiX's C3D8I, have zero: the strain that they
-    /// add vanishes where all else moves as one. So has a mass on springs to the ground alone.
+    /// At nodes of a mesh the left side is `K_ii`, less what supports take. Unknowns within elements, as those of
+    /// CalculiX's C3D8I, have zero: the strain that they add vanishes where all else moves as one. So has a mass on
+    /// springs to the ground alone.
     pub fn nodes_without_answer(&self) -> Vec<u64> {
         let nodes = self.nodes();
         let axes: Vec<Option<usize>> = self.labels.iter().map(|label| label.component.translation()).collect();

@@ -102,7 +102,8 @@ fn distances_of_the_mesh_are_gaps_where_none_are_said() {
     assert!(gaps(tilted).iter().all(|gap| (gap - 2.4e-3).abs() < 1e-6), "0.001 mm along z");
 }
 
-/// `(cos π, sin π)` is not the opposite of `(1, 0)` to the last digit, and another direction to move in if it is taken at its word.
+/// `(cos π, sin π)` is not the opposite of `(1, 0)` to the last digit, and another direction to move in if it is taken
+/// at its word.
 #[test]
 fn stops_that_face_each_other_up_to_rounding_share_a_direction() {
     let directory = tempfile::tempdir().unwrap();

@@ -5,8 +5,8 @@ use std::fs;
 
 use nlmodes_io::{FeFiles, FeModel};
 
-/// A chain of springs along x between nodes 1, 2, 3, … and the ground before the first one; each but the first has an unknown of its own, numbered from 101, which
-/// answers a difference of its ends, and their sum by `distortion`.
+/// A chain of springs along x between nodes 1, 2, 3, … and the ground before the first one; each but the first has an
+/// unknown of its own, numbered from 101, which answers a difference of its ends, and their sum by `distortion`.
 fn chain(distortion: f64, within: bool) -> (String, String) {
     const NODES: usize = 4;
     let n = if within { 2 * NODES - 1 } else { NODES };

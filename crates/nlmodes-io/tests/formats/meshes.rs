@@ -138,7 +138,8 @@ fn the_area_of_a_face_is_that_of_its_nodes_together_as_seen_along_their_directio
     assert_eq!([sum([1.0, 0.0, 0.0]), sum([0.0, 0.0, 1.0])], [1.0, 2.0]);
 }
 
-/// A tetrahedron with ten nodes and a brick with twenty, each over a face in the plane z = 0, of area 1/2 and 1, that looks down.
+/// A tetrahedron with ten nodes and a brick with twenty, each over a face in the plane z = 0, of area 1/2 and 1, that
+/// looks down.
 #[test]
 fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
     let triangle = "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0.5, 0, 0\n6, 0.5, 0.5, 0\n7, 0, 0.5, 0\n\

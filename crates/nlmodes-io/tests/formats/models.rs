@@ -120,7 +120,8 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
         }
     }
     assert_eq!(held.nodes_without_place(), [40, 50, 60, 70]);
-    // Where all nodes have places, or none is known, the base moves all of them; the rows of the whole mass tell the inertia.
+    // Where all nodes have places, or none is known, the base moves all of them; the rows of the whole mass tell the
+    // inertia.
     files.mesh = None;
     files.fixed = vec![NodeChoice::Node(10), NodeChoice::Node(80)];
     let (free, held) =

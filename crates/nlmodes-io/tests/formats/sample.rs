@@ -1,4 +1,5 @@
-//! A made-up model of eight nodes with three displacements each; `fixtures/make.py` has the same entries to the last bit.
+//! A made-up model of eight nodes with three displacements each; `fixtures/make.py` has the same entries to the last
+//! bit.
 
 /// Number of rows.
 pub const N: usize = 24;

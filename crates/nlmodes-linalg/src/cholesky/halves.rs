@@ -11,12 +11,14 @@ use super::thin;
 use crate::Mat;
 use crate::threads::spread;
 
-/// So many right-hand sides at most are few: the numbers of some rows are in registers. With eight a copy of the panel, as faer makes it, costs less.
+/// So many right-hand sides at most are few: the numbers of some rows are in registers. With eight a copy of the panel,
+/// as faer makes it, costs less.
 const FEW: usize = 4;
 
 /// A factor with dense blocks: `L`, panel by panel.
 ///
-/// Right-hand sides stand row by row, with `stride` numbers each: where few are solved for, as many as there are numbers in registers.
+/// Right-hand sides stand row by row, with `stride` numbers each: where few are solved for, as many as there are
+/// numbers in registers.
 #[derive(Clone, Copy)]
 pub(super) struct Halves<'a> {
     pub panels: &'a Panels,
@@ -56,8 +58,8 @@ impl Halves<'_> {
         in_rows(x, |x, stride| self.backward_rows(x, stride));
     }
 
-    /// Each subtree adds up what it changes in the top, and the sums are taken out of it in the order of the subtrees: they do not depend on the number of
-    /// threads.
+    /// Each subtree adds up what it changes in the top, and the sums are taken out of it in the order of the subtrees:
+    /// they do not depend on the number of threads.
     pub fn forward_rows(self, x: &mut [f64], stride: usize) {
         let subtrees = &self.panels.subtrees;
         if subtrees.parts.is_empty() {

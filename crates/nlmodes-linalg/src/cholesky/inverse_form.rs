@@ -15,8 +15,9 @@ const AT_ONCE: usize = 32;
 impl SparseCholesky {
     /// `(S − D C)ᵀ A⁻¹ (S − D C)`, c × c and symmetric, for sparse `S` (n × c), dense `D` (n × m) and `C` (m × c).
     ///
-    /// With `Z = L⁻¹ P B` it is `Zᵀ Z`. Of a sparse column, `Z` is not zero only on the way from its entries to the root of the elimination tree: with few entries
-    /// a column this costs a small share of what solutions cost, where the factor has dense blocks. Elsewhere the solutions are computed, some at once.
+    /// With `Z = L⁻¹ P B` it is `Zᵀ Z`. Of a sparse column, `Z` is not zero only on the way from its entries to the
+    /// root of the elimination tree: with few entries a column this costs a small share of what solutions cost, where
+    /// the factor has dense blocks. Elsewhere the solutions are computed, some at once.
     ///
     /// # Panics
     /// If the sizes do not fit together.

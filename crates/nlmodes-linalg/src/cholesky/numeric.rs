@@ -18,10 +18,11 @@ use crate::threads::spread;
 /// Rows of a change that are computed at a time, so that they are still in the cache where they are taken away.
 const ROWS: usize = 1024;
 
-/// `L` of the lower triangle of a matrix whose rows are in the order of elimination; else the first column whose pivot is not positive.
+/// `L` of the lower triangle of a matrix whose rows are in the order of elimination; else the first column whose pivot
+/// is not positive.
 ///
-/// Each panel is computed by one thread, from what comes before it in ascending order, whatever the number of threads: first the subtrees, each by one
-/// thread, then the panels of the top, which wait for one another as late as they can.
+/// Each panel is computed by one thread, from what comes before it in ascending order, whatever the number of threads:
+/// first the subtrees, each by one thread, then the panels of the top, which wait for one another as late as they can.
 pub(super) fn factorise(panels: &Panels, lower: SparseColMatRef<'_, usize, f64>) -> Result<Vec<Mat<f64>>, usize> {
     let numeric = Numeric {
         panels,
@@ -68,7 +69,8 @@ impl Workspace {
 struct Numeric<'a> {
     panels: &'a Panels,
     lower: SparseColMatRef<'a, usize, f64>,
-    /// Panels of the factor; those that follow from one without a positive pivot, or do not matter any more beside it, are none.
+    /// Panels of the factor; those that follow from one without a positive pivot, or do not matter any more beside it,
+    /// are none.
     done: Vec<OnceLock<Option<Mat<f64>>>>,
     /// The first column so far whose pivot is not positive.
     failed: AtomicUsize,

@@ -6,12 +6,12 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::subtrees::Subtrees;
 
-/// Columns of a panel at most. The part above the diagonal of a panel is stored too: with wider panels there is more of it, with narrower ones products
-/// are slower.
+/// Columns of a panel at most. The part above the diagonal of a panel is stored too: with wider panels there is more of
+/// it, with narrower ones products are slower.
 pub(super) const WIDEST: usize = 128;
 
-/// The columns of the factor in panels of some that have the same rows below them. Columns that can be eliminated together are a node; a wide node is
-/// several panels, each of which has its rows from its own diagonal on.
+/// The columns of the factor in panels of some that have the same rows below them. Columns that can be eliminated
+/// together are a node; a wide node is several panels, each of which has its rows from its own diagonal on.
 #[derive(Debug, Clone)]
 pub(super) struct Panels {
     panels: Vec<Panel>,
@@ -22,7 +22,8 @@ pub(super) struct Panels {
     row_starts: Vec<usize>,
     /// The panel of each column.
     of_column: Vec<u32>,
-    /// The nodes before its own that change a panel, ascending: those of panel `p` are `changed_by[starts[p]..starts[p + 1]]`.
+    /// The nodes before its own that change a panel, ascending: those of panel `p` are
+    /// `changed_by[starts[p]..starts[p + 1]]`.
     changed_by: Vec<u32>,
     starts: Vec<usize>,
     tallest: usize,

@@ -8,10 +8,12 @@ use super::panels::Panels;
 const LARGEST: f64 = 0.15;
 /// Parts with less than this share are not worth a task.
 const SMALLEST: f64 = 0.01;
-/// Factors with fewer numbers are not divided, and stay on one thread: 32 megabytes, those of solids with some 10⁴ unknowns.
+/// Factors with fewer numbers are not divided, and stay on one thread: 32 megabytes, those of solids with some 10⁴
+/// unknowns.
 const UNDIVIDED: usize = 1 << 22;
 
-/// Subtrees of the elimination tree, and all that stands above them: the top. They depend on the pattern alone, not on how many threads there are.
+/// Subtrees of the elimination tree, and all that stands above them: the top. They depend on the pattern alone, not on
+/// how many threads there are.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Subtrees {
     /// In ascending order.

@@ -1,4 +1,5 @@
-//! Products and solutions with one panel for few right-hand sides: the panel is read once, from memory, column after column.
+//! Products and solutions with one panel for few right-hand sides: the panel is read once, from memory, column after
+//! column.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -7,7 +8,8 @@ use crate::Mat;
 /// Columns that are read side by side.
 const TOGETHER: usize = 8;
 
-/// `own ← L⁻¹ own` with the diagonal block of a panel, then `below ← below − B own` with what is below it. One row each for the rows.
+/// `own ← L⁻¹ own` with the diagonal block of a panel, then `below ← below − B own` with what is below it. One row each
+/// for the rows.
 pub(super) fn forward<const K: usize>(panel: &Mat<f64>, own: &mut [[f64; K]], below: &mut [[f64; K]]) {
     Arch::new().dispatch(Forward { panel, own, below });
 }

@@ -12,25 +12,27 @@ use crate::{LinalgError, Mat, max_norm, symmetric_eigen};
 /// A Ritz vector has converged when its residual is this share of its `θ`.
 const TOLERANCE: f64 = 1e-12;
 
-/// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own largest `θ`, will not find it later.
+/// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own
+/// largest `θ`, will not find it later.
 const VERIFICATION: usize = 30;
 
-/// Vectors of a look beside all those of a run. A mode that is missing there is a hundredth of the first of them, in the worst case, and has outgrown all others by the
-/// third step.
+/// Vectors of a look beside all those of a run. A mode that is missing there is a hundredth of the first of them, in
+/// the worst case, and has outgrown all others by the third step.
 const BESIDE: usize = 12;
 
-/// Vectors of a step where the factor has dense blocks: a solution for four costs little more than one for one. Twenty modes of a solid took as long with six and with
-/// eight, but with more vectors the wider the blocks.
+/// Vectors of a step where the factor has dense blocks: a solution for four costs little more than one for one. Twenty
+/// modes of a solid took as long with six and with eight, but with more vectors the wider the blocks.
 const WIDTH: usize = 4;
 
-/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and several at a time read the
-/// basis once.
+/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and
+/// several at a time read the basis once.
 const MANY: usize = 64;
 
-/// `L⁻ᵀ u` of the orthonormal Ritz vectors `u` of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there are no more.
+/// `L⁻ᵀ u` of the orthonormal Ritz vectors `u` of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there
+/// are no more.
 ///
-/// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the complement of what was found,
-/// until it finds nothing that belongs to the first `count`.
+/// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the
+/// complement of what was found, until it finds nothing that belongs to the first `count`.
 pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
     let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
@@ -61,8 +63,9 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
     Ok(operator.shapes(vectors))
 }
 
-/// Whether nothing above `floor` is orthogonal to all vectors of a run, the first one. What converged slowest lies in them as well, so that the largest `θ` beside
-/// them is far smaller, and known after few vectors. If that is left open, another run will tell.
+/// Whether nothing above `floor` is orthogonal to all vectors of a run, the first one. What converged slowest lies in
+/// them as well, so that the largest `θ` beside them is far smaller, and known after few vectors. If that is left open,
+/// another run will tell.
 fn nothing_missed(run: &Run<'_>, floor: f64, rank: usize) -> bool {
     let seed = 0x5EED;
     let Some(mut beside) = Run::start(run.operator, &run.basis, seed, [run.current.nrows(), run.width, rank]) else {
@@ -151,8 +154,8 @@ impl<'a> Run<'a> {
         more
     }
 
-    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with the coefficients of their vectors in the basis,
-    /// and with those beyond that are known as well.
+    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with the coefficients of
+    /// their vectors in the basis, and with those beyond that are known as well.
     fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Mat<f64>, Self), LinalgError> {
         let limit = 20 * wanted + 600;
         let wide = 4 * self.width;
@@ -224,8 +227,9 @@ impl<'a> Run<'a> {
     }
 }
 
-/// After how many vectors more it is worth looking again, from the logarithm by which the worst residual stood above its limit at two looks: the way that is left
-/// at the pace so far, less a tenth, as convergence becomes faster; a sixth of the space at most.
+/// After how many vectors more it is worth looking again, from the logarithm by which the worst residual stood above
+/// its limit at two looks: the way that is left at the pace so far, less a tenth, as convergence becomes faster; a
+/// sixth of the space at most.
 fn to_next_look(size: usize, far: f64, before: Option<(usize, f64)>) -> usize {
     let most = (size / 6).max(5);
     match before {
@@ -254,7 +258,8 @@ mod tests {
 
     #[test]
     fn the_next_look_is_where_the_residuals_are_expected_to_have_fallen() {
-        // Ten orders in forty vectors, and five left: twenty vectors more, less a tenth. Never more than a sixth of the space.
+        // Ten orders in forty vectors, and five left: twenty vectors more, less a tenth. Never more than a sixth of the
+        // space.
         let ln = |orders: f64| orders * std::f64::consts::LN_10;
         assert_eq!(to_next_look(240, ln(5.0), Some((200, ln(15.0)))), 18);
         assert_eq!(to_next_look(240, ln(5.0), Some((200, ln(5.5)))), 40);

@@ -11,8 +11,8 @@ const AT_ONCE: usize = 8;
 
 /// `C = L⁻¹ P M Pᵀ L⁻ᵀ` of the factor `P (K + sM) Pᵀ = L Lᵀ`: `C u = θ u` with `θ = 1/(λ + s)` and `φ = Pᵀ L⁻ᵀ u`.
 ///
-/// It is symmetric as it stands, so that what iterates with it needs no product with `M` to keep its vectors orthogonal. All rows are in the order of
-/// elimination.
+/// It is symmetric as it stands, so that what iterates with it needs no product with `M` to keep its vectors
+/// orthogonal. All rows are in the order of elimination.
 pub(super) struct Operator<'a> {
     mass: &'a SparseMatrix,
     factor: &'a SparseCholesky,
@@ -63,7 +63,8 @@ impl<'a> Operator<'a> {
         }
     }
 
-    /// At most `WIDTH` columns, with the numbers of a row side by side. `M` is symmetric: its columns are read as rows, so that each sum stays in registers.
+    /// At most `WIDTH` columns, with the numbers of a row side by side. `M` is symmetric: its columns are read as rows,
+    /// so that each sum stays in registers.
     fn columns<const WIDTH: usize>(&self, x: MatMut<'_, f64>) {
         let mut rows = vec![[0.0; WIDTH]; self.order.len()];
         for (j, column) in x.as_ref().col_iter().enumerate() {

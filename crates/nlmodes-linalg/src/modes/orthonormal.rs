@@ -5,7 +5,8 @@ use faer::{MatRef, unzip, zip};
 use super::basis::Basis;
 use crate::Mat;
 
-/// A column that keeps less than this share of itself beside the others of its block is orthogonalised again as a whole.
+/// A column that keeps less than this share of itself beside the others of its block is orthogonalised again as a
+/// whole.
 const CANCELLED: f64 = 0.1;
 const MOST_ROUNDS: usize = 4;
 
@@ -16,8 +17,8 @@ pub(super) struct Orthonormal {
     pub r: Mat<f64>,
 }
 
-/// Takes the `bases` out of the columns of `w` and makes them orthonormal. Columns of which no more than `negligible` is left are dropped, and no
-/// more than `most` are kept.
+/// Takes the `bases` out of the columns of `w` and makes them orthonormal. Columns of which no more than `negligible`
+/// is left are dropped, and no more than `most` are kept.
 pub(super) fn orthonormalise(bases: [&Basis; 2], w: Mat<f64>, negligible: f64, most: usize) -> Orthonormal {
     let (mut block, mut r) = (w, None::<Mat<f64>>);
     let mut round = 1;

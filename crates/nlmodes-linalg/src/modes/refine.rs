@@ -10,8 +10,8 @@ use crate::Mat;
 /// Off-diagonal entries below this share of their diagonal are rounding.
 const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
 
-/// Off-diagonal entries below this share of their diagonal, and of its difference, are taken away by one correction of first order for all of
-/// them: what that leaves is the square of it.
+/// Off-diagonal entries below this share of their diagonal, and of its difference, are taken away by one correction of
+/// first order for all of them: what that leaves is the square of it.
 const SMALL: f64 = 1e-8;
 
 const MOST_SWEEPS: usize = 40;
@@ -21,11 +21,12 @@ const DEPENDENT: f64 = 1e-3;
 /// So is one of which `φᵀMφ` is below this share of the largest that its length allows: it may be rounding.
 const WEIGHTLESS: f64 = 1e-10;
 
-/// The lowest `count` λ of the pencil in the space of the columns of `x`, which come in the order of ascending λ, and their modes; rows in the order of
-/// elimination.
+/// The lowest `count` λ of the pencil in the space of the columns of `x`, which come in the order of ascending λ, and
+/// their modes; rows in the order of elimination.
 ///
-/// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very different size. Jacobi rotations,
-/// and corrections of first order where their angles are small, respect that: each of its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
+/// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very
+/// different size. Jacobi rotations, and corrections of first order where their angles are small, respect that: each of
+/// its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
 pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, shift: f64) -> (Vec<f64>, Mat<f64>) {
     let mut z = orthonormalise(operator, &mut x);
     operator.forward(&mut z);
@@ -40,7 +41,8 @@ pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, 
     (eigenvalues, x * rotation)
 }
 
-/// Makes the columns M-orthonormal, from the lowest mode on: it is the high ones that carry traces of the low. Returns `M X`.
+/// Makes the columns M-orthonormal, from the lowest mode on: it is the high ones that carry traces of the low. Returns
+/// `M X`.
 fn orthonormalise(operator: &Operator, x: &mut Mat<f64>) -> Mat<f64> {
     let (mut mass_x, heaviest) = (x.clone(), operator.heaviest());
     operator.multiply(mass_x.as_mut());
@@ -112,7 +114,8 @@ fn diagonalise(matrix: &mut Mat<f64>) -> Mat<f64> {
     if turned { Mat::from_fn(n, n, |i, j| product[j][i]) * correction } else { correction }
 }
 
-/// Cyclic Jacobi iteration, until all entries beside the diagonal are small; the rotations are added to `product`. Whether there were any.
+/// Cyclic Jacobi iteration, until all entries beside the diagonal are small; the rotations are added to `product`.
+/// Whether there were any.
 fn rotate(g: &mut [Vec<f64>], product: &mut [Vec<f64>]) -> bool {
     let n = g.len();
     for sweep in 0..MOST_SWEEPS {

@@ -136,7 +136,8 @@ fn repeated_eigenvalues_are_all_found() {
     }
 }
 
-/// Masses of elements that move with the mean of their ends: what goes to and fro from node to node has none, though every node has.
+/// Masses of elements that move with the mean of their ends: what goes to and fro from node to node has none, though
+/// every node has.
 #[test]
 fn a_mass_matrix_without_a_zero_on_its_diagonal_may_be_singular() {
     for n in [4, 21, 60] {
@@ -173,7 +174,8 @@ fn improper_pencils_are_refused() {
     assert!(lowest_modes(&k, &m, 0).unwrap().eigenvalues.is_empty());
 }
 
-/// Unit masses on a cube of `n`³ nodes, each joined to its neighbours and to walls all around by unit springs, `copies` times.
+/// Unit masses on a cube of `n`³ nodes, each joined to its neighbours and to walls all around by unit springs, `copies`
+/// times.
 fn cubes(n: usize, copies: usize, stiffness: f64, mass: f64) -> (SparseMatrix, SparseMatrix) {
     let size = n.pow(3) * copies;
     let step = |i: usize, axis: u32| (i / n.pow(axis) % n + 1 < n).then(|| i + n.pow(axis));
@@ -197,7 +199,8 @@ fn cube_values(n: usize, copies: usize) -> Vec<f64> {
 
 #[test]
 fn repeated_eigenvalues_of_solids_are_all_found_in_any_units() {
-    // Two cubes have each λ up to twelve times: more often than a block has vectors. The last mode asked for may be one of several equal ones.
+    // Two cubes have each λ up to twelve times: more often than a block has vectors. The last mode asked for may be one
+    // of several equal ones.
     for (n, copies, counts) in [(13, 1, [10, 41]), (12, 2, [3, 30])] {
         let expected = cube_values(n, copies);
         for (stiffness, mass) in [(1.0, 1.0), (2.1e8, 7.8e-12)] {

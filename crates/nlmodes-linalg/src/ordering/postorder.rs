@@ -1,7 +1,8 @@
 //! The same elimination in another sequence: every subtree of the elimination tree in one piece.
 
-/// `order` of the vertices of a graph, changed so that whatever is eliminated before a vertex for its sake stands directly before it. Fill and work stay the
-/// same; columns that can be eliminated together come together, and parts that do not depend on each other are in one piece each.
+/// `order` of the vertices of a graph, changed so that whatever is eliminated before a vertex for its sake stands
+/// directly before it. Fill and work stay the same; columns that can be eliminated together come together, and parts
+/// that do not depend on each other are in one piece each.
 pub(super) fn postordered(order: &[usize], starts: &[i32], neighbours: &[i32]) -> Vec<usize> {
     let parents = parents(order, starts, neighbours);
     let (mut first_child, mut next_sibling) = (vec![NONE; order.len()], vec![NONE; order.len()]);

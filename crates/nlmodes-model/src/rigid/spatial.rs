@@ -4,18 +4,21 @@ use nlmodes_linalg::{Mat, SparseMatrix, max_norm, symmetric_eigen, triplets};
 
 use crate::Dof;
 
-/// Forces of a rigid motion below this share of what their terms add up to are rounding, of matrices that were written with ten digits too.
+/// Forces of a rigid motion below this share of what their terms add up to are rounding, of matrices that were written
+/// with ten digits too.
 const STRAINLESS: f64 = 1e-8;
 
-/// Of the six motions, combinations that move the degrees of freedom less than this share (squared) of the others move nothing at all.
+/// Of the six motions, combinations that move the degrees of freedom less than this share (squared) of the others move
+/// nothing at all.
 const STILL: f64 = 1e-12;
 
-/// The motion `u(x) = t + r × x` with the least strain that also leaves `held` at rest, as `(t, r)`; none if it strains.
+/// The motion `u(x) = t + r × x` with the least strain that also leaves `held` at rest, as `(t, r)`; none if it
+/// strains.
 ///
-/// With the six unit motions as columns of `R`, about the centre and with rotations over the size of the structure, the rows of `K R` over
-/// `|K| max|R|` are pure numbers, whatever mixture of displacements and rotations they are. Their Gram matrix has the motion looked for as
-/// eigenvector with eigenvalue zero. Combinations of the six that move no degree of freedom, as across a structure that can move in one direction
-/// only, are left out first: they are none.
+/// With the six unit motions as columns of `R`, about the centre and with rotations over the size of the structure, the
+/// rows of `K R` over `|K| max|R|` are pure numbers, whatever mixture of displacements and rotations they are. Their
+/// Gram matrix has the motion looked for as eigenvector with eigenvalue zero. Combinations of the six that move no
+/// degree of freedom, as across a structure that can move in one direction only, are left out first: they are none.
 pub(super) fn motion(
     stiffness: &SparseMatrix,
     dofs: &[Dof],
@@ -56,7 +59,8 @@ pub(super) fn motion(
     Some((t, r))
 }
 
-/// Combinations of the six motions that span all that move something, with a mean square displacement of one; none where nothing moves.
+/// Combinations of the six motions that span all that move something, with a mean square displacement of one; none
+/// where nothing moves.
 fn moving(motions: &[[f64; 6]]) -> Option<Vec<[f64; 6]>> {
     let count = motions.len().max(1) as f64;
     let squares = Mat::from_fn(6, 6, |a, b| motions.iter().map(|row| row[a] * row[b]).sum::<f64>() / count);
@@ -170,7 +174,8 @@ mod tests {
         }
     }
 
-    /// Masses in a row that can move along x only, held to the ground by a spring at the first or nowhere, with a stop before the last.
+    /// Masses in a row that can move along x only, held to the ground by a spring at the first or nowhere, with a stop
+    /// before the last.
     fn chain(ground: f64, stiffness: f64, length: f64) -> StructuralModel {
         let n = 4;
         let mut k: Vec<Triplet> = vec![(0, 0, ground)];

@@ -23,8 +23,8 @@ pub(crate) struct Inset {
 pub(super) type Rectangle = (f64, f64, f64, f64);
 
 impl Inset {
-    /// Draws it into the panel that fills `frame` and returns where it is; `taken` are places of the picture that should not be covered, and
-    /// `outside` is where the panel shows a point.
+    /// Draws it into the panel that fills `frame` and returns where it is; `taken` are places of the picture that
+    /// should not be covered, and `outside` is where the panel shows a point.
     pub(super) fn draw(
         &self,
         svg: &mut Svg,

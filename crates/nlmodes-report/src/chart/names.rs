@@ -74,8 +74,8 @@ impl Taken {
         &self.places
     }
 
-    /// Writes a name beside the symbol at `at`, within `frame`, where it covers least; one that `may_go` is left out where it would cover a
-    /// symbol or another name.
+    /// Writes a name beside the symbol at `at`, within `frame`, where it covers least; one that `may_go` is left out
+    /// where it would cover a symbol or another name.
     pub fn name(&mut self, svg: &mut Svg, frame: Rectangle, at: (f64, f64), name: &str, may_go: bool) {
         let size = (text_width(name, FONT) * 0.92, FONT);
         let candidates = candidates(at, size);

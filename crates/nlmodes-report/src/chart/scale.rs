@@ -63,7 +63,8 @@ impl Scale {
         share.is_finite().then_some(share)
     }
 
-    /// Ticks within the ends, about `target` of them with a label, and three at least wherever the doubles between the ends allow it.
+    /// Ticks within the ends, about `target` of them with a label, and three at least wherever the doubles between the
+    /// ends allow it.
     pub fn ticks(self, target: usize) -> Vec<Tick> {
         let of = |target: usize| match self {
             Self::Linear { low, high } => linear_ticks(low, high, target),
@@ -73,8 +74,8 @@ impl Scale {
         (target..target + 6).map(of).find(labelled).unwrap_or_else(|| of(target))
     }
 
-    /// Ticks of an abscissa of this width, pixels, about `most` of them with a label in letters of this size: fewer where these have no room, and where even few have
-    /// none, ticks without.
+    /// Ticks of an abscissa of this width, pixels, about `most` of them with a label in letters of this size: fewer
+    /// where these have no room, and where even few have none, ticks without.
     pub fn ticks_with_room(self, most: usize, width: f64, letters: f64) -> Vec<Tick> {
         let extent = |tick: &Tick| {
             let (middle, half) = (self.place(tick.value)? * width, 0.5 * text_width(tick.label.as_ref()?, letters));

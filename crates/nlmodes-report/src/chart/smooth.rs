@@ -4,9 +4,9 @@ use nlmodes_modal::monotone_slopes;
 
 /// The two inner control points of the cubic Bézier piece from each point to the next, in the plane of the picture.
 ///
-/// Both coordinates are interpolated over the length of the chords by cubic Hermite polynomials with the slopes of Steffen (1990): between two
-/// points neither coordinate leaves the interval of its values there, so nothing is shown that was not computed. At `corners` (indices of
-/// points) the slopes on either side do not know of each other.
+/// Both coordinates are interpolated over the length of the chords by cubic Hermite polynomials with the slopes of
+/// Steffen (1990): between two points neither coordinate leaves the interval of its values there, so nothing is shown
+/// that was not computed. At `corners` (indices of points) the slopes on either side do not know of each other.
 pub(super) fn controls(points: &[(f64, f64)], corners: &[usize]) -> Vec<[(f64, f64); 2]> {
     let mut found = Vec::with_capacity(points.len().saturating_sub(1));
     let mut start = 0;

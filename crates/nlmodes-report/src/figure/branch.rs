@@ -163,7 +163,8 @@ impl<'a> BranchFigure<'a> {
         })
     }
 
-    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, for some have no room.
+    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, for
+    /// some have no room.
     fn tongue_symbols(&self) -> Vec<Symbol> {
         let of_branch = |branch: &&ModalBranch| {
             let symbol = |tongue: Tongue| {
@@ -269,7 +270,8 @@ impl Abscissa {
         }
     }
 
-    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a fifth of an axis whose points lie far from zero.
+    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a fifth of an axis whose points
+    /// lie far from zero.
     fn scale(self, values: impl Iterator<Item = f64>, grazing: Option<f64>) -> Option<Scale> {
         match self {
             Self::Energy => {

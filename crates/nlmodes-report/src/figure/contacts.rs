@@ -12,7 +12,8 @@ use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 /// Most stops in one figure.
 const MAX_STOPS: usize = 10;
 
-/// Share of the period, impulse a period and largest force of each stop over the frequency: a panel each, a curve a stop.
+/// Share of the period, impulse a period and largest force of each stop over the frequency: a panel each, a curve a
+/// stop.
 ///
 /// Of more than ten stops those with the largest impulses are shown.
 #[derive(Debug, Clone)]

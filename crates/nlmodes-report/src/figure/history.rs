@@ -13,9 +13,9 @@ const INSTANT: Stroke = Stroke { color: "#999999", width: 0.8, dash: Some("2 3")
 
 /// Displacement, velocity and contact force over time, as in Fig. 9: a panel each, several histories in each.
 ///
-/// Histories at several stops have the colours of these stops, those of several branches at one stop the colours of the branches; the
-/// stops themselves are lines of their colours. Touching is marked red, leaving green, with different symbols, of several histories in the
-/// colour of the curve.
+/// Histories at several stops have the colours of these stops, those of several branches at one stop the colours of the
+/// branches; the stops themselves are lines of their colours. Touching is marked red, leaving green, with different
+/// symbols, of several histories in the colour of the curve.
 #[derive(Debug, Clone)]
 pub struct HistoryFigure<'a> {
     histories: &'a [&'a TimeHistory],

@@ -19,7 +19,8 @@ impl HistoryLook {
         self.stops.get(index).copied().unwrap_or(0)
     }
 
-    /// Colour of the curve number `index` of so many: ink where it is alone, that of its stop where the stops differ, else that of its branch.
+    /// Colour of the curve number `index` of so many: ink where it is alone, that of its stop where the stops differ,
+    /// else that of its branch.
     pub fn curve(&self, index: usize, count: usize) -> &'static str {
         let one_stop = (0..count).all(|other| self.stop(other) == self.stop(0));
         match (count, one_stop) {

@@ -4,8 +4,8 @@ use crate::chart::{Axis, Chart, Curve, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 
-/// Measured figures over the modal amplitude, as in Fig. 10, or over another quantity: a panel each, a dot a record, with a bar of its
-/// uncertainty or spread.
+/// Measured figures over the modal amplitude, as in Fig. 10, or over another quantity: a panel each, a dot a record,
+/// with a bar of its uncertainty or spread.
 ///
 /// Values that are not finite are left out.
 #[derive(Debug, Clone)]

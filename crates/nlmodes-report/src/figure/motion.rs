@@ -45,8 +45,8 @@ impl<'a> MotionFigure<'a> {
     /// Draws the figure.
     ///
     /// # Errors
-    /// [`ReportError::NoSuchPoint`], [`ReportError::CoefficientShape`] if the point lacks the coordinates of the branch,
-    /// [`ReportError::TooFewPositions`], [`ReportError::NothingToDraw`] if the motion is not finite.
+    /// [`ReportError::NoSuchPoint`], [`ReportError::CoefficientShape`] if the point lacks the coordinates of the
+    /// branch, [`ReportError::TooFewPositions`], [`ReportError::NothingToDraw`] if the motion is not finite.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let point = self.checked_point()?;
         let kind = stations::kind(self.branch);

@@ -6,10 +6,11 @@ use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, Participation};
 
-/// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: a panel for each mode from 0 to 1, several branches in each.
+/// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: a panel for each mode from 0 to 1,
+/// several branches in each.
 ///
-/// The participation factors of eq. (30) are normalised by the fundamental at a contact and grow beyond all bounds where that vanishes, as on
-/// the tip of an internal resonance; the shares in the energy do not.
+/// The participation factors of eq. (30) are normalised by the fundamental at a contact and grow beyond all bounds
+/// where that vanishes, as on the tip of an internal resonance; the shares in the energy do not.
 #[derive(Debug, Clone)]
 pub struct ParticipationFigure<'a> {
     branches: &'a [(&'a ModalBranch, &'a [Participation])],
@@ -32,8 +33,8 @@ impl<'a> ParticipationFigure<'a> {
     /// Draws the figure.
     ///
     /// # Errors
-    /// [`ReportError::SeriesLength`] if a branch has not as many participations as points, [`ReportError::NothingToDraw`] if there is no
-    /// finite value.
+    /// [`ReportError::SeriesLength`] if a branch has not as many participations as points,
+    /// [`ReportError::NothingToDraw`] if there is no finite value.
     pub fn render(&self) -> Result<Figure, ReportError> {
         for (branch, participation) in self.branches {
             let (found, expected) = (participation.len(), branch.points.len());

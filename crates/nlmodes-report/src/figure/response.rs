@@ -39,7 +39,8 @@ pub struct ResponseLine {
     pub name: String,
     /// What it is.
     pub kind: LineKind,
-    /// Abscissa, ordinate, and whether the motion is stable; of a curve for which that is known anywhere, what is not known is drawn thin.
+    /// Abscissa, ordinate, and whether the motion is stable; of a curve for which that is known anywhere, what is not
+    /// known is drawn thin.
     pub points: Vec<(f64, f64, Option<bool>)>,
 }
 
@@ -86,7 +87,8 @@ impl Quantity {
     }
 }
 
-/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not dashed, what is uncertain thin.
+/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not
+/// dashed, what is uncertain thin.
 #[derive(Debug, Clone)]
 pub struct ResponseFigure<'a> {
     lines: &'a [ResponseLine],

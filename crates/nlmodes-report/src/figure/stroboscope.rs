@@ -10,7 +10,8 @@ use std::f64::consts::TAU;
 const N_INSTANTS: usize = 16;
 const STROKE: Stroke = Stroke::solid(palette::INK, 0.9);
 
-/// Shapes of the structure at sixteen instants of a period in one figure, with short lines at the stops (number, position, displacement).
+/// Shapes of the structure at sixteen instants of a period in one figure, with short lines at the stops (number,
+/// position, displacement).
 ///
 /// `None` if the motion is not finite.
 pub(crate) fn stroboscope(

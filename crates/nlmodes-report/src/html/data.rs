@@ -224,7 +224,8 @@ fn participation(report: &HtmlReport<'_>, index: usize) -> Vec<Column> {
     (0..report.participating_modes()).map(of).collect()
 }
 
-/// Number of harmonics with the mean, and the share of each in the energy, point by point; zeros where a point has fewer.
+/// Number of harmonics with the mean, and the share of each in the energy, point by point; zeros where a point has
+/// fewer.
 fn shares(points: &[ModalPoint]) -> (usize, Column) {
     let width = points.iter().map(|point| point.harmonic_energy.len()).max().unwrap_or(0);
     let of = |point: &ModalPoint| {

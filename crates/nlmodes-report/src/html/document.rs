@@ -46,7 +46,8 @@ fn list(values: &[Value], first: usize) -> String {
     format!("<dl class=\"tree\">{entries}</dl>")
 }
 
-/// Names of quantities in SI units whose unit is no part of the name; masses and stiffnesses are none of them, for they have several.
+/// Names of quantities in SI units whose unit is no part of the name; masses and stiffnesses are none of them, for they
+/// have several.
 const UNITS: [(&str, &[&str]); 10] = [
     (
         "m",

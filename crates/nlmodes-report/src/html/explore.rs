@@ -1,4 +1,5 @@
-//! The page on which a scene is changed by sliders and its branch computed anew: three texts to be served from one place, which load nothing else.
+//! The page on which a scene is changed by sliders and its branch computed anew: three texts to be served from one
+//! place, which load nothing else.
 
 use crate::svg::escape;
 use serde_json::Value;

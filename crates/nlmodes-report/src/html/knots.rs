@@ -1,7 +1,7 @@
 //! Few samples that tell as much as many.
 
-/// Indices of the samples between which straight lines miss none of the series by more than `tolerance` of its largest value
-/// (Ramer 1972, Douglas and Peucker 1973, with vertical distances); both ends are among them.
+/// Indices of the samples between which straight lines miss none of the series by more than `tolerance` of its largest
+/// value (Ramer 1972, Douglas and Peucker 1973, with vertical distances); both ends are among them.
 ///
 /// All series have the length of `time`, which ascends. Samples that are not finite are kept.
 pub(super) fn knots(time: &[f64], series: &[&[f64]], tolerance: f64) -> Vec<usize> {

@@ -20,7 +20,8 @@ const MAX_STATIONS: usize = 41;
 /// By how much of its largest value displacement and force of a contact may be missed.
 const CONTACT_TOLERANCE: f64 = 4e-3;
 
-/// Whether a motion can be drawn over the position of its stations: contacts of a structure in space do not lie along an axis.
+/// Whether a motion can be drawn over the position of its stations: contacts of a structure in space do not lie along
+/// an axis.
 pub(super) fn is_along_an_axis(branch: &ModalBranch, stations: &[Station]) -> bool {
     stations.len() > 1 && stations::kind(branch) != "contact"
 }
@@ -127,8 +128,9 @@ pub(super) fn shown(
     (stations, stops)
 }
 
-/// The points whose motion the page holds: the ends and those with a name, then those with an event, then others at even steps, until they are as many as
-/// fit. Changes of the contacts alone are no reason: with many stops nearly every point has one.
+/// The points whose motion the page holds: the ends and those with a name, then those with an event, then others at
+/// even steps, until they are as many as fit. Changes of the contacts alone are no reason: with many stops nearly every
+/// point has one.
 fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_stops: usize) -> Vec<usize> {
     let branch = report.branches[index];
     let (points, n) = (&branch.points, branch.points.len());

@@ -78,7 +78,8 @@ impl HtmlReport<'_> {
         all.into_iter().filter(|(count, _)| *count > 0).map(|(count, of)| (count.to_string(), of))
     }
 
-    /// How the branches ended: each of several by its name, and whether one did not end where it should. What was measured did not end anywhere.
+    /// How the branches ended: each of several by its name, and whether one did not end where it should. What was
+    /// measured did not end anywhere.
     fn outcome(&self) -> String {
         let early = self.branches.iter().filter(|branch| !branch.end.complete).count();
         let on_tongue =

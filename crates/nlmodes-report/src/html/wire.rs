@@ -33,7 +33,8 @@ pub(super) struct WireData {
     name: String,
     places: Packed,
     edges: Vec<usize>,
-    /// Cosine and sine coefficients of the displacements, x, y, z of one corner after the other; the mean first, without a sine.
+    /// Cosine and sine coefficients of the displacements, x, y, z of one corner after the other; the mean first,
+    /// without a sine.
     cosines: PackedRows,
     sines: PackedRows,
     contacts: Vec<usize>,

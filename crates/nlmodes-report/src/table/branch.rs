@@ -71,9 +71,9 @@ pub const BRANCH_COLUMNS: [&str; BRANCH_MEANINGS.len()] = {
 
 /// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
 ///
-/// Numbers are the shortest that read back as the same double, frequencies have 15 digits; events are joined by spaces. The stability is empty where it was not
-/// found out, the angle of the multiplier where the motion is stable. A file of that name is
-/// replaced at once, never half.
+/// Numbers are the shortest that read back as the same double, frequencies have 15 digits; events are joined by spaces.
+/// The stability is empty where it was not found out, the angle of the multiplier where the motion is stable. A file of
+/// that name is replaced at once, never half.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
@@ -112,7 +112,8 @@ impl BranchWriter {
         Self::new(path, None, file)
     }
 
-    /// As [`create`](Self::create), under a temporary name: a file that is there already stays until [`show`](Self::show).
+    /// As [`create`](Self::create), under a temporary name: a file that is there already stays until
+    /// [`show`](Self::show).
     ///
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.

@@ -29,8 +29,8 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
 /// Its arrays are those of `columns::FILES`: float64, complex128 and Unicode text.
 ///
 /// # Errors
-/// [`ReportError::CoefficientShape`] if a point has not the coordinates of the branch, [`ReportError::Io`] if the file cannot
-/// be written.
+/// [`ReportError::CoefficientShape`] if a point has not the coordinates of the branch, [`ReportError::Io`] if the file
+/// cannot be written.
 pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
     let width = common_width(branch)?;
     replace_file(path.as_ref(), |file| {

@@ -89,7 +89,8 @@ impl PointHistories {
 /// Writes histories of contacts as a NumPy archive with the arrays of `columns::FILES`.
 ///
 /// # Errors
-/// [`ReportError::SeriesLength`] if a history has another number of instants than the others, [`ReportError::Io`] if the file cannot be written.
+/// [`ReportError::SeriesLength`] if a history has another number of instants than the others, [`ReportError::Io`] if
+/// the file cannot be written.
 pub fn write_histories(path: impl AsRef<Path>, histories: &PointHistories) -> Result<(), ReportError> {
     let [contacts, instants] = histories.shape()?;
     let points = histories.points.len();

@@ -1,7 +1,7 @@
 //! MATLAB files of version 5, uncompressed: as much of the format as results need.
 //!
-//! A file is a header of 128 bytes and elements: type, length, bytes up to a multiple of eight. Arrays are elements of elements: flags with the
-//! class, dimensions, name, numbers column by column.
+//! A file is a header of 128 bytes and elements: type, length, bytes up to a multiple of eight. Arrays are elements of
+//! elements: flags with the class, dimensions, name, numbers column by column.
 
 use num_complex::Complex64;
 

@@ -44,7 +44,8 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     assert_eq!(browser.console(), Vec::<Value>::new());
 }
 
-/// A page that is about an amplitude over the frequency: it is hovered and chosen there, the numbers are in view beside it, events explain themselves.
+/// A page that is about an amplitude over the frequency: it is hovered and chosen there, the numbers are in view beside
+/// it, events explain themselves.
 #[test]
 fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
     let (folder, [exact, _]) = (tempfile::tempdir().unwrap(), branches());

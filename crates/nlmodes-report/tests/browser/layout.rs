@@ -1,4 +1,5 @@
-//! Where things stand: nothing lies over something else, tables end with a row, and a narrow window has lines that can be read.
+//! Where things stand: nothing lies over something else, tables end with a row, and a narrow window has lines that can
+//! be read.
 
 use super::*;
 

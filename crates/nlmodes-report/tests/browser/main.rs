@@ -1,4 +1,5 @@
-//! The page in a real browser: what a reader sees, what the mouse and the keyboard do, and that nothing is asked of a network.
+//! The page in a real browser: what a reader sees, what the mouse and the keyboard do, and that nothing is asked of a
+//! network.
 //!
 //! Without Chromium and ChromeDriver on the path the tests say so and pass.
 
@@ -227,7 +228,8 @@ fn wheel_drag_and_double_click_change_the_view() {
     let zoomed = ticks(&browser, "energy");
     assert!(span(&zoomed).ln() < 0.5 * span(&whole).ln(), "{zoomed:?} {whole:?}");
     assert_eq!(browser.number("return scrollY"), scroll);
-    // What was under the mouse stays there; the wheel knows whole pixels only, labels of ordinates stand half a pixel off.
+    // What was under the mouse stays there; the wheel knows whole pixels only, labels of ordinates stand half a pixel
+    // off.
     let there = pixels(&browser, &exact, 60);
     assert!((there.0 - x).abs() < 4.0 && (there.1 - y).abs() < 6.0, "{there:?} {x} {y}");
     browser.double_click((x, y));
@@ -262,8 +264,8 @@ fn structure_moves_as_computed_and_stops_when_asked() {
     let reading = browser.text("return document.querySelector('#controls .reading').textContent");
     let value = reading.trim_start_matches("36°, contact node at ").trim_end_matches(" m").replace('−', "-");
     let (found, expected): (f64, f64) = (value.parse().expect(&reading), tip(80, 0.1));
-    // Between samples of a 128th of a period the page draws straight lines, an error of (2π/128)²/8 of the amplitude at most; it leaves
-    // out samples for another 2e-3 of it.
+    // Between samples of a 128th of a period the page draws straight lines, an error of (2π/128)²/8 of the amplitude at
+    // most; it leaves out samples for another 2e-3 of it.
     let error = amplitude(80) * ((TAU / 128.0).powi(2) / 8.0 + 2e-3 + 2e-4);
     assert!((found - expected).abs() < error, "{found} {expected}");
     // The clamp stays where it is, next to it the first coordinate moves by its harmonics.

@@ -268,7 +268,8 @@ fn empty_branch_makes_a_page_and_a_missing_point_an_error() {
     assert!(matches!(missing, Err(ReportError::NoSuchPoint { point: 0, n_points: 0, .. })));
 }
 
-/// Whose the largest force is, where there are several stops: not always that of the first one, whose share of closure stands beside it.
+/// Whose the largest force is, where there are several stops: not always that of the first one, whose share of closure
+/// stands beside it.
 #[test]
 fn key_points_say_at_which_stop_the_largest_force_is() {
     let contact = |peak_force| ContactPeriod {

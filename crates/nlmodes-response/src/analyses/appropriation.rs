@@ -15,23 +15,26 @@ pub struct Appropriation {
     pub forces: Vec<Vec<Complex64>>,
     /// The motion under them, at the frequency of the mode; `None` where no such motion was found next to the mode.
     pub motion: Option<PeriodicMotion>,
-    /// Distance of the velocities to those of the mode in the norm of the kinetic energy, over the latter; NaN without a motion.
+    /// Distance of the velocities to those of the mode in the norm of the kinetic energy, over the latter; NaN without
+    /// a motion.
     pub distance: f64,
-    /// Whether that motion, at these forces and this frequency, comes back after a disturbance, where that was asked for.
+    /// Whether that motion, at these forces and this frequency, comes back after a disturbance, where that was asked
+    /// for.
     pub stability: Option<Stability>,
     /// Powers of the forces in that motion.
     pub power: Option<ForcePower>,
 }
 
-/// The forces at `drives` that put into each of the harmonics up to `controlled` the power that the damping takes out of it, and the motion that they
-/// cause.
+/// The forces at `drives` that put into each of the harmonics up to `controlled` the power that the damping takes out
+/// of it, and the motion that they cause.
 ///
 /// ```text
 /// f_n,j = iν (q_nᴴ C q_n) q_n,j / Σ_j |q_n,j|² ,   n = 1 … N_c        q_n of the mode, which is conservative or damped
 /// ```
 ///
-/// Of all forces with that power these are the smallest; each is in phase with the velocity of its point. With one point and one harmonic that is the force of a
-/// phase-locked loop. A force `C q̇` everywhere would give the mode exactly.
+/// Of all forces with that power these are the smallest; each is in phase with the velocity of its point. With one
+/// point and one harmonic that is the force of a phase-locked loop. A force `C q̇` everywhere would give the mode
+/// exactly.
 ///
 /// # Errors
 /// [`ResponseError`] where the problem cannot be set up; a motion that is not found is none.

@@ -4,8 +4,8 @@ use nlmodes_hbm::HbmError;
 use super::forced::curve_over_frequency;
 use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
-/// The response over the frequency through a point of another curve at its level, such as a phase resonance that no curve from the ends of the
-/// window reaches: a detached curve, which is closed where it lies within the window.
+/// The response over the frequency through a point of another curve at its level, such as a phase resonance that no
+/// curve from the ends of the window reaches: a detached curve, which is closed where it lies within the window.
 ///
 /// Upwards in frequency first; where that way does not come back, the way down stands before it in reverse order.
 ///

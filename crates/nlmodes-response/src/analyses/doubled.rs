@@ -16,10 +16,12 @@ const OFF: [f64; 4] = [1e-2, 3e-2, 3e-3, 1e-1];
 /// Relative differences of frequency and energy below which a doubled branch has come to a period doubling.
 const ARRIVED: (f64, f64) = (2e-3, 0.05);
 
-/// The response with the period of the load, and behind it those of twice that period that leave it where a multiplier passes −1.
+/// The response with the period of the load, and behind it those of twice that period that leave it where a multiplier
+/// passes −1.
 ///
-/// The disturbance with that multiplier is the direction in which a doubled branch leaves: at a given share of it, response and frequency are solved
-/// for. A branch ends where it comes back to motions of one period; beyond lie the same motions, a period of the load later.
+/// The disturbance with that multiplier is the direction in which a doubled branch leaves: at a given share of it,
+/// response and frequency are solved for. A branch ends where it comes back to motions of one period; beyond lie the
+/// same motions, a period of the load later.
 pub(super) fn doubled_responses(
     model: &ResponseModel,
     level: f64,
@@ -143,8 +145,8 @@ fn doubled_coefficients(point: &ResponsePoint, system: &PeriodicSystem) -> Vec<f
     x
 }
 
-/// A curve of motions with the period of the load, with half the frequency as the base and this many harmonics of it. Multipliers stay those over one
-/// period.
+/// A curve of motions with the period of the load, with half the frequency as the base and this many harmonics of it.
+/// Multipliers stay those over one period.
 fn over_two_periods(curve: &ResponseCurve, harmonics: usize) -> ResponseCurve {
     let spread = |of: &[Vec<Complex64>]| -> Vec<Vec<Complex64>> {
         let zero = || vec![Complex64::default(); of.first().map_or(0, Vec::len)];

@@ -6,11 +6,12 @@ use super::doubled::doubled_responses;
 use crate::follow::{Curve, newton};
 use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
-/// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else happens.
+/// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
+/// happens.
 const WINDOW: f64 = 6.0;
 
-/// The response at `level` over the window of frequencies, from its lower end or its upper one: where the curve from one end is lost on the way,
-/// that from the other has points that it has not.
+/// The response at `level` over the window of frequencies, from its lower end or its upper one: where the curve from
+/// one end is lost on the way, that from the other has points that it has not.
 ///
 /// # Errors
 /// [`ResponseError`] where there is no start; a curve that ends early is none.
@@ -24,8 +25,9 @@ pub fn frequency_response(
     curve.follow(omega)
 }
 
-/// The response from the other end of the window, where it begins there with a motion that none of the `known` curves has: several are possible at
-/// an end, and each end may bring another of them. `None` also where none is found there from rest.
+/// The response from the other end of the window, where it begins there with a motion that none of the `known` curves
+/// has: several are possible at an end, and each end may bring another of them. `None` also where none is found there
+/// from rest.
 ///
 /// # Errors
 /// As [`frequency_response`].
@@ -62,9 +64,10 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions of twice the period of the
-/// load are followed from where a multiplier passes −1, along its disturbance. With another number the curves are those that are found where curves cross. Of two curves that are one motion of several periods, a period of the
-/// load apart, one is there.
+/// As [`frequency_response`], and behind it the curves that branch off from it. With `settings.subharmonic = 2` motions
+/// of twice the period of the load are followed from where a multiplier passes −1, along its disturbance. With another
+/// number the curves are those that are found where curves cross. Of two curves that are one motion of several periods,
+/// a period of the load apart, one is there.
 ///
 /// # Errors
 /// As [`frequency_response`].
@@ -99,7 +102,8 @@ fn is_shifted(a: &ResponseCurve, b: &ResponseCurve) -> bool {
     })
 }
 
-/// The curve over the frequency at a level from an end of the window, with the coordinate of the frequency and its unit (of the load, rad/s).
+/// The curve over the frequency at a level from an end of the window, with the coordinate of the frequency and its unit
+/// (of the load, rad/s).
 pub(super) fn over_frequency<'a>(
     model: &ResponseModel,
     level: f64,

@@ -8,8 +8,9 @@ use crate::follow::Curve;
 use crate::linear::linear_motion;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
-/// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest level `to`: what a phase-locked
-/// loop follows. The curve starts at the linear phase resonance next to mode `settings.mode`, which residual flexibility shifts.
+/// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest
+/// level `to`: what a phase-locked loop follows. The curve starts at the linear phase resonance next to mode
+/// `settings.mode`, which residual flexibility shifts.
 ///
 /// # Errors
 /// [`ResponseError`] where there is no start; a curve that ends early is none.
@@ -108,7 +109,8 @@ impl Linear<'_> {
         Ok(PeriodicSystem::force_response(structure, load, omega, 1.0, few, scales, self.solver)?)
     }
 
-    /// What the phase at the drive point has beyond the lag that is wanted, −π to π: it falls through zero at phase resonance.
+    /// What the phase at the drive point has beyond the lag that is wanted, −π to π: it falls through zero at phase
+    /// resonance.
     fn phase(&self, omega: f64) -> Result<f64, ResponseError> {
         let mut system = self.system(omega)?;
         let x = linear_motion(&mut system)?;

@@ -8,8 +8,9 @@ use num_complex::Complex64;
 
 use crate::masses::Masses;
 
-/// Before the second harmonic meets the second mode the force that holds a resonance falls from 0.289 to 0.125 on the way up: between them there are three
-/// phase resonances, and only one of them belongs to the response that begins at rest.
+/// Before the second harmonic meets the second mode the force that holds a resonance falls from 0.289 to 0.125 on the
+/// way up: between them there are three phase resonances, and only one of them belongs to the response that begins at
+/// rest.
 #[test]
 fn a_detached_curve_lies_where_a_level_has_three_phase_resonances_and_integration_finds_it_too() {
     for masses in [
@@ -33,7 +34,8 @@ fn a_detached_curve_lies_where_a_level_has_three_phase_resonances_and_integratio
         let detached = detached_response(&model, islands[0], &settings).unwrap();
         assert_eq!(detached.end, CurveEnd::Closed);
         assert!(lies_on(islands[1], &detached));
-        // Exact motions lie there too, all the way round; twenty harmonics come to some thousandths of them, but near folds.
+        // Exact motions lie there too, all the way round; twenty harmonics come to some thousandths of them, but near
+        // folds.
         let around: Vec<&ResponsePoint> = detached.points.iter().step_by(detached.points.len() / 12).collect();
         let miss = |point: &&ResponsePoint| {
             let exact = masses.exact(&model, point, 1)?;

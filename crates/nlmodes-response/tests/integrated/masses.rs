@@ -99,7 +99,8 @@ impl Masses {
         (0..4).map(|i| (a[i] - b[i]).abs() / if i < 2 { 1.0 } else { omega }).fold(0.0, f64::max) / self.size()
     }
 
-    /// The state after `periods` of the load by the classical Runge-Kutta method, and the amplitude of the second mass whose period this is.
+    /// The state after `periods` of the load by the classical Runge-Kutta method, and the amplitude of the second mass
+    /// whose period this is.
     pub fn integrate(&self, omega: f64, start: [f64; 4], periods: usize) -> ([f64; 4], Complex64) {
         let steps = 4_000 * periods;
         let h = TAU / omega * periods as f64 / steps as f64;

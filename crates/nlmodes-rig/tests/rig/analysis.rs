@@ -1,5 +1,5 @@
-//! Figures of a record, formed here independently of any extraction: Fourier coefficients over the drive phase, modal coordinates by
-//! least squares, power.
+//! Figures of a record, formed here independently of any extraction: Fourier coefficients over the drive phase, modal
+//! coordinates by least squares, power.
 
 use nlmodes_experiment::records::{Quantity, Record};
 use nlmodes_linalg::{DenseLu, Mat};
@@ -25,8 +25,8 @@ pub fn samples<'a>(record: &'a Record, name: &str) -> &'a [f64] {
     &record.samples[record.channels.iter().position(|channel| channel.name == name).unwrap()]
 }
 
-/// Coefficients of the harmonics 1 to `harmonics` in the frame of the drive. A squared Hann window over n periods has side lobes
-/// below n⁻⁵ of a neighbouring harmonic.
+/// Coefficients of the harmonics 1 to `harmonics` in the frame of the drive. A squared Hann window over n periods has
+/// side lobes below n⁻⁵ of a neighbouring harmonic.
 pub fn amplitudes(record: &Record, channel: &str, harmonics: usize) -> Vec<Complex64> {
     let (phase, samples) = (samples(record, DRIVE_PHASE), samples(record, channel));
     let (mut sums, mut weights) = (vec![Complex64::ZERO; harmonics], 0.0);

@@ -16,8 +16,8 @@ const HARMONICS: usize = 100;
 const SAMPLES: usize = 4096;
 const STIFFNESS: f64 = 2.3e6;
 
-/// `λ = k max(0, w − g)` in harmonics, with `w_n = H_tf F δ_n1 − H_tt λ_n`, and a lag of 90 degrees at the drive point. Unknowns: real
-/// and imaginary parts of `λ_n`, then `ω`.
+/// `λ = k max(0, w − g)` in harmonics, with `w_n = H_tf F δ_n1 − H_tt λ_n`, and a lag of 90 degrees at the drive point.
+/// Unknowns: real and imaginary parts of `λ_n`, then `ω`.
 struct Balance<'a> {
     setup: &'a RigSetup,
     force: f64,

@@ -68,7 +68,8 @@ fn energy_is_kept_at_the_largest_step_and_larger_ones_are_refused() {
     assert!(substeps > 1);
     let (drift, contacts) =
         energy_drift(RigSetup { substeps: Some(substeps), ..coarse.clone() }, &[-9e-4, 2e-5, 0.0, 0.0, 0.0, 0.0]);
-    // Over 16 s the touches are as many as the last digits of the modes make them, which the motion magnifies: some 500.
+    // Over 16 s the touches are as many as the last digits of the modes make them, which the motion magnifies:
+    // some 500.
     assert!(drift < 1e-9 && contacts > 400, "{drift} {contacts}");
     let error = VirtualRig::new(RigSetup { substeps: Some(substeps - 1), ..coarse }).unwrap_err();
     assert!(matches!(error, RigError::StepTooLarge { substeps: needed, .. } if needed == substeps), "{error}");
@@ -191,8 +192,8 @@ fn a_shaker_on_a_blocked_structure_has_its_closed_form() {
     assert!((force - expected).abs() < 1e-9 * per_volt.norm(), "{force} {expected}");
 }
 
-/// Free chain of four masses with a massless end node in front of a rigid stop, in its original coordinates: `q_N = min(b, g_0)`
-/// is the complementarity problem solved by hand, integrated by the Störmer-Verlet scheme.
+/// Free chain of four masses with a massless end node in front of a rigid stop, in its original coordinates:
+/// `q_N = min(b, g_0)` is the complementarity problem solved by hand, integrated by the Störmer-Verlet scheme.
 struct Chain {
     q: [f64; 4],
     v: [f64; 4],

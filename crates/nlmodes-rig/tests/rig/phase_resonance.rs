@@ -44,8 +44,8 @@ impl ModalTerms {
     }
 }
 
-/// Frequency of phase resonance of the linear beam, `f₁ (1 + 2 ζ₁² ω₁² R / φ_ex²)`: all other modes move the drive point by `R f`
-/// in phase with the force.
+/// Frequency of phase resonance of the linear beam, `f₁ (1 + 2 ζ₁² ω₁² R / φ_ex²)`: all other modes move the drive
+/// point by `R f` in phase with the force.
 fn linear_phase_resonance(setup: &RigSetup) -> f64 {
     let ModalTerms(terms) = ModalTerms::of(setup);
     let (ω, ζ, φ) = terms[0];

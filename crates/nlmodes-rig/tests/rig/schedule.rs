@@ -88,7 +88,8 @@ fn what_is_not_yet_steady_is_said_with_its_number() {
         Finding::AmplitudeDrift { rate } => Some(*rate),
         _ => None,
     });
-    // Half a second after 0.3 s at a constant force: an amplitude 1 − e^{−ζωt} grows by some ten to a hundred percent a second.
+    // Half a second after 0.3 s at a constant force: an amplitude 1 − e^{−ζωt} grows by some ten to a hundred percent a
+    // second.
     assert!(drift.is_some_and(|rate| (0.1..3.0).contains(&rate)), "{findings:?}");
     assert!(findings.iter().all(|finding| !finding.to_string().is_empty()));
 }

@@ -22,8 +22,8 @@ pub const LINEAR_MODES: usize = 6;
 /// Of these, how many are shown.
 pub const SHOWN_MODES: usize = 2;
 
-/// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the time histories
-/// of `references`.
+/// Writes frequency over energy and over modal amplitude; of the first branch the motion of up to four points, and the
+/// time histories of `references`.
 pub fn write(
     directory: &Path,
     scene: &Scene,

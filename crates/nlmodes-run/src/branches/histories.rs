@@ -1,4 +1,5 @@
-//! Time histories of the contacts at the points that are named in figures (Fig. 9): of one branch, or of several methods over each other.
+//! Time histories of the contacts at the points that are named in figures (Fig. 9): of one branch, or of several
+//! methods over each other.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -46,8 +47,8 @@ pub struct Curves<'r> {
 }
 
 impl Reference {
-    /// The figures of this reference: of one branch its stops over each other, of several branches one for each stop that carries a force, the
-    /// branches over each other.
+    /// The figures of this reference: of one branch its stops over each other, of several branches one for each stop
+    /// that carries a force, the branches over each other.
     pub fn curves(&self) -> Vec<Curves<'_>> {
         match self.motions.as_slice() {
             [] => Vec::new(),
@@ -113,8 +114,8 @@ pub fn own_references(computed: &ComputedBranch) -> Result<Vec<Reference>, Branc
     reference_points(&computed.branch).into_iter().enumerate().map(of).collect()
 }
 
-/// The reference points of the first branch, or the largest amplitude that all branches reach where these do not go as far, with the motion of each
-/// branch there.
+/// The reference points of the first branch, or the largest amplitude that all branches reach where these do not go as
+/// far, with the motion of each branch there.
 ///
 /// # Errors
 /// If a periodic problem cannot be evaluated.
@@ -174,7 +175,8 @@ pub fn write(directory: &Path, references: &[Reference], style: &FigureStyle) ->
     Ok(())
 }
 
-/// Motions of the contacts at the points that figures and page show, if there are any, and at those that are asked for; no more than the branch has.
+/// Motions of the contacts at the points that figures and page show, if there are any, and at those that are asked for;
+/// no more than the branch has.
 ///
 /// # Errors
 /// [`BranchError`] if a point cannot be evaluated again.

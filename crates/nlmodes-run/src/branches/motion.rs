@@ -71,8 +71,9 @@ impl Period {
 
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
     ///
-    /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is
-    /// no contact, or no face.
+    /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap
+    /// (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is no contact, or no
+    /// face.
     ///
     /// # Errors
     /// [`Failure`] if a file cannot be written.

@@ -56,7 +56,8 @@ impl Overlaid {
         Self::new(&others.iter().map(laid).collect::<Vec<_>>(), first)
     }
 
-    /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid over.
+    /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid
+    /// over.
     ///
     /// # Errors
     /// [`ReportError::Io`].

@@ -20,7 +20,8 @@ use crate::certificate::{self, Certificate};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::Scene;
 
-/// Instants of a period of the contacts that move on the page, beside those at which they close and open; it keeps those that its curves need.
+/// Instants of a period of the contacts that move on the page, beside those at which they close and open; it keeps
+/// those that its curves need.
 const MOTION_SAMPLES: usize = 400;
 
 /// What the page shows beside the branches.
@@ -35,8 +36,8 @@ pub struct Shown<'a> {
     pub period: Option<&'a Period>,
 }
 
-/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of the figures of the first branch,
-/// and the references of `shown`, whose time histories it shows.
+/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of
+/// the figures of the first branch, and the references of `shown`, whose time histories it shows.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],

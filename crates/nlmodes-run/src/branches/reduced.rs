@@ -14,7 +14,8 @@ pub struct Reduction {
     kind: &'static str,
     modes: usize,
     highest_frequency_hz: f64,
-    /// By how much half as many modes change the frequency of the scene's mode with its first contact closed; none where they do not reach it.
+    /// By how much half as many modes change the frequency of the scene's mode with its first contact closed; none
+    /// where they do not reach it.
     half_as_many_change_frequency_by: Option<f64>,
 }
 

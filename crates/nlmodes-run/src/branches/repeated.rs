@@ -72,8 +72,8 @@ impl Interrupted {
         Ok(Left { run: read(RUN)?, steps: read(STEPS)? })
     }
 
-    /// Reads `run.json` and `steps.jsonl` of its directory and repeats the steps, as a run that goes on does, up to the first one that is
-    /// not known; writes nothing. The points of all that were repeated.
+    /// Reads `run.json` and `steps.jsonl` of its directory and repeats the steps, as a run that goes on does, up to the
+    /// first one that is not known; writes nothing. The points of all that were repeated.
     ///
     /// # Errors
     /// The message.

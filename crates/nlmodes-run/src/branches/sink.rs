@@ -21,8 +21,8 @@ pub fn branch_directory(directory: &Path, number: usize) -> PathBuf {
 
 /// Takes the points of all branches, each into the table of its own.
 ///
-/// Points that are repeated from an earlier run go into a table that replaces its own when the first new one comes: however often a run is
-/// cut off, the table never has fewer points than before.
+/// Points that are repeated from an earlier run go into a table that replaces its own when the first new one comes:
+/// however often a run is cut off, the table never has fewer points than before.
 pub struct Sink<'a> {
     directory: &'a Path,
     claim: &'a Claim,

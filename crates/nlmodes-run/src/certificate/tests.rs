@@ -165,7 +165,8 @@ fn a_force_that_pulls_and_a_gap_that_is_negative_break_the_contact_law() {
     assert!(contacts::violation(&computed, strongest, &through) > 0.05);
 }
 
-/// Where a check speaks against the largest force only, the impulse is what is left to use; where none was made, nothing is said of it.
+/// Where a check speaks against the largest force only, the impulse is what is left to use; where none was made,
+/// nothing is said of it.
 #[test]
 fn the_impulse_is_recommended_only_where_it_is_good() {
     let check = |number: Number, value: f64| Check::found("harmonics", Some(number), value, number.limit(), "");

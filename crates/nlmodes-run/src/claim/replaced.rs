@@ -1,4 +1,5 @@
-//! What calls of their own made of results, which a run replaces or removes: certificates of `run --certify`, figures as PDF and PNG.
+//! What calls of their own made of results, which a run replaces or removes: certificates of `run --certify`, figures
+//! as PDF and PNG.
 
 use std::fs;
 use std::path::Path;

@@ -7,8 +7,8 @@ use nlmodes::modal::{ModalBranch, ModalPoint};
 pub enum Difference {
     /// As many points: the largest relative difference in frequency or energy of two points with the same number.
     OfPoints(f64),
-    /// Steps of different lengths: the largest distance of a point from the chords of the other branch, in the logarithms of
-    /// frequency and energy. It includes the distance of the chords from their arcs.
+    /// Steps of different lengths: the largest distance of a point from the chords of the other branch, in the
+    /// logarithms of frequency and energy. It includes the distance of the chords from their arcs.
     FromChords(f64),
 }
 

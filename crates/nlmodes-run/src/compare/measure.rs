@@ -32,8 +32,8 @@ pub fn branch(
     Ok((computed, began.elapsed()))
 }
 
-/// Largest `max(−g, −Aλ, |min(g, Aλ)|)` over the points of a branch and the instants of their periods, over the amplitude at
-/// grazing.
+/// Largest `max(−g, −Aλ, |min(g, Aλ)|)` over the points of a branch and the instants of their periods, over the
+/// amplitude at grazing.
 pub fn largest_violation(computed: &ComputedBranch) -> Result<f64, BranchError> {
     let Some(last) = computed.unknowns.len().checked_sub(1) else { return Ok(0.0) };
     let (mut problem, mut width) = (computed.problem(last)?, computed.unknowns[last].len());

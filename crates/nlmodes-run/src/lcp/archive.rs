@@ -89,7 +89,8 @@ impl Archive {
     }
 }
 
-/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths unchecked.
+/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths
+/// unchecked.
 fn check_header(bytes: &[u8]) -> Result<(), String> {
     let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
     let text = bytes.get(start..).unwrap_or_default();

@@ -13,7 +13,8 @@ pub struct Ending {
     pub line: String,
     /// Whether it ended where it was meant to.
     pub is_complete: bool,
-    /// Where the accuracy was not reached, though the points are there and each has its estimate; empty where it was, or none was asked for.
+    /// Where the accuracy was not reached, though the points are there and each has its estimate; empty where it was,
+    /// or none was asked for.
     pub beyond_accuracy: Vec<String>,
 }
 

@@ -78,11 +78,12 @@ pub struct Difference {
     pub own_force: f64,
     /// Impulse of each stop at the point and of the branch there, N·s; none where one of them is not known.
     pub stops: Vec<[f64; 2]>,
-    /// Motions that the branch has with what is equal, or the curve that is laid over, whichever has more: with several, as at a tongue or
-    /// behind a fold, the two may be on different arms. One where both are on the way from grazing to the first turn.
+    /// Motions that the branch has with what is equal, or the curve that is laid over, whichever has more: with
+    /// several, as at a tongue or behind a fold, the two may be on different arms. One where both are on the way from
+    /// grazing to the first turn.
     pub motions: usize,
-    /// Whether it is known nevertheless which of several motions of the branch belongs to the point: the one whose difference is most like those of the points of
-    /// the same test that have no other.
+    /// Whether it is known nevertheless which of several motions of the branch belongs to the point: the one whose
+    /// difference is most like those of the points of the same test that have no other.
     pub is_matched: bool,
 }
 
@@ -98,9 +99,11 @@ impl Difference {
     }
 }
 
-/// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points within those of the branch, which is linear between its points; of
-/// several motions the one with the nearest frequency counts, for points of a test the one whose difference is most like those of the points that have one motion
-/// only: if a test is 3 % softer throughout, the nearest motion at a tongue is the wrong one. A point that touches no stop is not held against motions that do.
+/// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points within those of
+/// the branch, which is linear between its points; of several motions the one with the nearest frequency counts, for
+/// points of a test the one whose difference is most like those of the points that have one motion only: if a test is 3
+/// % softer throughout, the nearest motion at a tongue is the wrong one. A point that touches no stop is not held
+/// against motions that do.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     let mut found = all(laid, own, Equal::of);
     if !laid.is_scattered {
@@ -121,7 +124,8 @@ pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     found
 }
 
-/// The same at equal frequency; of several motions of a frequency the one counts whose amplitude, or energy, is nearest.
+/// The same at equal frequency; of several motions of a frequency the one counts whose amplitude, or energy, is
+/// nearest.
 pub fn at_equal_frequency(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     all(laid, own, |_| Equal::Frequency)
 }
@@ -168,8 +172,9 @@ fn motions(points: &[ModalPoint], equal: Equal, wanted: f64) -> Vec<There> {
     found
 }
 
-/// Numbers of the points from grazing on, as long as what is equal grows: on these two branches of a mode go the same way, whatever their tongues do
-/// behind them. A tongue that is left out between two points of one size does not end that. Empty for a branch that does not begin or end at grazing.
+/// Numbers of the points from grazing on, as long as what is equal grows: on these two branches of a mode go the same
+/// way, whatever their tongues do behind them. A tongue that is left out between two points of one size does not end
+/// that. Empty for a branch that does not begin or end at grazing.
 fn first_arm(points: &[ModalPoint], equal: Equal) -> Range<usize> {
     let goes_on = |pair: &[ModalPoint], from: usize| {
         let [a, b] = [from, 1 - from].map(|k| equal.value(&pair[k]));
@@ -212,7 +217,8 @@ fn difference(
     Some(against((number, point), nearest, equal, count))
 }
 
-/// The motions of these points that have what is equal, and touch a stop if this point does: a branch without forces may touch or not.
+/// The motions of these points that have what is equal, and touch a stop if this point does: a branch without forces
+/// may touch or not.
 fn partners(point: &ModalPoint, points: &[ModalPoint], equal: Equal) -> Vec<There> {
     let touches_as_well = |there: &There| point.peak_contact_force != 0.0 || there.force.is_nan() || there.force <= 0.0;
     motions(points, equal, equal.value(point)).into_iter().filter(touches_as_well).collect()

@@ -15,8 +15,8 @@ const FEW: usize = 5;
 /// Differences in per cent that are none.
 const NOTHING: f64 = 1e-5;
 
-/// Median, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of values. Of differences that a few
-/// points on steep parts of a curve lead, the median says what most points have.
+/// Median, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of
+/// values. Of differences that a few points on steep parts of a curve lead, the median says what most points have.
 pub fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
     let all = percentages(pairs);
     Some((range(&all)?, all.len()))
@@ -75,7 +75,8 @@ pub(super) fn signed(percent: f64) -> String {
     format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
 }
 
-/// By how much the impulse differs, and the largest force, which need not converge, at points that touch a stop in both; nothing where neither is known.
+/// By how much the impulse differs, and the largest force, which need not converge, at points that touch a stop in
+/// both; nothing where neither is known.
 fn of_forces(found: &[&Difference]) -> String {
     let text = |name: &str, note: &str, of: fn(&Difference) -> (f64, f64)| {
         let pairs = || found.iter().map(|difference| of(difference));
@@ -103,7 +104,8 @@ fn left_out(count: usize, what: &str) -> String {
     }
 }
 
-/// Softer or stiffer than the branch, by what most of these differences of frequencies in per cent are; where not all are, how many are what.
+/// Softer or stiffer than the branch, by what most of these differences of frequencies in per cent are; where not all
+/// are, how many are what.
 fn verdict(percent: &[f64], own: &str) -> String {
     let count = |is: fn(f64) -> bool| percent.iter().filter(|p| is(**p)).count();
     let (soft, stiff) = (count(|p| p <= -AGREES), count(|p| p >= AGREES));
@@ -119,7 +121,8 @@ fn verdict(percent: &[f64], own: &str) -> String {
     format!("{first} {own} at {most} of {} points, {}", percent.len(), others.join(", "))
 }
 
-/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points of which it is known which motion of the branch is theirs.
+/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points of which it is known
+/// which motion of the branch is theirs.
 pub fn sentence(laid: &Laid, found: &[Difference], branch: &ModalBranch) -> String {
     let (name, own) = (&laid.branch.label, branch);
     let own = if own.label.is_empty() { "this branch" } else { &own.label };
@@ -225,7 +228,8 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
     table
 }
 
-/// Takes away the amplitude, the energy, or what stands of impulse and force where no row knows it of what is laid over.
+/// Takes away the amplitude, the energy, or what stands of impulse and force where no row knows it of what is laid
+/// over.
 fn without_unknown(table: &mut DataTable) {
     let known = |column: usize| table.rows.iter().any(|row| row[column] != "–");
     let unknown = [1..2, 2..3, 6..9, 9..12].into_iter().filter(|group| !known(group.start)).flatten();

@@ -148,7 +148,8 @@ mod tests {
     fn only_points_at_which_a_stop_pushes_in_both_are_in_its_median_in_any_unit() {
         for unit in [1.0, 1e-6] {
             let pair = |a: f64, b: f64| [a * unit, b * unit];
-            // The first stop grows by a tenth and a fifth, the second is touched at one point by one and at one by both.
+            // The first stop grows by a tenth and a fifth, the second is touched at one point by one and at one by
+            // both.
             let points = found(&[
                 &[pair(0.0, 0.0), pair(0.0, 0.0)],
                 &[pair(1.1, 1.0), pair(0.0, 0.0)],

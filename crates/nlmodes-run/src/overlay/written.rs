@@ -34,7 +34,8 @@ pub fn write<'a>(path: &Path, all: impl Iterator<Item = (&'a Laid, &'a [Differen
     table(path, &DIFFERENCE_COLUMNS, rows)
 }
 
-/// Writes the impulses of each stop where they are known, a row a point, stop and comparison, with [`STOP_DIFFERENCE_COLUMNS`].
+/// Writes the impulses of each stop where they are known, a row a point, stop and comparison, with
+/// [`STOP_DIFFERENCE_COLUMNS`].
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.

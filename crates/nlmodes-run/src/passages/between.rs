@@ -13,10 +13,12 @@ const AT: f64 = 1e-9;
 /// Bisections of a step, which leave of it less than rounding.
 const HALVINGS: usize = 60;
 
-/// What is below this share of the largest value of a curve, or of what the energy of the motion would give, is rounding.
+/// What is below this share of the largest value of a curve, or of what the energy of the motion would give, is
+/// rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// All passages through a value in the order of the curve, and the pairs of points between which something was left out and the value lies.
+/// All passages through a value in the order of the curve, and the pairs of points between which something was left out
+/// and the value lies.
 pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Passage>, Vec<[usize; 2]>) {
     let at = |k: usize| (rows[k].value(abscissa) - value).abs() <= AT * value;
     let side = |k: usize| rows[k].value(abscissa) > value;
@@ -82,12 +84,14 @@ fn clean(value: f64, largest: f64) -> f64 {
     if value.abs() <= ROUNDING * largest { 0.0 } else { value }
 }
 
-/// The step from a point of a curve to the next one, with one neighbour on either side unless the curve has a corner or a gap there.
+/// The step from a point of a curve to the next one, with one neighbour on either side unless the curve has a corner or
+/// a gap there.
 struct Step<'r> {
     rows: &'r [Row],
     /// Which of these rows the step begins at.
     first: usize,
-    /// Lengths of the steps between them in the plane of the logarithms of frequency and energy, each over what it spans there.
+    /// Lengths of the steps between them in the plane of the logarithms of frequency and energy, each over what it
+    /// spans there.
     lengths: Vec<f64>,
 }
 

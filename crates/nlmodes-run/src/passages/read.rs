@@ -36,7 +36,8 @@ impl Row {
     }
 }
 
-/// Tables of branches in a directory and the folders of methods, harmonics and branches below it, in the order of their names.
+/// Tables of branches in a directory and the folders of methods, harmonics and branches below it, in the order of their
+/// names.
 pub(super) fn tables(results: &Path) -> Vec<PathBuf> {
     if results.is_file() {
         return vec![results.to_path_buf()];

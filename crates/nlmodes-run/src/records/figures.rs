@@ -26,7 +26,8 @@ pub struct Drawn {
     pub figure: Figure,
 }
 
-/// Writes frequency over modal amplitude (with what is laid beside), damping and mode indicator over modal amplitude, and the time histories at the stop.
+/// Writes frequency over modal amplitude (with what is laid beside), damping and mode indicator over modal amplitude,
+/// and the time histories at the stop.
 pub fn write(
     directory: &Path,
     title: &str,
@@ -77,7 +78,8 @@ fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Resul
     Ok(all)
 }
 
-/// Numbers of the measured points, of which there are `own` sets, and of those beside them: nothing was measured between records.
+/// Numbers of the measured points, of which there are `own` sets, and of those beside them: nothing was measured
+/// between records.
 pub fn scattered(beside: &[Laid], own: usize) -> Vec<usize> {
     let others = beside.iter().enumerate().filter(|(_, laid)| laid.is_scattered).map(|(k, _)| own + k);
     (0..own).chain(others).collect()

@@ -15,12 +15,14 @@ const STILL: f64 = 1e-6;
 /// Positions count as the same within this share of the length.
 const SAME_PLACE: f64 = 1e-3;
 
-/// The lowest modes of the structure, with open contacts and all mass, at the positions of its motion sensors: as many as there are positions,
-/// six at most, but `mode` at least. Modes that move none of the sensors, as the axial ones of a beam, do not count. Frequencies are those of
-/// `[structure.modes]` where it gives them, and so are damping ratios, which are unknown and zero elsewhere.
+/// The lowest modes of the structure, with open contacts and all mass, at the positions of its motion sensors: as many
+/// as there are positions, six at most, but `mode` at least. Modes that move none of the sensors, as the axial ones of
+/// a beam, do not count. Frequencies are those of `[structure.modes]` where it gives them, and so are damping ratios,
+/// which are unknown and zero elsewhere.
 ///
 /// # Errors
-/// What the structure or the eigenproblem has against it; positions outside the structure, or that cannot tell the modes apart.
+/// What the structure or the eigenproblem has against it; positions outside the structure, or that cannot tell the
+/// modes apart.
 pub fn at_sensors(structure: &Structure, channels: &[Channel], mode: usize) -> Result<LinearModes, Failure> {
     let positions = positions(channels, SAME_PLACE * structure.length);
     let wanted = positions.len().min(MAX_MODES).max(mode);

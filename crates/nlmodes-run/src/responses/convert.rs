@@ -77,7 +77,8 @@ impl<'a> Converter<'a> {
         }
     }
 
-    /// Amplitude of the first contact at the frequency of the load, m; of a free motion with the sign of its displacement at the phase zero.
+    /// Amplitude of the first contact at the frequency of the load, m; of a free motion with the sign of its
+    /// displacement at the phase zero.
     pub fn fundamental(&self, point: &ResponsePoint, is_forced: bool, subharmonic: usize) -> f64 {
         let Some(row) = self.contacts.first() else { return f64::NAN };
         let q = self.model.response().displacement(row, &point.motion, subharmonic);

@@ -89,7 +89,8 @@ pub fn jobs(scene: &Scene) -> Vec<Job<'_>> {
     all
 }
 
-/// Phase resonances at the level of a response over the frequency that lie on none of its curves: each begins a detached one.
+/// Phase resonances at the level of a response over the frequency that lie on none of its curves: each begins a
+/// detached one.
 pub fn detached<'a>(scene: &'a Scene, curves: &[ComputedResponse]) -> Vec<Job<'a>> {
     let mut found = Vec::new();
     for (response, wanted) in scene.responses.iter().enumerate().filter(|(_, r)| r.kind == ResponseKind::Frequency) {
@@ -256,7 +257,8 @@ struct Followed {
     is_cut: bool,
 }
 
-/// A response over the frequency; the curves that branch off where they are wanted, and the one from the other end of the window where that is another.
+/// A response over the frequency; the curves that branch off where they are wanted, and the one from the other end of
+/// the window where that is another.
 fn over_frequency(
     system: &ResponseModel,
     scene: &Scene,

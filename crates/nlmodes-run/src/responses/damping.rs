@@ -7,7 +7,8 @@ use nlmodes_scene::scene::{ModeDamping, Scene};
 
 use super::structure::Reduced;
 
-/// Squared frequencies that differ by less, relative to them, are one: a mode may then be a mixture of those of several structures.
+/// Squared frequencies that differ by less, relative to them, are one: a mode may then be a mixture of those of several
+/// structures.
 const SAME: f64 = 1e-6;
 
 /// The damping of the modes, without dashpots.
@@ -66,7 +67,8 @@ fn groups(omega_squared: &[f64]) -> Vec<std::ops::Range<usize>> {
     groups
 }
 
-/// `Φ_sᵀ M_s Φ_s` (m × m) of the structure whose degrees of freedom begin at `first`: 1 on the diagonal for its own modes, 0 for those of others.
+/// `Φ_sᵀ M_s Φ_s` (m × m) of the structure whose degrees of freedom begin at `first`: 1 on the diagonal for its own
+/// modes, 0 for those of others.
 fn shares(shapes: &Mat<f64>, first: usize, model: &StructuralModel) -> Mat<f64> {
     let own = shapes.subrows(first, model.dofs().len()).to_owned();
     own.transpose() * multiply_many(model.mass(), &own)

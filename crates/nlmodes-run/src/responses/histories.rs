@@ -16,8 +16,8 @@ use crate::Failure;
 /// Instants of a period in `histories.npz`.
 const SAMPLES: usize = 1000;
 
-/// All contacts over a period of a point, displacements along the coordinates of their nodes; exact at the instants of contact, where two instants stand
-/// a rounding apart.
+/// All contacts over a period of a point, displacements along the coordinates of their nodes; exact at the instants of
+/// contact, where two instants stand a rounding apart.
 ///
 /// # Errors
 /// [`ResponseError`] where a contact problem has no solution.
@@ -55,7 +55,8 @@ pub fn of_point(
     Ok(all)
 }
 
-/// Writes `histories.npz`: the point with the largest contact force of each curve, the phase resonances next to the levels, and what the scene asks for.
+/// Writes `histories.npz`: the point with the largest contact force of each curve, the phase resonances next to the
+/// levels, and what the scene asks for.
 pub fn write(directory: &Path, scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Result<(), Failure> {
     let mut wanted: BTreeSet<usize> = scene.files.histories.iter().copied().collect();
     let mut first = 0;
@@ -79,7 +80,8 @@ pub fn write(directory: &Path, scene: &Scene, model: &Model, curves: &[ComputedR
             number += 1;
         }
     }
-    // Where contacts switch more often than others, points have more instants: those that share a number of them are written.
+    // Where contacts switch more often than others, points have more instants: those that share a number of them are
+    // written.
     let instants = |motion: &[TimeHistory]| motion.first().map_or(0, |history| history.time.len());
     let common = histories.motions.iter().map(|motion| instants(motion)).max().unwrap_or(0);
     let kept: Vec<bool> = histories.motions.iter().map(|motion| instants(motion) == common).collect();

@@ -38,7 +38,8 @@ pub struct Model {
     pub unit: &'static str,
     /// What the mode of the scene loses with the mass of the contact nodes, where that is left out or moved.
     pub shift: Option<MassShift>,
-    /// What dashpots move of what they hold at the frequency of the mode beyond the modes that are taken, the largest; none without dashpots.
+    /// What dashpots move of what they hold at the frequency of the mode beyond the modes that are taken, the largest;
+    /// none without dashpots.
     pub beyond_modes: Option<f64>,
     /// What is to be known about what is left out.
     pub warnings: Vec<String>,
@@ -143,7 +144,8 @@ impl Model {
         })
     }
 
-    /// The model with the drive point of a response: that of the scene, or the first force, or the first contact toward its stop.
+    /// The model with the drive point of a response: that of the scene, or the first force, or the first contact toward
+    /// its stop.
     ///
     /// # Errors
     /// [`ResponseError`], not for a response of the scene.

@@ -48,7 +48,8 @@ struct Body {
     first: usize,
 }
 
-/// Modes: up to this many times the highest harmonic of the mode, but within these numbers; what they leave over answers statically.
+/// Modes: up to this many times the highest harmonic of the mode, but within these numbers; what they leave over
+/// answers statically.
 const REACH: f64 = 3.0;
 const FEWEST: usize = 12;
 const MOST: usize = 40;
@@ -110,7 +111,8 @@ fn bodies(structures: &[Structure]) -> Result<Vec<Body>, FemError> {
     Ok(bodies)
 }
 
-/// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were held before they were written.
+/// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were
+/// held before they were written.
 fn missing_mass(reduction: &OpenStructure, direction: BaseDirection) -> Option<String> {
     let (BaseDirection::Vector(direction), Some((files, _))) = (direction, &reduction.files) else { return None };
     if !files.fixed_mass.is_empty() {
@@ -136,7 +138,8 @@ fn modes(
     structure: &StructuralModel,
     massless: Option<&MasslessContactModel>,
 ) -> Result<OpenModes, ReductionError> {
-    // Without the mass of the contact nodes there are fewer modes; a rigid stop needs flexibility that they leave over, one with a stiffness has its own.
+    // Without the mass of the contact nodes there are fewer modes; a rigid stop needs flexibility that they leave over,
+    // one with a stiffness has its own.
     let has_rigid_stop = structure.contacts().iter().any(|contact| contact.law.compliance() == 0.0);
     let available = structure.dofs().len().saturating_sub(usize::from(has_rigid_stop)).max(1);
     let open = match massless {
@@ -168,7 +171,8 @@ fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
 }
 
 impl Reduced {
-    /// A structure whose scene asks for open modes, with the coordinates that are written: its stops have no mass, and what else it has is left over.
+    /// A structure whose scene asks for open modes, with the coordinates that are written: its stops have no mass, and
+    /// what else it has is left over.
     fn in_open_modes(
         reduction: OpenStructure,
         (recorded, coordinates): (Vec<usize>, Vec<Coordinate>),

@@ -140,7 +140,8 @@ fn expected_of(found: &Appropriation) -> Expected {
     }
 }
 
-/// The indicator of the forces that act; for a mode, force and indicator of a test that drives it with one harmonic at the drive point.
+/// The indicator of the forces that act; for a mode, force and indicator of a test that drives it with one harmonic at
+/// the drive point.
 fn expected(
     kind: ResponseKind,
     system: &ResponseModel,

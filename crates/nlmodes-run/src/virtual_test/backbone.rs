@@ -18,8 +18,9 @@ const MAX_POINTS: usize = 2000;
 
 /// Computes it from grazing, past its internal resonances, in which a test does not follow it.
 ///
-/// By harmonic balance it is that of the modes and the stop of the rig. By mixed shooting-harmonic balance it is that of the finite
-/// elements before a rigid stop, the mass of the contact node left out, with the rig's frequencies imposed: what is computed without a contact stiffness.
+/// By harmonic balance it is that of the modes and the stop of the rig. By mixed shooting-harmonic balance it is that
+/// of the finite elements before a rigid stop, the mass of the contact node left out, with the rig's frequencies
+/// imposed: what is computed without a contact stiffness.
 ///
 /// # Errors
 /// What the model, the method or the continuation have against it; a scene without a stop has no backbone.
@@ -51,7 +52,8 @@ pub fn compute(
     Ok(branch)
 }
 
-/// The elements before a rigid stop, and the number of the rig's mode `mode` (from 0) among theirs, from 1: a beam has axial ones too.
+/// The elements before a rigid stop, and the number of the rig's mode `mode` (from 0) among theirs, from 1: a beam has
+/// axial ones too.
 fn rigid(scene: &TestScene, mode: usize) -> Result<Option<(MasslessContactModel, usize)>, Failure> {
     let Some(stop) = &scene.stop else { return Ok(None) };
     let kind = scene.structure.kind();

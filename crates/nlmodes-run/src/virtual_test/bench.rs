@@ -92,7 +92,8 @@ impl Rig {
 }
 
 impl Rig {
-    /// The harmonics of the force up to this one, with the sensors and modes that the extraction has; none beyond the first.
+    /// The harmonics of the force up to this one, with the sensors and modes that the extraction has; none beyond the
+    /// first.
     pub fn controlled_harmonics(&self, harmonics: usize) -> Option<ControlledHarmonics> {
         (harmonics > 1).then(|| self.bench.controlled_harmonics(harmonics, self.modes.clone()))
     }

@@ -26,7 +26,8 @@ const BELOW: f64 = 0.97;
 /// Force to which phase resonance is followed where no level has one, N.
 const NO_FORCE: f64 = 1.0;
 
-/// The damped mode, or phase resonance up to the largest force of the levels (N), of the modes, the damping and the stop of the rig.
+/// The damped mode, or phase resonance up to the largest force of the levels (N), of the modes, the damping and the
+/// stop of the rig.
 ///
 /// # Errors
 /// What the model or the method have against it; a scene without a stop has neither.
@@ -70,7 +71,8 @@ pub fn compute(
     })
 }
 
-/// The modes with unit mass, and the place where the exciter pushes without mass of its own, behind the flexibility of the modes that are left out.
+/// The modes with unit mass, and the place where the exciter pushes without mass of its own, behind the flexibility of
+/// the modes that are left out.
 fn model(rig: &Rig) -> Result<(ResponseModel, Weights), Failure> {
     let (bench, reduction) = (&rig.bench, &rig.reduction);
     let stop = bench.stop.as_ref().ok_or("there is no stop")?;

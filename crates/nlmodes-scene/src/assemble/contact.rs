@@ -4,7 +4,8 @@ use nlmodes::model::{Contact, Dof, DofKind, ModelError, Side, SparseDirection};
 
 use crate::scene::{self, Direction};
 
-/// A contact of the scene among degrees of freedom in the order of their nodes; the nodes of structure `k` are numbered from `first_nodes[k]` on.
+/// A contact of the scene among degrees of freedom in the order of their nodes; the nodes of structure `k` are numbered
+/// from `first_nodes[k]` on.
 ///
 /// # Errors
 /// [`ModelError`] where supports hold all that would move.

@@ -71,8 +71,8 @@ impl OpenStructure {
         self.modes.omega_squared().last().map_or(0.0, |w| w.max(0.0).sqrt() / TAU)
     }
 
-    /// Estimate of what the truncation does to the frequency of the scene's mode with its first contact closed, from half as many modes; `None`
-    /// where half of the modes do not reach that mode.
+    /// Estimate of what the truncation does to the frequency of the scene's mode with its first contact closed, from
+    /// half as many modes; `None` where half of the modes do not reach that mode.
     pub fn truncation_error(&self, mode: usize, contact: usize) -> Option<f64> {
         let mut closed = vec![false; self.modes.n_contacts()];
         *closed.get_mut(contact)? = true;
@@ -118,7 +118,8 @@ fn count(scene: &Scene, dofs: usize) -> Result<ModeCount, StructureError> {
     })
 }
 
-/// The reduced structure. Where the scene does not say how many modes are retained and these leave nothing that could be pressed, fewer are.
+/// The reduced structure. Where the scene does not say how many modes are retained and these leave nothing that could
+/// be pressed, fewer are.
 fn pressed(
     scene: &Scene,
     mut modes: OpenModes,

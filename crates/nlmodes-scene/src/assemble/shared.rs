@@ -15,9 +15,10 @@ use crate::memory::{Limit, of_files};
 
 /// Structures from files that were read and reduced, for scenes that share them.
 ///
-/// The model of the files, and its open modes with the factorisation that they take, are kept as long as the files are what they were and the latest
-/// ones fit into the limit; the very latest stays in any case. Gaps and stiffness of stops, and all that a method says, may differ: modes do not depend
-/// on them, and what comes out is the same to the last bit. Of several threads that want the same, one makes it and the others wait.
+/// The model of the files, and its open modes with the factorisation that they take, are kept as long as the files are
+/// what they were and the latest ones fit into the limit; the very latest stays in any case. Gaps and stiffness of
+/// stops, and all that a method says, may differ: modes do not depend on them, and what comes out is the same to the
+/// last bit. Of several threads that want the same, one makes it and the others wait.
 #[derive(Debug)]
 pub struct Structures {
     limit: f64,
@@ -152,7 +153,8 @@ impl<K: PartialEq, V> Shelf<K, V> {
         Ok(made)
     }
 
-    /// Where the value of the key is or will be; what has not been asked for longest goes where all together are too large.
+    /// Where the value of the key is or will be; what has not been asked for longest goes where all together are too
+    /// large.
     fn place(&self, key: K, (bytes, limit): (f64, f64)) -> Arc<Mutex<Option<Arc<V>>>> {
         let mut places = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let latest = match places.iter().position(|place| place.key == key) {

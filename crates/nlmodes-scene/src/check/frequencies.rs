@@ -1,4 +1,5 @@
-//! Linear frequencies of a uniform rod or slender beam in closed form, to see whether a frequency of the scene can be meant.
+//! Linear frequencies of a uniform rod or slender beam in closed form, to see whether a frequency of the scene can be
+//! meant.
 
 use std::f64::consts::{PI, TAU};
 

@@ -175,8 +175,8 @@ fn samples(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) -> Option<usiz
     Some(samples)
 }
 
-/// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None` if the mesh is
-/// not known.
+/// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None`
+/// if the mesh is not known.
 fn modes(
     along: Option<(&RawStructure, &Mesh)>,
     kind: MethodKind,

@@ -117,7 +117,8 @@ fn rigid_motions(structure: &Structure) -> usize {
     let mut across: Vec<usize> = of(SpringDirection::Transverse).map(|spring| spring.node).collect();
     across.sort_unstable();
     across.dedup();
-    // Two springs across at different nodes, or one and another about a point, hold both motions; springs about points alone only one.
+    // Two springs across at different nodes, or one and another about a point, hold both motions; springs about points
+    // alone only one.
     let held = across.len().min(2) + usize::from(of(SpringDirection::Rotation).next().is_some());
     match structure.kind() {
         StructureKind::Rod => along,

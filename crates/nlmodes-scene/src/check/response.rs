@@ -53,7 +53,8 @@ pub fn check(
     Responses { damping, forces, base_motion, responses }
 }
 
-/// A motion of so many harmonics follows no force in a higher one; over several periods of the force its harmonics are as many times higher.
+/// A motion of so many harmonics follows no force in a higher one; over several periods of the force its harmonics are
+/// as many times higher.
 fn harmonics_of_forces(raw: &RawAnalysis, responses: &[Response], method: &Method, diagnostics: &mut Diagnostics<'_>) {
     let forced = responses.iter().filter(|response| response.kind.is_forced());
     let Some(times) = forced.map(|response| response.subharmonic).max() else { return };

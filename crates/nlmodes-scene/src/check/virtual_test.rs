@@ -24,7 +24,8 @@ const MAX_SAMPLES: f64 = 1e7;
 /// Most samples of a whole test, some hours of computing.
 const MAX_TEST_SAMPLES: f64 = 1e9;
 
-/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file, `base` its directory.
+/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file,
+/// `base` its directory.
 pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<TestScene> {
     let at = raw.virtual_test.as_ref().and_then(|test| test.stop.as_ref()?.position_m);
     let stops: Vec<f64> = at.into_iter().collect();

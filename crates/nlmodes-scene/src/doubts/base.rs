@@ -13,7 +13,8 @@ pub fn doubt(scene: &Scene, subject: &Subject<'_>) -> Option<String> {
     ))
 }
 
-/// Number of nodes of CalculiX's files that may be unknowns within elements, where no place tells; none where there are no such nodes.
+/// Number of nodes of CalculiX's files that may be unknowns within elements, where no place tells; none where there are
+/// no such nodes.
 pub fn unplaced_unknowns(files: &FeFiles, model: &FeModel) -> Option<usize> {
     let format = files.format.or_else(|| Format::of(&files.stiffness).ok());
     let silent =

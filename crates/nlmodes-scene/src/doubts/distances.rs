@@ -4,7 +4,8 @@ use nlmodes_io::{ContactChoice, GapChoice, NodeContact, Partner};
 
 use super::{Subject, of_all, short};
 
-/// Gap and distance of a pair differ by less than this share of the distance where the mesh is coarse or drawn to few digits.
+/// Gap and distance of a pair differ by less than this share of the distance where the mesh is coarse or drawn to few
+/// digits.
 const DIFFERS: f64 = 0.1;
 /// Share of the extent of nodes that touch by which they may be off their places, as in the search for partners.
 const BESIDE: f64 = 1e-3;

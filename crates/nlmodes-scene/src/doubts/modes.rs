@@ -43,7 +43,8 @@ fn repeated(open: &OpenStructure, mode: usize) -> Option<String> {
     })
 }
 
-/// A structure with one rigid-body motion, in which all contacts push it to one side: the mean of what acts on it vanishes in a periodic motion.
+/// A structure with one rigid-body motion, in which all contacts push it to one side: the mean of what acts on it
+/// vanishes in a periodic motion.
 fn floating(open: &OpenStructure, rigid: usize) -> Option<String> {
     let pushed: Vec<f64> = (0..open.modes.n_contacts()).map(|i| open.modes.contact_rows()[(i, 0)]).collect();
     let largest = pushed.iter().fold(0.0_f64, |most, push| most.max(push.abs()));

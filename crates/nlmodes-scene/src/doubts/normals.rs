@@ -2,8 +2,8 @@ use nlmodes_io::{ContactChoice, Mesh, NodeContact, NormalChoice, Partner};
 
 use super::{Subject, of_all, vector};
 
-/// A normal points into the body where its product with the outward one is below this: edges and corners have the mean normal of their faces, which a sound
-/// direction may be perpendicular to.
+/// A normal points into the body where its product with the outward one is below this: edges and corners have the mean
+/// normal of their faces, which a sound direction may be perpendicular to.
 const INWARD: f64 = -0.5;
 
 /// Walls that stand within the structure.

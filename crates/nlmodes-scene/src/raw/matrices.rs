@@ -4,7 +4,8 @@ use serde::Deserialize;
 use super::RawAnalysis;
 use crate::scene::MatricesKind;
 
-/// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode is to be computed.
+/// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode
+/// is to be computed.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene of matrices")]
 pub struct RawMatrixScene {
@@ -26,19 +27,22 @@ pub struct RawMatrices {
     #[serde(rename = "kind")]
     #[schemars(required)]
     pub _kind: Option<MatricesKind>,
-    /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus), .npz (SciPy), .mat ("model.mat#K"), .hb, .pch, also .gz; relative to the scene
+    /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus), .npz (SciPy), .mat ("model.mat#K"), .hb, .pch,
+    /// also .gz; relative to the scene
     #[schemars(required, length(min = 1))]
     pub stiffness: Option<String>,
     /// Mass matrix, in the same way
     #[schemars(required, length(min = 1))]
     pub mass: Option<String>,
-    /// Which node and direction each row is: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z]; not needed where the matrices say it
+    /// Which node and direction each row is: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z];
+    /// not needed where the matrices say it
     #[schemars(length(min = 1))]
     pub dofs: Option<String>,
     /// Mesh with the places of nodes, node sets and elements: .inp or .msh
     #[schemars(length(min = 1))]
     pub mesh: Option<String>,
-    /// Format of the matrices: calculix, matrix-market, abaqus, npz, mat, harwell-boeing or dmig; default: from the names of the files
+    /// Format of the matrices: calculix, matrix-market, abaqus, npz, mat, harwell-boeing or dmig; default: from the
+    /// names of the files
     #[schemars(length(min = 1))]
     pub format: Option<String>,
     /// Units of the files, as mm-t-s; what comes out is in SI units
@@ -90,13 +94,16 @@ pub struct RawNodeContact {
     /// Table of pairs of nodes that touch, node_a,node_b[,nx,ny,nz,gap_m], relative to the scene
     #[schemars(length(min = 1))]
     pub pairs: Option<String>,
-    /// How far beside the normal of its partner a node of `against` may be; default: a thousandth of the extent of those
+    /// How far beside the normal of its partner a node of `against` may be; default: a thousandth of the extent of
+    /// those
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub pair_tolerance_m: Option<f64>,
-    /// Direction from the nodes to what they touch, of any length, or "surface" for the outward normal of the mesh at each node
+    /// Direction from the nodes to what they touch, of any length, or "surface" for the outward normal of the mesh at
+    /// each node
     #[schemars(schema_with = "vector_or_surface")]
     pub normal: Option<RawNormal>,
-    /// Clearance at rest; 0 touches, a negative one presses; left out beside `against`, it is the distance of each pair along the normal in the mesh
+    /// Clearance at rest; 0 touches, a negative one presses; left out beside `against`, it is the distance of each pair
+    /// along the normal in the mesh
     #[schemars(extend("unit" = "m"))]
     pub gap_m: Option<f64>,
     /// A point of the wall, which stands across the normal: each node has its own clearance

@@ -19,7 +19,8 @@ pub struct RawOutput {
     /// Whether figures are drawn
     #[schemars(extend("default" = true))]
     pub figures: Option<bool>,
-    /// Width of the figures in print, mm, with letters of 8 points: 90 for one column, 190 for two; left out: 720 pixels, for screens
+    /// Width of the figures in print, mm, with letters of 8 points: 90 for one column, 190 for two; left out: 720
+    /// pixels, for screens
     #[schemars(range(min = 60.0, max = 400.0))]
     pub figure_width_mm: Option<f64>,
     /// Whether figures have titles

@@ -31,7 +31,8 @@ pub struct RawRecordScene {
     pub extraction: Option<RawExtraction>,
     /// The stop, for restitution and contact stiffness
     pub stop: Option<RawStop>,
-    /// Computed branches, or other tests, that figures and page show beside the records, each under a heading `[[overlay]]`
+    /// Computed branches, or other tests, that figures and page show beside the records, each under a heading
+    /// `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawDirectory>,

@@ -4,8 +4,8 @@ use serde::Deserialize;
 use super::MAX_BODIES;
 use crate::scene::{Direction, ResponseKind, StopOfBase};
 
-/// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or alone. Of several structures each has
-/// this one where it has none of its own.
+/// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or
+/// alone. Of several structures each has this one where it has none of its own.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawDamping {
@@ -80,7 +80,8 @@ pub struct RawDashpot {
     pub structure: Option<u32>,
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
-    /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three numbers
+    /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three
+    /// numbers
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
@@ -105,7 +106,8 @@ pub struct RawForce {
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
-    /// Amplitude of its cosine. `levels_n` of a response stand for that of the first force; others keep their ratio to it
+    /// Amplitude of its cosine. `levels_n` of a response stand for that of the first force; others keep their ratio to
+    /// it
     #[schemars(extend("unit" = "N", "default" = 1.0))]
     pub amplitude_n: Option<f64>,
     /// Harmonic of the frequency of the response
@@ -158,7 +160,8 @@ pub struct RawResponse {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_or_two_frequencies")]
     pub frequency_hz: Option<Vec<f64>>,
-    /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve; default `amplitude_n`
+    /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve;
+    /// default `amplitude_n`
     #[schemars(length(min = 1, max = 100), extend("unit" = "N"), inner(range(min = 1e-30)))]
     pub levels_n: Option<Vec<f64>>,
     /// Amplitudes of the acceleration of the base, in the same way; default `acceleration_m_s2`

@@ -45,11 +45,12 @@ pub struct RawStructure {
     /// Mass per length beside that of the section, as of what fills a tube or hangs on it; without rotary inertia
     #[schemars(extend("unit" = "kg/m", "minimum" = 0.0, "default" = 0.0))]
     pub added_mass_kg_m: Option<f64>,
-    /// How many times shorter the elements beside stops are than without: each is halved toward the stop until it is that short
+    /// How many times shorter the elements beside stops are than without: each is halved toward the stop until it is
+    /// that short
     #[schemars(extend("default" = 1.0, "minimum" = 1.0, "maximum" = MAX_REFINEMENT))]
     pub refine: Option<f64>,
-    /// Parts with their own sections and materials, any number, each under its own heading `[[structure.segment]]`; beyond the last one those of the
-    /// structure go on
+    /// Parts with their own sections and materials, any number, each under its own heading `[[structure.segment]]`;
+    /// beyond the last one those of the structure go on
     pub segment: Option<Vec<RawSegment>>,
     /// Point masses at nodes, any number, each under its own heading `[[structure.mass_point]]`
     pub mass_point: Option<Vec<RawMassPoint>>,
@@ -61,7 +62,8 @@ pub struct RawStructure {
     pub damping: Option<RawOwnDamping>,
 }
 
-/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes stay.
+/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes
+/// stay.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawModes {
@@ -88,7 +90,8 @@ pub struct RawMaterial {
     pub poissons_ratio: Option<f64>,
 }
 
-/// Cross section: width and height of a rectangle, outer diameter and wall of a tube, or the area (and, of a beam, the second moment of area).
+/// Cross section: width and height of a rectangle, outer diameter and wall of a tube, or the area (and, of a beam, the
+/// second moment of area).
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawSection {

@@ -12,7 +12,8 @@ const MAX_CONTROLLED: u32 = nlmodes::experiment::phase_loop::MAX_HARMONICS as u3
 /// Most modes, sensors or levels.
 const MAX_LIST: u32 = 1000;
 
-/// A test of a structure on a virtual rig: exciter, stop, sensors, and a loop that holds phase resonance. SI units throughout.
+/// A test of a structure on a virtual rig: exciter, stop, sensors, and a loop that holds phase resonance. SI units
+/// throughout.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "nlmodes scene of a virtual test")]
@@ -27,7 +28,8 @@ pub struct RawTestScene {
     pub virtual_test: Option<RawVirtualTest>,
     /// What is to be extracted from the record of each level
     pub extraction: Option<RawExtraction>,
-    /// Computed branches, or other tests, that figures and page show beside the levels, each under a heading `[[overlay]]`
+    /// Computed branches, or other tests, that figures and page show beside the levels, each under a heading
+    /// `[[overlay]]`
     pub overlay: Option<Vec<RawOverlay>>,
     /// Where results go
     pub output: Option<RawDirectory>,
@@ -37,11 +39,12 @@ pub struct RawTestScene {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawVirtualTest {
-    /// Damping ratios of the lowest modes, one a mode; so many modes are taken. Default: `structure.modes.damping_ratios`
+    /// Damping ratios of the lowest modes, one a mode; so many modes are taken. Default:
+    /// `structure.modes.damping_ratios`
     #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
-    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: those of the structure, with
-    /// `structure.modes` imposed
+    /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: those of the
+    /// structure, with `structure.modes` imposed
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
     pub frequencies_hz: Option<Vec<f64>>,
     /// Where the exciter pushes, and the loop measures
@@ -162,8 +165,8 @@ pub struct RawLoop {
     /// Lag of the displacement behind the force
     #[schemars(range(min = 1.0, max = 179.0), extend("unit" = "degrees", "default" = 90.0))]
     pub lag_deg: Option<f64>,
-    /// Harmonics of the force under control: 1 is the fundamental alone, others are brought to the force that appropriation wants, from the motion at all
-    /// sensors and the damping ratios
+    /// Harmonics of the force under control: 1 is the fundamental alone, others are brought to the force that
+    /// appropriation wants, from the motion at all sensors and the damping ratios
     #[schemars(range(min = 1, max = MAX_CONTROLLED), extend("default" = 1))]
     pub controlled_harmonics: Option<u32>,
 }
@@ -220,8 +223,8 @@ pub struct RawKeptRecords {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawBackbone {
-    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements before a rigid stop; with the rig's
-    /// damping too its "damped-mode", and the "phase-resonance" that its loop holds
+    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements
+    /// before a rigid stop; with the rig's damping too its "damped-mode", and the "phase-resonance" that its loop holds
     #[schemars(length(min = 1, max = 4), extend("default" = ["hbm"]))]
     pub methods: Option<Vec<BackboneMethod>>,
     /// Number of harmonics

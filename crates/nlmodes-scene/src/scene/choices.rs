@@ -62,7 +62,8 @@ choices! {
         Force = "force",
         /// Motions whose drive point lags the load by a given angle
         PhaseResonance = "phase-resonance",
-        /// The damped nonlinear mode: the motion that goes on by itself while negative damping makes up for what is lost
+        /// The damped nonlinear mode: the motion that goes on by itself while negative damping makes up for what is
+        /// lost
         DampedMode = "damped-mode",
         /// The conservative nonlinear mode, for comparison with the others
         Mode = "mode",

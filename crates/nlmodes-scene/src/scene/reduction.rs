@@ -8,7 +8,8 @@ use super::{ReductionKind, Structure};
 pub struct Reduction {
     /// By open or by held modes.
     pub kind: ReductionKind,
-    /// Number of open modes that are retained; where neither this nor a frequency is given, the highest harmonic decides.
+    /// Number of open modes that are retained; where neither this nor a frequency is given, the highest harmonic
+    /// decides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
     /// Frequency up to which open modes are retained, Hz.

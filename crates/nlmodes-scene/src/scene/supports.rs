@@ -2,7 +2,8 @@
 
 use super::{Direction, StructureKind, Support};
 
-/// Whether a support holds the motion in a direction. A sliding end of a beam moves across its axis, that of a rod along it.
+/// Whether a support holds the motion in a direction. A sliding end of a beam moves across its axis, that of a rod
+/// along it.
 pub fn holds(kind: StructureKind, support: Support, direction: Direction) -> bool {
     match support {
         Support::Clamped | Support::Pinned => true,

@@ -14,7 +14,8 @@ use sha2::{Digest, Sha256};
 /// What a scene says that has no influence on the results of its branch.
 const WITHOUT_INFLUENCE: [&str; 4] = ["title", "output_directory", "warnings", "files"];
 
-/// A hash of what has an influence on the results: the scene with all its defaults, the contents of the files that it names, the version of the program.
+/// A hash of what has an influence on the results: the scene with all its defaults, the contents of the files that it
+/// names, the version of the program.
 pub fn id(file: &SceneFile) -> String {
     let mut scene = serde_json::to_value(&file.scene).unwrap_or_default();
     if let Some(scene) = scene.as_object_mut() {

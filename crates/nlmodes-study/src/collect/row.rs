@@ -48,7 +48,8 @@ impl From<Status> for State {
 #[derive(Debug, Clone)]
 pub struct Row {
     pub state: State,
-    /// Why it has no branch, why that ended early, which quantity it does not have; empty where there is nothing to say.
+    /// Why it has no branch, why that ended early, which quantity it does not have; empty where there is nothing to
+    /// say.
     pub reason: String,
     /// Value and estimated error of each quantity.
     pub values: Vec<Option<[f64; 2]>>,

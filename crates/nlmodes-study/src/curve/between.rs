@@ -18,7 +18,8 @@ pub struct Between {
 
 /// The value of `y` where `x` first has the value `target` along the branch; nothing where it never has.
 ///
-/// Between points lies a cubic through four of them, over the length of the chords, that passes no corner; where that leaves its points, the chord.
+/// Between points lies a cubic through four of them, over the length of the chords, that passes no corner; where that
+/// leaves its points, the chord.
 pub fn at_first(curve: &Curve, x: &[f64], y: &[f64], target: f64) -> Option<Between> {
     // Limits are met to rounding only.
     let is_met = |value: &f64| (value - target).abs() <= 1e-12 * target.abs();

@@ -1,7 +1,8 @@
 //! Sobol' sequences with the directions of Joe and Kuo (2008), scrambled.
 //!
-//! S. Joe, F. Y. Kuo, SIAM Journal on Scientific Computing 30 (2008) 2635-2654, their table `new-joe-kuo-6`, first 256 dimensions. Scrambled by random
-//! lower triangular matrices and a random shift, which keep what makes the points even (J. Matoušek, Journal of Complexity 14 (1998) 527-556).
+//! S. Joe, F. Y. Kuo, SIAM Journal on Scientific Computing 30 (2008) 2635-2654, their table `new-joe-kuo-6`, first 256
+//! dimensions. Scrambled by random lower triangular matrices and a random shift, which keep what makes the points even
+//! (J. Matoušek, Journal of Complexity 14 (1998) 527-556).
 
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -9,7 +10,8 @@ use rand::{RngExt, SeedableRng};
 /// Dimensions of the table.
 pub const MAX_DIMENSIONS: usize = 256;
 const BITS: usize = 32;
-/// A line a dimension from the second one on: degree s of the primitive polynomial, its inner coefficients a, and m_1 … m_s.
+/// A line a dimension from the second one on: degree s of the primitive polynomial, its inner coefficients a, and m_1 …
+/// m_s.
 const TABLE: &str = include_str!("joe_kuo.txt");
 
 /// Numbers whose exclusive or gives the coordinates of points, in one dimension.

@@ -61,7 +61,8 @@ impl Worker<'_> {
         }
         let began = Instant::now();
         let attempt = || catch_unwind(AssertUnwindSafe(|| self.run(file.clone(), &id)));
-        // What a full disk or little memory brought about is said as that the second time; what is of the scene comes again.
+        // What a full disk or little memory brought about is said as that the second time; what is of the scene comes
+        // again.
         let ended = attempt().or_else(|_| attempt());
         let (status, reason) = match ended {
             Ok(Ok(Some(ended))) => ended,

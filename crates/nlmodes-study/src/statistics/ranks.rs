@@ -11,7 +11,8 @@ pub struct Correlation {
     pub interval: [f64; 2],
 }
 
-/// Spearman's rank correlation of pairs, equal values sharing their ranks. Nothing for fewer than four, or where one side is constant.
+/// Spearman's rank correlation of pairs, equal values sharing their ranks. Nothing for fewer than four, or where one
+/// side is constant.
 ///
 /// The interval is Fisher's, with the variance (1 + ρ²/2)/(n − 3) of Bonett and Wright, Psychometrika 65 (2000) 23-28.
 pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<Correlation> {

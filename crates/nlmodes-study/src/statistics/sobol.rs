@@ -22,9 +22,11 @@ pub struct SobolIndex {
     pub total_error: f64,
 }
 
-/// Sobol' indices from blocks of the values at A, B, and A with one variable of B for each variable; and how many blocks were left out.
+/// Sobol' indices from blocks of the values at A, B, and A with one variable of B for each variable; and how many
+/// blocks were left out.
 ///
-/// First-order ones by Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (b); total ones by Jansen, the same (f).
+/// First-order ones by Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (b); total ones by
+/// Jansen, the same (f).
 pub fn sobol_indices(values: &[Option<f64>], variables: usize, seed: u64) -> (Vec<SobolIndex>, usize) {
     let blocks: Vec<Vec<f64>> =
         values.chunks_exact(variables + 2).filter_map(|block| block.iter().copied().collect()).collect();

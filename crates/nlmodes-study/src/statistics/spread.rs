@@ -12,7 +12,8 @@ pub struct Spread {
     pub count: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard error of the mean of so many independent values; points of a Sobol' sequence or Latin hypercube come closer.
+    /// Standard error of the mean of so many independent values; points of a Sobol' sequence or Latin hypercube come
+    /// closer.
     pub mean_error: f64,
     /// Standard deviation, of n − 1.
     pub std: f64,
@@ -40,7 +41,8 @@ impl Spread {
     }
 }
 
-/// The value below which a share of sorted values lies, between two of them on the line through them (type 7 of Hyndman and Fan, as NumPy).
+/// The value below which a share of sorted values lies, between two of them on the line through them (type 7 of Hyndman
+/// and Fan, as NumPy).
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;

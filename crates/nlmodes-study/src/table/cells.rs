@@ -65,7 +65,8 @@ impl Cells {
         }
     }
 
-    /// A cell as tables of text have it: the shortest decimal that reads back as the same number, and nothing where it is empty.
+    /// A cell as tables of text have it: the shortest decimal that reads back as the same number, and nothing where it
+    /// is empty.
     pub fn text(&self, row: usize) -> String {
         let cell = match self {
             Self::Numbers(cells) => cells.get(row).copied().flatten().map(|x| format!("{x:?}")),

@@ -5,15 +5,16 @@ use crate::TimestepError;
 use crate::bracket::falls_below_zero;
 use crate::phase::{dot, product};
 
-/// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps of a period.
+/// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps
+/// of a period.
 const TURN: f64 = 0.2;
 const FEWEST: f64 = 96.0;
 
 /// Most terms of a power series within a step.
 const TERMS: usize = 60;
 
-/// The structure while one set of contacts stays closed: `ẇ = 𝒜 w` for the state with a one and the oscillators of the load behind it, so that loads and gaps are
-/// part of it and no resonance is special.
+/// The structure while one set of contacts stays closed: `ẇ = 𝒜 w` for the state with a one and the oscillators of the
+/// load behind it, so that loads and gaps are part of it and no resonance is special.
 #[derive(Debug)]
 pub(super) struct Flow {
     pub closed: Vec<bool>,
@@ -174,7 +175,8 @@ impl Flow {
         [dot(row, w), dot(row, &rate), dot(row, &product(&self.matrix, &rate))]
     }
 
-    /// Where a row (or, with `order` 1, its rate) that is not negative at `from` turns negative before `to`, both within a step from `w`; `constant` is added to the row.
+    /// Where a row (or, with `order` 1, its rate) that is not negative at `from` turns negative before `to`, both
+    /// within a step from `w`; `constant` is added to the row.
     pub fn root(&self, row: &[f64], constant: f64, order: usize, w: &[f64], (from, to): (f64, f64)) -> f64 {
         let value_and_slope = |t: f64| {
             let mut at = self.evaluate(row, &self.after(w, t));
@@ -184,7 +186,8 @@ impl Flow {
         falls_below_zero(value_and_slope, from, to)
     }
 
-    /// The lowest value of a row within a step of length `t` from `w` to `next`, and when; one of the ends where it has no minimum between.
+    /// The lowest value of a row within a step of length `t` from `w` to `next`, and when; one of the ends where it has
+    /// no minimum between.
     pub fn lowest(&self, row: &[f64], w: &[f64], next: &[f64], t: f64) -> (f64, f64) {
         let [from, to] = [self.evaluate(row, w), self.evaluate(row, next)];
         if from[1] < 0.0 && to[1] > 0.0 {
@@ -201,7 +204,8 @@ mod tests {
     use super::*;
     use num_complex::Complex64;
 
-    /// A mode of 2 rad/s before two contacts, each stop with a spring and a damper, under loads of two harmonics; the phases of the load in the gaps too.
+    /// A mode of 2 rad/s before two contacts, each stop with a spring and a damper, under loads of two harmonics; the
+    /// phases of the load in the gaps too.
     fn structure() -> ForcedStructure {
         let rows = Mat::from_fn(2, 1, |i, _| [1.5, -0.5][i]);
         let compliance = Mat::from_fn(2, 2, |i, j| if i == j { [0.2, 0.4][i] } else { 0.1 });

@@ -32,7 +32,8 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl ForcedMotion {
-    /// Complex amplitude of modal coordinate k at `harmonic` times the frequency of the motion (that of the load over its periods), m √kg.
+    /// Complex amplitude of modal coordinate k at `harmonic` times the frequency of the motion (that of the load over
+    /// its periods), m √kg.
     pub fn modal_harmonic(&self, k: usize, harmonic: usize) -> Complex64 {
         let unit = |flow: &Flow| (0..flow.matrix.nrows()).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
         self.harmonic(|flow| unit(flow), harmonic)

@@ -18,11 +18,12 @@ const ROUNDING: f64 = 1e-15;
 type Shot = (Vec<f64>, Vec<Piece>, Vec<f64>);
 
 impl ForcedStructure {
-    /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over so many of its periods: Newton's method on
-    /// `x(T; x₀) − x₀ = 0` with the exact derivative, stable or not.
+    /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over so many of
+    /// its periods: Newton's method on `x(T; x₀) − x₀ = 0` with the exact derivative, stable or not.
     ///
     /// # Errors
-    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::TooManyModes`], [`TimestepError::NotConverged`], or what the contacts report.
+    /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::TooManyModes`],
+    /// [`TimestepError::NotConverged`], or what the contacts report.
     pub fn periodic(
         &self,
         level: f64,

@@ -12,7 +12,8 @@ use crate::phase::dot;
 /// Most steps of a trajectory.
 const MAX_PIECES: usize = 2_000_000;
 
-/// Switchings without progress, a contact, after which the contact problem just ahead decides, and after which all is given up.
+/// Switchings without progress, a contact, after which the contact problem just ahead decides, and after which all is
+/// given up.
 const PATIENCE: [usize; 2] = [2, 8];
 
 /// A step within which no contact changes.
@@ -107,7 +108,8 @@ impl<'a> Propagator<'a> {
     }
 }
 
-/// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at an instant of contact.
+/// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at an
+/// instant of contact.
 pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, TimestepError> {
     let mut each = pieces.iter().map(|piece| piece.flow.transition(states, piece.length));
     each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))

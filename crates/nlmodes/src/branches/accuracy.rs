@@ -52,7 +52,8 @@ pub(super) fn first_harmonics(accuracy: Accuracy, fewest: usize) -> usize {
     (guess.ceil() as usize).clamp(fewest, accuracy.max_harmonics.max(fewest))
 }
 
-/// The structure with as many held modes as the accuracy takes by a guess for the motion's higher harmonics, and at least these.
+/// The structure with as many held modes as the accuracy takes by a guess for the motion's higher harmonics, and at
+/// least these.
 pub(super) fn condense(
     model: MasslessContactModel,
     settings: &BranchSettings,

@@ -1,7 +1,7 @@
 //! A branch along which the number of harmonics grows with an error estimate.
 //!
-//! It is a chain of runs with one number of harmonics each. Every change asks for more than any before it, whether it is found, stays or is
-//! taken back: so there are at most as many as the scene permits harmonics.
+//! It is a chain of runs with one number of harmonics each. Every change asks for more than any before it, whether it
+//! is found, stays or is taken back: so there are at most as many as the scene permits harmonics.
 
 mod carry;
 mod control;
@@ -22,16 +22,18 @@ use super::trace::Tracer;
 
 /// Points that are gone back where no solution with more harmonics is found.
 ///
-/// Next to an internal resonance branches with different numbers of harmonics lie further apart than some points before it: without going back, the rod of 100
-/// elements with an accuracy of 1e-3 has 27 points of 202 beyond that, and 1 of 199 with it.
+/// Next to an internal resonance branches with different numbers of harmonics lie further apart than some points before
+/// it: without going back, the rod of 100 elements with an accuracy of 1e-3 has 27 points of 202 beyond that, and 1 of
+/// 199 with it.
 const BACK: [usize; 4] = [1, 3, 6, 10];
 
 impl Tracer<'_> {
     /// [`Tracer::trace`] with as many harmonics as the accuracy takes.
     ///
-    /// A point whose estimate is too large does not count: the branch goes back to the last one without events, whose estimate is
-    /// not, so that the branch with more harmonics is near, and goes on from there with more. The energy is kept. The
-    /// new tangent points to the same side as the old one by the way in which it is computed, and is compared with it.
+    /// A point whose estimate is too large does not count: the branch goes back to the last one without events, whose
+    /// estimate is not, so that the branch with more harmonics is near, and goes on from there with more. The energy is
+    /// kept. The new tangent points to the same side as the old one by the way in which it is computed, and is compared
+    /// with it.
     pub(super) fn trace_accurately(
         &mut self,
         mut control: Control,
@@ -71,8 +73,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// The beginning with more harmonics at the last point that counts, or if there is none some points earlier, where the branches are nearer
-    /// and the points since then are found anew; or else with as many as before.
+    /// The beginning with more harmonics at the last point that counts, or if there is none some points earlier, where
+    /// the branches are nearer and the points since then are found anew; or else with as many as before.
     fn with_more(
         &mut self,
         control: &mut Control,

@@ -14,7 +14,8 @@ pub struct BeyondAccuracy {
     pub largest_estimate: f64,
 }
 
-/// The stretches of a branch beyond an accuracy. Points without an estimate are between two others part of a stretch, but do not make one.
+/// The stretches of a branch beyond an accuracy. Points without an estimate are between two others part of a stretch,
+/// but do not make one.
 pub(super) fn beyond(points: &[ModalPoint], error: f64) -> Vec<BeyondAccuracy> {
     let mut all: Vec<BeyondAccuracy> = Vec::new();
     let mut open = false;

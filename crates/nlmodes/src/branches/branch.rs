@@ -29,7 +29,8 @@ pub struct ComputedBranch {
     pub largest_unfolding: Option<f64>,
     /// Evaluations of residual and Jacobian.
     pub evaluations: usize,
-    /// Iterations of the contact solver along the branches of the computation, over all contact problems, in the unit of that solver.
+    /// Iterations of the contact solver along the branches of the computation, over all contact problems, in the unit
+    /// of that solver.
     pub contact_iterations: usize,
     /// Steps that were tried and refused.
     pub refused_steps: usize,
@@ -87,8 +88,8 @@ impl ComputedBranch {
         Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
     }
 
-    /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in reverse order,
-    /// the common one once.
+    /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in
+    /// reverse order, the common one once.
     pub fn preceded_by(mut self, other: ComputedBranch) -> Self {
         let mut points: Vec<ModalPoint> = other.branch.points.into_iter().skip(1).rev().collect();
         let mut unknowns: Vec<Vec<f64>> = other.unknowns.into_iter().skip(1).rev().collect();

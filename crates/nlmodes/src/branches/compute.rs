@@ -46,8 +46,8 @@ pub fn compute_branch(
     Ok(tree.branches.swap_remove(0))
 }
 
-/// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact nodes are massless,
-/// by conventional HBM where it was made with spring tips, or either exactly by shooting.
+/// Computes the nonlinear mode of `model` with all branches that the settings ask for: by MS-HBM where its contact
+/// nodes are massless, by conventional HBM where it was made with spring tips, or either exactly by shooting.
 ///
 /// # Errors
 /// [`BranchError`] if there is no branch at all; one that ends early comes back with its points and the reason.
@@ -59,8 +59,9 @@ pub fn compute_tree(
     compute_tree_with_log(model, settings, &mut (), observe)
 }
 
-/// As [`compute_tree`], each step of the continuation going into a log. Steps that this holds already, from an earlier computation with
-/// the same model and settings, are not computed again: their points are shown to `observe`, and the computation goes on behind them.
+/// As [`compute_tree`], each step of the continuation going into a log. Steps that this holds already, from an earlier
+/// computation with the same model and settings, are not computed again: their points are shown to `observe`, and the
+/// computation goes on behind them.
 ///
 /// # Errors
 /// As [`compute_tree`].
@@ -214,7 +215,8 @@ fn one(
     Ok(Traced { found, end, origin: None })
 }
 
-/// All branches that are connected by branch points, and the number of arms left; the limit of points holds for all together.
+/// All branches that are connected by branch points, and the number of arms left; the limit of points holds for all
+/// together.
 fn all(
     tracer: &mut Tracer,
     seed: &Seed,

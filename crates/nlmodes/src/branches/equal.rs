@@ -23,8 +23,9 @@ pub struct PointBetween {
 }
 
 impl ComputedBranch {
-    /// The solution with this modal amplitude (m√kg), found between two neighbouring points of the branch; where the branch has it several
-    /// times, that nearest to the angular frequency `near`. `None` if the branch does not reach it.
+    /// The solution with this modal amplitude (m√kg), found between two neighbouring points of the branch; where the
+    /// branch has it several times, that nearest to the angular frequency `near`. `None` if the branch does not reach
+    /// it.
     ///
     /// # Errors
     /// [`BranchError`] if the periodic problem cannot be evaluated.

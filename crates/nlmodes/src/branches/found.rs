@@ -58,7 +58,8 @@ impl Found {
         Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
     }
 
-    /// The points that are kept of one of the continuation: none, itself, or before it the one at which the stability changes.
+    /// The points that are kept of one of the continuation: none, itself, or before it the one at which the stability
+    /// changes.
     fn keep(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> &[ModalPoint] {
         let before = self.points.len();
         self.take(viewer, point);
@@ -66,7 +67,8 @@ impl Found {
         &self.points[before..]
     }
 
-    /// As [`Self::keep`], but nothing once the computation has ended: what is found then may lack what could not be looked for any more.
+    /// As [`Self::keep`], but nothing once the computation has ended: what is found then may lack what could not be
+    /// looked for any more.
     pub(super) fn keep_unless_ended(
         &mut self,
         watch: &Watch,
@@ -101,7 +103,8 @@ impl Found {
         self.add(viewer, point, named.into_iter().collect(), None)
     }
 
-    /// Adds a point with these events beside those of the continuation, and before it the one at which the stability changes.
+    /// Adds a point with these events beside those of the continuation, and before it the one at which the stability
+    /// changes.
     fn add(
         &mut self,
         viewer: &mut Viewer,

@@ -18,9 +18,10 @@ impl<'b> Histories<'b> {
         Self { branch, problem: None }
     }
 
-    /// Motion and force of all contacts over one period of point `point`, exact at the instants of contact: where any of them closes or opens
-    /// stand two instants, a rounding apart, with what is just before and just after; `samples + 1` instants in all, some within the
-    /// shortest blow too, or as many more as it takes for 65 beside the changes.
+    /// Motion and force of all contacts over one period of point `point`, exact at the instants of contact: where any
+    /// of them closes or opens stand two instants, a rounding apart, with what is just before and just after;
+    /// `samples + 1` instants in all, some within the shortest blow too, or as many more as it takes for 65 beside the
+    /// changes.
     ///
     /// # Errors
     /// [`BranchError`] if the point cannot be evaluated again.
@@ -33,7 +34,8 @@ impl<'b> Histories<'b> {
         Ok(self.problem(harmonics)?.time_histories(&branch.unknowns[point], samples, label)?)
     }
 
-    /// Motion and force of each contact over one period of point `point`, at `samples` equidistant instants and the end of the period.
+    /// Motion and force of each contact over one period of point `point`, at `samples` equidistant instants and the end
+    /// of the period.
     ///
     /// # Errors
     /// [`BranchError`] if the point cannot be evaluated again.

@@ -7,8 +7,8 @@ use nlmodes_continuation::{
 };
 use thiserror::Error;
 
-/// What may be spent on the way to a solution. A search for the arms of a corner on it, among a hundred unknowns, may take a hundred
-/// thousand evaluations: there are other ways.
+/// What may be spent on the way to a solution. A search for the arms of a corner on it, among a hundred unknowns, may
+/// take a hundred thousand evaluations: there are other ways.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effort {
     points: usize,
@@ -32,8 +32,8 @@ enum HomotopyError<E: std::error::Error + 'static> {
     TooLong,
 }
 
-/// `R(z) = (1 − s) R(z₀)` with one coordinate of `z` kept, n + 1 equations for `z` with the parameter `s`: solved by `z₀` at
-/// `s = 0`, and by a solution of `R(z) = 0` at `s = 1`.
+/// `R(z) = (1 − s) R(z₀)` with one coordinate of `z` kept, n + 1 equations for `z` with the parameter `s`: solved by
+/// `z₀` at `s = 0`, and by a solution of `R(z) = 0` at `s = 1`.
 struct Homotopy<'a, S> {
     system: &'a mut S,
     inner: Linearization,
@@ -96,8 +96,8 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
     }
 }
 
-/// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that leads nowhere
-/// or takes more than it may.
+/// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that
+/// leads nowhere or takes more than it may.
 pub(super) fn solve<S: ParametricSystem>(
     system: &mut S,
     z: &[f64],

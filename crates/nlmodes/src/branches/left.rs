@@ -8,10 +8,12 @@ use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint};
 use super::BranchPointRule;
 use super::branch::ComputedBranch;
 
-/// Relative distance in energy from a corner within which nothing is said: there the motions on all of its arms are alike.
+/// Relative distance in energy from a corner within which nothing is said: there the motions on all of its arms are
+/// alike.
 const NEAR: f64 = 0.01;
 
-/// Energy of the other harmonics, over that which the side of a tongue would have, below which a point does not lie on that side.
+/// Energy of the other harmonics, over that which the side of a tongue would have, below which a point does not lie on
+/// that side.
 const LITTLE: f64 = 0.1;
 
 /// Where a branch left its nonlinear mode.
@@ -30,8 +32,9 @@ pub struct LeftMode {
 
 /// Watches a branch for the place where it leaves its mode.
 ///
-/// At the tip of the tongue of an n : mode k resonance mode k moves alone, n times a period, and its own nonlinear mode passes there. On the sides
-/// of the tongue the harmonics that are no multiples of n grow in amplitude like the distance in energy from the tip; along mode k they do not.
+/// At the tip of the tongue of an n : mode k resonance mode k moves alone, n times a period, and its own nonlinear mode
+/// passes there. On the sides of the tongue the harmonics that are no multiples of n grow in amplitude like the
+/// distance in energy from the tip; along mode k they do not.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Departure {
     /// Energy of the last corner or branch point.

@@ -22,8 +22,8 @@ pub(super) struct OpenMode {
 }
 
 impl OpenMode {
-    /// The problem, if the structure is one in open modes with many contacts, all of them open at rest, and nothing is asked for that only motions
-    /// of the contacts as unknowns have.
+    /// The problem, if the structure is one in open modes with many contacts, all of them open at rest, and nothing is
+    /// asked for that only motions of the contacts as unknowns have.
     pub fn of(
         structure: &CondensedStructure,
         settings: &BranchSettings,
@@ -75,7 +75,8 @@ fn is_suited(model: &MasslessContactModel, settings: &BranchSettings) -> bool {
         && settings.internal_resonance == ResonanceRule::Follow
 }
 
-/// `Ω²`, `Y` and `A` from the stiffness of the reduced structure: `A = K_NN⁻¹`, `Y = A K_NL`, `Ω² = diag(K_LL − K_LN A K_NL)`.
+/// `Ω²`, `Y` and `A` from the stiffness of the reduced structure: `A = K_NN⁻¹`, `Y = A K_NL`,
+/// `Ω² = diag(K_LL − K_LN A K_NL)`.
 fn open_structure(model: &MasslessContactModel) -> Result<ModalStructure, BranchError> {
     let (m, d) = (model.linear_dofs().len(), model.contact_dofs().len());
     let failed = |source| nlmodes_hbm::HbmError::Linalg { what: "residual flexibility of the contacts", source };

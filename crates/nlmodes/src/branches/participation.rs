@@ -5,9 +5,10 @@ use nlmodes_model::{LinearModes, open_modes};
 use super::{BranchError, ComputedBranch};
 
 impl ComputedBranch {
-    /// Participation of the lowest `modes` linear modes (contacts open, contact mass as in the computation) at each point, eq. (30), with
-    /// all harmonics but the mean in the sum; the fundamental of the first contact coordinate is the phase anchor.
-    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of a tongue.
+    /// Participation of the lowest `modes` linear modes (contacts open, contact mass as in the computation) at each
+    /// point, eq. (30), with all harmonics but the mean in the sum; the fundamental of the first contact coordinate is
+    /// the phase anchor. NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip
+    /// of a tongue.
     ///
     /// # Errors
     /// [`BranchError`] if the linear modes cannot be computed.
@@ -46,7 +47,8 @@ impl ComputedBranch {
         both.map(|(number, (point, x))| {
             let modal = match onto.of_motion(&point.coefficients) {
                 Some(modal) => modal,
-                // The point holds some degrees of freedom only: the sum over all of them is done in the reduced coordinates.
+                // The point holds some degrees of freedom only: the sum over all of them is done in the reduced
+                // coordinates.
                 None => self.problem(number)?.modal_coordinates(x, &onto)?,
             };
             of(point, &modal)

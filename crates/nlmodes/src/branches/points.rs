@@ -1,7 +1,7 @@
 use nlmodes_modal::{Event, ModalBranch};
 
-/// Four points that tell the story of a branch in pictures of its motion (Fig. 4): the first touch, two on the way, and the first
-/// branch point; the last point where there is none. Fewer for a shorter branch.
+/// Four points that tell the story of a branch in pictures of its motion (Fig. 4): the first touch, two on the way, and
+/// the first branch point; the last point where there is none. Fewer for a shorter branch.
 pub fn figure_points(branch: &ModalBranch) -> Vec<usize> {
     let last = branch.points.iter().position(|point| point.has_event(Event::BranchPoint));
     spread(branch, last.unwrap_or(branch.points.len().saturating_sub(1)), &[0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0])

@@ -58,7 +58,8 @@ pub(super) fn condense(
         if count >= size || highest > least {
             return Ok(structure);
         }
-        // Frequencies of slender structures rise at least in proportion to the number of the mode; of others it takes another round.
+        // Frequencies of slender structures rise at least in proportion to the number of the mode; of others it takes
+        // another round.
         count = (count as f64 * (1.02 * least / highest).clamp(1.2, 8.0)).ceil() as usize;
     }
 }
@@ -159,7 +160,8 @@ pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency
         BranchPointRule::Stay | BranchPointRule::All => AtBranchPoint::Stay,
     };
     Continuation {
-        // Far from grazing, motions grow while the gap stays what it is: what happens to them does so over a share of their size.
+        // Far from grazing, motions grow while the gap stays what it is: what happens to them does so over a share of
+        // their size.
         step: StepSettings { far: FAR.min(settings.step.far), ..settings.step.clone() },
         bounds,
         watched: vec![frequency],

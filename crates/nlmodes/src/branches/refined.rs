@@ -14,13 +14,15 @@ const STEPS: usize = 5;
 const SAME: f64 = 1e-5;
 
 impl ComputedBranch {
-    /// The motion of the averaged kinetic energy of point `point` with `harmonics` harmonics and the held modes of `structure`: that of the branch, or one with
-    /// the same contacts and other modes. Newton's method at that energy leads there from the point, at once or over numbers of harmonics in between;
-    /// `None` where neither does, or where it does not lead back from there with the harmonics and modes of the branch: what was found is then another motion
-    /// of that energy, on another arm.
+    /// The motion of the averaged kinetic energy of point `point` with `harmonics` harmonics and the held modes of
+    /// `structure`: that of the branch, or one with the same contacts and other modes. Newton's method at that energy
+    /// leads there from the point, at once or over numbers of harmonics in between; `None` where neither does, or where
+    /// it does not lead back from there with the harmonics and modes of the branch: what was found is then another
+    /// motion of that energy, on another arm.
     ///
     /// # Errors
-    /// [`BranchError::NotHarmonic`] for a branch whose unknowns are not harmonics of the contacts; [`BranchError`] if the problem cannot be evaluated.
+    /// [`BranchError::NotHarmonic`] for a branch whose unknowns are not harmonics of the contacts; [`BranchError`] if
+    /// the problem cannot be evaluated.
     ///
     /// # Panics
     /// If there is no such point.

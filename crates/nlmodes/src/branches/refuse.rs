@@ -10,8 +10,8 @@ use super::prepare::{check_window, condense, shooting_modes};
 use super::trace::Tracer;
 use super::{BranchError, BranchMethod, BranchSettings};
 
-/// Whether [`compute_tree`](super::compute_tree) would begin with this model and these settings: linear modes and the start of the
-/// nonlinear mode are computed, no point of it.
+/// Whether [`compute_tree`](super::compute_tree) would begin with this model and these settings: linear modes and the
+/// start of the nonlinear mode are computed, no point of it.
 ///
 /// # Errors
 /// The [`BranchError`] with which it would refuse to. Starts that have to be sought can fail later.

@@ -2,8 +2,8 @@ use nlmodes_hbm::{CondensedStructure, Projection};
 use nlmodes_modal::{HarmonicCoefficients, InternalResonance, ModalPoint, RESONANT_SHARE};
 use nlmodes_model::{LinearModes, open_modes};
 
-/// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly excited mode
-/// shifts by its own contacts.
+/// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly
+/// excited mode shifts by its own contacts.
 const DETUNING: f64 = 0.05;
 
 /// Recognises internal resonances of a structure; its linear modes are computed when they are first needed.
@@ -20,8 +20,9 @@ impl<'s> Resonances<'s> {
         Self { structure, modes: None, known: 0.0 }
     }
 
-    /// The resonance in which a point takes part: the harmonic above the first with the most kinetic energy, if that is a good
-    /// share, and the linear mode near its frequency that looks most like it. `project` gives the modal coordinates of the point.
+    /// The resonance in which a point takes part: the harmonic above the first with the most kinetic energy, if that is
+    /// a good share, and the linear mode near its frequency that looks most like it. `project` gives the modal
+    /// coordinates of the point.
     pub fn of(
         &mut self,
         point: &ModalPoint,

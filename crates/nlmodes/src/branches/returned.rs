@@ -8,8 +8,8 @@ use super::branch::ComputedBranch;
 use super::{BranchPointRule, BranchStart};
 
 impl ComputedBranch {
-    /// A branch from grazing that ends on its linear mode says so, and is not complete: it was to lead to motions with contact, and what lies beyond the place
-    /// where it turned was not found.
+    /// A branch from grazing that ends on its linear mode says so, and is not complete: it was to lead to motions with
+    /// contact, and what lies beyond the place where it turned was not found.
     pub(super) fn review_return(&mut self) {
         let is_asked_for = self.origin.is_some() || self.settings.at_branch_point == BranchPointRule::All;
         if self.settings.start != BranchStart::Grazing || is_asked_for {

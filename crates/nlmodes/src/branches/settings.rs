@@ -43,7 +43,8 @@ pub enum ResonanceRule {
     /// The branch is followed up the tongue, to wherever it leads.
     #[default]
     Follow,
-    /// The branch ends at the foot of the tongue and goes on at its other side; not together with [`BranchPointRule::All`].
+    /// The branch ends at the foot of the tongue and goes on at its other side; not together with
+    /// [`BranchPointRule::All`].
     Skip,
 }
 
@@ -80,9 +81,9 @@ pub struct BranchSettings {
     pub mode: usize,
     /// Highest harmonic `N_h`; with shooting, up to which the coefficients of the exact motion are given. Default 5.
     pub harmonics: usize,
-    /// Accuracy by which harmonics are chosen along the branch, with `harmonics` of them at least, and held modes; for harmonic balance
-    /// with exact switching, and not together with [`BranchPointRule::All`], whose branches keep the harmonics with which they begin.
-    /// Default none: `harmonics` holds.
+    /// Accuracy by which harmonics are chosen along the branch, with `harmonics` of them at least, and held modes; for
+    /// harmonic balance with exact switching, and not together with [`BranchPointRule::All`], whose branches keep the
+    /// harmonics with which they begin. Default none: `harmonics` holds.
     pub accuracy: Option<Accuracy>,
     /// Which motions are admitted. Default even in time.
     pub symmetry: Symmetry,
@@ -94,8 +95,8 @@ pub struct BranchSettings {
     pub held_modes: Option<usize>,
     /// Averaged kinetic energy over that at grazing at which the branch ends. Default none.
     pub max_energy_ratio: Option<f64>,
-    /// Averaged kinetic energy, J, that stands for that at grazing where nothing else gives one: the first contacts touch at rest, and there
-    /// are no others. Default 1 J.
+    /// Averaged kinetic energy, J, that stands for that at grazing where nothing else gives one: the first contacts
+    /// touch at rest, and there are no others. Default 1 J.
     pub reference_energy: f64,
     /// Frequency window, Hz, outside of which the branch ends. Default none.
     pub frequency_hz: Option<[f64; 2]>,

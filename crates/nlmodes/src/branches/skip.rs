@@ -12,10 +12,12 @@ use super::start::{Seed, Target, heading, refined};
 use super::trace::Tracer;
 use super::{BranchError, BranchProgress, Doing};
 
-/// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less than half of that.
+/// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less
+/// than half of that.
 const FOOT: f64 = 0.05;
 
-/// First relative distance in frequency behind the foot of a tongue at which the backbone is sought, and by what it grows.
+/// First relative distance in frequency behind the foot of a tongue at which the backbone is sought, and by what it
+/// grows.
 const BEYOND: (f64, f64) = (2e-4, 1.6);
 
 /// Relative difference in frequency and energy below which two feet are one.
@@ -27,8 +29,8 @@ const FURTHER: f64 = 2e-3;
 /// Largest such distance.
 const FURTHEST: f64 = 0.2;
 
-/// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the foot of the tongue, and on
-/// behind it.
+/// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the foot of the tongue,
+/// and on behind it.
 pub(super) fn follow(
     tracer: &mut Tracer,
     mut seed: Seed,
@@ -161,7 +163,8 @@ fn resume(
     Ok(Behind::Nothing(why))
 }
 
-/// The branch from the foot behind the tongue to `seed`; `None` if that lies on a tongue itself, or on the near side of this one.
+/// The branch from the foot behind the tongue to `seed`; `None` if that lies on a tongue itself, or on the near side of
+/// this one.
 fn back_to_foot(
     tracer: &mut Tracer,
     seed: &Seed,
@@ -194,8 +197,8 @@ fn back_to_foot(
     Ok(Some(found))
 }
 
-/// Index of the foot of a tongue at the end of these points: where the resonant harmonic begins to grow, and the frequency has
-/// not turned yet. None where all of them lie on a tongue, one of its flanks included.
+/// Index of the foot of a tongue at the end of these points: where the resonant harmonic begins to grow, and the
+/// frequency has not turned yet. None where all of them lie on a tongue, one of its flanks included.
 fn foot(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
     let share = |point: &ModalPoint| point.harmonic_share(resonance.harmonic);
     let least = points.iter().map(share).fold(f64::INFINITY, f64::min);

@@ -81,8 +81,8 @@ impl Beside {
         Some(x.into_iter().chain([p]).collect())
     }
 
-    /// The multipliers of a motion that does not quite return mean nothing by themselves: those of the exact motion beside it are given,
-    /// which is sought across the direction of the branch, so that folds do not matter.
+    /// The multipliers of a motion that does not quite return mean nothing by themselves: those of the exact motion
+    /// beside it are given, which is sought across the direction of the branch, so that folds do not matter.
     fn of(&mut self, point: &ModalPoint) -> Option<Stability> {
         let guess = self.guess(point)?;
         let (_, upward) = self.shooting.start();

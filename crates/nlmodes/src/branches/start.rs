@@ -103,7 +103,8 @@ impl Target {
 
 /// The beginning that the settings ask for.
 ///
-/// A point elsewhere is sought along the branch itself, and where an internal resonance leads that away, with fewer harmonics.
+/// A point elsewhere is sought along the branch itself, and where an internal resonance leads that away, with fewer
+/// harmonics.
 pub(super) fn seed(
     structure: &CondensedStructure,
     settings: &BranchSettings,
@@ -136,8 +137,8 @@ pub(super) fn seed(
     }
 }
 
-/// A point found with few harmonics, whose backbone little interrupts, and then corrected with more and more, the frequency or the
-/// energy kept.
+/// A point found with few harmonics, whose backbone little interrupts, and then corrected with more and more, the
+/// frequency or the energy kept.
 pub(super) fn refined(
     structure: &CondensedStructure,
     settings: &BranchSettings,

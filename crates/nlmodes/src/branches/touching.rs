@@ -47,8 +47,9 @@ pub(super) fn beginning(
     }
 }
 
-/// The start, taken back to where nothing touches yet if corrected it would touch by rounding. In contact the branch may turn towards less energy: of its two ways
-/// the one of growing amplitude then leads out of contact and back along the linear mode.
+/// The start, taken back to where nothing touches yet if corrected it would touch by rounding. In contact the branch
+/// may turn towards less energy: of its two ways the one of growing amplitude then leads out of contact and back along
+/// the linear mode.
 fn before_contact(problem: &mut Periodic, settings: &BranchSettings, start: &Grazing, seed: Seed) -> Seed {
     let back = |share: f64| {
         let x = seed.x.iter().zip(&seed.direction).map(|(x, d)| x - share * d).collect();
@@ -69,11 +70,13 @@ fn before_contact(problem: &mut Periodic, settings: &BranchSettings, start: &Gra
     found.unwrap_or(seed)
 }
 
-/// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it is not quite that of the whole
-/// structure, and from there, where the contact closes for no time, Newton's method need not converge.
+/// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it
+/// is not quite that of the whole structure, and from there, where the contact closes for no time, Newton's method need
+/// not converge.
 ///
-/// A motion that is clear of the stops is corrected, where nothing but linear equations are left, and its displacements are multiplied by what brings it to
-/// the stop. None with all held modes, with one contact coordinate, whose direction no mode changes, and where contacts are pressed at rest.
+/// A motion that is clear of the stops is corrected, where nothing but linear equations are left, and its displacements
+/// are multiplied by what brings it to the stop. None with all held modes, with one contact coordinate, whose direction
+/// no mode changes, and where contacts are pressed at rest.
 fn with_few_modes(
     problem: &Periodic,
     settings: &BranchSettings,
@@ -106,7 +109,8 @@ fn with_few_modes(
     Ok(Some((touching, p + 2.0 * factor.ln())))
 }
 
-/// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with more and more.
+/// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with
+/// more and more.
 fn before_touching_contacts(
     structure: &CondensedStructure,
     settings: &BranchSettings,
@@ -184,7 +188,8 @@ fn close(
     }
 }
 
-/// Direction of growing energy where motions can be multiplied: the distance from rest grows like the root of the energy.
+/// Direction of growing energy where motions can be multiplied: the distance from rest grows like the root of the
+/// energy.
 fn growing(x: &[f64], series: RealSeries, start: &Grazing) -> Vec<f64> {
     let (width, length) = (series.width(), start.scales().length);
     let mut direction = vec![0.0; x.len() + 1];

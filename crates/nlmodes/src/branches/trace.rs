@@ -80,7 +80,8 @@ impl<'s> Tracer<'s> {
         self.earlier_iterations + self.problem.contact_iterations()
     }
 
-    /// Follows the branch from `seed`, its frequency over that of grazing within these limits too, and shows every point to `each`.
+    /// Follows the branch from `seed`, its frequency over that of grazing within these limits too, and shows every
+    /// point to `each`.
     pub fn trace(
         &mut self,
         seed: &Seed,

@@ -12,7 +12,8 @@ use super::resonances::Resonances;
 use super::stability::{Probe, length};
 use super::{BranchError, BranchSettings};
 
-/// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may take.
+/// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may
+/// take.
 const CHANGE_LOCATED: f64 = 1e-7;
 const MOST_HALVINGS: usize = 40;
 

@@ -70,9 +70,11 @@ impl fmt::Display for Doing {
     }
 }
 
-/// Somebody who is told what a computation is doing before each evaluation of its equations, some thousand times a second, and may end it there.
+/// Somebody who is told what a computation is doing before each evaluation of its equations, some thousand times a
+/// second, and may end it there.
 ///
-/// Clones watch together: one that has been ended ends all. Watches are equal if they are clones of each other, or nobody looks on.
+/// Clones watch together: one that has been ended ends all. Watches are equal if they are clones of each other, or
+/// nobody looks on.
 #[derive(Clone, Default)]
 pub struct Watch(Option<Arc<Watching>>);
 

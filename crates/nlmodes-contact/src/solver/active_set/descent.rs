@@ -14,11 +14,11 @@ const CANDIDATES_OF_ONE: usize = 32;
 /// Candidates over new ones from which on the steps are not repeated with those.
 const COMPLETE: usize = 16;
 
-/// Accelerated projected gradient steps (Nesterov, restarted when the momentum points uphill) among the contacts that may
-/// close, in single precision: a first guess where contacts are many.
+/// Accelerated projected gradient steps (Nesterov, restarted when the momentum points uphill) among the contacts that
+/// may close, in single precision: a first guess where contacts are many.
 ///
-/// Forces of which only the signs are taken need no more digits, and half the bytes pass through the processor in half the
-/// time. A step is one over the largest curvature met so far; the first is that of steepest descent.
+/// Forces of which only the signs are taken need no more digits, and half the bytes pass through the processor in half
+/// the time. A step is one over the largest curvature met so far; the first is that of steepest descent.
 #[derive(Debug, Default)]
 pub(super) struct Descent {
     is_candidate: Vec<bool>,
@@ -127,7 +127,8 @@ impl Descent {
         }
         self.next.multiply(&self.compliance);
         let (stiff, size) = (dot(&self.next.lambda, &self.next.gap), dot(&self.next.lambda, &self.next.lambda));
-        // No eigenvalue is larger than the largest one, which is no less than any entry of the diagonal: they are one or more.
+        // No eigenvalue is larger than the largest one, which is no less than any entry of the diagonal: they are one
+        // or more.
         self.curvature = if stiff > size { stiff / size } else { 1.0 };
         self.before.lambda.fill(0.0);
         self.before.gap.copy_from_slice(&self.b);

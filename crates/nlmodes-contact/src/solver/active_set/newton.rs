@@ -74,8 +74,8 @@ impl Newton {
 
     /// Forces that close the gaps of the set, without those that would pull, and the judge's verdict.
     ///
-    /// A set that is too large is often so by several layers at the edge of a patch, where only the outermost contacts pull
-    /// at a time; taking them off before the gaps are looked at saves the product with `A`.
+    /// A set that is too large is often so by several layers at the edge of a patch, where only the outermost contacts
+    /// pull at a time; taking them off before the gaps are looked at saves the product with `A`.
     fn step(&mut self, sample: &mut Sample) -> Verdict {
         loop {
             self.factor.select(sample.matrix(), &self.set);

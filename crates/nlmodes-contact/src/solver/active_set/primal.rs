@@ -6,11 +6,12 @@ use crate::{
     sample::{Sample, Verdict},
 };
 
-/// A penetration below this at a contact that no force can move is left alone: it is rounding, as in a pinch without clearance.
+/// A penetration below this at a contact that no force can move is left alone: it is rounding, as in a pinch without
+/// clearance.
 const TOLERATED: f64 = 1e-11;
 
-/// Contacts enter one at a time, the forces never pull, and the energy falls at every entry: no cycling. The block in use
-/// is always independent.
+/// Contacts enter one at a time, the forces never pull, and the energy falls at every entry: no cycling. The block in
+/// use is always independent.
 #[derive(Debug, Default)]
 pub(crate) struct Primal {
     factor: Factor,
@@ -54,7 +55,8 @@ impl Primal {
         }
     }
 
-    /// Moves forces along null directions of the block until those left stand on independent contacts. Gaps do not change.
+    /// Moves forces along null directions of the block until those left stand on independent contacts. Gaps do not
+    /// change.
     fn make_independent(&mut self, sample: &mut Sample) {
         let matrix = sample.matrix().clone();
         self.factor.clear();
@@ -150,7 +152,8 @@ impl Primal {
         Entry::Tolerated
     }
 
-    /// How the forces of the block answer to a unit force at `contact`, `−A_aa⁻¹ A_as`. Returns the gap per unit force there.
+    /// How the forces of the block answer to a unit force at `contact`, `−A_aa⁻¹ A_as`. Returns the gap per unit force
+    /// there.
     fn aim(&mut self, sample: &Sample, contact: usize) -> f64 {
         let column = sample.matrix().column(contact);
         self.direction.clear();
@@ -162,8 +165,8 @@ impl Primal {
         gap
     }
 
-    /// Forgets what is rounding in a direction beside a unit force. Along a null direction nothing else ends the step, and a
-    /// force that seems to fall by 1e-17 would end it at 1e17.
+    /// Forgets what is rounding in a direction beside a unit force. Along a null direction nothing else ends the step,
+    /// and a force that seems to fall by 1e-17 would end it at 1e17.
     fn drop_rounding(&mut self) {
         let least = 1e-10 * crate::kernel::max_abs(&self.direction).max(1.0);
         self.direction.iter_mut().filter(|d| d.abs() < least).for_each(|d| *d = 0.0);

@@ -89,7 +89,8 @@ impl Tableau {
         &self.entries[i * width..(i + 1) * width]
     }
 
-    /// The row of the smallest b; the last one where several are equal, which is the lexicographic choice in the unit basis.
+    /// The row of the smallest b; the last one where several are equal, which is the lexicographic choice in the unit
+    /// basis.
     fn first_row(&self) -> usize {
         let right = |i: usize| self.row(i)[2 * self.c + 1];
         (0..self.c).rev().min_by(|&i, &j| right(i).total_cmp(&right(j))).unwrap_or(0)

@@ -7,7 +7,8 @@ use nlmodes_continuation::{Continuation, ContinuationError, EventKind, Scaling, 
 use super::{InUnits, Sized, in_units};
 use crate::samples::{events, smooth, trace, window};
 
-/// Sizes of unknown, parameter and equation at a start whose direction is that of the parameter, but where the second is given.
+/// Sizes of unknown, parameter and equation at a start whose direction is that of the parameter, but where the second
+/// is given.
 fn sizes(settings: &Continuation, f: impl Fn(f64, f64) -> [f64; 3], start: [f64; 2], along: [f64; 2]) -> [f64; 3] {
     let settings = Continuation { max_points: 1, ..settings.clone() };
     let Scaling { unknowns, equations } = trace(&settings, smooth(f), start, along).scales;
@@ -18,7 +19,8 @@ fn sizes(settings: &Continuation, f: impl Fn(f64, f64) -> [f64; 3], start: [f64;
 fn what_is_zero_at_the_start_has_the_size_by_which_it_moves() {
     let free = Continuation::default();
     let two = |k: i32| 2.0_f64.powi(k);
-    // x = slope (p − p₀), whose equation has the larger of the size of x and the slope times that of p as its largest derivative.
+    // x = slope (p − p₀), whose equation has the larger of the size of x and the slope times that of p as its largest
+    // derivative.
     for (slope, x, p, expected) in [
         (two(-20), 0.0, two(10), [two(-10), two(10)]),
         (-two(20), 0.0, two(10), [two(30), two(10)]),

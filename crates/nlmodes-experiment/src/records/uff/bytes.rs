@@ -71,8 +71,8 @@ pub fn encode(numbers: impl IntoIterator<Item = f64>, precision: Precision, orde
     bytes
 }
 
-/// Whether the bytes are numbers of a measurement in the other byte order, but not in this one: most have no plausible size, or their
-/// sizes scatter over many more decades than those of a signal do.
+/// Whether the bytes are numbers of a measurement in the other byte order, but not in this one: most have no plausible
+/// size, or their sizes scatter over many more decades than those of a signal do.
 pub fn is_swapped(bytes: &[u8], precision: Precision, order: ByteOrder) -> bool {
     let judged = &bytes[..bytes.len().min(JUDGED * precision.size())];
     let (here, there) = (decode(judged, precision, order), decode(judged, precision, order.other()));

@@ -193,7 +193,8 @@ fn binary(lines: &mut Lines<'_>, layout: &Layout, order: ByteOrder) -> Result<Ve
 mod tests {
     use super::*;
 
-    /// A field of six digits is rounded in the sixth, even where a writer drops the zeros at its end, but for a finer one that it has.
+    /// A field of six digits is rounded in the sixth, even where a writer drops the zeros at its end, but for a finer
+    /// one that it has.
     #[test]
     fn a_step_is_rounded_in_its_sixth_digit_or_finer() {
         for (text, step, expected) in [

@@ -138,7 +138,8 @@ impl Deck {
     }
 }
 
-/// Most numbers that the sets of a deck name, those of ranges and of sets within sets included: a few lines could name more than fit into memory.
+/// Most numbers that the sets of a deck name, those of ranges and of sets within sets included: a few lines could name
+/// more than fit into memory.
 const MOST_IN_SETS: u64 = 50_000_000;
 
 /// Numbers of a set: those of a line, of other sets, or a range. They are counted before they are made.

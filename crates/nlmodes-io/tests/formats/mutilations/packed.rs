@@ -74,7 +74,8 @@ fn binary_files_that_are_cut_or_changed_anywhere_are_refused_or_read_right() {
     }
 }
 
-/// One byte says that the list of chunks goes on into what comes behind it, or four that a chunk is longer than the file: of 16 kB, 4 GiB would be read.
+/// One byte says that the list of chunks goes on into what comes behind it, or four that a chunk is longer than the
+/// file: of 16 kB, 4 GiB would be read.
 #[test]
 fn chunks_that_the_file_cannot_hold_are_refused_before_memory_is_taken() {
     let good = fs::read(fixture("hdf5.mat")).unwrap();

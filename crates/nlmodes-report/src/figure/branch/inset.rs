@@ -5,7 +5,8 @@ use crate::chart::{Axis, Inset, Scale};
 use nlmodes_modal::{ModalBranch, ModalPoint, Tongue, tongues};
 use std::f64::consts::TAU;
 
-/// Share of the height of the figure below which a tongue is a line, and share of its width from which on it is worth a look.
+/// Share of the height of the figure below which a tongue is a line, and share of its width from which on it is worth a
+/// look.
 const FLAT: f64 = 0.04;
 const WIDE: f64 = 0.08;
 

@@ -66,7 +66,8 @@ impl Piece<'_> {
     }
 }
 
-/// Stretches of a branch that are drawn alike, without gaps between them but for those that were left out; those that lie behind come first.
+/// Stretches of a branch that are drawn alike, without gaps between them but for those that were left out; those that
+/// lie behind come first.
 ///
 /// The stretch up to a change ends at its point, with which the next one begins.
 pub(super) fn pieces(points: &[ModalPoint]) -> Vec<Piece<'_>> {

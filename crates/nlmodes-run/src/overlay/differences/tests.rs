@@ -89,7 +89,8 @@ fn at_equal_frequency_the_motion_with_the_nearest_amplitude_counts_and_several_a
     let found = at_equal_frequency(&other, &own.branch);
     assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 1, 2]);
     assert!(found.iter().all(|d| d.equal == Equal::Frequency && d.relative().abs() < 1e-12 && d.amplitude.is_nan()));
-    // Half-way from the first to the second point, a quarter behind the second; at 13.5 Hz amplitude 3.5 is nearer to 3.4 than 2.75 is.
+    // Half-way from the first to the second point, a quarter behind the second; at 13.5 Hz amplitude 3.5 is nearer to
+    // 3.4 than 2.75 is.
     for (difference, impulse) in found[1..].iter().zip([0.5, 1.25, 2.5]) {
         assert!((difference.stops[0][1] - impulse).abs() < 1e-12 && difference.stops[1] == [10.0; 2], "{difference:?}");
         assert!((difference.own_impulse - impulse - 10.0).abs() < 1e-12);
@@ -118,7 +119,8 @@ fn points_without_contact_are_in_no_mean_of_impulses_and_forces() {
 
 #[test]
 fn partners_at_a_tongue_are_in_no_mean() {
-    // Both go up, back and up again over amplitudes 2 to 3, as at a tongue; beyond, one has a tongue that the other lacks.
+    // Both go up, back and up again over amplitudes 2 to 3, as at a tongue; beyond, one has a tongue that the other
+    // lacks.
     let own = laid("frequency_hz,modal_amplitude\n10,1\n13,3\n12,2\n14,4\n18,8\n");
     let mut other =
         laid("frequency_hz,modal_amplitude\n10.2,1\n11.22,1.9\n13.2,3\n12.1,2\n14.2,4\n17.1,7\n16.1,6\n18.2,8\n");

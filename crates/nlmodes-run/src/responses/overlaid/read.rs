@@ -12,7 +12,8 @@ const TABLE: &str = "branch.csv";
 /// Most rows that are read.
 const MOST_ROWS: usize = 1_000_000;
 
-/// The curves of a table, one for each of its columns `response` and `curve` where it has these, and the rows that are not used.
+/// The curves of a table, one for each of its columns `response` and `curve` where it has these, and the rows that are
+/// not used.
 pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
     let path = if overlay.path.is_dir() { overlay.path.join(TABLE) } else { overlay.path.clone() };
     if overlay.path.is_dir() && !path.is_file() {

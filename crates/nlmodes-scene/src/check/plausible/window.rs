@@ -5,7 +5,8 @@ use crate::rule::number;
 use crate::scene::{Scene, Start, Structure};
 use crate::{Diagnostic, Diagnostics};
 
-/// A frequency may be the mode's within this range of the closed form, which knows neither coarse meshes nor missing masses.
+/// A frequency may be the mode's within this range of the closed form, which knows neither coarse meshes nor missing
+/// masses.
 const AROUND: [f64; 2] = [0.5, 2.0];
 /// A stop on one side raises the frequency to less than twice that of the free structure.
 const STIFFENED: f64 = 2.0;

@@ -20,15 +20,16 @@ const SAME_WAY: f64 = 0.9;
 const FURTHER: [usize; 2] = [0, 1];
 const AHEAD: [f64; 3] = [0.0, 1e-3, 1e-2];
 
-/// Largest change of the unknowns with the number of harmonics, whatever the estimate says; a solution further away is another one.
+/// Largest change of the unknowns with the number of harmonics, whatever the estimate says; a solution further away is
+/// another one.
 const NEAR: f64 = 0.1;
 
 /// Largest change over the estimated one, and the smallest estimate that counts.
 const OFF: f64 = 2.0;
 const RESOLVED: f64 = 1e-7;
 
-/// Distance over the estimated error below which points cannot be told apart, and how far a branch is off the chord between two points,
-/// over their distance.
+/// Distance over the estimated error below which points cannot be told apart, and how far a branch is off the chord
+/// between two points, over their distance.
 pub(super) const LIKE: f64 = 4.0;
 const STRAIGHT: f64 = 0.1;
 
@@ -36,8 +37,8 @@ const STRAIGHT: f64 = 0.1;
 const ENERGY_CHANGES: f64 = 0.05;
 
 impl Tracer<'_> {
-    /// The beginning at `base` with so many harmonics or a few more, or, where a contact is about to open or close there, a little
-    /// ahead of it; `None` where Newton's method finds none.
+    /// The beginning at `base` with so many harmonics or a few more, or, where a contact is about to open or close
+    /// there, a little ahead of it; `None` where Newton's method finds none.
     pub(super) fn carried_over(
         &mut self,
         earlier: &Found,
@@ -85,9 +86,9 @@ impl Tracer<'_> {
         Ok(None)
     }
 
-    /// Whether a solution with more harmonics than the guess `z` is shown to be on the same branch, within these limits of the frequency: its tangent
-    /// points the same way, and it lies no further off than the estimate with the fewer harmonics says, `expected` over the unknowns. Next to a tongue
-    /// that only one of them knows neither holds.
+    /// Whether a solution with more harmonics than the guess `z` is shown to be on the same branch, within these limits
+    /// of the frequency: its tangent points the same way, and it lies no further off than the estimate with the fewer
+    /// harmonics says, `expected` over the unknowns. Next to a tongue that only one of them knows neither holds.
     fn is_same(
         &mut self,
         seed: &Seed,
@@ -130,8 +131,9 @@ impl Place {
         coefficients.chain(x[n * width..].iter().copied()).collect()
     }
 
-    /// Whether the branch has passed here before among its first `count` points, the other way, for all that can be told with this
-    /// error: on the far side of a tongue that only the fewer harmonics have, other ones have but the branch beside it, and lead back along that.
+    /// Whether the branch has passed here before among its first `count` points, the other way, for all that can be
+    /// told with this error: on the far side of a tongue that only the fewer harmonics have, other ones have but the
+    /// branch beside it, and lead back along that.
     pub fn passed_before(&self, at: &BranchPoint, error: f64, earlier: &Found, count: usize) -> bool {
         let rises = at.tangent.last().is_some_and(|t| *t > 0.0);
         let energy = |k: usize| (earlier.points[k].kinetic_energy / self.energy).ln();

@@ -18,7 +18,8 @@ pub(super) enum Decision {
     Keep,
     /// It does not; the branch goes on from the one before it with more harmonics.
     More(usize),
-    /// It counts although its error is too large: there are no more harmonics, or none that lead on, which was found here or before.
+    /// It counts although its error is too large: there are no more harmonics, or none that lead on, which was found
+    /// here or before.
     Limit { tried_here: bool },
     /// The modes of the held structure do not suffice.
     Modes,

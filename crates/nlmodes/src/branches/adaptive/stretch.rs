@@ -8,7 +8,8 @@ use super::carry::{LIKE, Place};
 use crate::branches::found::{First, Found};
 use crate::branches::stability::length;
 
-/// Share of the unknowns within which points with different numbers of harmonics are the same, if that many in a row are.
+/// Share of the unknowns within which points with different numbers of harmonics are the same, if that many in a row
+/// are.
 const BACK_WITHIN: f64 = 0.02;
 const SURELY_BACK: usize = 3;
 
@@ -50,8 +51,9 @@ pub(super) struct Stretch {
     pub at_limit: bool,
     /// Points that were shown with this accuracy.
     accurate: Vec<Base>,
-    /// Where the number of harmonics was changed. Behind a tongue that only the former number has, another one may know but the branch beside
-    /// it, and lead back along that: the beam of Peter et al. falls back to grazing with an accuracy of 2e-3 where changes stay.
+    /// Where the number of harmonics was changed. Behind a tongue that only the former number has, another one may know
+    /// but the branch beside it, and lead back along that: the beam of Peter et al. falls back to grazing with an
+    /// accuracy of 2e-3 where changes stay.
     pub changes: Vec<Base>,
     /// Points in a row since the last one that lie where the branch has been before it.
     back: usize,
@@ -83,7 +85,8 @@ impl Stretch {
         self.base = Some(base);
     }
 
-    /// Where more harmonics are tried: the last point that counts, and of those with this accuracy the ones so many points before the last of them.
+    /// Where more harmonics are tried: the last point that counts, and of those with this accuracy the ones so many
+    /// points before the last of them.
     pub fn bases(&self, last: &Base, back: &[usize]) -> Vec<Base> {
         let earlier = back.iter().filter_map(|back| self.accurate.len().checked_sub(back + 1));
         std::iter::once(last).chain(earlier.map(|k| &self.accurate[k])).cloned().collect()
@@ -102,7 +105,8 @@ impl Stretch {
         self.changes.pop_if(|change| change.shown == found.points.len())
     }
 
-    /// The last change of the number of harmonics, if the branch has come back to where it was before, and goes back along that.
+    /// The last change of the number of harmonics, if the branch has come back to where it was before, and goes back
+    /// along that.
     pub fn change_that_runs_back(
         &mut self,
         point: &BranchPoint,
