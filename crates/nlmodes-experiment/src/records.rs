@@ -15,26 +15,33 @@
 //! names the place.
 
 mod channel;
+mod common_time;
 mod csv;
+mod declared;
 mod error;
 mod file;
 mod limits;
 mod npy;
 mod quantity;
 mod record;
+mod remark;
 mod sample_rate;
 mod table;
 mod time_axis;
 mod uff;
+mod unit;
 mod wav;
 
 pub use channel::{Channel, Role};
+pub use common_time::Start;
 pub use csv::{TIME_COLUMN, read_csv, write_csv};
+pub use declared::{Declared, DeclaredQuantity, UnitSystem};
 pub use error::RecordError;
 pub use file::{Recording, write_record};
 pub use npy::{read_npy, write_npy};
 pub use quantity::Quantity;
 pub use record::Record;
+pub use remark::Remark;
 pub use sample_rate::SampleRate;
 pub use table::{Column, RecordTable};
 pub use uff::{

@@ -87,7 +87,7 @@ fn check(written: &Dataset58, back: &Dataset58, storage: Storage, precision: Pre
             };
             assert!((rounding - digits * largest).abs() <= 1e-15 * largest, "{rounding:e}");
         }
-        (Abscissa::Even { first, step, .. }, Abscissa::Even { first: f, step: s, rounding }) => {
+        (Abscissa::Even { first, step, .. }, Abscissa::Even { first: f, step: s, rounding, .. }) => {
             assert_eq!((first, step), (f, s));
             assert!((rounding - 5e-7).abs() < 1e-20, "{rounding}");
         }

@@ -176,6 +176,12 @@ fn help(error: &RecordError) -> &'static [&'static str] {
         RecordError::RateDisagrees { .. } => {
             &["`recording.sample_rate_hz` must agree with the file; leave it out to take the file's"]
         }
+        RecordError::NoChannels { .. } | RecordError::Ambiguous { .. } => {
+            &["`channel.name` is any of the names of a column, as they stand between the signs ="]
+        }
+        RecordError::UnitDisagrees { .. } => {
+            &["`unit` and `sensitivity` of the channel must make of the numbers what the file says that they are"]
+        }
         RecordError::NoRate => &["give `recording.sample_rate_hz`, or `recording.time_column` for .csv files"],
         _ => &[],
     }

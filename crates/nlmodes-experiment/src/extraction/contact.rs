@@ -101,7 +101,7 @@ impl Evidence<'_> {
 
     fn history(&self, force: &[f64], stop: &Stop, findings: &mut Vec<Finding>) -> Option<TimeHistory> {
         let Some(place) = find(&self.layout.places, stop.position).map(|k| &self.layout.places[k]) else {
-            let consequence = "without the motion at the stop there is no restitution and no contact stiffness";
+            let consequence = "without the motion at the stop there is no restitution and no contact stiffness".into();
             let channel = format!("response at {} m", stop.position);
             findings.push(Finding::ChannelMissing { channel, consequence });
             return None;

@@ -1,5 +1,7 @@
 mod words;
 
+use crate::records::Remark;
+
 /// What a careful experimenter wants to be told about a record, with its number.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -45,8 +47,8 @@ pub enum Finding {
     ChannelMissing {
         /// Name or role.
         channel: String,
-        /// What cannot be had without it.
-        consequence: &'static str,
+        /// What cannot be had without it, or what is there.
+        consequence: String,
     },
     /// The sampling rate of the file is not the declared one.
     SamplingRatesDisagree {
@@ -209,6 +211,8 @@ pub enum Finding {
         /// Its largest value, N.
         peak: f64,
     },
+    /// What came up while the record was read.
+    Recorded(Remark),
     /// A sensor at a place for which the linear modes have no row.
     PositionWithoutShape {
         /// Name of the channel.

@@ -30,12 +30,16 @@ pub fn usable(record: &Record, findings: &mut Vec<Finding>) -> Vec<bool> {
     usable
 }
 
-/// Reports channels that were described and are not there.
+/// Reports channels that were described and are not there, with the columns that are, and what reading brought up.
 pub fn missing(record: &Record, findings: &mut Vec<Finding>) {
     for channel in &record.missing {
-        let consequence = "the file has no such column";
+        let consequence = match &record.unused[..] {
+            [] => "the file has no such column, and no other one".to_owned(),
+            others => format!("the file has no such column; not described are {}", others.join("; ")),
+        };
         findings.push(Finding::ChannelMissing { channel: channel.clone(), consequence });
     }
+    findings.extend(record.remarks.iter().cloned().map(Finding::Recorded));
 }
 
 /// Reports roles that no usable channel has.
@@ -54,7 +58,7 @@ pub fn roles(layout: &Layout, has_stop: bool, findings: &mut Vec<Finding>) {
         ),
     ];
     for (role, _, consequence) in absent.into_iter().filter(|(_, is_absent, _)| *is_absent) {
-        findings.push(Finding::ChannelMissing { channel: role.into(), consequence });
+        findings.push(Finding::ChannelMissing { channel: role.into(), consequence: consequence.into() });
     }
 }
 

@@ -51,7 +51,7 @@ pub fn choose(
     let refuse =
         |finding, others: &[Finding]| ExtractionError::Refused { finding: Box::new(finding), others: others.to_vec() };
     let Some(reference) = layout.reference else {
-        let consequence = "no usable channel measures a motion";
+        let consequence = "no usable channel measures a motion".into();
         return Err(refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings));
     };
     let (name, samples) = (&record.channels[reference].name, &record.samples[reference][..record.n_samples()]);

@@ -6,7 +6,7 @@ use csv::{Reader, ReaderBuilder, StringRecord, Terminator, WriterBuilder};
 
 use crate::records::limits::{MAX_CHANNELS, read_all};
 use crate::records::sample_rate::Digits;
-use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
+use crate::records::{Column, Declared, Record, RecordError, RecordTable, SampleRate};
 
 /// Name of the time column that is written.
 pub const TIME_COLUMN: &str = "time_s";
@@ -64,8 +64,15 @@ fn rows(reader: &mut Reader<&[u8]>, names: &[String], time: Option<&str>, separa
     }
     let times = time.map(|time| (values[time].clone(), digits.rounding()));
     let columns = names.iter().zip(values).enumerate().filter(|(i, _)| Some(*i) != time);
-    let columns = columns.map(|(_, (name, values))| Column { name: name.clone(), aliases: vec![], rate: None, values });
+    let columns = columns.map(|(_, (name, values))| column(name, values));
     Ok((columns.collect(), times))
+}
+
+/// A column; a unit may stand in brackets behind its name.
+fn column(name: &str, values: Vec<f64>) -> Column {
+    let unit = name.strip_suffix([')', ']']).and_then(|name| Some(name.rsplit_once(['(', '['])?.1));
+    let declared = Declared { unit: unit.unwrap_or_default().to_owned(), ..Declared::default() };
+    Column { declared, ..Column::new(name, values) }
 }
 
 fn header(reader: &mut Reader<&[u8]>) -> Result<Vec<String>, RecordError> {

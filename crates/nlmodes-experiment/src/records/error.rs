@@ -122,12 +122,83 @@ pub enum RecordError {
         columns: String,
     },
     /// Several columns have this name.
-    #[error("\"{name}\" stands for {count} columns of the file; name one by its first identification line")]
+    #[error(
+        "\"{name}\" stands for {count} columns of the file; name one by a name of its own; the file has: {columns}"
+    )]
     Ambiguous {
         /// The name.
         name: String,
         /// How many.
         count: usize,
+        /// The columns that are there, each with all of its names.
+        columns: String,
+    },
+    /// No described channel is in the file.
+    #[error("no channel of the scene is in the file: described are {described}; the file has: {columns}")]
+    NoChannels {
+        /// Names of the described channels.
+        described: String,
+        /// The columns that are there, each with all of its names.
+        columns: String,
+    },
+    /// Two channels name one column.
+    #[error("the channels \"{first}\" and \"{second}\" are one column of the file, under two of its names")]
+    SameColumn {
+        /// The first channel.
+        first: String,
+        /// The second one.
+        second: String,
+    },
+    /// The file says that a channel measures something else.
+    #[error("channel \"{channel}\": the file says that it measures {found}, the scene says {declared}")]
+    QuantityDisagrees {
+        /// Name of the channel.
+        channel: String,
+        /// What the file says.
+        found: &'static str,
+        /// What the scene says.
+        declared: Quantity,
+    },
+    /// The file says that a channel is in another unit.
+    #[error("channel \"{channel}\": the file says {header}, the scene says {quantity} in \"{declared}\"")]
+    UnitDisagrees {
+        /// Name of the channel.
+        channel: String,
+        /// What the file says.
+        header: String,
+        /// Unit of the scene.
+        declared: String,
+        /// Quantity of the scene.
+        quantity: Quantity,
+    },
+    /// Channels begin at different instants, which are not known well enough.
+    #[error(
+        "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s, by the digits of the file ± {rounding:e} s: \
+         too few to put their samples side by side"
+    )]
+    StartsUncertain {
+        /// The channel that begins last.
+        channel: String,
+        /// Its start, s.
+        start: f64,
+        /// The one that begins first.
+        first: String,
+        /// Its start, s.
+        first_start: f64,
+        /// Largest error of their difference, s.
+        rounding: f64,
+    },
+    /// Channels of one file were not recorded at the same time.
+    #[error("channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s: they have no time in common")]
+    NoCommonTime {
+        /// The channel that begins last.
+        channel: String,
+        /// Its start, s.
+        start: f64,
+        /// The one that begins first.
+        first: String,
+        /// Its start, s.
+        first_start: f64,
     },
     /// A file without names has another number of channels than are described.
     #[error("the file has {found} channels and no names, so they are taken in order, but {described} are described")]

@@ -37,12 +37,7 @@ pub fn read_npy(source: impl Read) -> Result<RecordTable, RecordError> {
     // Neighbours in memory belong to one channel where rows are channels in C order, or columns are in Fortran order.
     let together = by_rows == (order == Order::Fortran);
     let at = |j: usize, c: usize| if together { c * samples + j } else { j * channels + c };
-    let column = |c: usize| Column {
-        name: (c + 1).to_string(),
-        aliases: vec![],
-        rate: None,
-        values: (0..samples).map(|j| values[at(j, c)]).collect(),
-    };
+    let column = |c: usize| Column::new((c + 1).to_string(), (0..samples).map(|j| values[at(j, c)]).collect());
     Ok(RecordTable { columns: (0..channels).map(column).collect(), named: false })
 }
 

@@ -1,5 +1,14 @@
 use std::fmt;
 
+use crate::records::unit;
+
+/// Standard gravity, m/s².
+const STANDARD_GRAVITY: f64 = 9.806_65;
+/// International pound of force, N.
+const POUND: f64 = 4.448_221_615_260_5;
+/// International inch, m.
+const INCH: f64 = 0.0254;
+
 /// What a channel measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -48,12 +57,46 @@ impl Quantity {
     /// Units that are understood, the SI unit first, each with its factor to SI.
     pub fn units(self) -> &'static [(&'static str, f64)] {
         match self {
-            Self::Force => &[("N", 1.0), ("kN", 1e3), ("mN", 1e-3)],
-            Self::Displacement => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("µm", 1e-6), ("μm", 1e-6), ("nm", 1e-9)],
-            Self::Velocity => &[("m/s", 1.0), ("mm/s", 1e-3), ("um/s", 1e-6), ("µm/s", 1e-6), ("μm/s", 1e-6)],
-            Self::Acceleration => {
-                &[("m/s^2", 1.0), ("m/s²", 1.0), ("m/s2", 1.0), ("mm/s^2", 1e-3), ("mm/s²", 1e-3), ("g", 9.806_65)]
-            }
+            Self::Force => &[
+                ("N", 1.0),
+                ("kN", 1e3),
+                ("mN", 1e-3),
+                ("MN", 1e6),
+                ("lbf", POUND),
+                ("lb", POUND),
+                ("kgf", STANDARD_GRAVITY),
+                ("kp", STANDARD_GRAVITY),
+            ],
+            Self::Displacement => &[
+                ("m", 1.0),
+                ("mm", 1e-3),
+                ("cm", 1e-2),
+                ("um", 1e-6),
+                ("nm", 1e-9),
+                ("in", INCH),
+                ("mil", 1e-3 * INCH),
+                ("mils", 1e-3 * INCH),
+                ("ft", 12.0 * INCH),
+            ],
+            Self::Velocity => &[
+                ("m/s", 1.0),
+                ("mm/s", 1e-3),
+                ("cm/s", 1e-2),
+                ("um/s", 1e-6),
+                ("in/s", INCH),
+                ("mil/s", 1e-3 * INCH),
+                ("ft/s", 12.0 * INCH),
+            ],
+            Self::Acceleration => &[
+                ("m/s^2", 1.0),
+                ("mm/s^2", 1e-3),
+                ("cm/s^2", 1e-2),
+                ("g", STANDARD_GRAVITY),
+                ("gn", STANDARD_GRAVITY),
+                ("mg", 1e-3 * STANDARD_GRAVITY),
+                ("in/s^2", INCH),
+                ("ft/s^2", 12.0 * INCH),
+            ],
             Self::Phase => &[
                 ("rad", 1.0),
                 ("deg", std::f64::consts::PI / 180.0),
@@ -63,9 +106,11 @@ impl Quantity {
         }
     }
 
-    /// Factor from a unit to SI; `None` for a unit that does not measure this.
+    /// Factor from a unit to SI, however it is spelled: `m/s²`, `m/s2` and `m/s**2` are one. `None` for a unit that does
+    /// not measure this.
     pub fn factor(self, unit: &str) -> Option<f64> {
-        self.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
+        let usual = unit::usual(unit);
+        self.units().iter().find(|(name, _)| *name == usual).map(|(_, factor)| *factor)
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::records::{Channel, Column, RecordTable, Role, SampleRate};
+use crate::records::{Channel, Column, RecordTable, Remark, Role, SampleRate};
 
 /// Channels that were sampled together, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,12 +15,25 @@ pub struct Record {
     pub samples: Vec<Vec<f64>>,
     /// Channels that were described, but that the file does not have.
     pub missing: Vec<String>,
+    /// Columns of the file that no channel describes, each with all of its names.
+    pub unused: Vec<String>,
+    /// What reading brought up.
+    pub remarks: Vec<Remark>,
 }
 
 impl Record {
     /// A record without channels.
     pub fn new(name: impl Into<String>, sample_rate: f64) -> Self {
-        Self { name: name.into(), sample_rate, rate_error: 0.0, channels: vec![], samples: vec![], missing: vec![] }
+        Self {
+            name: name.into(),
+            sample_rate,
+            rate_error: 0.0,
+            channels: vec![],
+            samples: vec![],
+            missing: vec![],
+            unused: vec![],
+            remarks: vec![],
+        }
     }
 
     /// Adds a channel with samples that are in SI units already.
@@ -49,10 +62,8 @@ impl Record {
     /// As a table with the SI values, to be written. The description of its channels is that of [`Self::si_channels`].
     pub fn table(&self) -> RecordTable {
         let column = |(channel, samples): (&Channel, &Vec<f64>)| Column {
-            name: channel.name.clone(),
-            aliases: vec![],
             rate: Some(SampleRate { hz: self.sample_rate, relative_error: self.rate_error }),
-            values: samples.clone(),
+            ..Column::new(channel.name.clone(), samples.clone())
         };
         RecordTable { columns: self.channels.iter().zip(&self.samples).map(column).collect(), named: true }
     }

@@ -1,4 +1,4 @@
-use crate::records::{Channel, Record, RecordError, SampleRate};
+use crate::records::{Channel, Declared, Record, RecordError, SampleRate, Start, common_time};
 
 /// Relative difference of sampling rates within a file that counts as agreement.
 const AGREEMENT: f64 = 1e-6;
@@ -21,8 +21,28 @@ pub struct Column {
     pub aliases: Vec<String>,
     /// Sampling rate, where the file tells one.
     pub rate: Option<SampleRate>,
+    /// Instant of the first sample, where the file tells it for each column.
+    pub start: Option<Start>,
+    /// What the file says of the numbers.
+    pub declared: Declared,
     /// Recorded numbers.
     pub values: Vec<f64>,
+}
+
+/// Described channels with their columns.
+type Picked = Vec<(Channel, Column)>;
+
+impl Column {
+    /// A column of which nothing is known but its name.
+    pub fn new(name: impl Into<String>, values: Vec<f64>) -> Self {
+        let name = name.into();
+        Self { name, aliases: vec![], rate: None, start: None, declared: Declared::default(), values }
+    }
+
+    /// All names under which it can be found.
+    fn all_names(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.name).chain(&self.aliases).map(String::as_str)
+    }
 }
 
 impl RecordTable {
@@ -42,22 +62,53 @@ impl RecordTable {
         if !self.named && self.columns.len() != channels.len() {
             return Err(RecordError::ChannelCount { found: self.columns.len(), described: channels.len() });
         }
-        let mut picked: Vec<(Channel, Column)> = Vec::new();
-        let mut missing = Vec::new();
-        for (i, channel) in channels.iter().enumerate() {
-            match if self.named { self.find(&channel.name)? } else { Some(i) } {
-                Some(at) => {
-                    let values = std::mem::take(&mut self.columns[at].values);
-                    picked.push((channel.clone(), Column { values, ..self.columns[at].clone() }));
-                }
-                None => missing.push(channel.name.clone()),
-            }
+        let (mut picked, missing) = self.pick(channels)?;
+        let unused = self.unused();
+        if picked.is_empty() {
+            let described = channels.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(RecordError::NoChannels { described, columns: unused.join("; ") });
         }
         let sample_rate = common_rate(&picked, rate_hz)?;
+        let mut remarks = Vec::new();
+        for (channel, column) in &picked {
+            channel.scale()?;
+            column.declared.check(channel, &mut remarks)?;
+        }
+        common_time::cut(&mut picked, sample_rate, &mut remarks)?;
         check_lengths(&picked)?;
-        let mut record = Record::new(name, sample_rate.hz);
-        record.rate_error = sample_rate.relative_error;
-        record.missing = missing;
+        let rate_error = sample_rate.relative_error;
+        let record = Record { missing, unused, remarks, rate_error, ..Record::new(name, sample_rate.hz) };
+        Self::described(picked, record)
+    }
+
+    /// The columns that the channels describe, and the names of channels that have none.
+    fn pick(&mut self, channels: &[Channel]) -> Result<(Picked, Vec<String>), RecordError> {
+        let (mut places, mut missing): (Vec<(usize, &Channel)>, Vec<String>) = (Vec::new(), Vec::new());
+        for (i, channel) in channels.iter().enumerate() {
+            let Some(at) = (if self.named { self.find(&channel.name)? } else { Some(i) }) else {
+                missing.push(channel.name.clone());
+                continue;
+            };
+            if let Some((_, other)) = places.iter().find(|(taken, _)| *taken == at) {
+                let (first, second) = (other.name.clone(), channel.name.clone());
+                return Err(RecordError::SameColumn { first, second });
+            }
+            places.push((at, channel));
+        }
+        let mut columns: Vec<Option<Column>> = std::mem::take(&mut self.columns).into_iter().map(Some).collect();
+        let take = |(at, channel): (usize, &Channel)| Some((channel.clone(), columns[at].take()?));
+        let picked = places.into_iter().filter_map(take).collect();
+        self.columns = columns.into_iter().flatten().collect();
+        Ok((picked, missing))
+    }
+
+    /// Names of the columns that no channel describes, each with all of its names.
+    fn unused(&self) -> Vec<String> {
+        self.columns.iter().map(|column| column.all_names().collect::<Vec<_>>().join(" = ")).collect()
+    }
+
+    /// The record of channels and their columns.
+    fn described(picked: Picked, mut record: Record) -> Result<Record, RecordError> {
         for (channel, column) in picked {
             let scale = channel.scale()?;
             record.channels.push(channel);
@@ -68,16 +119,22 @@ impl RecordTable {
 
     /// Where the column of this name stands.
     fn find(&self, name: &str) -> Result<Option<usize>, RecordError> {
-        let exact = self.columns.iter().position(|column| column.name == name);
-        if exact.is_some() {
-            return Ok(exact);
-        }
+        let own = |column: &&Column| column.name == name;
         let called = |column: &&Column| column.aliases.iter().any(|alias| alias == name);
-        match self.columns.iter().filter(called).count() {
-            0 => Ok(None),
-            1 => Ok(self.columns.iter().position(|column| called(&column))),
-            count => Err(RecordError::Ambiguous { name: name.to_owned(), count }),
+        let named: Vec<usize> = self.places(own);
+        match (if named.is_empty() { self.places(called) } else { named })[..] {
+            [] => Ok(None),
+            [only] => Ok(Some(only)),
+            [..] => Err(RecordError::Ambiguous {
+                name: name.to_owned(),
+                count: self.places(|column| own(column) || called(column)).len(),
+                columns: self.unused().join("; "),
+            }),
         }
+    }
+
+    fn places(&self, is_meant: impl Fn(&&Column) -> bool) -> Vec<usize> {
+        self.columns.iter().enumerate().filter(|(_, column)| is_meant(column)).map(|(i, _)| i).collect()
     }
 
     /// Names of the columns, separated by commas.
@@ -135,7 +192,7 @@ mod tests {
     use crate::records::{Quantity, Role};
 
     fn column(name: &str, samples: usize, rate: Option<SampleRate>) -> Column {
-        Column { name: name.into(), aliases: vec!["old".into()], rate, values: vec![1.0; samples] }
+        Column { aliases: vec!["old".into()], rate, ..Column::new(name, vec![1.0; samples]) }
     }
 
     fn record(columns: Vec<Column>, rate: Option<f64>) -> Result<Record, RecordError> {

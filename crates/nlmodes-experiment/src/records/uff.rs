@@ -2,8 +2,8 @@
 //!
 //! A file is a sequence of datasets between lines that hold `−1` alone. Dataset 58 has eleven header lines of
 //! fixed-width fields and then the ordinates: real or complex, in single or double precision, over an even or an uneven
-//! abscissa; in 58b these are binary, in either byte order. All of these are read and written; datasets of other types
-//! are passed over.
+//! abscissa; in 58b these are binary, in either byte order. All of these are read and written. The units of dataset 164
+//! are kept with the functions behind it; datasets of other types are passed over.
 
 mod bytes;
 mod dataset;
@@ -12,6 +12,7 @@ mod header;
 mod lines;
 mod read;
 mod text;
+mod units;
 mod write;
 
 pub use dataset::{Abscissa, Axis, ByteOrder, Dataset58, Node, Ordinates, Precision, Storage};
@@ -22,14 +23,16 @@ pub use write::write_uff58;
 use std::io::{Read, Write};
 
 use crate::records::limits::{MAX_CHANNELS, read_all};
-use crate::records::{Column, Quantity, Record, RecordError, RecordTable, SampleRate};
+use crate::records::{
+    Column, Declared, DeclaredQuantity, Quantity, Record, RecordError, RecordTable, SampleRate, Start, unit,
+};
 
 /// Abscissa of time, in the codes of the format.
 const TIME: i32 = 17;
 
 /// Reads the time records of a Universal File. The name of a column is the first identification line of its dataset, or
-/// where that is empty the label of its ordinate, or the name of its response entity; all of them, and
-/// `node:direction`, find it.
+/// where that is empty the next one, the label of its ordinate, or the name of its response entity; all of them, and
+/// `node:direction`, find it. Start, quantity and unit of a column are those of its header.
 ///
 /// # Errors
 /// [`UffError`] for a file that is not sound, or that holds something else than real functions of time.
@@ -52,12 +55,56 @@ fn column(dataset: Dataset58) -> Result<Column, RecordError> {
     if !matches!(dataset.abscissa_axis.kind, 0 | TIME) {
         return Err(UffError::NotATimeRecord { name, reason: "its abscissa is not time" }.into());
     }
-    let rate = match dataset.abscissa {
-        Abscissa::Even { step, rounding, .. } if step > 0.0 => SampleRate::of_interval(step, rounding),
-        Abscissa::Even { step, .. } => return Err(UffError::Step { name, step }.into()),
-        Abscissa::Uneven { values, rounding } => SampleRate::of_times(&values, rounding)?,
+    let seconds = seconds(&name, &dataset.abscissa_axis.unit)?;
+    let declared = Declared {
+        quantity: quantity(dataset.ordinate_axis.kind),
+        unit: dataset.ordinate_axis.unit,
+        system: dataset.units,
     };
-    Ok(Column { name, aliases: names, rate: Some(rate), values })
+    let (rate, start) = match dataset.abscissa {
+        Abscissa::Even { first, step, rounding, first_rounding } if step > 0.0 => {
+            (SampleRate::of_interval(step * seconds, rounding * seconds), (first, first_rounding))
+        }
+        Abscissa::Even { step, .. } => return Err(UffError::Step { name, step }.into()),
+        Abscissa::Uneven { values, rounding } => {
+            let times: Vec<f64> = values.iter().map(|t| t * seconds).collect();
+            let largest = values.iter().fold(0.0, |largest: f64, t| largest.max(t.abs()));
+            let first = values.first().copied().unwrap_or_default();
+            // Digits are significant ones: those of a small value are finer.
+            let own = if largest > 0.0 { rounding * first.abs() / largest } else { rounding };
+            (SampleRate::of_times(&times, rounding * seconds)?, (first, own))
+        }
+    };
+    let start = Some(Start { at: start.0 * seconds, rounding: start.1 * seconds });
+    Ok(Column { aliases: names, rate: Some(rate), start, declared, ..Column::new(name, values) })
+}
+
+/// Seconds in the unit of an abscissa; one where it has none.
+fn seconds(name: &str, text: &str) -> Result<f64, UffError> {
+    let is_none = ["", "none", "unknown", "n/a", "-", "time"].contains(&text.trim().to_lowercase().as_str());
+    let refuse = || UffError::TimeUnit { name: name.to_owned(), unit: text.to_owned() };
+    if is_none { Ok(1.0) } else { unit::seconds(text).ok_or_else(refuse) }
+}
+
+/// The quantity of a code of the format.
+fn quantity(kind: i32) -> DeclaredQuantity {
+    match kind {
+        8 => DeclaredQuantity::Known(Quantity::Displacement),
+        11 => DeclaredQuantity::Known(Quantity::Velocity),
+        12 => DeclaredQuantity::Known(Quantity::Acceleration),
+        9 | 13 => DeclaredQuantity::Known(Quantity::Force),
+        2 => DeclaredQuantity::Other("stress"),
+        3 => DeclaredQuantity::Other("strain"),
+        5 => DeclaredQuantity::Other("temperature"),
+        6 => DeclaredQuantity::Other("heat flux"),
+        15 => DeclaredQuantity::Other("pressure"),
+        16 => DeclaredQuantity::Other("mass"),
+        17 => DeclaredQuantity::Other("time"),
+        18 => DeclaredQuantity::Other("frequency"),
+        19 => DeclaredQuantity::Other("revolutions"),
+        20 => DeclaredQuantity::Other("order"),
+        _ => DeclaredQuantity::Unknown,
+    }
 }
 
 /// Writes the channels of a record in SI units, a dataset each, in double precision.

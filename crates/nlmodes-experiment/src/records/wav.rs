@@ -45,7 +45,7 @@ pub fn read_wav(source: impl Read) -> Result<RecordTable, RecordError> {
         return Err(RecordError::Wav { message: "it ends within a sample of its channels".into() });
     }
     let rate = SampleRate::exact(f64::from(spec.sample_rate));
-    let column = |(i, values)| Column { name: format!("{}", i + 1), aliases: vec![], rate: Some(rate), values };
+    let column = |(i, values)| Column { rate: Some(rate), ..Column::new(format!("{}", i + 1), values) };
     Ok(RecordTable { columns: values.into_iter().enumerate().map(column).collect(), named: false })
 }
 

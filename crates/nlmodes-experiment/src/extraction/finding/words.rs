@@ -33,6 +33,7 @@ impl Finding {
             Self::ChannelUnused { .. } => "channel-unused",
             Self::FarFromModes { .. } => "far-from-modes",
             Self::Offset { .. } => "offset",
+            Self::Recorded(remark) => remark.name(),
             Self::PositionWithoutShape { .. } => "position-without-shape",
         }
     }
@@ -145,6 +146,7 @@ impl fmt::Display for Finding {
                 f,
                 "channel \"{channel}\" rests at {offset:.4e} N, not at zero (its peak is {peak:.4e} N): contact and stiffness depend on it"
             ),
+            Self::Recorded(remark) => remark.fmt(f),
             Self::PositionWithoutShape { channel, position } => {
                 write!(
                     f,

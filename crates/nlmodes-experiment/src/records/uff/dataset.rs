@@ -1,5 +1,7 @@
 use num_complex::Complex64;
 
+use crate::records::UnitSystem;
+
 /// A function at a nodal degree of freedom: one dataset 58.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dataset58 {
@@ -31,6 +33,8 @@ pub struct Dataset58 {
     pub abscissa: Abscissa,
     /// Values of the function.
     pub ordinates: Ordinates,
+    /// Units of the numbers where a dataset 164 gives them; not written.
+    pub units: Option<UnitSystem>,
 }
 
 /// A degree of freedom.
@@ -68,6 +72,8 @@ pub enum Abscissa {
         step: f64,
         /// Rounding error of the step as it stands in the header.
         rounding: f64,
+        /// Rounding error of the first value as it stands in the header.
+        first_rounding: f64,
     },
     /// Value by value.
     Uneven {
@@ -133,16 +139,17 @@ impl Dataset58 {
             z_axis: axis(),
             abscissa,
             ordinates: Ordinates::Real(ordinates),
+            units: None,
         }
     }
 
     /// Names under which the function can be found, the most telling one first.
     pub fn names(&self) -> Vec<String> {
         let place = format!("{}:{}", self.response.node, self.response.direction);
-        let labels = [&self.identification[0], &self.ordinate_axis.label, &self.response.entity, &place];
+        let labels = [&self.ordinate_axis.label, &self.response.entity, &place];
         let mut names: Vec<String> = Vec::new();
-        for label in labels {
-            if !label.is_empty() && label != "NONE" && !names.contains(label) {
+        for label in self.identification.iter().chain(labels) {
+            if !label.is_empty() && label != "NONE" && !is_time(label) && !names.contains(label) {
                 names.push(label.clone());
             }
         }
@@ -150,10 +157,15 @@ impl Dataset58 {
     }
 }
 
+/// Whether an identification line says when: hours, minutes and seconds behind a date.
+fn is_time(label: &str) -> bool {
+    label.starts_with(|c: char| c.is_ascii_digit()) && label.matches(':').count() == 2
+}
+
 impl Abscissa {
     /// Even, with a step that is known exactly.
     pub fn even(first: f64, step: f64) -> Self {
-        Self::Even { first, step, rounding: 0.0 }
+        Self::Even { first, step, rounding: 0.0, first_rounding: 0.0 }
     }
 }
 

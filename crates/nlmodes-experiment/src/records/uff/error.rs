@@ -101,6 +101,14 @@ pub enum UffError {
         /// Why.
         reason: &'static str,
     },
+    /// An abscissa in a unit that is no unit of time.
+    #[error("dataset \"{name}\": \"{unit}\" is not a unit of time; known are s, ms, us, ns, min and h")]
+    TimeUnit {
+        /// Name of the dataset.
+        name: String,
+        /// What stands there.
+        unit: String,
+    },
     /// A sampling interval that is not positive.
     #[error("dataset \"{name}\": the sampling interval {step} s is not positive")]
     Step {

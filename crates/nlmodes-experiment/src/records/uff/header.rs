@@ -43,8 +43,32 @@ impl Line<'_> {
         UffError::Field { line: self.number, first: first + 1, last, text: self.text(first, last), expected }
     }
 
+    /// Response and reference: entity, node and direction of each, from column 31 on. An entity of more than its ten
+    /// letters shifts what stands behind it: words are then taken one after the other.
+    pub fn nodes(&self) -> Result<[Node; 2], UffError> {
+        let by_columns = || Ok([self.node(31)?, self.node(56)?]);
+        by_columns().or_else(|error| self.shifted_nodes().ok_or(error))
+    }
+
+    fn shifted_nodes(&self) -> Option<[Node; 2]> {
+        let text = self.text(31, self.bytes.len());
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let node = |words: &[&str]| match words {
+            [entity, node, direction] => Some(Node {
+                entity: (*entity).to_owned(),
+                node: node.parse().ok()?,
+                direction: direction.parse().ok()?,
+            }),
+            _ => None,
+        };
+        if words.len() != 6 {
+            return None;
+        }
+        Some([node(&words[..3])?, node(&words[3..])?])
+    }
+
     /// Entity, node and direction.
-    pub fn node(&self, first: usize) -> Result<Node, UffError> {
+    fn node(&self, first: usize) -> Result<Node, UffError> {
         Ok(Node {
             entity: self.text(first, first + 10),
             node: self.small(first + 10, first + 20)?,

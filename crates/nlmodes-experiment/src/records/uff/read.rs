@@ -3,7 +3,9 @@ use num_complex::Complex64;
 use crate::records::sample_rate::rounding;
 use crate::records::uff::header::Line;
 use crate::records::uff::lines::{Lines, is_mark};
-use crate::records::uff::{Abscissa, ByteOrder, Dataset58, Ordinates, Precision, Storage, UffError, bytes, text};
+use crate::records::uff::{
+    Abscissa, ByteOrder, Dataset58, Ordinates, Precision, Storage, UffError, bytes, text, units,
+};
 
 /// Header lines of a dataset 58, without the one that holds its type.
 const HEADER_LINES: usize = 11;
@@ -15,17 +17,24 @@ const HEADER_LINES: usize = 11;
 pub fn read_uff58(file: &[u8]) -> Result<Vec<Dataset58>, UffError> {
     let mut lines = Lines::new(file);
     let mut functions = Vec::new();
-    let mut others = 0;
+    let (mut others, mut system) = (0, None);
     while let Some(line) = lines.next() {
         if !is_mark(line) {
             continue;
         }
         let Some(kind) = lines.next() else { break };
-        match storage(Line { bytes: kind, number: lines.number - 1 })? {
-            Some(binary) => functions.push(function(&mut lines, binary)?),
+        let kind = Line { bytes: kind, number: lines.number - 1 };
+        match storage(kind)? {
+            Some(binary) => {
+                let units = system.clone();
+                functions.push(Dataset58 { units, ..function(&mut lines, binary)? });
+            }
             None => {
                 others += 1;
-                while lines.next().is_some_and(|line| !is_mark(line)) {}
+                let content: Vec<&[u8]> = std::iter::from_fn(|| lines.next().filter(|line| !is_mark(line))).collect();
+                if kind.text(0, 6) == "164" {
+                    system = units::read(&content);
+                }
             }
         }
     }
@@ -116,16 +125,18 @@ fn described(header: &[Line<'_>]) -> Result<Dataset58, UffError> {
     let step = Abscissa::Even {
         first: data.number(30, 43)?,
         step: data.number(43, 56)?,
-        rounding: step_rounding(&data.text(43, 56), data.number(43, 56)?),
+        rounding: field_rounding(&data.text(43, 56), data.number(43, 56)?),
+        first_rounding: start_rounding(&data.text(30, 43), data.number(30, 43)?),
     };
+    let [response, reference] = kind.nodes()?;
     Ok(Dataset58 {
         identification: std::array::from_fn(|i| header[i].text(0, 80)),
         function_type: kind.small(0, 5)?,
         function: kind.small(5, 15)?,
         version: kind.small(15, 20)?,
         load_case: kind.small(20, 30)?,
-        response: kind.node(31)?,
-        reference: kind.node(56)?,
+        response,
+        reference,
         z: data.number(56, 69)?,
         abscissa_axis: header[7].axis()?,
         ordinate_axis: header[8].axis()?,
@@ -135,9 +146,14 @@ fn described(header: &[Line<'_>]) -> Result<Dataset58, UffError> {
     })
 }
 
-/// Rounding error of a step: the field has six digits, of which some writers drop zeros.
-fn step_rounding(text: &str, step: f64) -> f64 {
-    let six_digits = 0.5 * 10f64.powf(step.abs().log10().floor() - 5.0);
+/// Rounding error of the first value: zero is what a clock begins with, and is meant.
+fn start_rounding(text: &str, first: f64) -> f64 {
+    if first == 0.0 { 0.0 } else { field_rounding(text, first) }
+}
+
+/// Rounding error of a number in a field of six digits, of which some writers drop zeros.
+fn field_rounding(text: &str, number: f64) -> f64 {
+    let six_digits = 0.5 * 10f64.powf(number.abs().log10().floor() - 5.0);
     if six_digits > 0.0 { rounding(text).min(six_digits) } else { rounding(text) }
 }
 
@@ -205,9 +221,9 @@ mod tests {
             ("12", 12.0, 5e-5),
             ("1.9531250E-05", 1.953_125e-5, 5e-13),
         ] {
-            let found = step_rounding(text, step);
+            let found = field_rounding(text, step);
             assert!((found / expected - 1.0).abs() < 1e-9, "{text}: {found:e}");
         }
-        assert_eq!(step_rounding("0.", 0.0), 0.5, "no step has no digits but those that stand there");
+        assert_eq!(field_rounding("0.", 0.0), 0.5, "no step has no digits but those that stand there");
     }
 }

@@ -1,0 +1,50 @@
+use std::fmt;
+
+/// What reading a record brought up that does not stand in its way.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Remark {
+    /// Channels begin or end at different instants: what they have in common was taken.
+    StartsDiffer {
+        /// The channel that begins last.
+        channel: String,
+        /// Its start, s.
+        start: f64,
+        /// The channel that begins first.
+        first: String,
+        /// Its start, s.
+        first_start: f64,
+        /// Samples that all have in common.
+        samples: usize,
+    },
+    /// What a file says of a unit does not fit the scene, or itself.
+    HeaderDisagrees {
+        /// Name of the channel.
+        channel: String,
+        /// What the file says, against what.
+        header: String,
+    },
+}
+
+impl Remark {
+    /// Short name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::StartsDiffer { .. } => "starts-differ",
+            Self::HeaderDisagrees { .. } => "header-disagrees",
+        }
+    }
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StartsDiffer { channel, start, first, first_start, samples } => write!(
+                f,
+                "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s: the {samples} samples are taken that all \
+                 channels have in common"
+            ),
+            Self::HeaderDisagrees { channel, header } => write!(f, "channel \"{channel}\": the file says {header}"),
+        }
+    }
+}
