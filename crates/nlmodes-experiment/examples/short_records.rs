@@ -11,7 +11,7 @@ use nlmodes_experiment::records::write_csv;
 use support::autoresonance::Rig;
 use support::{POSITIONS, modes};
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/suite/support.rs"]
 mod support;
 
 /// Forces (N) of the two levels.

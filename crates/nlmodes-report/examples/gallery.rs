@@ -1,6 +1,6 @@
 //! Writes one figure of each kind into a folder, to be looked at: `cargo run --example gallery -- FOLDER`.
 
-#[path = "../tests/report/samples.rs"]
+#[path = "../tests/suite/report/samples.rs"]
 mod samples;
 
 use nlmodes_report::{Abscissa, BranchFigure, HistoryFigure, MotionFigure, write_branch, write_harmonics};

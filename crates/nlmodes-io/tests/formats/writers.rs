@@ -1,6 +1,6 @@
 //! The sample in the text formats, written as the programs write it.
 
-use crate::sample::{Entry, N, label};
+use super::sample::{Entry, N, label};
 
 /// CalculiX: upper triangle column by column, zeros between the entries of a column included.
 pub fn calculix(lower: &[Entry]) -> String {

@@ -1,0 +1,14 @@
+//! All tests of `nlmodes-experiment` beside those in its sources, as one binary: each would link all dependencies once more.
+
+mod files;
+mod findings;
+mod impacts;
+mod known_answers;
+mod malformed;
+mod phase_loop;
+mod pyuff;
+mod slips;
+mod support;
+mod time_stamps;
+mod uff;
+mod units;

@@ -1,0 +1,5 @@
+//! All tests of `nlmodes-reduction` beside those in its sources, as one binary: each would link all dependencies once more.
+
+mod held_modes;
+mod open_modes;
+mod rest;

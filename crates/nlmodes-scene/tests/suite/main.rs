@@ -1,0 +1,6 @@
+//! All tests of `nlmodes-scene` beside those in its sources, as one binary: each would link all dependencies once more.
+
+mod files;
+mod hostile;
+mod parts;
+mod shared;

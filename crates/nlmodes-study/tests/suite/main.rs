@@ -1,0 +1,5 @@
+//! All tests of `nlmodes-study` beside those in its sources, as one binary: each would link all dependencies once more.
+
+mod oscillator;
+mod serve;
+mod studies;

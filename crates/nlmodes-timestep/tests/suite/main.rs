@@ -1,0 +1,12 @@
+//! All tests of `nlmodes-timestep` beside those in its sources, as one binary: each would link all dependencies once more.
+
+mod against_ms_hbm;
+mod contact_figures;
+mod forced;
+mod invariants;
+mod mode_shooting;
+mod rigid_bodies;
+mod stability;
+mod support;
+mod three_element_rod;
+mod two_element_rod;
