@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use nlmodes_explore::{ExploreError, Page};
+use nlmodes_run::explore::{ExploreError, Page};
 
 use crate::Status;
 use crate::terminal::{print, refuse};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use nlmodes::report::{FigureStyle, write_file};
-use nlmodes_print::{pdf, png};
+use nlmodes_report::print::{pdf, png};
 use nlmodes_run::redrawn::redraw;
 use nlmodes_run::{Failure, chain};
 use nlmodes_scene::number;

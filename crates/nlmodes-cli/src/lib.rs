@@ -1,7 +1,7 @@
 //! The command line of nlmodes: from a scene file to branch, tables and figures.
 //!
 //! [`command`] takes the command line apart, and each command is a module of its own. `nlmodes-scene` reads and checks
-//! scenes, `nlmodes-run` and `nlmodes-study` compute and write, `nlmodes-explore` serves the page with sliders; what
+//! scenes, `nlmodes-run` and `nlmodes-study` compute and write and serve the page with sliders; what
 //! there is to say of it comes from there in words. Here it is put on a terminal, with lines that move, Ctrl-C and exit
 //! statuses.
 

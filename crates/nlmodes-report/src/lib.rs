@@ -22,6 +22,7 @@
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
 //! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
 //! | [`Page`] | HTML | the frame of such a page, for other contents |
+//! | `print`, with the feature of that name | PDF, PNG | figures in SVG for journals and slides |
 //! | [`SpreadFigure`] | SVG | values of many cases over something that varies, with median and band |
 //! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
 //!
@@ -87,6 +88,8 @@ mod figure;
 mod html;
 mod output;
 mod palette;
+#[cfg(feature = "print")]
+pub mod print;
 mod stations;
 mod stop;
 mod style;

@@ -2,6 +2,7 @@
 
 mod files;
 mod findings;
+mod headers;
 mod impacts;
 mod known_answers;
 mod malformed;

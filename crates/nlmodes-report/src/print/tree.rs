@@ -2,10 +2,10 @@ use std::sync::Arc;
 
 use resvg::usvg::{FontResolver, Options, Tree};
 
-use crate::PrintError;
+use super::PrintError;
 
 /// Letters, digits and signs of all figures; see `fonts/OFL.txt`.
-const FONT: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
+const FONT: &[u8] = include_bytes!("../../fonts/Arimo-Regular.ttf");
 
 /// The document with its texts in the font of this crate, and signs that it lacks in those of the machine.
 pub fn parsed(svg: &str) -> Result<Tree, PrintError> {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use nlmodes_scene::memory;
 
-use crate::ExploreError;
-use crate::answer::Explorer;
-use crate::server::Loopback;
+use super::ExploreError;
+use super::answer::Explorer;
+use super::server::Loopback;
 
 /// A scene on a page of this machine.
 pub struct Page {

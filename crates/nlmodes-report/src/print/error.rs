@@ -19,10 +19,10 @@ pub enum PrintError {
         /// The number that was asked for.
         dots_per_inch: f64,
     },
-    /// The image would be larger than [`MAX_PIXELS`](crate::MAX_PIXELS), or smaller than one pixel.
+    /// The image would be larger than [`MAX_PIXELS`](super::MAX_PIXELS), or smaller than one pixel.
     #[error(
         "an image of {width:.0} × {height:.0} pixels at {dots_per_inch} dots an inch; expected one to {} pixels in all",
-        crate::MAX_PIXELS
+        super::MAX_PIXELS
     )]
     Size {
         /// Its width in pixels.

@@ -4,15 +4,14 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::computing::Computing;
+use super::save;
+use super::sliders::{Slider, sliders};
+use crate::RunError;
 use nlmodes::report::explore;
-use nlmodes_run::RunError;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
 use serde_json::{Value, json};
-
-use crate::computing::Computing;
-use crate::save;
-use crate::sliders::{Slider, sliders};
 
 /// Bytes of the token.
 const TOKEN: usize = 16;
@@ -158,7 +157,7 @@ impl Explorer {
             Ok(file) => file,
             Err(why) => return Answer::wrong(422, &why),
         };
-        match self.computing.newest(|watch| nlmodes_run::explore::picture(&file, watch, &self.structures)) {
+        match self.computing.newest(|watch| super::picture(&file, watch, &self.structures)) {
             Some(Ok(picture)) => Answer::ok("application/json", picture),
             None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
             Some(Err(error)) => Answer::wrong(422, &error.to_string()),

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use nlmodes_print::{PrintError, pdf, png};
+use nlmodes_report::print::{PrintError, pdf, png};
 
 type Outcome = Result<(), Box<dyn Error>>;
 

@@ -1,6 +1,6 @@
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 
-use crate::{PrintError, SVG_DOTS_PER_INCH, tree};
+use super::{PrintError, SVG_DOTS_PER_INCH, tree};
 
 /// Most pixels of an image: of 190 × 130 mm at 2400 dots an inch.
 pub const MAX_PIXELS: u32 = 1 << 28;

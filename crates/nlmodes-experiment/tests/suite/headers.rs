@@ -1,6 +1,6 @@
 //! What the header of a Universal File says of start, unit, quantity and names of a channel counts.
 
-mod support;
+use crate::support;
 
 use nlmodes_experiment::extraction::{ExtractionSettings, RecordExtraction, extract};
 use nlmodes_experiment::records::{

@@ -7,7 +7,7 @@ use std::thread;
 
 use tiny_http::{Header, Method, Request, Response, Server};
 
-use crate::answer::{Answer, Asked, Explorer};
+use super::answer::{Answer, Asked, Explorer};
 
 /// Longest body that is read: values of sliders.
 const LONGEST: u64 = 64 * 1024;

@@ -4,7 +4,7 @@
 //! | from | to | item |
 //! | --- | --- | --- |
 //! | an SVG document, a pixel of which is 1/96 inch | PDF of that size, lines as lines, its font embedded | [`pdf`] |
-//! | | PNG with so many dots an inch, on white | [`png()`] |
+//! | | PNG with so many dots an inch, on white | [`png`](png()) |
 //!
 //! Letters, Latin and Greek, come from a font of this crate (Arimo, as wide as Helvetica and Arial, under the SIL Open
 //! Font License); fonts of the machine are looked for only where a text has others.
@@ -12,11 +12,11 @@
 //! ```
 //! let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm" viewBox="0 0 720 480">
 //!   <text x="360" y="240" font-family="sans-serif" font-size="20">ω in rad/s</text></svg>"#;
-//! assert!(nlmodes_print::pdf(svg)?.starts_with(b"%PDF"));
-//! let image = nlmodes_print::png(svg, 300.0)?;
+//! assert!(nlmodes_report::print::pdf(svg)?.starts_with(b"%PDF"));
+//! let image = nlmodes_report::print::png(svg, 300.0)?;
 //! // 90 mm at 300 dots an inch are 1063 pixels.
 //! assert_eq!(image[16..20], 1063_u32.to_be_bytes());
-//! # Ok::<(), nlmodes_print::PrintError>(())
+//! # Ok::<(), nlmodes_report::print::PrintError>(())
 //! ```
 
 mod error;
