@@ -1,4 +1,4 @@
-//! A string under a uniform load, above a flat obstacle: where does it lie on, and with what force?
+//! A string under a uniform load, above a flat obstacle: where is it in contact, and with what force?
 //!
 //! Tension `T`, length `L`, load `p`, obstacle `d` below the straight string. In closed form the free ends are
 //! parabolas that touch the obstacle with a horizontal tangent, `ℓ = √(2 d T / p)` from the supports, and the obstacle

@@ -7,10 +7,10 @@ use crate::{
     scaled::Scaled,
 };
 
-/// The factored block `A_aa` of a set of closed contacts: forces while the set stays the same.
+/// The factored block `A_aa` of a set of closed contacts: contact forces as long as the set does not change.
 ///
-/// Between two changes of the closed set the contact problem is linear, `λ_a = −A_aa⁻¹ b_a`. This is all the work that
-/// a solver cannot avoid; instants at which a contact opens or closes are found with it.
+/// Between two changes of the closed set the contact problem is linear, `λ_a = −A_aa⁻¹ b_a`. This is the minimum work
+/// of any solver; the instants at which a contact opens or closes are found with it.
 ///
 /// ```
 /// use nlmodes_contact::{LcpMatrix, Mat};
@@ -45,12 +45,12 @@ impl ClosedBlock {
         Self { matrix, factor }
     }
 
-    /// The contacts of the block: those asked for, or an independent subset of them.
+    /// The contacts of the block: the requested ones, or an independent subset of them.
     pub fn contacts(&self) -> &[usize] {
         self.factor.order()
     }
 
-    /// Forces `λ_a = −A_aa⁻¹ b_a` (N), zero elsewhere, that close the gaps of the block. They may pull.
+    /// Forces `λ_a = −A_aa⁻¹ b_a` (N), zero elsewhere, that close the gaps of the block. They may be tensile.
     ///
     /// # Errors
     /// [`LcpError::Dimension`] if a slice has not c entries.
@@ -62,8 +62,8 @@ impl ClosedBlock {
             }
         }
         let (order, n) = (self.factor.order(), self.factor.len());
-        // The head of `lambda` is the work space, in the order of the factor, that is in ascending order of contacts;
-        // moved into place from the back, no entry is overwritten before it is moved.
+        // The first entries of `lambda` are the work space, in the order of the factor, that is in ascending order of
+        // contacts. They are moved into place from the back, so that no entry is overwritten before it is moved.
         for (l, &i) in lambda.iter_mut().zip(order) {
             *l = -b[i] * self.matrix.gap_unit()[i];
         }
@@ -108,12 +108,12 @@ mod tests {
 
     #[test]
     fn of_redundant_contacts_those_are_chosen_that_are_furthest_from_dependent() {
-        // The first three lie all but in a line: beside the first, the longest, there is less than 1e-3 of the others
-        // in other directions.
+        // The first three are nearly collinear: less than 1e-3 of the other two is perpendicular to the first, the
+        // longest.
         let directions = [[1.4, 0.0, 0.0], [1.0, 0.01, 0.0], [1.0, 0.0, 0.02], [0.0, 1.4, 0.0], [0.1, 0.2, 1.1]];
         let block = of_directions(&directions).closed_block(&[true; 5]).unwrap();
         assert_eq!(block.contacts(), [0, 3, 4]);
-        // Without the last one the third is the only one that is out of the plane of the others.
+        // Without the last one only the third is out of the plane of the others.
         let block = of_directions(&directions).closed_block(&[true, true, true, true, false]).unwrap();
         assert_eq!(block.contacts(), [0, 2, 3]);
     }
@@ -122,7 +122,7 @@ mod tests {
     fn forces_of_a_block_of_redundant_contacts_close_all_gaps_of_a_body() {
         let directions = [[1.4, 0.0, 0.0], [1.0, 0.01, 0.0], [1.0, 0.0, 0.02], [0.0, 1.4, 0.0], [0.1, 0.2, 1.1]];
         let a = of_directions(&directions);
-        // Gaps of a displacement of the body, which three contacts bring back.
+        // Gaps due to a displacement of the body, which three contacts reverse.
         let b: Vec<f64> = directions.iter().map(|w| w[0] * 0.3 - w[1] * 0.7 + w[2] * 0.2).collect();
         let (mut forces, mut gaps) = ([0.0; 5], [0.0; 5]);
         a.closed_block(&[true; 5]).unwrap().forces(&b, &mut forces).unwrap();

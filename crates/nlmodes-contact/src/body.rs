@@ -2,19 +2,19 @@ use nlmodes_linalg::Mat;
 
 use crate::{LcpError, LcpMatrix};
 
-/// A linear elastic body, massless where it touches: from its free displacements to those with contact, and their
+/// A linear elastic body with massless contact nodes: displacements with contact from those without, and their
 /// derivative.
 ///
 /// ```text
 /// u = u_free + C W λ ,   g = Wᵀ u + g₀ ,   0 ≤ g ⊥ λ ≥ 0
 /// ```
 ///
-/// `u` (n, m) are the displacements of the contact nodes, `u_free` those that there would be without contact forces,
-/// `C` (n × n, m/N) the compliance of the body at these nodes, column i of `W` (n × c) the direction in which contact i
-/// opens, and `g₀` (c, m) the gaps of the undeformed body; `g` is zero where a contact is closed, however far its stop
-/// has yielded. So `A = Wᵀ C W` and `b = Wᵀ u_free + g₀`. In mixed-shooting harmonic balance, eqs. (11), (13),
-/// `u = q_N`, `C = K_NN⁻¹` and `u_free = −K_NN⁻¹ K_NL q_L`: the derivative of `q_N` with respect to `q_L` is that of
-/// `u` with respect to `u_free` times `−K_NN⁻¹ K_NL`.
+/// `u` (n, m) are the displacements of the contact nodes, `u_free` those without contact forces, `C` (n × n, m/N) the
+/// compliance of the body at these nodes, column i of `W` (n × c) the direction in which contact i opens, and `g₀` (c,
+/// m) the gaps of the undeformed body; `g` is zero where a contact is closed, whatever the deflection of its stop. So
+/// `A = Wᵀ C W` and `b = Wᵀ u_free + g₀`. In mixed-shooting harmonic balance, eqs. (11), (13), `u = q_N`, `C = K_NN⁻¹`
+/// and `u_free = −K_NN⁻¹ K_NL q_L`: the derivative of `q_N` with respect to `q_L` is that of `u` with respect to
+/// `u_free` times `−K_NN⁻¹ K_NL`.
 ///
 /// ```
 /// use nlmodes_contact::{ActiveSet, ContactBody, Mat, Series, SeriesSolution, Start};
@@ -28,7 +28,7 @@ use crate::{LcpError, LcpMatrix};
 /// series.solve(&body.free_gaps(&free)?, Start::Cold, &mut solution)?;
 /// let mut u = [0.0; 2];
 /// body.displacements(&free, solution.lambda(0), &mut u)?;
-/// // The first node stays at its stop, and the second is moved by half of what was taken away from the first.
+/// // The first node remains at its stop, and the second moves by half of the displacement removed from the first.
 /// assert!((u[0] + 1e-3).abs() < 1e-15 && (u[1] - 1e-3).abs() < 1e-15);
 /// let response = series.response(solution.closed(0))?;
 /// let p = response.displacement();
@@ -43,7 +43,7 @@ pub struct ContactBody {
     matrix: LcpMatrix,
 }
 
-/// How a body answers while a set of contacts stays closed: all is linear then.
+/// Linear response of a body while a set of contacts remains closed.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ClosedResponse {
@@ -51,7 +51,7 @@ pub struct ClosedResponse {
     pub lambda: Mat<f64>,
     /// `dg/db = I + A S` (c × c, no unit). The rows of closed contacts vanish.
     pub gaps: Mat<f64>,
-    /// `I − du/du_free = −C W S Wᵀ` (n × n, no unit): what the closed contacts take away from a free displacement.
+    /// `I − du/du_free = −C W S Wᵀ` (n × n, no unit): the part of a free displacement that the closed contacts prevent.
     pub blocked: Mat<f64>,
     /// `C W S g₀` (n, m): `u = (du/du_free) u_free + offset`.
     pub offset: Vec<f64>,
@@ -60,9 +60,9 @@ pub struct ClosedResponse {
 impl ClosedResponse {
     /// `P = du/du_free = I + C W S Wᵀ` (n × n, no unit).
     ///
-    /// A projection where all stops are rigid, `P P = P`: displacements that leave the closed gaps as they are,
-    /// `W_aᵀ P = 0`, and of these the one next to the free displacement in the energy of the body. It is unique also
-    /// where closed contacts are redundant and `dλ/db` is not.
+    /// A projection where all stops are rigid, `P P = P`: onto the displacements that do not change the closed gaps,
+    /// `W_aᵀ P = 0`, closest to the free displacement in the energy norm of the body. Unlike `dλ/db`, it is unique even
+    /// if closed contacts are redundant.
     pub fn displacement(&self) -> Mat<f64> {
         let n = self.blocked.nrows();
         Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - self.blocked[(i, j)])
@@ -72,12 +72,12 @@ impl ClosedResponse {
 impl ContactBody {
     /// From `w` (n × c), `compliance_w` = `C W` (n × c, m/N) and the gaps `gaps` = `g₀` (c, m) of the undeformed body.
     ///
-    /// `Wᵀ C W` may be asymmetric by the rounding of a solution with an ill-conditioned stiffness, 1e-6 of its
-    /// diagonal.
+    /// `Wᵀ C W` may be asymmetric by 1e-6 of its diagonal, the rounding error of a solution with an ill-conditioned
+    /// stiffness.
     ///
     /// # Errors
-    /// [`LcpError::Dimension`] if the shapes do not agree, [`LcpError::NotFinite`], or what [`LcpMatrix::new`] has
-    /// against `A`.
+    /// [`LcpError::Dimension`] if the shapes do not agree, [`LcpError::NotFinite`], or an error of [`LcpMatrix::new`]
+    /// for `A`.
     pub fn new(w: Mat<f64>, compliance_w: Mat<f64>, gaps: Vec<f64>) -> Result<Self, LcpError> {
         let same = |what, expected, found| {
             if expected == found { Ok(()) } else { Err(LcpError::Dimension { what, expected, found }) }
@@ -92,11 +92,11 @@ impl ContactBody {
         Ok(Self { w, compliance_w, gaps, matrix })
     }
 
-    /// The same body before stops that yield: contact i by `compliance[i]` (c, m/N, not negative; zero for a rigid
-    /// stop), which stands in series with the body, `A = Wᵀ C W + diag(compliance)`.
+    /// The same body with elastic stops: contact i has the compliance `compliance[i]` (c, m/N, not negative; zero for a
+    /// rigid stop), in series with the body, `A = Wᵀ C W + diag(compliance)`.
     ///
     /// # Errors
-    /// [`LcpError::Dimension`] if there are not c of them, or what [`LcpMatrix::new`] has against `A`.
+    /// [`LcpError::Dimension`] if there are not c of them, or an error of [`LcpMatrix::new`] for `A`.
     pub fn with_stop_compliance(self, compliance: &[f64]) -> Result<Self, LcpError> {
         let (expected, found) = (self.gaps.len(), compliance.len());
         if expected != found {
@@ -181,7 +181,7 @@ impl ContactBody {
     }
 }
 
-/// A body of which nothing but the gaps matters: `u = g`, `u_free = b`.
+/// A body of which only the gaps matter: `u = g`, `u_free = b`.
 pub(crate) fn response_of_gaps(matrix: &LcpMatrix, closed: &[bool]) -> Result<ClosedResponse, LcpError> {
     let lambda = matrix.sensitivity(closed)?;
     let gaps = gap_derivative(matrix, &lambda, closed);
@@ -190,7 +190,7 @@ pub(crate) fn response_of_gaps(matrix: &LcpMatrix, closed: &[bool]) -> Result<Cl
     Ok(ClosedResponse { lambda, gaps, blocked, offset: vec![0.0; c] })
 }
 
-/// `I + A S`, with exact zeros for the gaps that stay closed.
+/// `I + A S`, with exact zeros for the gaps that remain closed.
 fn gap_derivative(matrix: &LcpMatrix, lambda: &Mat<f64>, closed: &[bool]) -> Mat<f64> {
     let c = closed.len();
     let mut product = matrix.a() * lambda;
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_stop_that_yields_shares_the_displacement_with_the_body() {
-        // Springs in series: of what the free displacement goes beyond the stop, the body keeps its own share.
+        // Springs in series: the body takes its share of the overlap of the free displacement with the stop.
         let (c, stop, gap, free) = (3e-6, 1e-6, 1e-3, -5e-3);
         let body = ContactBody::new(Mat::from_fn(1, 1, |_, _| 1.0), Mat::from_fn(1, 1, |_, _| c), vec![gap]).unwrap();
         let body = body.with_stop_compliance(&[stop]).unwrap();
@@ -311,7 +311,7 @@ mod tests {
     #[test]
     fn redundant_contacts_leave_the_displacements_of_any_independent_ones() {
         let body = body();
-        // Contacts 4, 5, 6 are dependent: any two of them hold nodes 3 and 4, and so do all three.
+        // Contacts 4, 5, 6 are dependent: any two of them fix nodes 3 and 4, as do all three.
         let all = body.response(&[false, false, false, false, true, true, true]).unwrap().displacement();
         for left_out in [4, 5, 6] {
             let closed: Vec<bool> = (0..7).map(|i| i >= 4 && i != left_out).collect();
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn one_stop_at_a_node_answers_in_closed_form() {
-        // u_0 = −g₀ at the stop, and the compliance at node 1 over that at node 0 tells how the rest follows.
+        // u_0 = −g₀ at the stop; the rest follows by the ratio of the compliance at node 1 to that at node 0.
         let body = ContactBody::new(
             Mat::from_fn(2, 1, |i, _| [1.0, 0.0][i]),
             Mat::from_fn(2, 1, |i, _| [4e-6, 1e-6][i]),

@@ -1,4 +1,4 @@
-//! What any [`LcpSolver`] must pass: data set × solver, in one line.
+//! Conformance suite for any [`LcpSolver`]: data set × solver, in one line.
 //!
 //! ```
 //! use nlmodes_contact::{ActiveSet, conformance};
@@ -7,10 +7,10 @@
 //! # Ok::<(), String>(())
 //! ```
 //!
-//! Every case is solved cold, again from its own solution and from the guess that all contacts are closed. Each time
-//! either the judge accepts the forces, the gaps are the known ones and the statistics agree with the judge; or the
-//! problem is contradictory and the proof holds; or the backend declines a case that its caller listed, with an error
-//! that tells the truth about its best iterate. Anything else is a [`Failure`].
+//! Every case is solved without a guess, from its own solution, and from the guess that all contacts are closed. Each
+//! time one of three outcomes is required: the judge accepts the forces, the gaps are the known ones and the statistics
+//! agree with the judge; or the problem is contradictory and the proof is valid; or the backend fails on a case that
+//! its caller listed, with an error that describes its best iterate correctly. Anything else is a [`Failure`].
 
 mod case;
 mod mechanical;
@@ -36,7 +36,7 @@ pub struct Failure {
     pub what: String,
 }
 
-/// How many cases ended how.
+/// Number of cases by outcome.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Summary {
@@ -44,7 +44,7 @@ pub struct Summary {
     pub solved: usize,
     /// Contradictory cases proven to be so.
     pub infeasible: usize,
-    /// Cases declined, with a correct error, as their caller said.
+    /// Cases listed by the caller that failed with a correct error.
     pub declined: usize,
 }
 

@@ -7,9 +7,9 @@ pub enum LcpError {
     /// No backend of that name.
     #[error("unknown contact solver `{name}`; there are: {}", known.join(", "))]
     UnknownSolver {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The names there are.
+        /// The available names.
         known: Vec<&'static str>,
     },
     /// `A` is not square.
@@ -32,7 +32,7 @@ pub enum LcpError {
         /// `A[column, row]`, m/N.
         transposed: f64,
     },
-    /// `A` has a negative eigenvalue: pushing on a contact would pull the body closer.
+    /// `A` has a negative eigenvalue: a compressive contact force would reduce the gap.
     #[error("the contact matrix is not positive semidefinite: pivot {pivot:e} (relative) at contact {contact}")]
     NotPositiveSemidefinite {
         /// First contact at which the factorisation fails, from zero.
@@ -59,12 +59,12 @@ pub enum LcpError {
         /// Number of entries it has.
         found: usize,
     },
-    /// The backend cannot treat so many contacts.
+    /// Too many contacts for this backend.
     #[error("contact solver `{solver}` treats at most {at_most} contact(s), not {found}")]
     TooManyContacts {
         /// Name of the backend.
         solver: &'static str,
-        /// The most it can treat.
+        /// Its maximum number of contacts.
         at_most: usize,
         /// Number of contacts of the problem.
         found: usize,
@@ -83,15 +83,15 @@ pub enum LcpError {
         solver: &'static str,
         /// Iterations done.
         iterations: usize,
-        /// What [`LcpMatrix::violation`](crate::LcpMatrix::violation) says of `lambda`.
+        /// [`LcpMatrix::violation`](crate::LcpMatrix::violation) of `lambda`.
         violation: f64,
         /// The best iterate (c, N).
         lambda: Vec<f64>,
     },
-    /// The best forces solve the problem as far as floating-point numbers can tell, but they are so large, because the
-    /// contacts are nearly redundant, that their rounding alone may move the gaps by more than the judge allows.
+    /// The best forces solve the problem to floating-point accuracy, but because the contacts are nearly redundant they
+    /// are so large that their rounding alone may change the gaps by more than the judge permits.
     ///
-    /// That begins at forces of about `1e5 max |b|` (scaled): contacts that are redundant but for 1e-5 of their
+    /// This begins at forces of about `1e5 max |b|` (scaled), for contacts that are redundant to within 1e-5 of their
     /// compliance.
     #[error(
         "contact solver `{solver}`: the contacts are so nearly redundant that forces cannot be told exactly enough: \
@@ -100,7 +100,7 @@ pub enum LcpError {
     Rounding {
         /// Name of the backend.
         solver: &'static str,
-        /// What [`LcpMatrix::violation`](crate::LcpMatrix::violation) says of `lambda`.
+        /// [`LcpMatrix::violation`](crate::LcpMatrix::violation) of `lambda`.
         violation: f64,
         /// What rounding may contribute to it: `(c + 2) ε max |D| |A| |λ| / max |D b|`, `ε = 2⁻⁵³`.
         rounding: f64,
@@ -112,7 +112,7 @@ pub enum LcpError {
     Setup {
         /// Name of the backend.
         solver: &'static str,
-        /// What the third-party code says.
+        /// Message of the third-party code.
         reason: String,
     },
     /// A sample of a series has no solution.

@@ -27,7 +27,7 @@ pub(crate) struct Factor {
     inverse_diagonal: Vec<f64>,
     /// Work space of a removal.
     rotations: Vec<(f64, f64)>,
-    /// Work space of a beginning with many contacts.
+    /// Work space for starting with many contacts.
     memory: Memory,
 }
 
@@ -53,13 +53,13 @@ impl Factor {
         self.inverse_diagonal.clear();
     }
 
-    /// Gives back the memory that only changes need.
+    /// Frees the memory that only updates need.
     pub(crate) fn settle(&mut self) {
         self.memory = Memory::default();
         self.rotations = Vec::new();
     }
 
-    /// Below this a pivot is rounding: the contact depends on those in the block.
+    /// Smaller pivots are rounding errors: the contact depends on those in the block.
     pub(crate) fn dependence(&self, matrix: &Scaled, contact: usize) -> f64 {
         4.0 * f64::EPSILON * (self.len() + 8) as f64 * matrix.diagonal(contact)
     }
@@ -144,7 +144,7 @@ pub(crate) mod tests {
     #[test]
     fn of_many_contacts_that_depend_on_each_other_an_independent_part_is_taken() {
         let c = 2 * begin::MANY;
-        // Every contact is there twice.
+        // Every contact occurs twice.
         let pairs = smooth(c / 2);
         let matrix = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| pairs.a()[(i / 2, j / 2)])).expect("semidefinite");
         let mut factor = Factor::default();

@@ -76,7 +76,7 @@ pub(crate) fn add_columns<'a>(f: &[f64], column: impl Fn(usize) -> &'a [f64], y:
     }
 }
 
-/// Largest entry by absolute value; zero for an empty slice. NaN is passed over.
+/// Largest entry by absolute value; zero for an empty slice. NaN is ignored.
 pub(crate) fn max_abs(x: &[f64]) -> f64 {
     if x.len() < 8 {
         return x.iter().fold(0.0, |m, v| larger(v.abs(), m));
@@ -103,7 +103,7 @@ pub(crate) fn none_negative(x: &[f64]) -> bool {
     x8.iter().all(|v| v.iter().fold(true, |none, v| none & (*v >= 0.0))) && rest.iter().all(|v| *v >= 0.0)
 }
 
-/// What the entries of a vector lie between.
+/// Bounds of the entries of a vector.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
     /// `max |x_i|`.
@@ -139,7 +139,7 @@ pub(crate) fn products(x: &[f64], p: &[f64], z: &mut [f64]) -> Option<Extent> {
     finite.then_some(extent)
 }
 
-/// `x ← f x`. Returns `max |x_i p_i|`; NaN is passed over.
+/// `x ← f x`. Returns `max |x_i p_i|`; NaN is ignored.
 pub(crate) fn rescale(f: f64, x: &mut [f64], p: &[f64]) -> f64 {
     let ((x4, x_rest), (p4, p_rest)) = (x.as_chunks_mut::<4>(), p.as_chunks::<4>());
     let mut lanes = [0.0; 4];
@@ -156,7 +156,7 @@ pub(crate) fn rescale(f: f64, x: &mut [f64], p: &[f64]) -> f64 {
     max_abs(&lanes)
 }
 
-/// `z_i = (x_i f) p_i`. Tells whether all that are not zero are normal numbers.
+/// `z_i = (x_i f) p_i`. Returns whether all nonzero ones are normal numbers.
 pub(crate) fn scaled_products(x: &[f64], f: f64, p: &[f64], z: &mut [f64]) -> bool {
     let ((x4, x_rest), (p4, p_rest), (z4, z_rest)) = (x.as_chunks::<4>(), p.as_chunks::<4>(), z.as_chunks_mut::<4>());
     let (mut least, mut largest) = ([1.0; 4], [0.0; 4]);

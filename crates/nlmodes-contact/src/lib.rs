@@ -26,7 +26,7 @@
 //! let a = LcpMatrix::new(&Mat::from_fn(2, 2, |i, j| if i == j { 2e-6 } else { 1e-6 }))?;
 //! let solver = solver_by_name("active-set")?;
 //! let mut workspace = solver.workspace(&a)?;
-//! // Without forces it would sit 1 mm inside the first stop and 0.2 mm from the second.
+//! // Without forces it would be 1 mm inside the first stop and 0.2 mm away from the second.
 //! let (mut closed, mut lambda, mut gaps) = ([false; 2], [0.0; 2], [0.0; 2]);
 //! let statistics = workspace.solve(&[-1e-3, 2e-4], &mut closed, &mut lambda)?;
 //! workspace.gaps(&mut gaps)?;
@@ -37,29 +37,29 @@
 //! ```
 //!
 //! # The judge
-//! Solvers err in their own ways and report success in their own norms. Here all of them get the problem in the same
-//! units (the diagonal of `A` and the largest entry of `b` near one, by powers of two, so without rounding) and one
-//! function outside of them recomputes the gaps and decides: a violation above 1e-10 is an error, whoever claims
-//! success. A claim that a problem is infeasible counts only with a proof that was checked.
+//! Solvers fail in different ways and report success in different norms. Here all of them get the problem in the same
+//! units (the diagonal of `A` and the largest entry of `b` of order one, by powers of two, so without rounding), and
+//! one function outside of them recomputes the gaps and decides: a violation above 1e-10 is an error, whatever the
+//! solver reports. The claim that a problem is infeasible is accepted only with a verified proof.
 //!
 //! # Which solver
 //! | name | settings | when |
 //! | --- | --- | --- |
-//! | `active-set` | [`ActiveSet`] | always, unless there is a reason against; exact, fastest cold and warm |
+//! | `active-set` | [`ActiveSet`] | by default; exact, fastest with and without a guess |
 //! | `proximal` | [`Proximal`] | comparison with the projection fixed point of the literature; well-conditioned `A` |
 //! | `clarabel` | [`Clarabel`] | comparison with an independent interior-point code; slow, no warm start |
-//! | `lemke` | [`Lemke`] | an exact second opinion up to a few hundred contacts |
-//! | `closed-form` | [`ClosedForm`] | one contact; `active-set` takes it by itself |
+//! | `lemke` | [`Lemke`] | an exact independent check, up to a few hundred contacts |
+//! | `closed-form` | [`ClosedForm`] | one contact; `active-set` uses it automatically |
 //!
 //! [`Series`] solves the samples of a period with one matrix and warm starts, and gives the derivatives of forces, gaps
 //! and displacements at each. [`ContactBody`] makes the problem from directions, compliance and gaps of a body.
-//! [`conformance`] holds the suite that each of these passes and that a backend from elsewhere can be put through in
-//! one line.
+//! [`conformance`] has the suite that each of these passes; a backend of your own can be tested with it in one line.
 //!
-//! All of them pass the whole suite, `closed-form` its problems of one contact. They decline with an error, never in
-//! silence, what cannot be verified: forces so large that rounding them moves the gaps by more than the judge allows,
-//! from about 1e5 times `max |b|` in scaled units on ([`LcpError::Rounding`]). Without their polish, `proximal`
-//! declines conditions above about 1e6 and `clarabel` most problems in which a gap and its force both vanish.
+//! All of them pass the whole suite, `closed-form` its problems of one contact. They return an error if a solution
+//! cannot be verified, because the forces are so large that rounding them changes the gaps by more than the judge
+//! permits, from about 1e5 times `max |b|` in scaled units on ([`LcpError::Rounding`]). Without the final exact
+//! solution, `proximal` fails for condition numbers above about 1e6 and `clarabel` for most problems in which a gap and
+//! its force both vanish.
 //!
 //! # References
 //! - E. L. Keller, The general quadratic optimization problem, Math. Program. 5 (1973) 311-337.

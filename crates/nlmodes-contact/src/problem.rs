@@ -11,11 +11,11 @@ use crate::{
 
 /// The matrix `A` of a family of contact problems, checked and scaled once.
 ///
-/// Row `i` of `g = A λ + b` is the gap of contact `i`; `A` (c × c, m/N) is the compliance that the body shows at the
-/// contacts, for instance `Wᵀ K_NN⁻¹ W`, eqs. (11) and (13). A stop with the stiffness `k_c` of eq. (3) is the same
-/// problem with `1/k_c` added to the diagonal: `g` is then the gap plus the (positive) compression of the stop.
+/// Row `i` of `g = A λ + b` is the gap of contact `i`; `A` (c × c, m/N) is the compliance of the body at the contacts,
+/// for instance `Wᵀ K_NN⁻¹ W`, eqs. (11) and (13). A stop with the stiffness `k_c` of eq. (3) is the same problem with
+/// `1/k_c` added to the diagonal: `g` is then the gap plus the (positive) compression of the stop.
 ///
-/// Cloning is cheap next to making one: the scaled matrix is shared.
+/// Cloning is cheap compared with construction: the scaled matrix is shared.
 #[derive(Debug, Clone)]
 pub struct LcpMatrix {
     a: Mat<f64>,
@@ -31,7 +31,7 @@ impl LcpMatrix {
     ///
     /// # Errors
     /// [`LcpError::NotSquare`], [`LcpError::NotFinite`], [`LcpError::NotSymmetric`],
-    /// [`LcpError::NotPositiveSemidefinite`], with the entry that is at fault.
+    /// [`LcpError::NotPositiveSemidefinite`], with the offending entry.
     pub fn new(a: &Mat<f64>) -> Result<Self, LcpError> {
         let c = a.nrows();
         if a.ncols() != c {
@@ -67,9 +67,9 @@ impl LcpMatrix {
     /// Derivative `dλ/db` (c × c, N/m) with the contacts of `closed` kept closed and all others open:
     /// `dλ_a = −A_aa⁻¹ db_a`. Where closed contacts are redundant, that of an independent subset.
     ///
-    /// The subset is chosen by Cholesky with diagonal pivoting, so it is as far from singular as that finds; `dg/db =
-    /// I + A dλ/db` does not depend on the choice as long as the gaps of the contacts left out stay closed. At a
-    /// degenerate contact (`g = λ = 0`) open and closed both give a valid generalised derivative.
+    /// The subset is chosen by Cholesky factorisation with diagonal pivoting, to be well conditioned; `dg/db = I + A
+    /// dλ/db` does not depend on the choice as long as the gaps of the omitted contacts remain closed. At a degenerate
+    /// contact (`g = λ = 0`) open and closed both give a valid generalised derivative.
     ///
     /// # Errors
     /// [`LcpError::Dimension`] if `closed` has not c entries.
@@ -114,9 +114,9 @@ impl LcpMatrix {
     /// solver.
     ///
     /// With `D = diag(A)^-1/2`: `max |min(D⁻¹ λ, D g)| / max |D b|`, where `g = A λ + b` is recomputed in all rows.
-    /// Without unit; zero for an exact solution, infinite if anything is not finite or has the wrong length. It is
-    /// relative to `b` on purpose: relative to `|A| |λ|` huge forces would make any gap look small. Where rounding
-    /// `A λ` may hide 1e-3 or more, that is the violation, since a gap of zero proves nothing then.
+    /// Dimensionless; zero for an exact solution, infinite if anything is not finite or has the wrong length. It is
+    /// deliberately relative to `b`: relative to `|A| |λ|`, huge forces would make any gap look small. If rounding of
+    /// `A λ` may hide 1e-3 or more, that value is the violation, since a gap of zero proves nothing then.
     pub fn violation(&self, b: &[f64], lambda: &[f64]) -> f64 {
         let c = self.n_contacts();
         let mut sample = Sample::new(self);
@@ -152,12 +152,13 @@ fn make_symmetric(a: &mut Mat<f64>) -> Result<(), LcpError> {
     })
 }
 
-/// Replaces transposed entries by the mean of both. Returns how many differ by more than `limit` times their root.
+/// Replaces transposed entries by the mean of both. Returns the number that differ by more than `limit` times their
+/// root.
 fn average(values: &[f64], transposed: &mut [f64], root: &[f64], limit: f64) -> u64 {
     let mut wrong = 0;
     for ((value, transposed), root) in values.iter().zip(transposed).zip(root) {
         wrong += u64::from((value - *transposed).abs() > limit * root);
-        // Halves of the smallest numbers are zero.
+        // Half of the smallest number is zero.
         *transposed = if *value == *transposed { *value } else { 0.5 * value + 0.5 * *transposed };
     }
     wrong

@@ -7,13 +7,13 @@ use crate::{
     scaled::{Scaled, exponent, power_of_two},
 };
 
-/// Largest violation that is accepted as a solution: half of what is promised, for those who sum in another order.
+/// Largest violation accepted as a solution: half of the documented limit, to allow for another order of summation.
 pub(crate) const ACCEPTED: f64 = 0.5e-10;
 
-/// Scaled force from which on its rounding is looked at.
+/// Scaled force above which its rounding is taken into account.
 const SUSPICIOUS: f64 = 1e8;
 
-/// Violation that rounding may hide at which forces count as no solution, whatever is computed.
+/// If rounding may hide a violation of this size, the forces are not a solution, whatever is computed.
 const LOST: f64 = 1e-3;
 
 /// `b`, `λ` and `g` of one problem, `b` of a size between one and two.
@@ -26,11 +26,11 @@ pub(crate) struct Sample {
     /// A proof of infeasibility, if the method found one.
     pub(crate) ray: Vec<f64>,
     scale: f64,
-    /// The size of `b` that violations are relative to.
+    /// The size of `b` to which violations are relative.
     size: f64,
 }
 
-/// What the judge says of the forces of a sample. Nothing else can make one.
+/// The judge's verdict on the forces of a sample. Only the judge can construct one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Verdict {
     violation: f64,
@@ -57,12 +57,13 @@ impl Sample {
         &self.matrix
     }
 
-    /// Takes over `b` (m), forgets everything else. A verdict if no contact needs a force: there is nothing to solve.
+    /// Sets `b` (m) and resets everything else. Returns a verdict if no contact needs a force: there is nothing to
+    /// solve.
     pub(crate) fn begin(&mut self, b: &[f64]) -> Result<Option<Verdict>, LcpError> {
         let extent = kernel::products(b, self.matrix.gap_unit(), &mut self.b);
         let extent = extent.ok_or(LcpError::NotFinite { what: "b" })?;
         if extent.least >= 0.0 {
-            // λ = 0 and g = b ≥ 0 violate nothing. `unload_gaps` undoes the units only.
+            // λ = 0 and g = b ≥ 0 violate nothing. `unload_gaps` only converts the units back.
             self.gap.copy_from_slice(&self.b);
             self.scale = 1.0;
             return Ok(Some(Verdict { violation: 0.0 }));
@@ -71,7 +72,7 @@ impl Sample {
         Ok(None)
     }
 
-    /// Takes over `b` (m), forgets everything else.
+    /// Sets `b` (m) and resets everything else.
     pub(crate) fn load(&mut self, b: &[f64]) -> Result<(), LcpError> {
         let extent = kernel::products(b, self.matrix.gap_unit(), &mut self.b);
         self.scale_down(extent.ok_or(LcpError::NotFinite { what: "b" })?.largest);
@@ -85,7 +86,7 @@ impl Sample {
         self.lambda.fill(0.0);
     }
 
-    /// Takes over `lambda` (N).
+    /// Sets `lambda` (N).
     pub(crate) fn load_forces(&mut self, lambda: &[f64]) {
         for ((scaled, l), unit) in self.lambda.iter_mut().zip(lambda).zip(self.matrix.force_unit()) {
             *scaled = (l / unit) / self.scale;
@@ -104,7 +105,7 @@ impl Sample {
         if found <= ACCEPTED && self.is_lost() { self.rounding() } else { found }
     }
 
-    /// What rounding the forces and summing up `A λ + b` may contribute to the violation.
+    /// Possible contribution of rounding the forces and summing `A λ + b` to the violation.
     pub(crate) fn rounding(&self) -> f64 {
         let c = self.b.len();
         let row = |i: usize| {
@@ -115,8 +116,8 @@ impl Sample {
         0.5 * f64::EPSILON * (c + 2) as f64 * self.matrix.rescale(1.0, &mut sums) / self.size
     }
 
-    /// Whether `b` is lost in rounding `A λ`, so that the gaps say nothing: forces of a dependent set of contacts that
-    /// grew without bound.
+    /// Whether `b` is lost in the rounding of `A λ`, so that the gaps are meaningless: forces of a dependent set of
+    /// contacts that grew without bound.
     fn is_lost(&self) -> bool {
         let largest = self.lambda.iter().fold(0.0_f64, |m, l| m.max(*l));
         largest > SUSPICIOUS && self.rounding() > LOST
@@ -126,7 +127,7 @@ impl Sample {
         self.matrix.gap(&self.b, &self.lambda, &mut self.gap);
     }
 
-    /// Puts out negative forces, judging again if there were any.
+    /// Sets negative forces to zero, and judges again if there were any.
     pub(crate) fn clamp(&mut self, verdict: Verdict) -> Verdict {
         if kernel::none_negative(&self.lambda) {
             return verdict;
@@ -138,7 +139,7 @@ impl Sample {
     }
 
     /// Whether the ray proves that no forces below 1e8 (scaled) open all contacts. Larger ones could not be verified:
-    /// rounding them alone moves the gaps by more than [`ACCEPTED`].
+    /// rounding them alone changes the gaps by more than [`ACCEPTED`].
     pub(crate) fn is_proven_infeasible(&mut self) -> bool {
         let largest = kernel::max_abs(&self.ray);
         if !(largest > 0.0 && largest.is_finite()) || self.ray.iter().any(|z| *z < -1e-12 * largest) {
@@ -150,7 +151,7 @@ impl Sample {
         let zeros = vec![0.0; self.ray.len()];
         let mut image = zeros.clone();
         self.matrix.gap(&zeros, &self.ray, &mut image);
-        // Forces that do no work say nothing, as in a pinch without clearance.
+        // Forces that do no work prove nothing, as for opposing stops without clearance.
         let work = kernel::dot(&self.b, &self.ray);
         work < 0.0 && kernel::max_abs(&image) <= -1e-8 * work
     }
@@ -178,7 +179,7 @@ mod tests {
     use super::*;
     use crate::Mat;
 
-    /// A pinch: what opens one contact closes the other.
+    /// Opposing stops: opening one contact closes the other.
     fn pinch(b: [f64; 2]) -> Sample {
         let matrix = LcpMatrix::new(&Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 })).unwrap();
         let mut sample = Sample::new(&matrix);
@@ -209,7 +210,7 @@ mod tests {
         for ray in [[0.0, 0.0], [-1.0, -1.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
             assert!(!proves(&mut sample, ray), "{ray:?}");
         }
-        // A third contact far away that would pull a little: its force is not rounding.
+        // A third, distant contact with a small tensile force that is not rounding.
         let matrix = LcpMatrix::new(&Mat::from_fn(3, 3, |i, j| [[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0; 3]][i][j]));
         let mut sample = Sample::new(&matrix.unwrap());
         sample.load(&[-1.0, 0.5, 0.0]).unwrap();

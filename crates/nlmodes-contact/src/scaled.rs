@@ -9,11 +9,11 @@ use crate::{
     kernel,
 };
 
-/// `S A F` with powers of two on the diagonals of `S` and `F`, so that scaling commits no rounding error and the
-/// diagonal lies in `[1, 4)`; it is zero for contacts without compliance. `F` is `S` or `S / 2`.
+/// `S A F` with powers of two on the diagonals of `S` and `F`, so that scaling is free of rounding errors and the
+/// diagonal is in `[1, 4)`; it is zero for contacts without compliance. `F` is `S` or `S / 2`.
 ///
-/// The solver's answer then does not change by a single bit when the units of length or force, of all contacts or of
-/// one, change by a power of two.
+/// The result of the solver then does not change by a single bit when the units of length or force, of all contacts or
+/// of one, change by a power of two.
 #[derive(Debug)]
 pub(crate) struct Scaled {
     c: usize,
@@ -47,7 +47,7 @@ impl Scaled {
         kernel::all_finite(&self.entries)
     }
 
-    /// Whether no entry is negative: forces open gaps and close none.
+    /// Whether no entry is negative: forces only open gaps.
     pub(crate) fn only_opens(&self) -> bool {
         self.only_opens
     }
@@ -103,10 +103,10 @@ impl Scaled {
         }
     }
 
-    /// Checks that `A + 1e-13 c I` has a Cholesky factor. Rounding of a singular `A` stays below that.
+    /// Checks that `A + 1e-13 c I` has a Cholesky factor. Rounding errors of a singular `A` are smaller.
     ///
-    /// Of many contacts the factor is found by blocks, in the place of the entries, which are made of `a` again
-    /// afterwards; where there is none, row by row, which tells the contact.
+    /// For many contacts the factor is computed by blocks, in place of the entries, which are restored from `a`
+    /// afterwards; if there is no factor, it is computed row by row, to find the contact.
     pub(crate) fn check_semidefinite(&mut self, a: &Mat<f64>) -> Result<(), LcpError> {
         let shift = 1e-13 * self.c as f64;
         if self.c >= MANY && (0..self.c).all(|i| self.diagonal(i) >= 0.0) {
@@ -128,7 +128,7 @@ impl Scaled {
         Ok(())
     }
 
-    /// Replaces the entries by the factor of them and such a multiple of the diagonal. Tells whether there is one.
+    /// Replaces the entries by the factor of them plus this multiple of the diagonal. Returns whether there is one.
     fn factor_with(&mut self, shift: f64) -> bool {
         for (i, root) in self.root.iter().enumerate() {
             self.entries[i * self.c + i] += shift * root * root;
@@ -151,7 +151,7 @@ fn extend_scaled(a: &Mat<f64>, gap_unit: &[f64], force_unit: &[f64], entries: &m
 fn units(a: &Mat<f64>) -> (Vec<f64>, Vec<f64>) {
     let diagonal = || (0..a.nrows()).map(|i| a[(i, i)]);
     let reference = diagonal().find(|d| *d > 0.0).map_or(0, exponent);
-    // A contact without compliance has no scale of its own: it takes the largest.
+    // A contact without compliance has no scale of its own: it gets the largest.
     let largest = diagonal().filter(|d| *d > 0.0).map(exponent).max().unwrap_or(0);
     let half = |e: i32| -(e - reference).div_euclid(2) - reference.div_euclid(2);
     let powers: Vec<i32> = diagonal().map(|d| half(if d > 0.0 { exponent(d) } else { largest })).collect();

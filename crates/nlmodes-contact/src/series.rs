@@ -8,16 +8,16 @@ pub use solution::SeriesSolution;
 
 use crate::{ClosedResponse, ContactBody, LcpError, LcpMatrix, LcpSolver, LcpWorkspace, body::response_of_gaps};
 
-/// Where the search for the closed contacts of a sample begins.
+/// Initial guess of the closed contacts of a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Start {
-    /// From nothing.
+    /// No guess.
     Cold,
-    /// From the forces and gaps of the two samples before, extrapolated; the first sample from nothing.
+    /// Extrapolation of the forces and gaps of the previous two samples; the first sample has no guess.
     #[default]
     PreviousSample,
-    /// From the closed contacts that the solution passed in has for the same sample: those of the previous iterate of
-    /// an outer iteration. A solution of another size, such as an empty one, counts as the previous sample.
+    /// The closed contacts of the same sample in the solution that is passed in, which is the previous iterate of an
+    /// outer iteration. If it has another size, for instance if it is empty, this is as [`Self::PreviousSample`].
     SameSample,
 }
 
@@ -65,7 +65,8 @@ impl Series {
         Ok(Self { matrix: matrix.clone(), body: None, workspace, responses: HashMap::new() })
     }
 
-    /// Prepares `solver` for the contacts of a body: [`Series::response`] then tells how its displacements follow.
+    /// Prepares `solver` for the contacts of a body: [`Series::response`] then gives the derivatives of its
+    /// displacements.
     ///
     /// # Errors
     /// [`LcpError`] if the backend cannot treat the matrix.

@@ -10,7 +10,7 @@ pub(crate) mod workspace;
 
 use crate::{ActiveSet, Clarabel, ClosedForm, LcpError, LcpMatrix, Lemke, Proximal};
 
-/// A way to solve contact problems: its settings. See [`LcpWorkspace`] for the work.
+/// A method for contact problems, with its settings. [`LcpWorkspace`] does the work.
 pub trait LcpSolver: std::fmt::Debug + Send + Sync {
     /// Name in scenes and on the command line.
     fn name(&self) -> &'static str;
@@ -26,9 +26,9 @@ pub trait LcpSolver: std::fmt::Debug + Send + Sync {
 pub trait LcpWorkspace: Send {
     /// Solves `0 ≤ A λ + b ⊥ λ ≥ 0`.
     ///
-    /// `closed` (c) is read as a first guess of the closed contacts and overwritten with those that are closed;
-    /// `lambda` (c) is overwritten with the forces. No contact closed means no guess: a cold start. Where contacts are
-    /// redundant, `closed` is the independent subset that was chosen to carry the forces.
+    /// `closed` (c) is the initial guess of the closed contacts on entry and the closed contacts on return; `lambda`
+    /// (c) is overwritten with the forces. No contact closed means no guess. Where contacts are redundant, `closed` is
+    /// the independent subset that was chosen to carry the forces.
     ///
     /// # Errors
     /// [`LcpError`]: not finite, infeasible, not converged, or beyond rounding; then `lambda` holds the best iterate.
@@ -41,7 +41,7 @@ pub trait LcpWorkspace: Send {
     fn gaps(&self, gaps: &mut [f64]) -> Result<(), LcpError>;
 }
 
-/// What a solution cost and how good it is.
+/// Cost and accuracy of a solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct LcpStatistics {

@@ -1,10 +1,10 @@
-//! Small squares of a matrix, turned round in the cache: entries far apart in memory are met together.
+//! Small square tiles of a matrix, transposed in the cache, so that entries far apart in memory are accessed together.
 
 use std::ops::Range;
 
 use nlmodes_linalg::Mat;
 
-/// Rows and columns of a tile, at most.
+/// Maximum number of rows and columns of a tile.
 const SIZE: usize = 32;
 
 /// A square part of a matrix, by columns.
@@ -23,7 +23,7 @@ impl Tile {
         Self { columns: turned }
     }
 
-    /// The columns of the tile; behind its last row there is nothing of the matrix.
+    /// The columns of the tile; the matrix has no entries beyond its last row.
     pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut [f64; SIZE]> {
         self.columns.iter_mut()
     }

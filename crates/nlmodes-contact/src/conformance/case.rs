@@ -16,16 +16,16 @@ pub struct Case {
 /// What is known of a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expected {
-    /// There is one.
+    /// There is a solution.
     Solution,
     /// Its gaps, which are unique.
     Gaps {
         /// The gaps (c, m).
         gaps: Vec<f64>,
-        /// How exactly they must be met (m).
+        /// Tolerance (m).
         tolerance: f64,
     },
-    /// There is none.
+    /// There is no solution.
     Infeasible,
 }
 
@@ -38,8 +38,8 @@ impl Case {
     pub(super) fn with_solution(name: impl Into<String>, a: Mat<f64>, lambda: &[f64], gaps: &[f64]) -> Self {
         let product = |i: usize| (0..lambda.len()).map(|j| a[(i, j)] * lambda[j]).sum::<f64>();
         let b: Vec<f64> = gaps.iter().enumerate().map(|(i, g)| g - product(i)).collect();
-        // The gaps of a violation of 1e-10 differ from the solution's by at most about its root times the condition's;
-        // the tolerance is that of a wrong closed set, not of rounding.
+        // With a violation of 1e-10 the gaps differ from the exact ones by at most about its square root times that of
+        // the condition number; the tolerance is meant to detect a wrong closed set, not rounding.
         let tolerance = 1e-6 * b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self { name: name.into(), a, b, expected: Expected::Gaps { gaps: gaps.to_vec(), tolerance } }
     }

@@ -28,7 +28,7 @@ fn all_closed(c: usize) -> Case {
     Case::with_solution(format!("all closed, {c}"), compliance(c), &forces, &vec![0.0; c])
 }
 
-/// Groups of closed and of open contacts, and single ones where gap and force both vanish.
+/// Groups of closed and of open contacts, and single contacts at which gap and force both vanish.
 fn row_of_stops(c: usize) -> Case {
     let wave = |i: usize| (0.9 * i as f64).sin();
     let part = |sign: f64, i: usize| if i.is_multiple_of(5) { 0.0 } else { (sign * wave(i)).max(0.0) };
@@ -37,14 +37,14 @@ fn row_of_stops(c: usize) -> Case {
     Case::with_solution(format!("row of stops, {c}"), compliance(c), &forces, &gaps)
 }
 
-/// The same with 1e13 N/m and micrometres, every third contact in units far off.
+/// The same with 1e13 N/m and micrometres, every third contact in very different units.
 fn stiff(c: usize) -> Case {
     let unit = |i: usize| if i.is_multiple_of(3) { 1e-3 } else { 1e-6 } * 3.16e-7f64;
     row_of_stops(c).in_units(format!("units far apart, {c}"), unit)
 }
 
-/// A string pressed by a uniform load on a flat obstacle, `n` elements: parabolas to the left and right of the middle
-/// three quarters that lie on the obstacle. Lumped loads make the nodal values exact.
+/// A string of `n` elements pressed onto a flat obstacle by a uniform load: the middle three quarters are in contact,
+/// with a parabola on either side. Lumped loads make the nodal values exact.
 fn obstacle(n: usize) -> Case {
     let c = n - 1;
     let h = 1.0 / n as f64;

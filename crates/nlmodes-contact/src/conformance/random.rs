@@ -1,4 +1,4 @@
-//! Random problems built from a known solution. The same ones everywhere: the generator is part of the suite.
+//! Random problems constructed from a known solution, identical on every machine: the generator is part of the suite.
 
 use nlmodes_linalg::Mat;
 
@@ -77,8 +77,8 @@ fn low_rank(c: usize) -> Case {
     Case::with_solution(format!("low rank, {c}"), a, &lambda, &gaps)
 }
 
-/// `A = G Gᵀ` of half the rank with `b = −v`, where `v ≥ 0` and `Gᵀ v = 0`: pushed in a direction in which nothing
-/// gives way.
+/// `A = G Gᵀ` of half the rank with `b = −v`, where `v ≥ 0` and `Gᵀ v = 0`: pushed in a direction in which the body is
+/// rigid.
 fn contradictory(c: usize) -> Case {
     let mut random = Random::new(11 * c);
     let v: Vec<f64> = random.vector(c).into_iter().map(|x| 0.1 + x.abs()).collect();

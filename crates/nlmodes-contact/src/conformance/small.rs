@@ -1,4 +1,4 @@
-//! Problems written out, each for one way to fail.
+//! Small explicit problems, each for one way to fail.
 
 use super::{
     Case,
@@ -13,7 +13,7 @@ pub(super) fn cases() -> Vec<Case> {
     let mut all = single();
     all.extend(redundant());
     all.extend(contradictory());
-    // Plain Newton from all contacts open visits {}, {1, 2}, {0, 1} and comes back to {}.
+    // Plain Newton from all contacts open visits {}, {1, 2}, {0, 1} and returns to {}.
     let cycle: [&[f64]; 3] = [&[3.0, -2.0, -2.0], &[-2.0, 2.0, 3.0], &[-2.0, 3.0, 6.0]];
     all.push(Case::new("newton cycle of three", &cycle, &[5.0, -3.0, -1.0], Solution));
     // It visits {}, {0}, {0, 1, 2} and {2}.

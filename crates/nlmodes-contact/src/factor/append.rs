@@ -10,7 +10,7 @@ use crate::{kernel, scaled::Scaled};
 const BLOCK: usize = 8;
 
 impl Factor {
-    /// Adds a contact unless it depends on the block. Tells whether it was added.
+    /// Adds a contact unless it depends on the block. Returns whether it was added.
     pub(crate) fn append(&mut self, matrix: &Scaled, contact: usize) -> bool {
         let noise = self.dependence(matrix, contact);
         self.push(matrix, contact, 0.0, noise) > noise
@@ -37,7 +37,8 @@ impl Factor {
         pivot
     }
 
-    /// Adds the row `entries` of a matrix, up to its diagonal; a pivot that is not positive is made so.
+    /// Adds the row `entries` of a matrix, up to its diagonal; a pivot that is not positive is replaced by a positive
+    /// one.
     pub(super) fn append_row(&mut self, entries: &[f64]) {
         let (n, start) = (self.len(), offset(self.len()));
         self.rows.truncate(start);
@@ -48,7 +49,7 @@ impl Factor {
         self.accept(n, pivot.max(f64::EPSILON * entries[n]));
     }
 
-    /// Adds all of the contacts that do not depend on the block and on those before.
+    /// Adds all contacts that do not depend on the block or on previous ones.
     pub(crate) fn append_all(&mut self, matrix: &Scaled, contacts: &[usize]) {
         if self.len() == 0 && contacts.len() >= MANY && self.begin(matrix, contacts) {
             return;
@@ -69,7 +70,7 @@ impl Factor {
         });
     }
 
-    /// Adds contacts until one depends on those before. Returns how many were added.
+    /// Adds contacts until one depends on the previous ones. Returns the number added.
     fn append_block(&mut self, matrix: &Scaled, contacts: &[usize]) -> usize {
         let n = self.len();
         self.rows.resize(offset(n + contacts.len()), 0.0);

@@ -7,14 +7,14 @@ use faer::{MatMut, Par};
 use super::{Factor, offset};
 use crate::scaled::Scaled;
 
-/// From so many contacts on a factor that begins with all of them is found by blocks: faer's, on the instructions that
-/// the processor has.
+/// From this number of contacts on, a factor that starts with all of them is computed by faer's blocked algorithm, with
+/// the vector instructions of the processor.
 pub(crate) const MANY: usize = 96;
 
-/// Columns that stay in the cache while rows are put together from them.
+/// Columns that remain in the cache while rows are assembled from them.
 const COLUMNS: usize = 16;
 
-/// What a factorisation by blocks works on, kept for the next one.
+/// Work space of a blocked factorisation, kept for the next one.
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     block: Vec<f64>,
@@ -22,8 +22,8 @@ pub(crate) struct Memory {
 }
 
 impl Factor {
-    /// Begins with all of the contacts at once. False, and nothing is there, if one depends on others: then they are to
-    /// come one after the other.
+    /// Starts with all of the contacts at once. Returns false, with an empty factor, if one depends on others: then
+    /// they have to be added one by one.
     pub(super) fn begin(&mut self, matrix: &Scaled, contacts: &[usize]) -> bool {
         let mut memory = std::mem::take(&mut self.memory);
         let mut block = std::mem::take(&mut memory.block);
@@ -38,7 +38,7 @@ impl Factor {
         begun
     }
 
-    /// Takes contacts with such pivots. False, and nothing is there, if one of them depends on others.
+    /// Accepts contacts with these pivots. Returns false, with an empty factor, if one of them depends on others.
     fn accept_all(&mut self, matrix: &Scaled, contacts: &[usize], pivot: impl Fn(usize) -> f64) -> bool {
         for (i, &contact) in contacts.iter().enumerate() {
             let pivot = pivot(i);
@@ -52,7 +52,7 @@ impl Factor {
         true
     }
 
-    /// Takes the rows below the diagonal over from a matrix that is stored by columns, some columns at a time.
+    /// Copies the rows below the diagonal from a matrix stored by columns, some columns at a time.
     fn pack(&mut self, lower: &[f64]) {
         let m = self.len();
         self.rows.resize(offset(m), 0.0);
@@ -66,7 +66,7 @@ impl Factor {
     }
 }
 
-/// The lower triangle of the block of such contacts, stored by columns; what is above it stays what it was.
+/// The lower triangle of the block of these contacts, stored by columns; the upper one is unchanged.
 fn lower_triangle(matrix: &Scaled, contacts: &[usize], block: &mut Vec<f64>) {
     let m = contacts.len();
     block.resize(m * m, 0.0);
@@ -76,7 +76,7 @@ fn lower_triangle(matrix: &Scaled, contacts: &[usize], block: &mut Vec<f64>) {
     }
 }
 
-/// Replaces the lower triangle of a matrix by its Cholesky factor. False if it has none, or memory is short.
+/// Replaces the lower triangle of a matrix by its Cholesky factor. Returns false if it has none, or if memory is short.
 pub(crate) fn factor_in_place(matrix: MatMut<'_, f64>, memory: &mut Memory) -> bool {
     let needed = cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Default::default());
     let (bytes, scratch) = (needed.unaligned_bytes_required(), &mut memory.scratch);

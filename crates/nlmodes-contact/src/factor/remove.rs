@@ -4,7 +4,7 @@ use super::{Factor, offset};
 const ABREAST: usize = 4;
 
 impl Factor {
-    /// Takes out all contacts but those to be kept.
+    /// Removes all contacts except those to be kept.
     pub(crate) fn retain(&mut self, keep: impl Fn(usize) -> bool) {
         for position in (0..self.len()).rev() {
             if !keep(self.order[position]) {
@@ -13,10 +13,10 @@ impl Factor {
         }
     }
 
-    /// Takes the contact in row `position` out of the block.
+    /// Removes the contact in row `position` from the block.
     ///
     /// Deleting a row leaves one entry above the diagonal in each row below it. Plane rotations of neighbouring columns
-    /// `j, j + 1` move those away; row by row, all earlier rotations are applied and the next one is found.
+    /// `j, j + 1` eliminate these; row by row, all earlier rotations are applied and the next one is found.
     pub(crate) fn remove(&mut self, position: usize) {
         let n = self.len();
         self.order.remove(position);
@@ -41,7 +41,7 @@ impl Factor {
         for (r, at) in start.iter().enumerate() {
             self.rows.copy_within(offset(i + r)..*at, offset(i + r - 1));
         }
-        // At any time a row has read what the row below it overwrites.
+        // A row is always read before the row below overwrites it.
         let write: [usize; R] = std::array::from_fn(|r| offset(i + r - 1) + position);
         for (t, &(cosine, sine)) in rotations.iter().enumerate() {
             for r in 0..R {

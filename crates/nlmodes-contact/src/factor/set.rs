@@ -1,4 +1,4 @@
-/// Eight flags in eight bits, the first one lowest: the product adds up the flags, each moved to its place in the top
+/// Eight flags in eight bits, the first one lowest: the product adds the flags, each shifted to its bit in the top
 /// byte.
 fn eight_bits(flags: &[bool; 8]) -> u64 {
     u64::from_le_bytes(flags.map(u8::from)).wrapping_mul(0x0102_0408_1020_4080) >> 56

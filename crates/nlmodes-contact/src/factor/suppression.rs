@@ -1,7 +1,7 @@
 use super::Factor;
 use crate::kernel;
 
-/// Rows of a factor whose unknowns are held at zero, without touching the factor.
+/// Rows of a factor whose unknowns are fixed at zero, without changing the factor.
 ///
 /// With `V = L⁻¹ E` of the unit vectors of those rows, `λ = L⁻ᵀ (y − V (Vᵀ V)⁻¹ Vᵀ y)` vanishes there.
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ struct Suppressed {
     position: usize,
     /// `L⁻¹ e`, zero before `position`.
     image: Vec<f64>,
-    /// Products with the images before and with itself: a row of `Vᵀ V`.
+    /// Products with the previous images and with itself: a row of `Vᵀ V`.
     products: Vec<f64>,
 }
 
@@ -57,7 +57,7 @@ impl Suppression {
         }
     }
 
-    /// Holds one more row at zero.
+    /// Fixes one more row at zero.
     pub(super) fn add(&mut self, factor: &Factor, position: usize) {
         let mut image = self.spare.pop().unwrap_or_default();
         image.clear();
@@ -74,7 +74,7 @@ impl Suppression {
         self.rows.push(Suppressed { position, image, products });
     }
 
-    /// Takes notice of the rows that the factor has got from `first` on.
+    /// Registers the rows added to the factor from `first` on.
     pub(super) fn extend(&mut self, factor: &Factor, first: usize) {
         for k in 0..self.rows.len() {
             let (before, rest) = self.rows.split_at_mut(k);
@@ -110,7 +110,7 @@ impl Suppression {
     }
 }
 
-/// Goes on with `L⁻¹ e` over the rows that were added.
+/// Extends `L⁻¹ e` over the added rows.
 fn extend_image(factor: &Factor, image: &mut Vec<f64>, position: usize) {
     for i in image.len()..factor.len() {
         let (row, inverse) = factor.row(i);

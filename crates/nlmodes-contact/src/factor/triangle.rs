@@ -62,7 +62,7 @@ pub(super) fn backward(rows: &[f64], inverse_diagonal: &[f64], x: &mut [f64]) {
     }
 }
 
-/// [`forward`] of several vectors of n entries at once, so that the triangle passes through the processor only once.
+/// [`forward`] of several vectors of n entries at once, so that the triangle is read only once.
 pub(super) fn forward_all(rows: &[f64], inverse_diagonal: &[f64], xs: &mut [&mut [f64]]) {
     let n = inverse_diagonal.len();
     let whole = n / 4 * 4;

@@ -3,32 +3,31 @@ use crate::{kernel, scaled::Scaled};
 
 /// The factor of a closed set that changes by a few contacts from one problem to the next.
 ///
-/// A contact that closes appends a row. One that opens stays in the factor and is suppressed. Neither copies the
-/// factor, a contact that closes again costs nothing, and one factor stays close to the processor. When many are
-/// suppressed they are taken out for good.
+/// A contact that closes appends a row. One that opens remains in the factor and is suppressed. Neither copies the
+/// factor, a contact that closes again costs nothing, and the factor stays in the cache. When many are suppressed they
+/// are removed.
 #[derive(Debug)]
 pub(crate) struct WorkingFactor {
     factor: Factor,
-    /// The set asked for; contacts that depend on others of it are not in the factor.
+    /// The requested set; contacts that depend on others in it are not in the factor.
     asked: ClosedSet,
     members: ClosedSet,
     suppression: Suppression,
     list: Vec<usize>,
-    /// `L⁻¹` times the right-hand side, as far as it is known.
+    /// `L⁻¹` times the right-hand side, as far as computed.
     right: Vec<f64>,
 }
 
-/// Suppressed contacts, at most.
+/// Maximum number of suppressed contacts.
 const MOST_SUPPRESSED: usize = 32;
 
-/// Contacts over changes from which on a factor is kept and updated.
+/// Ratio of contacts to changes above which a factor is kept and updated.
 const NEAR: usize = 4;
 
-/// The same where a new factor is found by blocks, which is less work than that of its rows one after the other.
+/// The same if a new factor is computed by blocks, which costs less than row by row.
 const NEAR_OF_MANY: usize = 32;
 
-/// Rows over contacts taken out from which on a new factor, found by blocks, costs less than the rotations of the old
-/// one.
+/// Ratio of rows to removed contacts above which a new blocked factor costs less than rotating the old one.
 const ROTATIONS_OF_A_FACTOR: usize = 64;
 
 impl WorkingFactor {
@@ -49,7 +48,7 @@ impl WorkingFactor {
         self.order().iter().copied().filter(|&i| self.asked.contains(i))
     }
 
-    /// Brings the factor to the set.
+    /// Updates the factor to the set.
     pub(crate) fn select(&mut self, matrix: &Scaled, set: &ClosedSet) {
         if self.asked == *set {
             return;
@@ -83,7 +82,7 @@ impl WorkingFactor {
         }
     }
 
-    /// Tells whether some were not added because they depend on others.
+    /// Returns whether some were not added because they depend on others.
     fn append_missing(&mut self, matrix: &Scaled) -> bool {
         let (members, list) = (&mut self.members, &mut self.list);
         list.clear();
@@ -102,7 +101,7 @@ impl WorkingFactor {
         self.factor.len() < before + self.list.len()
     }
 
-    /// Suppresses the contacts that are not in the set, or takes them out if that is easy or they are many.
+    /// Suppresses the contacts that are not in the set, or removes them if that is easy or they are many.
     fn open(&mut self, matrix: &Scaled) {
         self.drop_last();
         let (order, asked, suppression) = (self.factor.order(), &self.asked, &mut self.suppression);
@@ -123,7 +122,7 @@ impl WorkingFactor {
         }
     }
 
-    /// Takes out the last rows as long as they are not needed: nothing depends on them.
+    /// Removes the last rows as long as they are not needed: nothing depends on them.
     fn drop_last(&mut self) {
         while self.suppression.is_empty()
             && let Some(&last) = self.factor.order().last()
@@ -135,8 +134,7 @@ impl WorkingFactor {
         }
     }
 
-    /// Takes the suppressed contacts out of the factor: one after the other, or by a new factor where that is less
-    /// work.
+    /// Removes the suppressed contacts from the factor: one by one, or by a new factor if that is less work.
     fn consolidate(&mut self, matrix: &Scaled) {
         self.suppression.clear();
         let before = self.factor.len();
@@ -196,7 +194,7 @@ mod tests {
         [60, 4 * MANY].into_iter().for_each(follow_sets);
     }
 
-    /// The order of the rows tells what was kept, what is suppressed and what was taken out.
+    /// The order of the rows shows what was kept, suppressed and removed.
     #[test]
     fn a_factor_keeps_what_is_near_drops_what_came_last_and_begins_anew_for_another_set() {
         let matrix = smooth(40);
@@ -227,7 +225,7 @@ mod tests {
         let mut set = ClosedSet::new(c);
         let right: Vec<f64> = (0..c).map(|i| (1.7 * i as f64).sin()).collect();
         for step in 0..400 {
-            // Some contacts come and go often, a few at a time.
+            // Some contacts close and open often, a few at a time.
             for k in 0..1 + step % 3 {
                 set.toggle((step * step / 7 + 11 * k * step) % c);
             }

@@ -40,7 +40,7 @@ impl SeriesSolution {
         &self.closed[self.range(sample)]
     }
 
-    /// What each sample cost.
+    /// Cost of each sample.
     pub fn statistics(&self) -> &[LcpStatistics] {
         &self.statistics
     }
@@ -57,7 +57,7 @@ impl SeriesSolution {
         self.statistics.resize(samples, LcpStatistics::default());
     }
 
-    /// The first guess of a sample: the closed contacts that those before let expect, or none.
+    /// Initial guess of a sample: the closed contacts extrapolated from the previous samples, or none.
     pub(super) fn guess(&mut self, sample: usize, previous: bool) {
         let start = sample * self.c;
         match (previous, sample) {
@@ -67,14 +67,14 @@ impl SeriesSolution {
         }
     }
 
-    /// Expects a contact closed where the force of a closed one, or the penetration of an open one, is positive if it
-    /// goes on as between the two samples before.
+    /// Predicts a closed contact if the force of a closed one, or the penetration of an open one, is positive after
+    /// linear extrapolation from the previous two samples.
     fn extrapolate(&mut self, sample: usize) {
         let (last, before) = (self.range(sample - 1), self.range(sample - 2));
         let (closed, guess) = self.closed.split_at_mut(sample * self.c);
         let guess = &mut guess[..self.c];
         if !kernel::any(&closed[last.clone()]) {
-            // Without forces only the gaps tell, and mostly that nothing will close.
+            // Without forces only the gaps matter, and usually nothing closes.
             let gaps = || self.gaps[last.clone()].iter().zip(&self.gaps[before.clone()]).map(|(g, b)| 2.0 * g - b);
             if gaps().fold(true, |open, gap| open & (gap >= 0.0)) {
                 guess.fill(false);

@@ -19,22 +19,23 @@ pub(crate) const NAME: &str = "active-set";
 
 /// Finds the closed contacts, with an updated Cholesky factor of their block; exact up to rounding. The default.
 ///
-/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one; of many contacts, accelerated projected gradient
+/// 1. Without a guess, a few projected Gauss-Seidel sweeps give one; for many contacts, accelerated projected gradient
 ///    steps.
 /// 2. Semismooth Newton: solve the closed block, exchange every contact with a wrong sign, repeat. Usually 1 to 4
 ///    steps.
 /// 3. That may cycle. When the number of wrong signs has not fallen for `patience` steps, the primal active-set method
-///    of Keller takes over: contacts enter one by one, forces never pull, the energy falls at every exchange, so it
-///    ends. It also treats redundant contacts, choosing an independent subset, and proves infeasibility.
+///    of Keller takes over: contacts enter one by one, forces are never tensile, and the energy decreases at every
+///    exchange, so it terminates. It also treats redundant contacts, choosing an independent subset, and proves
+///    infeasibility.
 ///
 /// One contact is solved in closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveSet {
-    /// Sweeps or gradient steps of a cold start, at most. Default 16.
+    /// Maximum number of sweeps or gradient steps without a guess. Default 16.
     pub sweeps: usize,
     /// Newton steps without fewer wrong signs before the primal method takes over. Default 8.
     pub patience: usize,
-    /// Exchanges of the primal method per contact, at most. Default 20.
+    /// Maximum number of exchanges of the primal method per contact. Default 20.
     pub exchanges_per_contact: usize,
 }
 
@@ -58,7 +59,7 @@ impl LcpSolver for ActiveSet {
     }
 }
 
-/// Contacts from which on steps of all of them at once give a better guess in the same time than one contact after the
+/// Number of contacts above which simultaneous steps give a better guess in the same time than one contact after the
 /// other.
 const ALL_AT_ONCE: usize = 16;
 
@@ -93,7 +94,7 @@ impl Search {
         Self { settings, descent: Descent::default(), newton: Newton::new(c), primal: Primal::default() }
     }
 
-    /// Forces for the first guess.
+    /// Forces for the initial guess.
     fn approach(&mut self, sample: &mut Sample) {
         if sample.b.len() < ALL_AT_ONCE || self.settings.sweeps == 0 {
             sweeps::run(sample, self.settings.sweeps);
@@ -107,8 +108,8 @@ impl Search {
         let budget = self.settings.exchanges_per_contact * closed.len() + 100;
         let mut outcome = self.primal.run(sample, budget);
         if !outcome.infeasible && !outcome.verdict.is_accepted() {
-            // The sweeps may hand over a block that is dependent but for rounding. From nothing, contacts come one at a
-            // time, and the one that cannot be closed shows why.
+            // The sweeps may return a block that is dependent to rounding. Without a guess contacts are added one at a
+            // time, and the one that cannot be closed shows the reason.
             sample.lambda.fill(0.0);
             let first = outcome.iterations;
             outcome = self.primal.run(sample, budget);

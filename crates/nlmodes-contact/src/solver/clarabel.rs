@@ -15,13 +15,13 @@ pub(crate) const NAME: &str = "clarabel";
 /// The convex quadratic programme `min ½ λᵀ A λ + bᵀ λ` over `λ ≥ 0` by the interior-point solver Clarabel.
 ///
 /// The programme is built once per matrix; only `b` changes between samples. There is no warm start. Near opening and
-/// closing an interior point errs like the square root of the tolerance, so the closed set is read off and its block
-/// solved exactly; the judge decides as everywhere.
+/// closing the error of an interior point is of the order of the square root of the tolerance, so only the closed set
+/// is taken from it and its block is solved exactly; the judge decides as for every solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clarabel {
     /// Tolerance of gap and residuals. Default 1e-12.
     pub tolerance: f64,
-    /// Interior-point iterations, at most. Default 100.
+    /// Maximum number of interior-point iterations. Default 100.
     pub max_iterations: u32,
     /// Exact solution with the closed set found. Default true.
     pub polished: bool,
@@ -43,7 +43,7 @@ impl LcpSolver for Clarabel {
         if c == 0 {
             return Ok(Box::new(Workspace::new(a, OneContact)));
         }
-        // The scaling inside Clarabel is fixed here: by a b of the size of all later ones.
+        // The scaling inside Clarabel is fixed here, with a b of the same size as all later ones.
         let representative = vec![-1.0; c];
         let (quadratic, constraint) = (upper_triangle(a.scaled()), minus_identity(c));
         let cones = [NonnegativeConeT(c)];
@@ -117,7 +117,7 @@ impl InteriorPoint {
         }
     }
 
-    /// Whether Clarabel's proof of an unbounded programme, which is one of contradictory contacts, stands.
+    /// Whether Clarabel's proof of an unbounded programme, which is one of contradictory contacts, is valid.
     fn is_unbounded(&self, sample: &mut Sample) -> bool {
         let status = self.programme.solution.status;
         if !matches!(status, SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible) {

@@ -5,7 +5,7 @@ pub(crate) const NAME: &str = "closed-form";
 
 /// The solution for one contact, `λ = max(0, −b / A)`: the proximal point function of eqs. (2) and (3) in closed form.
 ///
-/// It declines problems with more contacts with [`LcpError::TooManyContacts`].
+/// It rejects problems with more contacts with [`LcpError::TooManyContacts`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ClosedForm;
 

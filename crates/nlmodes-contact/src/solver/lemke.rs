@@ -12,12 +12,12 @@ pub(crate) const NAME: &str = "lemke";
 
 /// Lemke's complementary pivoting with the lexicographic rule: finite, without cycling, on a dense tableau.
 ///
-/// The reference to trust on small problems: `O(c²)` per pivot, usually about as many pivots as closed contacts. There
-/// are problems with exponentially many; they end with [`LcpError::NotConverged`] after
-/// `pivots_per_contact · c + 1000`. A guess is not used.
+/// The reference for small problems: `O(c²)` per pivot, usually about as many pivots as closed contacts. There are
+/// problems with exponentially many; they end with [`LcpError::NotConverged`] after `pivots_per_contact · c + 1000`. A
+/// guess is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lemke {
-    /// Pivots per contact, at most, beyond the first thousand. Default 50.
+    /// Maximum number of pivots per contact, beyond the first thousand. Default 50.
     pub pivots_per_contact: usize,
 }
 
@@ -64,7 +64,8 @@ impl Method for Pivoting {
                 if sample.is_proven_infeasible() {
                     return Outcome { iterations, verdict: sample.judge(), infeasible: true };
                 }
-                // A ray by rounding only, as in a pinch without clearance: the forces reached may be the solution.
+                // A ray due to rounding only, as for opposing stops without clearance: the forces reached may be the
+                // solution.
                 Outcome { iterations, ..self.polish.run(sample, closed) }
             }
         }

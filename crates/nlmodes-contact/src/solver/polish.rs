@@ -8,7 +8,7 @@ use crate::sample::Sample;
 
 /// Reads the closed set off approximate forces, solves its block exactly and corrects a few signs.
 ///
-/// Few: it is not to find the solution in the place of the method that made the forces.
+/// Only a few, since it must not replace the method that computed the forces.
 #[derive(Debug)]
 pub(crate) struct Polish {
     newton: Newton,
@@ -21,7 +21,8 @@ impl Polish {
         Self { newton: Newton::new(c), primal: Primal::default(), approximate: Vec::with_capacity(c) }
     }
 
-    /// If the result is accepted, it is in `sample` and `closed`; else the forces are as before, and the outcome tells.
+    /// If the result is accepted, it is in `sample` and `closed`; otherwise the forces are unchanged, as the outcome
+    /// indicates.
     pub(crate) fn run(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome {
         self.approximate.clone_from(&sample.lambda);
         let before = sample.judge();

@@ -9,15 +9,15 @@ pub(crate) const NAME: &str = "proximal";
 /// Fixed point of the proximal point function, `λ = max(0, λ − r g)`, which is eq. (11) as an equation.
 ///
 /// In units in which the diagonal of `A` is near one and with `r = 1/(1.02 ρ)`, ρ the largest eigenvalue of `A`, the
-/// plain iteration descends and cannot diverge; should ρ be underestimated, the descent test fails and `r` is reduced.
-/// By default it is accelerated (Nesterov, restarted when the momentum points uphill), and after 16, 32, 64, …
-/// iterations the closed set is read off and its block solved exactly: the iteration need only find the set. Matrices
-/// with a condition above about 1e5 may end with [`LcpError::NotConverged`], which carries the best iterate.
+/// plain iteration descends and cannot diverge; if ρ is underestimated, the descent test fails and `r` is reduced. By
+/// default it is accelerated (Nesterov, restarted when the momentum points uphill), and after 16, 32, 64, … iterations
+/// the closed set is read off and its block solved exactly: the iteration need only find the set. Matrices with a
+/// condition above about 1e5 may end with [`LcpError::NotConverged`], which carries the best iterate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proximal {
-    /// Iterations, at most. Default 20 000.
+    /// Maximum number of iterations. Default 20 000.
     pub max_iterations: usize,
-    /// Violation at which to end without polish. Default 1e-11.
+    /// Violation at which to end without the exact solution. Default 1e-11.
     pub tolerance: f64,
     /// Momentum. Default true.
     pub accelerated: bool,
@@ -74,7 +74,7 @@ struct Descent {
     step: f64,
     state: State,
     best: Best,
-    /// Forces of the last problem, the start of the next.
+    /// Forces of the last problem, the initial guess of the next.
     start: Vec<f64>,
     /// Forces at the last check.
     mark: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The frame around every backend: scaling before, the judge after.
+//! The wrapper around every backend: scaling before, the judge after.
 
 use crate::{
     LcpError, LcpMatrix, LcpStatistics, LcpWorkspace,
@@ -10,7 +10,7 @@ pub(crate) trait Method: Send {
     /// Name of the backend.
     const NAME: &'static str;
 
-    /// Leaves the forces in `sample` and the closed contacts in `closed`, which comes with a guess.
+    /// Leaves the forces in `sample` and the closed contacts in `closed`, which contains a guess on entry.
     fn run(&mut self, sample: &mut Sample, closed: &mut [bool]) -> Outcome;
 }
 
@@ -18,7 +18,7 @@ pub(crate) trait Method: Send {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outcome {
     pub(crate) iterations: usize,
-    /// What the judge says of the forces that are in the sample.
+    /// The judge's verdict on the forces in the sample.
     pub(crate) verdict: Verdict,
     /// Whether the ray in the sample was verified to prove infeasibility.
     pub(crate) infeasible: bool,

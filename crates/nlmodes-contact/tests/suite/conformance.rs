@@ -44,7 +44,7 @@ fn closed_form_solves_one_contact() {
     check(&ClosedForm, 1, &[]);
 }
 
-/// Without the exact solution of the closed set these end short of 1e-10, and say so.
+/// Without the exact solution of the closed set these do not reach 1e-10, and report it.
 #[test]
 fn bare_proximal_declines_ill_conditioned_matrices() {
     let declines = ["condition 1e9, 2", "condition 1e12, 2", "condition 1e9, 10", "condition 1e12, 10", "hilbert, 8"];
@@ -67,7 +67,7 @@ fn bare_fixed_point_declines_more_of_them() {
     check(&plain, 10, &declines);
 }
 
-/// An interior point misses the solution by about the square root of its tolerance where gap and force both vanish.
+/// The error of an interior point is about the square root of its tolerance where gap and force both vanish.
 #[test]
 fn bare_clarabel_declines_degenerate_contacts() {
     let declines = [

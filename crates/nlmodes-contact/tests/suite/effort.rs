@@ -1,20 +1,20 @@
-//! What contact problems cost: iterations of each solver, summed over families of problems.
+//! Cost of contact problems: iterations of each solver, summed over families of problems.
 //!
-//! A number that steers a solver hardly shows in forces and gaps, which are exact whatever way they were found, but it
-//! shows here. The table is what was measured, not what must be: where a change of a solver moves it, look whether it
-//! moved the way that was meant, and write down what is measured then.
+//! A control parameter of a solver hardly affects forces and gaps, which are exact however they were found, but it
+//! affects these counts. The table has measured values, not required ones: if a change of a solver alters them, check
+//! that they change as intended, and record the new values.
 
 use nlmodes_contact::{
     ActiveSet, Clarabel, LcpError, LcpMatrix, LcpSolver, LcpStatistics, Lemke, Mat, Proximal, Series, SeriesSolution,
     Start, conformance,
 };
 
-/// Another processor rounds otherwise, which may cost an iteration here and there, and some decimals.
+/// Rounding differs between processors, which may change a few iterations and some decimals.
 const ALLOWED: Cost = [3, 10, 3, 3, 3];
 const OF: usize = 1000;
 
-/// Iterations, decimals of the violation of each solution in sum, and how many problems were solved, shown to be
-/// contradictory, declined.
+/// Iterations, the sum of the decimals of the violation of each solution, and the numbers of problems solved, proven
+/// contradictory, and rejected.
 type Cost = [usize; 5];
 
 const KNOWN: [(&str, &str, Cost); 73] = [
@@ -128,7 +128,7 @@ fn gram(c: usize, n: usize, factor: impl Fn(usize) -> f64, mut next: impl FnMut(
     Mat::from_fn(c, c, |i, j| entry(i.min(j), i.max(j)))
 }
 
-/// Any rank, often with gaps and forces that both vanish, often contradictory.
+/// Any rank; gaps and forces often both vanish, and problems are often contradictory.
 fn integers(random: &mut Random) -> Problem {
     let (c, rank, largest) = (1 + random.below(8), 1 + random.below(8), 1 + random.below(3));
     let a = gram(c, rank, |_| 1.0, || random.integer(largest));
@@ -177,7 +177,7 @@ fn compliance(c: usize) -> Mat<f64> {
     Mat::from_fn(c, c, |i, j| (-0.2 * i.abs_diff(j) as f64).exp())
 }
 
-/// Signs that Newton's method exchanges in a circle.
+/// Signs for which Newton's method cycles.
 fn cycling(random: &mut Random) -> Problem {
     let c = 3 + random.below(6);
     let mut a = gram(c, c, |_| 1.0, || random.integer(2));
@@ -196,7 +196,7 @@ const FAMILIES: [Family; 6] = [
     ("cycling", 1200, cycling),
 ];
 
-/// Each solver, its settings away from the default, and the part of each family that it gets.
+/// Each solver, its settings away from the default, and the part of each family that it solves.
 fn solvers() -> Vec<(&'static str, Box<dyn LcpSolver>, usize)> {
     let active = ActiveSet::default();
     let proximal = Proximal { max_iterations: 1500, ..Proximal::default() };
@@ -226,7 +226,7 @@ fn add(cost: &mut Cost, outcome: Result<LcpStatistics, LcpError>) {
     }
 }
 
-/// Each problem from all contacts closed, from nothing and, with `b` a little moved, from its solution.
+/// Each problem from all contacts closed, without a guess and, with `b` slightly changed, from its solution.
 fn add_problem(problem: &Problem, solver: &dyn LcpSolver, cost: &mut Cost) {
     let matrix = LcpMatrix::new(&problem.a).unwrap();
     let mut workspace = solver.workspace(&matrix).unwrap();
@@ -265,7 +265,7 @@ fn of_series() -> Vec<(&'static str, &'static str, Cost)> {
         let mut cost = [0; 5];
         for c in [2, 7, 30, 90] {
             let matrix = LcpMatrix::new(&compliance(c)).unwrap();
-            // Without sweeps the guess of a sample is all that it begins with.
+            // Without sweeps the solution starts from the guess of a sample only.
             let mut series = Series::new(&matrix, &ActiveSet { sweeps: 0, ..ActiveSet::default() }).unwrap();
             let mut solution = SeriesSolution::default();
             for lift in [0.3, 0.28, 0.8] {

@@ -1,4 +1,4 @@
-//! The default solver on millions of small integer problems. Too long for every run: see CONTRIBUTING.
+//! The default solver on millions of small integer problems. Too slow for every run: see CONTRIBUTING.
 
 use nlmodes_contact::{ActiveSet, LcpError, LcpMatrix, LcpSolver, Mat};
 
@@ -47,7 +47,7 @@ fn determinant(mut m: Vec<Vec<i128>>) -> i128 {
     sign * before
 }
 
-/// The forces of the closed contacts by Cramer's rule, if they and the gaps are right without any rounding.
+/// The forces of the closed contacts by Cramer's rule, if they and the gaps are correct in exact arithmetic.
 fn exact_forces(a: &Mat<f64>, b: &[f64], closed: &[bool]) -> Option<Vec<f64>> {
     let at = |i: usize, j: usize| a[(i, j)] as i128;
     let set: Vec<usize> = (0..b.len()).filter(|&i| closed[i]).collect();
@@ -63,8 +63,8 @@ fn exact_forces(a: &Mat<f64>, b: &[f64], closed: &[bool]) -> Option<Vec<f64>> {
     right.then(|| forces.iter().map(|f| *f as f64 / all as f64).collect())
 }
 
-/// Solved, proven to have no solution, or declined for forces so large that their rounding counts, which are the exact
-/// ones as far as numbers go. True in the last case.
+/// Solved, proven to have no solution, or rejected because the forces are so large that their rounding matters; then
+/// they are exact to rounding. True in the last case.
 fn check(solver: &ActiveSet, a: &Mat<f64>, b: &[f64], guess: bool) -> Result<bool, String> {
     let matrix = LcpMatrix::new(a).map_err(|e| e.to_string())?;
     let (mut closed, mut lambda) = (vec![guess; b.len()], vec![0.0; b.len()]);
@@ -73,7 +73,7 @@ fn check(solver: &ActiveSet, a: &Mat<f64>, b: &[f64], guess: bool) -> Result<boo
         Err(LcpError::Rounding { violation, rounding, lambda, .. }) => {
             let exact = exact_forces(a, b, &closed).ok_or("the closed contacts are wrong")?;
             let largest = exact.iter().fold(0.0, |m: f64, l| m.max(*l));
-            // Forces err by the condition of the closed block, about 1e9, times rounding.
+            // The error of the forces is the condition number of the closed block, about 1e9, times rounding.
             let close = lambda.iter().zip(&exact).all(|(l, e)| (l - e).abs() <= 1e-5 * largest);
             // Diagonals up to 72 and |b| up to 3 make 2e4 N scaled forces of 1e5 at least.
             if close && largest > 2e4 && violation <= rounding && rounding < 1e-5 {
@@ -130,7 +130,7 @@ fn forces_too_large_to_be_verified_are_declined_for_that_reason() {
             }
         }
     }
-    // Rounding may by chance be small enough: of the first one, where it is close to the limit.
+    // Rounding may happen to be small enough for the first one, which is close to the limit.
     assert!(declined >= 8, "{declined}");
 }
 
@@ -159,7 +159,7 @@ fn gaps_that_are_lost_in_rounding_prove_nothing() {
     }
 }
 
-/// `NLMODES_PROBLEMS`: how many; `NLMODES_SEED`: where to begin.
+/// `NLMODES_PROBLEMS`: number of problems; `NLMODES_SEED`: random seed.
 #[test]
 #[ignore = "takes minutes"]
 fn the_default_declines_nothing_but_what_rounding_hides() {

@@ -39,8 +39,8 @@ fn reals() -> impl Strategy<Value = (Mat<f64>, Vec<f64>)> {
     })
 }
 
-/// Solution or named error; never wrong in silence. True if solved, false if shown to have no solution, `None` if
-/// declined.
+/// Solution or typed error, never a silent wrong result. True if solved, false if proven to have no solution, `None` if
+/// rejected.
 fn is_solved_or_named(
     solver: &dyn LcpSolver,
     a: &LcpMatrix,
@@ -63,8 +63,7 @@ fn is_solved_or_named(
             Ok(Some(false))
         }
         Err(LcpError::NotConverged { violation, .. }) => {
-            // Backends hold themselves to half of what the judge demands, so that 1e-10 holds for any order of
-            // summation.
+            // Backends use half of the judge's limit, so that 1e-10 holds for any order of summation.
             prop_assert!(violation > 0.5e-10);
             Ok(None)
         }

@@ -5,20 +5,20 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use crate::{sample::Sample, scaled::Scaled};
 
-/// So few contacts that open or close in one step are left to Newton's method: updates of the factor.
+/// At most this number of contacts that open or close in one step is left to Newton's method, by updates of the factor.
 const FEW: usize = 2;
 
-/// Candidates, at least, for each of the few.
+/// Minimum number of candidates for each of these.
 const CANDIDATES_OF_ONE: usize = 32;
 
-/// Candidates over new ones from which on the steps are not repeated with those.
+/// Ratio of candidates to new ones above which the steps are not repeated with the new ones.
 const COMPLETE: usize = 16;
 
 /// Accelerated projected gradient steps (Nesterov, restarted when the momentum points uphill) among the contacts that
-/// may close, in single precision: a first guess where contacts are many.
+/// may close, in single precision: an initial guess for many contacts.
 ///
-/// Forces of which only the signs are taken need no more digits, and half the bytes pass through the processor in half
-/// the time. A step is one over the largest curvature met so far; the first is that of steepest descent.
+/// Only the signs of these forces are used, so single precision suffices and halves the memory traffic. The step is one
+/// over the largest curvature found so far; the first is that of steepest descent.
 #[derive(Debug, Default)]
 pub(super) struct Descent {
     is_candidate: Vec<bool>,
@@ -30,7 +30,7 @@ pub(super) struct Descent {
     b: Vec<f32>,
     before: State,
     now: State,
-    /// Where `before` and `now` lead if it goes on like that.
+    /// Linear extrapolation of `before` and `now`.
     ahead: State,
     next: State,
     curvature: f32,
@@ -56,14 +56,14 @@ impl Descent {
             self.descend(steps);
             self.unload(sample);
             if matrix.only_opens() {
-                // What is open without forces stays so.
+                // A contact that is open without forces remains open.
                 return;
             }
             sample.refresh_gaps();
         }
     }
 
-    /// Contacts that penetrate become candidates. Tells whether that makes a difference.
+    /// Contacts that penetrate become candidates. Returns whether this makes a difference.
     fn widen(&mut self, sample: &Sample) -> bool {
         let before = self.candidates.len();
         for (i, (is_candidate, gap)) in self.is_candidate.iter_mut().zip(&sample.gap).enumerate() {
@@ -127,8 +127,7 @@ impl Descent {
         }
         self.next.multiply(&self.compliance);
         let (stiff, size) = (dot(&self.next.lambda, &self.next.gap), dot(&self.next.lambda, &self.next.lambda));
-        // No eigenvalue is larger than the largest one, which is no less than any entry of the diagonal: they are one
-        // or more.
+        // The largest eigenvalue is not less than any diagonal entry, all of which are at least one.
         self.curvature = if stiff > size { stiff / size } else { 1.0 };
         self.before.lambda.fill(0.0);
         self.before.gap.copy_from_slice(&self.b);
@@ -148,7 +147,7 @@ impl Descent {
         self.next.gap.iter_mut().zip(&self.b).for_each(|(gap, b)| *gap += b);
     }
 
-    /// Whether the energy curves more along the last step than was known. It is known then.
+    /// Whether the curvature of the energy along the last step exceeds the known maximum, which is then updated.
     fn is_too_long(&mut self) -> bool {
         let (mut stiff, mut size) = (0.0, 0.0);
         for k in 0..self.b.len() {
@@ -222,7 +221,7 @@ mod tests {
         sample.lambda.iter().zip(&sample.gap).map(|(force, gap)| *force > 0.0 && force > gap).collect()
     }
 
-    /// The closed contacts of a problem that steps were made in, from there.
+    /// The closed contacts of a problem after these steps.
     fn closed(sample: &mut Sample) -> Vec<bool> {
         let mut newton = Newton::new(sample.b.len());
         newton.guess_from_forces(sample);
@@ -246,7 +245,7 @@ mod tests {
 
     #[test]
     fn contacts_that_only_forces_of_others_close_are_guessed_too() {
-        // Stops on both sides: what opens one side closes the other.
+        // Stops on both sides: opening one side closes the other.
         let side = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let entry = |i: usize, j: usize| {
             side(i) * side(j) * (-(i.abs_diff(j) as f64) / 9.0).exp() + if i == j { 0.1 } else { 0.0 }

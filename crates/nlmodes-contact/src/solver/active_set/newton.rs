@@ -5,7 +5,7 @@ use crate::{
     sample::{Sample, Verdict},
 };
 
-/// Signs are wrong below this, relative to the size of the forces: rounding of a product with `A`.
+/// Values below this, relative to the size of the forces, are rounding errors of a product with `A`.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Semismooth Newton on `min(λ, g) = 0`, that is block principal pivoting, with a factor that is updated.
@@ -47,7 +47,7 @@ impl Newton {
         self.factor.closed().for_each(|i| closed[i] = true);
     }
 
-    /// Steps until all signs are right. None if `patience` steps went by without fewer wrong ones.
+    /// Steps until all signs are correct. None if the number of wrong signs has not decreased in `patience` steps.
     pub(crate) fn run(&mut self, sample: &mut Sample, patience: usize) -> Option<Outcome> {
         let (mut fewest, mut stalled) = (usize::MAX, 0);
         self.iterations = 0;
@@ -72,10 +72,10 @@ impl Newton {
         }
     }
 
-    /// Forces that close the gaps of the set, without those that would pull, and the judge's verdict.
+    /// Forces that close the gaps of the set, without tensile ones, and the judge's verdict.
     ///
-    /// A set that is too large is often so by several layers at the edge of a patch, where only the outermost contacts
-    /// pull at a time; taking them off before the gaps are looked at saves the product with `A`.
+    /// A set that is too large often has several excess layers at the edge of a contact patch, of which only the
+    /// outermost is in tension at a time; removing them before the gaps are computed saves the product with `A`.
     fn step(&mut self, sample: &mut Sample) -> Verdict {
         loop {
             self.factor.select(sample.matrix(), &self.set);
@@ -92,7 +92,7 @@ impl Newton {
         sample.judge()
     }
 
-    /// Takes the contacts that pull out of the set. Tells whether there were any.
+    /// Removes the contacts in tension from the set. Returns whether there were any.
     fn open_pulling(&mut self) -> bool {
         let tolerance = sign_tolerance(&self.forces);
         let mut any = false;
@@ -103,12 +103,12 @@ impl Newton {
         any
     }
 
-    /// Exchanges the contacts that pull or penetrate. Returns how many there were.
+    /// Exchanges the contacts that are in tension or penetrate. Returns their number.
     fn exchange(&mut self, sample: &Sample) -> usize {
         let tolerance = sign_tolerance(&sample.lambda);
         let mut wrong = 0;
         for (i, (&force, &gap)) in sample.lambda.iter().zip(&sample.gap).enumerate() {
-            // NaN counts as right here: the judge does not let it pass.
+            // NaN is accepted here: the judge rejects it.
             if (if force == 0.0 { gap } else { force }) < -tolerance {
                 self.set.toggle(i);
                 wrong += 1;
@@ -117,7 +117,7 @@ impl Newton {
         wrong
     }
 
-    /// Iterative refinement of the forces while the closed gaps are above rounding and fall.
+    /// Iterative refinement of the forces while the closed gaps exceed rounding and decrease.
     fn refine(&mut self, sample: &mut Sample, mut verdict: Verdict) -> Verdict {
         for _ in 0..3 {
             if verdict.violation() <= 1e-13 {

@@ -1,4 +1,5 @@
-//! Primal active-set method of Keller for `min ½ λᵀ A λ + bᵀ λ` over `λ ≥ 0`, whose solution is the contact problem's.
+//! Primal active-set method of Keller for `min ½ λᵀ A λ + bᵀ λ` over `λ ≥ 0`, whose solution is that of the contact
+//! problem.
 
 use super::{super::workspace::Outcome, newton::sign_tolerance};
 use crate::{
@@ -6,12 +7,12 @@ use crate::{
     sample::{Sample, Verdict},
 };
 
-/// A penetration below this at a contact that no force can move is left alone: it is rounding, as in a pinch without
-/// clearance.
+/// A penetration below this at a contact that no force can open is ignored: it is rounding, as for opposing stops
+/// without clearance.
 const TOLERATED: f64 = 1e-11;
 
-/// Contacts enter one at a time, the forces never pull, and the energy falls at every entry: no cycling. The block in
-/// use is always independent.
+/// Contacts enter one at a time, the forces are never tensile, and the energy decreases at every entry, so there is no
+/// cycling. The block in use is always independent.
 #[derive(Debug, Default)]
 pub(crate) struct Primal {
     factor: Factor,
@@ -20,7 +21,7 @@ pub(crate) struct Primal {
     steps: usize,
 }
 
-/// What became of a contact that was to be closed.
+/// Outcome of closing a contact.
 enum Entry {
     Closed,
     Tolerated,
@@ -34,8 +35,8 @@ impl Primal {
         self.factor.order().iter().for_each(|&i| closed[i] = true);
     }
 
-    /// From the non-negative forces in `sample` to the solution, in at most about `budget` exchanges beyond those that
-    /// make the block independent.
+    /// From the non-negative forces in `sample` to the solution, in at most about `budget` exchanges in addition to
+    /// those that make the block independent.
     pub(crate) fn run(&mut self, sample: &mut Sample, budget: usize) -> Outcome {
         self.steps = 0;
         self.tolerated.clear();
@@ -55,7 +56,7 @@ impl Primal {
         }
     }
 
-    /// Moves forces along null directions of the block until those left stand on independent contacts. Gaps do not
+    /// Moves forces along null directions of the block until the remaining contacts are independent. Gaps do not
     /// change.
     fn make_independent(&mut self, sample: &mut Sample) {
         let matrix = sample.matrix().clone();
@@ -81,7 +82,7 @@ impl Primal {
         }
     }
 
-    /// The exact minimum over the forces of the block, opening those that would pull.
+    /// The exact minimum over the forces of the block; contacts in tension are opened.
     fn minimise(&mut self, sample: &mut Sample) {
         loop {
             self.direction.clear();
@@ -113,7 +114,7 @@ impl Primal {
         (0..sample.b.len()).filter(penetrates).min_by(|&i, &j| sample.gap[i].total_cmp(&sample.gap[j]))
     }
 
-    /// Raises the force of an open contact, with the gaps of the block kept shut, until its own gap is shut.
+    /// Raises the force of an open contact, with the gaps of the block kept closed, until its own gap is closed.
     fn close(&mut self, sample: &mut Sample, contact: usize) -> Entry {
         let matrix = sample.matrix().clone();
         let mut gap = sample.gap[contact];
@@ -152,8 +153,8 @@ impl Primal {
         Entry::Tolerated
     }
 
-    /// How the forces of the block answer to a unit force at `contact`, `−A_aa⁻¹ A_as`. Returns the gap per unit force
-    /// there.
+    /// Change of the forces of the block due to a unit force at `contact`, `−A_aa⁻¹ A_as`. Returns the gap per unit
+    /// force there.
     fn aim(&mut self, sample: &Sample, contact: usize) -> f64 {
         let column = sample.matrix().column(contact);
         self.direction.clear();
@@ -165,8 +166,8 @@ impl Primal {
         gap
     }
 
-    /// Forgets what is rounding in a direction beside a unit force. Along a null direction nothing else ends the step,
-    /// and a force that seems to fall by 1e-17 would end it at 1e17.
+    /// Sets entries of a direction to zero that are rounding compared with a unit force. Along a null direction nothing
+    /// else limits the step, and a force that appears to decrease by 1e-17 would end it at 1e17.
     fn drop_rounding(&mut self) {
         let least = 1e-10 * crate::kernel::max_abs(&self.direction).max(1.0);
         self.direction.iter_mut().filter(|d| d.abs() < least).for_each(|d| *d = 0.0);
@@ -225,7 +226,7 @@ mod tests {
     use super::*;
     use crate::factor::tests::smooth;
 
-    /// All contacts of a smooth body pressed in, closed, with forces that err by so much.
+    /// All contacts of a smooth body are closed, with forces in error by this amount.
     fn pressed(error: f64) -> (Primal, Sample) {
         let (mut primal, mut sample) = (Primal::default(), Sample::new(&smooth(9)));
         sample.load(&[-1.0; 9]).unwrap();
@@ -254,7 +255,7 @@ mod tests {
         assert!(before.violation() < 1e-13);
         primal.refine(&mut sample, before);
         assert_eq!(sample.lambda, forces);
-        // A contact that penetrates outside of the block is nothing that its forces can mend.
+        // The forces of the block cannot correct a penetrating contact outside it.
         primal.factor.remove(4);
         sample.lambda[4] = 0.0;
         let mut forces = sample.b.iter().enumerate().filter(|(i, _)| *i != 4).map(|(_, b)| -b).collect::<Vec<f64>>();

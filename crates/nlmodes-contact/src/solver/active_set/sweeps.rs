@@ -1,10 +1,10 @@
 use crate::{kernel, sample::Sample};
 
-/// Contacts whose changes are taken over into the gaps of all others together.
+/// Contacts whose changes are applied to the gaps of all others together.
 const GROUP: usize = 4;
 
 /// Projected Gauss-Seidel from zero forces: `λ_i ← max(0, λ_i − g_i / A_ii)`, one contact after the other, at most
-/// `sweeps` times over all; ends when a sweep neither opens nor closes a contact. The gaps follow along.
+/// `sweeps` times over all; it ends when a sweep neither opens nor closes a contact. The gaps are updated.
 pub(super) fn run(sample: &mut Sample, sweeps: usize) {
     let matrix = sample.matrix().clone();
     let (lambda, gap) = (&mut sample.lambda, &mut sample.gap);
@@ -20,7 +20,7 @@ pub(super) fn run(sample: &mut Sample, sweeps: usize) {
                 if compliance == 0.0 {
                     continue;
                 }
-                // What those before it in the group did.
+                // The effect of the previous ones in the group.
                 let of_group = (0..k).map(|l| moved[l] * matrix.column(first + l)[first + k]).sum::<f64>();
                 let next = *force - (gap[first + k] + of_group) / compliance;
                 let next = if next > 0.0 { next } else { 0.0 };

@@ -15,7 +15,7 @@ pub(super) struct Tableau {
 /// How the pivoting ended.
 pub(super) enum End {
     Solved,
-    /// No basic variable falls when that of column `entering` rises.
+    /// No basic variable decreases when that of column `entering` increases.
     Ray {
         entering: usize,
     },
@@ -72,7 +72,7 @@ impl Tableau {
         }
     }
 
-    /// How the forces change along the ray.
+    /// Change of the forces along the ray.
     pub(super) fn unload_ray(&self, entering: usize, ray: &mut [f64]) {
         ray.fill(0.0);
         let forces = self.c..2 * self.c;
