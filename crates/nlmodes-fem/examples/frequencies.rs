@@ -1,4 +1,4 @@
-//! Natural frequencies of a clamped rod and a slender cantilever against their closed forms, over the number of
+//! Natural frequencies of a clamped rod and a slender cantilever, compared with closed forms, over the number of
 //! elements.
 //!
 //! `cargo run -p nlmodes-fem --example frequencies`
@@ -14,7 +14,7 @@ const DENSITY: f64 = 7850.0; // kg/m³
 const LENGTH: f64 = 2.0; // m
 const HEIGHT: f64 = 2e-3; // m, a thousandth of the length: shear and rotatory inertia do not count
 
-/// First frequencies of rod and beam over their closed forms, less one.
+/// Relative errors of the first frequencies of rod and beam.
 fn errors(elements: usize, mass_matrix: MassMatrix) -> Result<[f64; 2], Box<dyn Error>> {
     let material = Material::new(YOUNG, DENSITY)?;
     let mesh = Mesh::uniform(LENGTH, elements)?;
@@ -26,7 +26,7 @@ fn errors(elements: usize, mass_matrix: MassMatrix) -> Result<[f64; 2], Box<dyn 
     // cos β cosh β = −1
     let beta: f64 = 1.875_104_068_711_961;
     let exact = [FRAC_PI_2 * wave_speed / LENGTH, (beta / LENGTH).powi(2) * wave_speed * HEIGHT / 12_f64.sqrt()];
-    // The first mode of the beam lies below those of its axis.
+    // The first bending mode is below the axial modes.
     let found = [linear_modes(rod.mass(), rod.stiffness(), 1)?, linear_modes(beam.mass(), beam.stiffness(), 1)?];
     Ok([0, 1].map(|i| found[i].omega[0] / exact[i] - 1.0))
 }
@@ -51,7 +51,7 @@ fn rods_converge_quadratically_from_above_or_from_below() -> Result<(), Box<dyn 
         let leading = side * (FRAC_PI_2 / 8.0).powi(2) / 24.0;
         assert!((coarse[0] / leading - 1.0).abs() < 0.02, "{:e} {leading:e}", coarse[0]);
         assert!(((coarse[0] / fine[0]).log2() - 2.0).abs() < 0.01);
-        // The beam's own terms, of the order of (height / length)², stay.
+        // The terms of the beam of order (height / length)² remain.
         assert!(fine[1].abs() < coarse[1].abs() && fine[1].abs() < 3e-3, "{coarse:?} {fine:?}");
     }
     Ok(())

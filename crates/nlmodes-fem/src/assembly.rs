@@ -1,30 +1,30 @@
-//! From element matrices to a structural model.
+//! Assembly of element matrices to a structural model.
 
 use nlmodes_linalg::{Triplet, sparse_from_triplets};
 use nlmodes_model::{Contact, Dof, DofKind, ModelError, StructuralModel};
 
 use crate::{ElementMatrices, FemError, Mesh, Stop, Support};
 
-/// Nodes, what each node has, and what the ends hold of it.
+/// Nodes, the degrees of freedom of each node, and those fixed at the ends.
 pub(crate) struct Layout<'a> {
     pub(crate) mesh: &'a Mesh,
     /// Kinds of the degrees of freedom of one node, in the order of the element matrices.
     pub(crate) kinds: &'a [DofKind],
     /// Support at the first and at the last node.
     pub(crate) supports: [Support; 2],
-    /// What a support holds.
+    /// The degrees of freedom fixed by a support.
     pub(crate) holds: fn(Support) -> &'static [DofKind],
 }
 
-/// The free degrees of freedom and where the others went.
+/// Numbering of the free degrees of freedom.
 struct Numbering {
-    /// Number of each degree of freedom of each node; none if a support holds it.
+    /// Number of each degree of freedom of each node; none if a support fixes it.
     numbers: Vec<Option<usize>>,
     dofs: Vec<Dof>,
 }
 
 impl Layout<'_> {
-    /// Support of a node that stands at an end.
+    /// Support of a node at an end.
     fn support(&self, node: usize) -> Option<Support> {
         match node {
             0 => Some(self.supports[0]),
@@ -64,7 +64,7 @@ impl Layout<'_> {
     }
 }
 
-/// Adds up the matrices of the elements, which are functions of their number and length, for the free degrees of
+/// Assembles the element matrices, which are functions of the number and length of the element, for the free degrees of
 /// freedom.
 pub(crate) fn assemble<const N: usize>(
     layout: &Layout,
@@ -77,7 +77,7 @@ pub(crate) fn assemble<const N: usize>(
     for (i, &length) in layout.mesh.element_lengths().iter().enumerate() {
         let matrices = element(i, length);
         check_finite(layout, i, &matrices)?;
-        // The numbers of the two nodes of an element stand next to each other.
+        // The two nodes of an element have consecutive numbers.
         let numbers = &numbering.numbers[i * layout.kinds.len()..][..N];
         scatter(&mut mass, &matrices.mass, numbers);
         scatter(&mut stiffness, &matrices.stiffness, numbers);

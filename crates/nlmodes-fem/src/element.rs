@@ -1,17 +1,17 @@
 use nalgebra::SMatrix;
 
-/// How the mass of an element is put to its nodes.
+/// Mass matrix of an element.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum MassMatrix {
     /// From the shape functions of the stiffness: `∫ ρA Nᵀ N dx`.
     #[default]
     Consistent,
-    /// Half of it at either node: a diagonal matrix.
+    /// Half of the mass at either node: a diagonal matrix.
     Lumped,
 }
 
 impl MassMatrix {
-    /// Lower-case name, as it stands in scenes.
+    /// Lower-case name, as used in scenes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Consistent => "consistent",

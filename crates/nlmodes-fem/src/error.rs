@@ -7,7 +7,7 @@ use crate::{Direction, Support};
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FemError {
-    /// A number that has to be positive and finite is not.
+    /// A number that must be positive and finite is not.
     #[error("the {what} is {value}, but has to be a positive finite number")]
     NotPositive {
         /// The quantity.
@@ -21,14 +21,14 @@ pub enum FemError {
         /// The value.
         value: f64,
     },
-    /// Steps of a structure that do not follow one another.
+    /// Steps of a structure that are not in order.
     #[error(
         "step {step} reaches from node {from} to node {to}; it has to end behind its start, at node {last} at the latest"
     )]
     Step {
         /// The step, counted from 0.
         step: usize,
-        /// Node at which the one before ends.
+        /// Node at which the previous step ends.
         from: usize,
         /// Node at which it ends.
         to: usize,
@@ -64,10 +64,10 @@ pub enum FemError {
         /// First element length over last one.
         grading: f64,
     },
-    /// No node stands at the position asked for.
+    /// There is no node at the requested position.
     #[error("there is no node at {asked} m; the nearest one is node {node} at {nearest} m")]
     NotANode {
-        /// Position asked for, m.
+        /// Requested position, m.
         asked: f64,
         /// Position of the nearest node, m.
         nearest: f64,
@@ -77,7 +77,7 @@ pub enum FemError {
     /// A point that is not on the structure.
     #[error("there is nothing at {asked} m: the structure reaches from 0 to {length} m")]
     OutsideMesh {
-        /// Position asked for, m.
+        /// Requested position, m.
         asked: f64,
         /// Length of the structure, m.
         length: f64,
@@ -90,17 +90,17 @@ pub enum FemError {
         /// Its direction.
         direction: Direction,
     },
-    /// A stop at a degree of freedom that a support holds.
+    /// A stop at a degree of freedom that a support fixes.
     #[error("the {direction} stop at {position} m can never be touched: the end is {support} there")]
     HeldDof {
         /// Position of the stop, m.
         position: f64,
         /// Its direction.
         direction: Direction,
-        /// The support that holds it.
+        /// The support that fixes it.
         support: Support,
     },
-    /// The supports hold every degree of freedom.
+    /// The supports fix every degree of freedom.
     #[error("the supports hold every degree of freedom: nothing is left to move")]
     NothingMoves,
     /// An element matrix has an entry that overflows.
@@ -110,10 +110,10 @@ pub enum FemError {
         from: f64,
         /// End of the element, m.
         to: f64,
-        /// Kind of the degree of freedom in whose row the entry stands.
+        /// Kind of the degree of freedom of the row.
         kind: DofKind,
     },
-    /// The assembled model is refused.
+    /// The assembled model is rejected.
     #[error("the assembled structure is not a valid model")]
     Model(#[from] ModelError),
 }

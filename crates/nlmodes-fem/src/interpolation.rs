@@ -14,7 +14,7 @@ impl Beam {
     /// w_2: (Φ s + 3s² − 2s³) / (1 + Φ)               φ_2: l (s³ − (1 − Φ/2) s² − Φ/2 s) / (1 + Φ)
     /// ```
     ///
-    /// So a force at the position has these weights as its loads, and a sensor there reads `Σ weight · q`.
+    /// A force at this position has these weights as nodal loads, and a sensor there measures `Σ weight · q`.
     ///
     /// # Errors
     /// [`FemError::OutsideMesh`].
@@ -45,9 +45,9 @@ impl Rod {
     }
 }
 
-/// Element with `position`, the share of it that lies before, and its length.
+/// The element that contains `position`, the fraction of it before the position, and its length.
 fn locate(mesh: &Mesh, position: f64) -> Result<(usize, f64, f64), FemError> {
-    // A position at an end, but for rounding, is that end.
+    // A position that equals an end to rounding is that end.
     let asked = mesh.find_node(position).map_or(position, |node| mesh.nodes()[node]);
     if !(0.0..=mesh.length()).contains(&asked) {
         return Err(FemError::OutsideMesh { asked: position, length: mesh.length() });
@@ -57,7 +57,7 @@ fn locate(mesh: &Mesh, position: f64) -> Result<(usize, f64, f64), FemError> {
     Ok((after - 1, (asked - mesh.nodes()[after - 1]) / l, l))
 }
 
-/// Held degrees of freedom do not move and drop out.
+/// Fixed degrees of freedom do not move and are left out.
 fn of_free_dofs<const N: usize>(dofs: &[Dof], weights: [(usize, DofKind, f64); N]) -> Vec<(usize, f64)> {
     let index = |node, kind| dofs.iter().position(|dof| dof.node == node && dof.kind == kind);
     let free = weights.into_iter().filter_map(|(node, kind, weight)| Some((index(node, kind)?, weight)));

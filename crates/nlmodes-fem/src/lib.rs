@@ -19,8 +19,7 @@
 //! | `Φ` | shear parameter of an element | – | [`timoshenko_element`] |
 //! | `g₀` | gap at rest | m | [`Stop::gap`] |
 //!
-//! The names of the units are those of SI, but nothing depends on them: millimetres, newtons, tonnes and seconds do as
-//! well.
+//! Units are given in SI, but any consistent system works, for instance millimetres, newtons, tonnes and seconds.
 //!
 //! ```
 //! use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};

@@ -10,7 +10,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Poisson's ratio unless told otherwise: that of steel. Rods do not need it.
+    /// Default Poisson's ratio: that of steel. Rods do not need it.
     pub const DEFAULT_POISSONS_RATIO: f64 = 0.3;
 
     /// Material of Young's modulus `E` in Pa and density `ρ` in kg/m³.

@@ -1,7 +1,7 @@
 use crate::FemError;
 use crate::error::positive;
 
-/// A node counts as standing at a position if it is not farther away than this share of the length of the mesh.
+/// A node is at a position if its distance is at most this fraction of the length of the mesh.
 const TOLERANCE: f64 = 1e-9;
 
 /// Nodes along a straight line from 0 to L.
@@ -35,7 +35,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`FemError::NotPositive`] for `length` and `grading`, [`FemError::NoElements`], [`FemError::DegenerateMesh`] if
-    /// neighbouring nodes cannot be told apart.
+    /// neighbouring nodes coincide.
     pub fn graded(length: f64, elements: usize, grading: f64) -> Result<Self, FemError> {
         let (length, grading) = (positive("length", length)?, positive("mesh grading", grading)?);
         let n = match elements {
@@ -59,9 +59,9 @@ impl Mesh {
         }
     }
 
-    /// The same mesh with its elements beside some nodes split toward these: each is halved, the half beside the node
-    /// again, until that is shorter than the whole by `factor`. All nodes stay nodes. An element between two such nodes
-    /// is halved toward both.
+    /// The same mesh refined toward some nodes: each adjacent element is halved, then the half next to the node again,
+    /// until that is shorter than the element by `factor`. All nodes are kept. An element between two such nodes is
+    /// halved toward both.
     ///
     /// ```
     /// let mesh = nlmodes_fem::Mesh::uniform(2.0, 2)?.refined(&[2], 4.0)?;
@@ -70,8 +70,7 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// [`FemError::NotPositive`] for the factor, [`FemError::DegenerateMesh`] if neighbouring nodes cannot be told
-    /// apart.
+    /// [`FemError::NotPositive`] for the factor, [`FemError::DegenerateMesh`] if neighbouring nodes coincide.
     pub fn refined(&self, beside: &[usize], factor: f64) -> Result<Self, FemError> {
         let times = positive("refinement", factor)?.log2().ceil().max(0.0) as i32;
         let is = |node: usize| beside.contains(&node);
@@ -129,7 +128,7 @@ impl Mesh {
     }
 }
 
-/// Shares into which an element is split, halved so many times toward its start, its end, or both; sums of powers of
+/// Fractions into which an element is split by repeated halving toward its start, its end, or both; sums of powers of
 /// two, which are exact.
 fn shares(toward_start: bool, toward_end: bool, times: i32) -> Vec<f64> {
     match (toward_start, toward_end) {
@@ -197,7 +196,7 @@ mod tests {
             for (pair, h) in fine.nodes().windows(2).zip(fine.element_lengths()) {
                 assert!((pair[1] - pair[0] - h).abs() < 1e-15 * length);
             }
-            // Between two such nodes toward both, and not at all for 1.
+            // Between two such nodes toward both, and no split for 1.
             let both = mesh.refined(&[1, 2], 4.0).unwrap();
             let h: Vec<f64> = both.element_lengths().iter().map(|h| 4.0 * h / mesh.element_lengths()[0]).collect();
             assert_eq!(h, [2.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 4.0]);

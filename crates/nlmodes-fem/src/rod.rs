@@ -41,7 +41,7 @@ pub struct Rod {
 }
 
 impl Rod {
-    /// Mass and stiffness of the free degrees of freedom, one a node, with the stops as contacts.
+    /// Mass and stiffness of the free degrees of freedom, one per node, with the stops as contacts.
     ///
     /// # Errors
     /// [`FemError::NotPositive`] for the area, [`FemError::NoSuchDirection`] for a transverse stop,
@@ -51,8 +51,7 @@ impl Rod {
         self.assemble_stepped(&[], stops)
     }
 
-    /// The same with other material, area and added mass along the steps; beyond the last one they are those of the
-    /// rod.
+    /// The same with the material, area and added mass of each step; beyond the last step they are those of the rod.
     ///
     /// # Errors
     /// As [`Rod::assemble`]; [`FemError::NotPositive`] for an area, [`FemError::AddedMass`], [`FemError::Step`].

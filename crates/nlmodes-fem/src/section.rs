@@ -10,7 +10,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Shear factor unless told otherwise: that of a rectangle.
+    /// Default shear factor: that of a rectangle.
     pub const DEFAULT_SHEAR_FACTOR: f64 = 5.0 / 6.0;
 
     /// Section of area `A` in m² and second moment of area `I` in m⁴ about the bending axis.
@@ -34,9 +34,9 @@ impl Section {
         Self::new(w * h, w * h.powi(3) / 12.0)
     }
 
-    /// Tube, or a round bar where the wall is half of the outer diameter: `A = π (D² − d²)/4`, `I = π (D⁴ − d⁴)/64`
-    /// with the inner diameter `d = D − 2t`, and the shear factor of G. R. Cowper (J. Appl. Mech. 33 (1966) 335-340)
-    /// with `r = d/D`:
+    /// Tube, or a round bar if the wall is half of the outer diameter: `A = π (D² − d²)/4`, `I = π (D⁴ − d⁴)/64` with
+    /// the inner diameter `d = D − 2t`, and the shear factor of G. R. Cowper (J. Appl. Mech. 33 (1966) 335-340) with `r
+    /// = d/D`:
     ///
     /// ```text
     /// κ = 6 (1 + ν) (1 + r²)² / ((7 + 6ν) (1 + r²)² + (20 + 12ν) r²)

@@ -1,7 +1,7 @@
 use crate::{FemError, Material, Mesh};
 
-/// A part of a rod (`S` the area, m²) or beam (`S` its [`Section`](crate::Section)) with values of its own, from where
-/// the step before ends, or the start.
+/// A part of a rod (`S` the area, m²) or beam (`S` its [`Section`](crate::Section)) with its own values, from the end
+/// of the previous step, or from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<S> {
     /// Node at which it ends.
@@ -10,7 +10,7 @@ pub struct Step<S> {
     pub material: Material,
     /// Cross section.
     pub section: S,
-    /// Mass per length `μ` beside that of the section, kg/m: what is filled in or hung on. It moves with the structure
+    /// Mass per length `μ` in addition to that of the section, kg/m, such as a filling. It moves with the structure
     /// along and across the axis, and has no rotary inertia.
     pub added_mass: f64,
 }

@@ -2,7 +2,7 @@ use std::fmt;
 
 use nlmodes_model::{ContactLaw, DofKind, Side};
 
-/// Direction in which a stop is touched.
+/// Direction of contact with a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Direction {
     /// Along the axis.
@@ -12,7 +12,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Lower-case name, as it stands in scenes.
+    /// Lower-case name, as used in scenes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Axial => "axial",
@@ -20,7 +20,7 @@ impl Direction {
         }
     }
 
-    /// The displacement that touches the stop.
+    /// The displacement toward the stop.
     pub fn kind(self) -> DofKind {
         match self {
             Self::Axial => DofKind::Axial,
@@ -35,14 +35,14 @@ impl fmt::Display for Direction {
     }
 }
 
-/// A one-sided stop in front of a node, rigid or on a spring.
+/// A one-sided stop at a node, rigid or elastic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
     /// Position of the node along the axis, m.
     pub position: f64,
-    /// Direction in which it is touched.
+    /// Direction of contact.
     pub direction: Direction,
-    /// Side on which it stands.
+    /// Side of the stop.
     pub side: Side,
     /// Clearance at rest `g₀`, m; zero touches, negative presses.
     pub gap: f64,
@@ -56,7 +56,7 @@ impl Stop {
         Self { position, direction, side, gap, law: ContactLaw::Rigid }
     }
 
-    /// The same stop on a spring of `stiffness`, N/m.
+    /// The same stop with the contact stiffness `stiffness`, N/m.
     pub fn on_spring(self, stiffness: f64) -> Self {
         Self { law: ContactLaw::Elastic { stiffness }, ..self }
     }

@@ -2,32 +2,32 @@ use std::fmt;
 
 use nlmodes_model::DofKind;
 
-/// What holds an end of the structure.
+/// Support of an end of the structure.
 ///
-/// | support | rod holds | beam holds |
+/// | support | fixed in a rod | fixed in a beam |
 /// | --- | --- | --- |
 /// | clamped | axial | axial, deflection, rotation |
 /// | pinned | axial | axial, deflection |
 /// | sliding | nothing | axial, rotation |
 /// | free | nothing | nothing |
 ///
-/// A sliding end moves in a guide without friction. The guide of a beam stands across its axis, so that the end keeps
-/// its direction and is free to deflect; the guide of a rod runs along it.
+/// A sliding end moves in a guide without friction. For a beam the guide is perpendicular to the axis, so that the end
+/// cannot rotate but is free to deflect; for a rod it is along the axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Support {
     /// Cannot move.
     Clamped,
-    /// Cannot be displaced, but turns.
+    /// Cannot be displaced, but can rotate.
     Pinned,
-    /// Guided: a beam end deflects without turning, a rod end moves along the axis.
+    /// Guided: a beam end deflects without rotation, a rod end moves along the axis.
     Sliding,
-    /// Not held.
+    /// Not supported.
     #[default]
     Free,
 }
 
 impl Support {
-    /// Lower-case name, as it stands in scenes.
+    /// Lower-case name, as used in scenes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clamped => "clamped",
@@ -37,7 +37,7 @@ impl Support {
         }
     }
 
-    /// What it holds of a beam.
+    /// Degrees of freedom fixed in a beam.
     pub(crate) fn holds_of_beam(self) -> &'static [DofKind] {
         match self {
             Self::Clamped => &[DofKind::Axial, DofKind::Deflection, DofKind::Rotation],
@@ -47,7 +47,7 @@ impl Support {
         }
     }
 
-    /// What it holds of a rod.
+    /// Degrees of freedom fixed in a rod.
     pub(crate) fn holds_of_rod(self) -> &'static [DofKind] {
         match self {
             Self::Clamped | Self::Pinned => &[DofKind::Axial],

@@ -6,13 +6,13 @@ use crate::rod::with_added_mass as rod_with_added_mass;
 use crate::step::{check_steps, step_of};
 use crate::{ElementMatrices, FemError, MassMatrix, Material, Mesh, Section, Step, Stop, Support};
 
-/// A straight Timoshenko beam that deflects in one plane and stretches along its axis.
+/// A straight Timoshenko beam with deflection in one plane and axial displacement.
 ///
 /// ```text
 /// ρA ẅ = (κGA (w′ − φ))′ ,   ρI φ̈ = (EI φ′)′ + κGA (w′ − φ) ,   ρA ü = (EA u′)′
 /// ```
 ///
-/// Three degrees of freedom a node: axial displacement `u`, deflection `w`, rotation `φ`, in this order.
+/// Three degrees of freedom per node: axial displacement `u`, deflection `w`, rotation `φ`, in this order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beam {
     /// Material.
@@ -39,7 +39,7 @@ impl Beam {
         self.assemble_stepped(&[], stops)
     }
 
-    /// The same with other material, section and added mass along the steps; beyond the last one they are those of the
+    /// The same with the material, section and added mass of each step; beyond the last step they are those of the
     /// beam.
     ///
     /// # Errors
@@ -62,7 +62,7 @@ impl Beam {
 /// Two-node Timoshenko element of length `l` with the degrees of freedom `u_1, w_1, φ_1, u_2, w_2, φ_2`.
 ///
 /// The deflection is cubic and the rotation quadratic such that both equations of static equilibrium hold inside the
-/// element. So the stiffness is exact for loads at the nodes, and there is no locking: with `Φ = 12 EI / κGA l²`, which
+/// element. Thus the stiffness is exact for nodal loads, and there is no locking: with `Φ = 12 EI / κGA l²`, which
 /// vanishes for slender elements,
 ///
 /// ```text
@@ -86,7 +86,7 @@ pub fn timoshenko_element(
     with_added_mass(material, section, 0.0, length, mass_matrix)
 }
 
-/// [`timoshenko_element`] with `ρA + μ` in place of `ρA`; the rotary inertia stays that of the section.
+/// [`timoshenko_element`] with `ρA + μ` in place of `ρA`; the rotary inertia is that of the section.
 fn with_added_mass(
     material: &Material,
     section: &Section,
@@ -109,7 +109,7 @@ fn with_added_mass(
     ElementMatrices { stiffness: combine(&axial.stiffness, &bending), mass: combine(&axial.mass, &inertia) }
 }
 
-/// `Φ = 12 EI / κGA l²`: shear flexibility over bending flexibility of an element.
+/// `Φ = 12 EI / κGA l²`: ratio of the shear flexibility to the bending flexibility of an element.
 pub(crate) fn shear_parameter(material: &Material, section: &Section, length: f64) -> f64 {
     let bending = 12.0 * material.youngs_modulus() * section.second_moment();
     bending / (section.shear_factor() * material.shear_modulus() * section.area() * length.powi(2))

@@ -18,11 +18,10 @@ use crate::{LinalgError, Mat, SparseMatrix};
 use blocks::Blocks;
 use columns::Columns;
 
-/// A pivot below this share of its diagonal entry is rounding: the matrix is singular to working precision.
+/// A pivot below this fraction of its diagonal entry is a rounding error: the matrix is singular to working precision.
 const SMALLEST_PIVOT: f64 = 16.0 * f64::EPSILON;
 
-/// The order of elimination of a sparse symmetric matrix and what its factorisation will need, found from the pattern
-/// alone.
+/// The elimination order of a sparse symmetric matrix and the cost of its factorisation, from the pattern alone.
 ///
 /// ```
 /// use nlmodes_linalg::{CholeskyPlan, sparse_from_triplets};
@@ -38,7 +37,7 @@ pub struct CholeskyPlan {
     kind: Kind,
 }
 
-/// Factors column by column, where there are few entries in each, and those with dense blocks.
+/// Factors computed column by column, for few entries per column, and those with dense blocks.
 #[derive(Debug, Clone)]
 enum Kind {
     Columns(Arc<Columns>),
@@ -55,8 +54,8 @@ impl Kind {
 }
 
 impl CholeskyPlan {
-    /// Orders and analyses `a`: by nested dissection of the graph of its nodes from 5000 rows with 16 entries each on,
-    /// as structures in two and three dimensions have them, else by approximate minimum degree.
+    /// Orders and analyses `a`: from 5000 rows with 16 entries each on, typical of two- and three-dimensional
+    /// structures, by nested dissection of the graph of its nodes, otherwise by approximate minimum degree.
     ///
     /// # Errors
     /// [`LinalgError::Dimension`] if `a` is not square or has no row; [`LinalgError::NotFinite`];
@@ -66,7 +65,7 @@ impl CholeskyPlan {
         Self::analyse(a, nested_dissection(a), what)
     }
 
-    /// Orders and analyses `a` by approximate minimum degree, whatever it is.
+    /// Orders and analyses `a` by approximate minimum degree in all cases.
     ///
     /// # Errors
     /// As [`CholeskyPlan::new`].
@@ -75,7 +74,7 @@ impl CholeskyPlan {
         Self::analyse(a, None, what)
     }
 
-    /// By the order given, else by minimum degree.
+    /// With the given order, otherwise by minimum degree.
     fn analyse(a: &SparseMatrix, order: Option<Vec<usize>>, what: &'static str) -> Result<Self, LinalgError> {
         let analysed = |ordering| factorize_symbolic_cholesky(a.symbolic(), Side::Lower, ordering, Default::default());
         let symbolic = match order {
@@ -116,13 +115,13 @@ impl CholeskyPlan {
         }
     }
 
-    /// Factors `a`, whose pattern is the one planned for.
+    /// Factors `a`, which must have the planned pattern.
     ///
     /// # Errors
     /// As [`SparseCholesky::factor`].
     ///
     /// # Panics
-    /// If the pattern is another one.
+    /// If the pattern differs.
     pub fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<SparseCholesky, LinalgError> {
         check_square(a, what)?;
         let factor = SparseCholesky { factor: self.kind.factor(a, what)? };
@@ -133,8 +132,8 @@ impl CholeskyPlan {
 
 /// Cholesky factorisation `P A Pᵀ = L Lᵀ` of a sparse symmetric positive definite matrix.
 ///
-/// `P` is the order of a [`CholeskyPlan`]. Structures in one dimension fill in by a few entries per row, so that
-/// factor and solution cost O(n).
+/// `P` is the order of a [`CholeskyPlan`]. Structures in one dimension fill in by a few entries per row, so
+/// factorisation and solution cost O(n).
 ///
 /// ```
 /// use nlmodes_linalg::{SparseCholesky, sparse_from_triplets};
@@ -158,7 +157,7 @@ enum Factor {
 }
 
 impl SparseCholesky {
-    /// Factors `a`, of which the lower triangle is read; `what` names it in errors.
+    /// Factors `a`, reading its lower triangle; `what` names it in errors.
     ///
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`] with the column whose pivot is negative, or so small (16 machine epsilons
@@ -168,13 +167,13 @@ impl SparseCholesky {
         CholeskyPlan::new(a, what)?.factor(a, what)
     }
 
-    /// Factors another matrix with the same pattern; the ordering is kept. After an error the factor is not usable.
+    /// Factors another matrix with the same pattern, keeping the ordering. After an error the factor is not usable.
     ///
     /// # Errors
     /// As [`SparseCholesky::factor`].
     ///
     /// # Panics
-    /// If the pattern is another one.
+    /// If the pattern differs.
     pub fn refactor(&mut self, a: &SparseMatrix, what: &'static str) -> Result<(), LinalgError> {
         let plan = match &self.factor {
             Factor::Columns(columns, _) => CholeskyPlan { kind: Kind::Columns(Arc::clone(columns)) },
@@ -202,8 +201,7 @@ impl SparseCholesky {
         self.solve(x.as_mut());
     }
 
-    /// Whether the factor has dense blocks: then several right-hand sides at once cost far less than one after the
-    /// other.
+    /// Whether the factor has dense blocks: then several right-hand sides together cost far less than one by one.
     pub(crate) fn has_dense_blocks(&self) -> bool {
         matches!(self.factor, Factor::Blocks(..))
     }

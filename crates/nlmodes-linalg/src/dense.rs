@@ -5,15 +5,15 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use crate::{LinalgError, Mat};
 
-/// From this size on faer's elimination by blocks is faster than one column after the other, twice at 70 and five times
-/// at 300 rows.
+/// From this size on faer's blocked elimination is faster than column by column, by a factor of two at 70 and five at
+/// 300 rows.
 const BLOCKED: usize = 56;
 
-/// Rows from which on faer's product by blocks is faster than one row after the other.
+/// Number of rows above which faer's blocked product is faster than row by row.
 const BLOCKED_PRODUCT: usize = 16;
 
-/// `C += α A B` for matrices row by row in slices: `a` is m × k, rows of `b` (k × n) and of `c` (m × n) begin
-/// `stride ≥ n` behind one another.
+/// `C += α A B` for matrices row by row in slices: `a` is m × k, rows of `b` (k × n) and of `c` (m × n) are `stride ≥
+/// n` apart.
 ///
 /// # Panics
 /// If a slice is shorter than its matrix.
@@ -34,7 +34,7 @@ pub fn add_product(factor: f64, a: &[f64], b: &[f64], c: &mut [f64], [m, k, n]: 
         }
         return;
     }
-    // Transposed: faer's constructor for rows that are written to takes them for columns.
+    // Transposed: faer's mutable constructor is for columns.
     matmul(
         MatMut::from_column_major_slice_with_stride_mut(c, n, m, stride),
         Accum::Add,
@@ -47,8 +47,8 @@ pub fn add_product(factor: f64, a: &[f64], b: &[f64], c: &mut [f64], [m, k, n]: 
 
 /// LU factorisation with row exchanges, `P A = L U`, of a dense square matrix.
 ///
-/// Meant for the bordered systems of a continuation: tens to hundreds of unknowns, factored once, solved for a few
-/// right-hand sides. Storage is reused by [`DenseLu::refactor`].
+/// Intended for the bordered systems of a continuation, with tens to hundreds of unknowns, factored once and solved for
+/// a few right-hand sides. Storage is reused by [`DenseLu::refactor`].
 ///
 /// ```
 /// use nlmodes_linalg::{DenseLu, Mat};
@@ -82,7 +82,7 @@ impl DenseLu {
         Ok(lu)
     }
 
-    /// Factors another matrix in the storage of this one. After an error the factors are not usable.
+    /// Factors another matrix, reusing the storage. After an error the factors are not usable.
     ///
     /// # Errors
     /// As [`DenseLu::factor`].
@@ -129,7 +129,7 @@ impl DenseLu {
         Ok(())
     }
 
-    /// The exchanges, one after the other, that bring row `rows[k]` to place `k`.
+    /// The sequence of exchanges that moves row `rows[k]` to position `k`.
     fn exchange_into(&mut self, rows: &[usize]) {
         let mut at: Vec<usize> = (0..rows.len()).collect();
         let mut place = at.clone();
@@ -178,7 +178,7 @@ impl DenseLu {
                 }
             }
         }
-        // The rows to the left hold finished multipliers; they follow the exchange.
+        // The columns to the left have finished multipliers, which are exchanged too.
         for j in 0..k {
             done.swap(j * n + p, j * n + k);
         }
@@ -254,7 +254,7 @@ impl DenseLu {
         self.sign
     }
 
-    /// Smallest over largest pivot in magnitude: a cheap sign of near-singularity, zero to one.
+    /// Smallest over largest pivot in magnitude: a cheap indicator of near-singularity, from zero to one.
     pub fn pivot_ratio(&self) -> f64 {
         let pivots = (0..self.n).map(|k| self.lu[k * self.n + k].abs());
         let (low, high) = pivots.fold((f64::INFINITY, 0.0_f64), |(l, h), p| (l.min(p), h.max(p)));
@@ -268,7 +268,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Small integers, so that sums are exact; rows of other matrices in between stay as they are.
+        /// Small integers, so that sums are exact; rows of other matrices in between are unchanged.
         #[test]
         fn products_by_blocks_and_by_rows_are_the_sums(m in 1usize..40, k in 1usize..40, n in 1usize..40, apart in 0usize..5) {
             let stride = n + apart;

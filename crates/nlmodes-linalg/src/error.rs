@@ -1,17 +1,17 @@
 use thiserror::Error;
 
-/// What a factorisation or an eigenproblem refuses.
+/// Errors of factorisations and eigenproblems.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LinalgError {
-    /// Rows, columns or right-hand side do not fit.
+    /// The number of rows, columns or right-hand sides is wrong.
     #[error("{what}: {found} where {expected} was expected")]
     Dimension {
         /// The quantity whose size is wrong.
         what: &'static str,
-        /// The size that it should have.
+        /// The required size.
         expected: usize,
-        /// The size that it has.
+        /// The actual size.
         found: usize,
     },
     /// An entry is NaN or infinite.
@@ -38,7 +38,7 @@ pub enum LinalgError {
         /// The column at which the factorisation stopped.
         column: usize,
     },
-    /// A matrix that has to be symmetric is not.
+    /// A matrix that must be symmetric is not.
     #[error("the {what} is not symmetric: {value:e} at ({row}, {column}), {mirrored:e} at ({column}, {row})")]
     NotSymmetric {
         /// The matrix.
@@ -52,7 +52,7 @@ pub enum LinalgError {
         /// The entry with row and column exchanged.
         mirrored: f64,
     },
-    /// The memory for a matrix or a factorisation could not be had.
+    /// The memory for a matrix or a factorisation could not be allocated.
     #[error("not enough memory for the {what}")]
     OutOfMemory {
         /// The matrix.
@@ -61,7 +61,7 @@ pub enum LinalgError {
     /// The iteration for the lowest modes ended before all were found.
     #[error("{converged} of {wanted} modes converged after {iterations} iterations")]
     ModesNotConverged {
-        /// Modes asked for.
+        /// Modes requested.
         wanted: usize,
         /// Modes found.
         converged: usize,

@@ -18,16 +18,17 @@ const PADE: [f64; 14] = [
     1.0,
 ];
 
-/// Largest 1-norm for which that approximation is good to rounding.
+/// Largest 1-norm for which this approximation is accurate to rounding.
 const LARGEST: f64 = 5.371920351148152;
 
-/// Share of the norms of a row and a column that balancing has to save, and most rounds of it.
+/// Minimum relative reduction of the norms of a row and column by balancing, and the maximum number of rounds.
 const WORTHWHILE: f64 = 0.95;
 const ROUNDS: usize = 100;
 
 /// `e^A` of a square matrix (n × n), by scaling and squaring (N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005)
 /// 1179-1193) of the matrix with balanced rows and columns (E. E. Osborne, J. ACM 7 (1960) 338-345): each squaring
-/// doubles the error, and positions beside the velocities of a fast motion have many for nothing.
+/// doubles the error, and without balancing a system with positions and velocities of a fast motion would need many of
+/// them.
 ///
 /// ```
 /// use nlmodes_linalg::{Mat, matrix_exponential};
@@ -125,7 +126,7 @@ mod tests {
             assert!((e[(0, 0)] - f64::cos(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
             assert!((e[(0, 1)] - f64::sin(angle)).abs() < 1e-12 * (1.0 + angle), "{angle}");
         }
-        // A damped oscillator in the coordinates in which it turns and shrinks.
+        // A damped oscillator in coordinates in which it is a rotation with decay.
         for (omega, sigma, t) in [(1.0, 0.1, 0.3), (7.0, 0.2, 5.0), (3.0, 0.0, 40.0)] {
             let a = Mat::from_fn(2, 2, |i, j| t * [[-sigma, omega], [-omega, -sigma]][i][j]);
             let (e, size, (sin, cos)) = (matrix_exponential(&a).unwrap(), (-sigma * t).exp(), (omega * t).sin_cos());
@@ -133,8 +134,8 @@ mod tests {
                 assert!((e[(i, j)] - size * expected).abs() < 1e-12, "{omega} {t}");
             }
         }
-        // The same with position and velocity, which a fast one has in units 10⁸ apart: it has turned 10⁸ times, and
-        // died out or not.
+        // The same with position and velocity, whose magnitudes differ by 10⁸ for a fast oscillator: after 10⁸ turns it
+        // has decayed or not.
         for (omega, sigma) in [(3.0, 0.1), (2e8, 1e-9), (2e8, 1e6)] {
             let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-omega * omega - sigma * sigma, -2.0 * sigma]][i][j]);
             let (e, size, (sin, cos)) = (matrix_exponential(&a).unwrap(), f64::exp(-sigma), f64::sin_cos(omega));

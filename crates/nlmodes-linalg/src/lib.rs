@@ -1,4 +1,4 @@
-//! Linear algebra of `nlmodes`: the few factorisations and eigenproblems that its crates share.
+//! Linear algebra of `nlmodes`: the factorisations and eigenproblems that its crates share.
 //!
 //! | problem | symbols | shape | item |
 //! | --- | --- | --- | --- |
@@ -6,14 +6,14 @@
 //! | `e^A`, A dense | scaling and squaring | n × n | [`matrix_exponential`] |
 //! | `A x = b`, A sparse | `P A Q = L U` | n × n | [`SparseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
-//! | its order of elimination, memory and work beforehand | `P` | n × n | [`CholeskyPlan`] |
+//! | its elimination order, memory and work in advance | `P` | n × n | [`CholeskyPlan`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
 //! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
 //!
-//! Everything is `f64` and non-generic. The generics of faer are compiled in the crate that calls them; keeping
-//! them here means that they are compiled once, and that the other crates build in seconds.
+//! Everything is `f64` and non-generic. The generics of faer are compiled in the calling crate; here they are compiled
+//! once, so that the other crates build in seconds.
 //!
 //! ```
 //! use nlmodes_linalg::{SparseCholesky, lowest_modes, sparse_from_triplets};

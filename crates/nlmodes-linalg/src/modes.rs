@@ -9,8 +9,8 @@ mod refine;
 
 use operator::Operator;
 
-/// Up to so many unknowns, and so many for each wanted mode, the pencil is solved as a dense one: below, the vectors
-/// that Lanczos' method needs would fill half of the space.
+/// Up to this number of unknowns, and this number per requested mode, the pencil is solved as a dense one: Lanczos
+/// vectors would span half of the space.
 const DENSE: [usize; 2] = [20, 4];
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
@@ -25,18 +25,18 @@ pub struct Modes {
 
 /// Lowest `count` modes of the sparse symmetric pencil `K φ = λ M φ`.
 ///
-/// `M` may be singular (massless degrees of freedom): the modes with infinite λ are left out, and fewer than `count`
-/// come back if the pencil has no more. Massless degrees of freedom follow the others statically,
-/// `φ_0 = −K_00⁻¹ K_0m φ_m`. `K` may be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the
-/// pencil is then solved as `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
+/// `M` may be singular (massless degrees of freedom): modes with infinite λ are left out, and fewer than `count` are
+/// returned if the pencil has no more. Massless degrees of freedom follow the others statically, `φ_0 = −K_00⁻¹ K_0m
+/// φ_m`. `K` may be singular too (rigid-body modes, λ = 0 up to rounding and never negative): the pencil is then solved
+/// as `(K + sM) φ = (λ + s) M φ` with an `s > 0` of the size of the first elastic λ.
 ///
-/// What is solved is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes is
-/// wanted, else by Lanczos steps with `L⁻¹ M L⁻ᵀ` of the factor, with blocks of vectors where it is one of dense
-/// blocks, and repeated in the complement of what was found until nothing is missing: multiple λ come with all their
-/// modes. Each λ is then taken from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of that of φ, so
-/// that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the most accurate
-/// ones. Uniform chains come out to some 1e-12 of the closed form at any size. With rigid-body modes the rounding of
-/// the entries of `K + sM` counts: up to 1e-16 times the largest λ of the pencil.
+/// The solved problem is always `(K + sM)⁻¹ M φ = φ / (λ + s)`: densely for few rows or if about a quarter of the modes
+/// is requested, otherwise by Lanczos steps with `L⁻¹ M L⁻ᵀ` of the factor, with blocks of vectors if the factor has
+/// dense blocks, repeated in the complement of the modes found until nothing is missing: multiple λ are returned with
+/// all their modes. Each λ is then computed from the quotient `φᵀMφ / φᵀM (K + sM)⁻¹ Mφ`, whose error is the square of
+/// that of φ, so that the low modes, which suffer from the conditioning of `K` in the quotient `φᵀKφ / φᵀMφ`, are the
+/// most accurate ones. Uniform chains agree with the closed form to some 1e-12 at any size. With rigid-body modes the
+/// rounding of the entries of `K + sM` matters: up to 1e-16 times the largest λ of the pencil.
 ///
 /// The result is the same in every run. Where several components of φ have the largest magnitude, the first is
 /// positive. Modes of equal λ form an M-orthonormal, otherwise arbitrary basis.
@@ -84,7 +84,7 @@ fn diagonal(a: &SparseMatrix, i: usize) -> f64 {
     a.get(i, i).copied().unwrap_or(0.0)
 }
 
-/// The pencil `K φ = λ M φ` with the Cholesky factor of `K + sM`, for whoever needs both modes and statics of one
+/// The pencil `K φ = λ M φ` with the Cholesky factor of `K + sM`, for users who need both modes and statics of one
 /// structure: it is factored once. `s` is zero where `K` is positive definite, else of the size of the first elastic λ.
 #[derive(Debug)]
 pub struct Pencil<'a> {
@@ -98,13 +98,13 @@ impl<'a> Pencil<'a> {
     /// Checks the two matrices and factors `K`, or `K + sM` if `K` is singular.
     ///
     /// # Errors
-    /// As [`lowest_modes`], except that nothing iterates yet where `K` is positive definite.
+    /// As [`lowest_modes`], except that there is no iteration yet if `K` is positive definite.
     pub fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
         check(stiffness, mass)?;
         Self::of_checked(stiffness, mass)
     }
 
-    /// The lowest `count` modes, as [`lowest_modes`] gives them.
+    /// The lowest `count` modes, as from [`lowest_modes`].
     ///
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`] if the stiffness of the massless degrees of freedom is singular,
@@ -121,7 +121,7 @@ impl<'a> Pencil<'a> {
         Ok(modes)
     }
 
-    /// The shift `s`, rad²/s²; zero where `K` itself was factored.
+    /// The shift `s`, rad²/s²; zero if `K` itself was factored.
     pub fn shift(&self) -> f64 {
         self.shift
     }
@@ -131,7 +131,7 @@ impl<'a> Pencil<'a> {
         &self.factor
     }
 
-    /// The factor of `K + sM`, kept beyond the pencil.
+    /// The factor of `K + sM`, after the pencil is dropped.
     pub fn into_factor(self) -> SparseCholesky {
         self.factor
     }
@@ -144,9 +144,9 @@ impl<'a> Pencil<'a> {
         }
     }
 
-    /// Starts from a shift that only has to stand above rounding, and takes the first elastic λ as the final one.
+    /// Starts from a shift that only has to exceed rounding, and uses the first elastic λ as the final one.
     fn singular(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
-        // Rayleigh quotients of unit vectors: λ_1 lies below each.
+        // Rayleigh quotients of unit vectors: λ_1 is not larger than any of them.
         let quotients = (0..mass.nrows()).filter_map(|i| {
             let quotient = diagonal(stiffness, i) / diagonal(mass, i);
             (quotient > 0.0 && quotient.is_finite()).then_some(quotient)
@@ -184,7 +184,7 @@ impl<'a> Pencil<'a> {
     }
 }
 
-/// Replaces the components at the massless degrees of freedom by what equilibrium asks for.
+/// Replaces the components at the massless degrees of freedom by their equilibrium values.
 fn follow_statically(k: &SparseMatrix, massless: &[usize], vectors: &mut Mat<f64>) -> Result<(), LinalgError> {
     if massless.is_empty() {
         return Ok(());

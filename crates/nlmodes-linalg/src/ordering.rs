@@ -1,4 +1,4 @@
-//! Fill-reducing orderings: in which order the unknowns are eliminated.
+//! Fill-reducing orderings of the unknowns.
 
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
@@ -11,20 +11,20 @@ use postorder::postordered;
 
 mod postorder;
 
-/// Below this size minimum degree is as good, and quicker.
+/// Below this size minimum degree is as good, and faster.
 const SMALLEST: usize = 5_000;
-/// Rods and beams have fewer entries a row; minimum degree eliminates them without fill, nested dissection would not.
+/// Rods and beams have fewer entries per row; minimum degree eliminates them without fill, nested dissection does not.
 const SPARSEST: usize = 16;
 
-/// An order of elimination by nested dissection, `order[k]` being the column eliminated at step `k`; none where minimum
+/// An order of elimination by nested dissection, `order[k]` being the column eliminated at step `k`; `None` if minimum
 /// degree is the better choice: small matrices, and those of structures in one dimension.
 pub(crate) fn nested_dissection(a: &SparseMatrix) -> Option<Vec<usize>> {
     let n = a.nrows();
     (n >= SMALLEST && a.compute_nnz() >= SPARSEST * n).then(|| dissect(a)).flatten()
 }
 
-/// Dissection of the graph of the nodes: columns with the same pattern, as the degrees of freedom of one node have it,
-/// are one vertex.
+/// Dissection of the graph of the nodes: columns with the same pattern, such as the degrees of freedom of one node, are
+/// one vertex.
 fn dissect(a: &SparseMatrix) -> Option<Vec<usize>> {
     let (vertex, members) = vertices(a);
     let (starts, neighbours) = graph(a, &vertex, &members)?;
@@ -60,17 +60,18 @@ fn vertices(a: &SparseMatrix) -> (Vec<usize>, Vec<Vec<usize>>) {
     (vertex, members)
 }
 
-/// Neighbours of each vertex, ascending, in compressed form; none if the graph is too large for the ordering's indices.
+/// Neighbours of each vertex, ascending, in compressed form; `None` if the graph is too large for the ordering's
+/// indices.
 fn graph(a: &SparseMatrix, vertex: &[usize], members: &[Vec<usize>]) -> Option<(Vec<i32>, Vec<i32>)> {
     let mut lists: Vec<Vec<i32>> = vec![Vec::new(); members.len()];
     for (v, columns) in members.iter().enumerate() {
         let own = i32::try_from(v).ok()?;
-        // Both ways, so that a matrix of which only one triangle is stored has its graph, too.
+        // In both directions, so that the graph is also correct if only one triangle is stored.
         for w in a.symbolic().row_idx_of_col_raw(columns[0]).iter().map(|&i| vertex[i]).filter(|&w| w != v) {
             lists[v].push(i32::try_from(w).ok()?);
             lists[w].push(own);
         }
-        // What came from earlier columns is there many times.
+        // Entries from earlier columns occur repeatedly.
         if lists[v].len() > 4096 {
             lists[v].sort_unstable();
             lists[v].dedup();

@@ -5,7 +5,7 @@ use crate::{LinalgError, Mat, sparse_from_columns};
 /// A sparse matrix in compressed columns.
 pub type SparseMatrix = SparseColMat<usize, f64>;
 
-/// One entry `(row, column, value)`; entries at the same place are added.
+/// One entry `(row, column, value)`; entries at the same position are added.
 pub type Triplet = (usize, usize, f64);
 
 /// Builds a sparse matrix from entries in any order.
@@ -56,7 +56,7 @@ pub fn multiply(a: &SparseMatrix, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// Largest size of these numbers, `max |x_i|`; zero of none.
+/// `max |x_i|`; zero for an empty slice.
 pub fn max_norm(x: impl IntoIterator<Item = f64>) -> f64 {
     x.into_iter().fold(0.0, |largest, x| f64::max(largest, x.abs()))
 }
@@ -121,7 +121,7 @@ pub fn multiply_transposed(a: &SparseMatrix, x: &Mat<f64>) -> Mat<f64> {
 /// `xᵀ A y`.
 ///
 /// # Panics
-/// If the sizes do not fit.
+/// If the sizes are inconsistent.
 pub fn bilinear(x: &[f64], a: &SparseMatrix, y: &[f64]) -> f64 {
     let ay = multiply(a, y);
     assert_eq!(x.len(), ay.len(), "rows of a bilinear form");

@@ -6,17 +6,17 @@ use faer::{Conj, MatMut, Par};
 
 use crate::{LinalgError, SparseMatrix};
 
-/// Entries of a row over the root of the number of columns, and at least, from which on the row counts as full.
+/// A row is full if its number of entries exceeds this multiple of the square root of the number of columns, and this
+/// minimum.
 const FULL: (f64, usize) = (10.0, 16);
 
-/// Factor of rows that are full: eliminated early, one would fill all others. A power of two, so that nothing is
-/// rounded.
+/// Scale factor of full rows: eliminated early, one would fill all others. A power of two, so that nothing is rounded.
 const HELD_BACK: f64 = 1.0 / 256.0;
 
 /// LU factorisation with row exchanges, `P A Q = L U`, of a sparse square matrix.
 ///
 /// Columns are eliminated in an order that keeps the factors sparse (COLAMD), rows by the largest pivot. Rows that are
-/// nearly full, such as the border of a continuation, would fill all others: they are pivots only where those of the
+/// nearly full, such as the border of a continuation, would fill all others: they are pivots only if those of the
 /// others are some hundred times smaller. The order of the columns is kept by [`SparseLu::refactor`] as long as the
 /// pattern is the same.
 ///
@@ -33,11 +33,11 @@ const HELD_BACK: f64 = 1.0 / 256.0;
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct SparseLu {
-    /// The pattern that the order of the columns is for: column starts and rows.
+    /// The pattern for which the column order was computed: column starts and rows.
     pattern: (Vec<usize>, Vec<usize>),
     columns: Option<Perm<usize>>,
     rows: Option<Perm<usize>>,
-    /// What each row has been multiplied by.
+    /// The scale factor of each row.
     row_factors: Vec<f64>,
     factors: SimplicialLu<usize, f64>,
     sign: f64,
@@ -95,7 +95,7 @@ impl SparseLu {
         Ok(())
     }
 
-    /// The order of the columns, unless it is known.
+    /// The column order, unless it is known.
     fn order(&mut self, a: &SparseMatrix) -> Result<(), LinalgError> {
         let (symbolic, n) = (a.symbolic(), a.ncols());
         let same = self.columns.is_some()
@@ -105,7 +105,7 @@ impl SparseLu {
             return Ok(());
         }
         self.columns = None;
-        // Vectors of another size are not made shorter.
+        // Vectors of another size are not shortened.
         self.factors = SimplicialLu::new();
         let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
         let mut memory = memory(colamd::order_scratch::<usize>(n, n, a.compute_nnz()))?;
@@ -127,7 +127,7 @@ impl SparseLu {
         scaled
     }
 
-    /// Sign of the determinant and ratio of the pivots, those of rows held back in their own size.
+    /// Sign of the determinant and ratio of the pivots, without the scale factors of full rows.
     fn look_at_pivots(&mut self, sign: f64, rows: &[usize], columns: &[usize]) -> Result<(), LinalgError> {
         self.sign = sign;
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
@@ -198,7 +198,7 @@ impl SparseLu {
         self.sign
     }
 
-    /// Smallest over largest pivot in magnitude: a cheap sign of near-singularity, zero to one.
+    /// Smallest over largest pivot in magnitude: a cheap indicator of near-singularity, from zero to one.
     pub fn pivot_ratio(&self) -> f64 {
         self.pivot_ratio
     }

@@ -26,8 +26,8 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
     Ok((eigen.S().column_vector().iter().map(|value| value / scale).collect(), eigen.U().to_owned()))
 }
 
-/// A power of two that brings the largest entry near one: what is negligible in the iteration is so against one,
-/// whatever the units.
+/// A power of two that scales the largest entry to order one: the iteration neglects values relative to one, whatever
+/// the units.
 fn scale(a: &Mat<f64>) -> f64 {
     let largest = max_norm((0..a.ncols()).flat_map(|j| a.col(j).iter().copied()));
     if largest > 0.0 { 2f64.powf(-largest.log2().floor().clamp(-1000.0, 1000.0)) } else { 1.0 }

@@ -1,4 +1,4 @@
-//! How many threads compute.
+//! Number of threads.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -9,37 +9,37 @@ use std::thread;
 
 use faer::MatMut;
 
-/// Threads of one computation at most: the tasks that it is divided into are few, and memory feeds no more.
+/// Maximum number of threads of one computation: it has few tasks, and memory bandwidth supports no more.
 const MOST: usize = 8;
 
-/// Threads that say that they compute for themselves.
+/// Threads registered as busy.
 static WORKERS: AtomicUsize = AtomicUsize::new(0);
-/// Threads that help others at present.
+/// Threads currently helping others.
 static HELPERS: AtomicUsize = AtomicUsize::new(0);
 
-/// A thread that computes beside others for as long as this lives: the factorisations of large matrices, which take all
-/// cores otherwise, leave it its core.
+/// Registers a busy thread for as long as this value lives: factorisations of large matrices, which otherwise use all
+/// cores, leave it its core.
 ///
 /// Results do not depend on it, to the last bit.
 #[derive(Debug)]
 pub struct Worker {
-    /// It belongs to the thread that made it.
+    /// It belongs to the thread that created it.
     own: PhantomData<*const ()>,
 }
 
 thread_local! {
-    /// [`Worker`]s of this thread that are counted.
+    /// Number of registered [`Worker`]s of this thread.
     static COUNTED: Cell<usize> = const { Cell::new(0) };
 }
 
 impl Worker {
-    /// The calling thread works from now on.
+    /// Registers the calling thread.
     pub fn new() -> Self {
         count(1);
         Self { own: PhantomData }
     }
 
-    /// Waits by `wait` for what another thread does, which may take the core of this one meanwhile.
+    /// Waits with `wait` for another thread, which may use the core of this one meanwhile.
     pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
         let counted = COUNTED.get();
         uncount(counted);
@@ -71,8 +71,8 @@ fn uncount(workers: usize) {
     WORKERS.fetch_sub(workers, Ordering::Relaxed);
 }
 
-/// Threads that are free to help at present: one for each core beyond those of the [`Worker`]s (of one, where none is
-/// known), and of those who help others.
+/// Number of threads currently free to help: the cores that are not used by [`Worker`]s (one is assumed if none is
+/// registered) or by helpers.
 #[derive(Debug)]
 struct Helpers(usize);
 
@@ -106,10 +106,11 @@ fn cores() -> usize {
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, NonZeroUsize::get).min(MOST))
 }
 
-/// So many multiplications take some milliseconds: fewer are not worth a thread.
+/// This many multiplications take some milliseconds: fewer are not worth a thread.
 const WORTHWHILE: usize = 1 << 22;
 
-/// Whether several threads pay for so many multiplications. It depends on the problem alone, not on the machine.
+/// Whether several threads are worthwhile for this many multiplications. It depends on the problem alone, not on the
+/// machine.
 pub(crate) fn pays(multiplications: usize) -> bool {
     multiplications >= WORTHWHILE
 }
@@ -129,8 +130,8 @@ pub(crate) fn in_pieces(mut x: MatMut<'_, f64>) -> Vec<(usize, MatMut<'_, f64>)>
     pieces
 }
 
-/// What `work` makes of each of the `tasks`, in their order. They are begun in their order, by this thread and those
-/// that are free to help, each with a workspace of its own.
+/// The results of `work` for the `tasks`, in their order. The tasks are started in this order, by this thread and those
+/// that are free to help, each with its own workspace.
 pub(crate) fn spread<A: Send, B: Send, W>(
     tasks: Vec<A>,
     workspace: impl Fn() -> W + Sync,
@@ -140,7 +141,7 @@ pub(crate) fn spread<A: Send, B: Send, W>(
     spread_over(helpers.0, tasks, workspace, work)
 }
 
-/// As [`spread`], with so many threads beside this one.
+/// As [`spread`], with this many additional threads.
 fn spread_over<A: Send, B: Send, W>(
     helpers: usize,
     tasks: Vec<A>,
@@ -184,7 +185,7 @@ pub(crate) mod tests {
         pub(super) static FORCED: Cell<Option<usize>> = const { Cell::new(None) };
     }
 
-    /// What `work` gives on this thread with so many others beside it, whatever the machine has.
+    /// The result of `work` on this thread with this many additional threads, whatever the machine has.
     pub(crate) fn with_helpers<T>(count: usize, work: impl FnOnce() -> T) -> T {
         FORCED.set(Some(count));
         let result = work();

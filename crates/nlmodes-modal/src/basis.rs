@@ -8,7 +8,7 @@ use crate::ModalError;
 
 /// Samples of one period and the Fourier coefficients of eq. (7), both ways, by fast Fourier transform (eq. 14).
 ///
-/// Sample `j` of `N` stands at the phase `τ_j = 2π j / N`.
+/// Sample `j` of `N` is at the phase `τ_j = 2π j / N`.
 ///
 /// ```
 /// use nlmodes_modal::HarmonicBasis;
@@ -39,7 +39,7 @@ impl fmt::Debug for HarmonicBasis {
 }
 
 impl HarmonicBasis {
-    /// Harmonics 0 to `n_harmonics`, `n_samples` a period.
+    /// Harmonics 0 to `n_harmonics`, `n_samples` per period.
     ///
     /// # Errors
     /// [`ModalError::TooFewSamples`] with fewer than `2 n_harmonics + 1` samples.
@@ -67,7 +67,7 @@ impl HarmonicBasis {
         self.n_harmonics
     }
 
-    /// Samples a period N.
+    /// Samples per period N.
     pub fn n_samples(&self) -> usize {
         self.n_samples
     }

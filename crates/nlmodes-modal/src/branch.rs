@@ -3,20 +3,21 @@ use crate::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, InternalReson
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coordinate {
-    /// Where it is along the structure, m.
+    /// Position along the structure, m.
     pub position: f64,
-    /// What it measures: `axial`, `deflection`, `rotation`.
+    /// Kind: `axial`, `deflection`, `rotation`.
     pub kind: String,
 }
 
 /// Stability of a periodic motion by its Floquet multipliers `μ`: a disturbance is `μ` times as large after each
 /// period.
 ///
-/// Of a conservative system they come in pairs `μ`, `1/μ`, so that a motion is stable if and only if all lie on the
-/// unit circle; the double multiplier +1, along the motion and toward its neighbour of another energy, does not count.
+/// For a conservative system they occur in pairs `μ`, `1/μ`, so a motion is stable if and only if all are on the unit
+/// circle; the double multiplier +1, along the motion and toward the neighbouring motion of different energy, is
+/// excluded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stability {
-    /// Whether all multipliers lie on the unit circle, but for rounding.
+    /// Whether all multipliers are on the unit circle, to rounding.
     pub stable: bool,
     /// The multiplier of largest magnitude: real and imaginary part, the latter not negative.
     pub largest_multiplier: [f64; 2],
@@ -28,8 +29,8 @@ impl Stability {
         self.largest_multiplier[0].hypot(self.largest_multiplier[1])
     }
 
-    /// Its angle in the complex plane, degrees from 0 to 180: a motion that lost its stability at 0 did so at a fold or
-    /// a branch point, at 180 by a doubling of its period, and between by a collision of two pairs.
+    /// Its angle in the complex plane, degrees from 0 to 180: stability is lost at 0 at a fold or a branch point, at
+    /// 180 by period doubling, and in between by a collision of two pairs.
     pub fn angle_deg(&self) -> f64 {
         self.largest_multiplier[1].abs().atan2(self.largest_multiplier[0]).to_degrees()
     }
@@ -44,11 +45,11 @@ pub struct ModalPoint {
     pub coefficients: HarmonicCoefficients,
     /// Kinetic energy averaged over a period `E_av`, J.
     pub kinetic_energy: f64,
-    /// The share of each harmonic in it, J, from harmonic 0 on.
+    /// The contribution of each harmonic to it, J, from harmonic 0 on.
     pub harmonic_energy: Vec<f64>,
-    /// The internal resonance in which the motion takes part, if it does.
+    /// The internal resonance of the motion, if any.
     pub resonance: Option<InternalResonance>,
-    /// Whether small disturbances of the motion grow, where that was found out.
+    /// Stability of the motion, if it was computed.
     pub stability: Option<Stability>,
     /// Kinetic and strain energy, J.
     pub total_energy: f64,
@@ -60,35 +61,35 @@ pub struct ModalPoint {
     pub peak: f64,
     /// Share of the period in which the first contact is closed.
     pub contact_fraction: f64,
-    /// Closed intervals a period, over all contacts.
+    /// Closed intervals per period, over all contacts.
     pub contact_intervals: usize,
     /// Largest contact force, N.
     pub peak_contact_force: f64,
-    /// Each contact over the period, in the order of the structure; none where they are not told apart, as in a record.
+    /// Each contact over the period, in the order of the structure; empty if they are not distinguished, as in a
+    /// record.
     pub contacts: Vec<ContactPeriod>,
     /// Norm of the scaled residual.
     pub residual: f64,
-    /// Estimated relative error of the frequency at the same energy that comes from harmonics and modes left out, where
-    /// one was made.
+    /// Estimated relative error of the frequency at the same energy due to truncated harmonics and modes, if estimated.
     pub error_estimate: Option<f64>,
-    /// What happens here.
+    /// Events at this point.
     pub events: Vec<Event>,
 }
 
-/// A nonlinear mode over energy: computed or measured points in the order in which they were found.
+/// A nonlinear mode over energy: computed or measured points in their order along the branch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalBranch {
     /// Name in legends, for instance `MS-HBM, 3 harmonics`.
     pub label: String,
     /// Coordinates of every motion.
     pub coordinates: Vec<Coordinate>,
-    /// Index of the first contact coordinate, where there is one.
+    /// Index of the first contact coordinate, if there is one.
     pub contact_coordinate: Option<usize>,
     /// Signed position of the first stop along its coordinate, m (`+g₀` for a stop on the positive side).
     pub stop: Option<f64>,
     /// The points.
     pub points: Vec<ModalPoint>,
-    /// Why there are no more.
+    /// Why the branch ends.
     pub end: BranchEnd,
 }
 

@@ -6,37 +6,37 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum EndReason {
-    /// The largest energy that was asked for is reached.
+    /// The requested largest energy is reached.
     MaxEnergy,
-    /// The least energy that was asked for is reached.
+    /// The requested smallest energy is reached.
     MinEnergy,
-    /// The frequency left the window that was asked for.
+    /// The frequency left the requested window.
     FrequencyWindow,
-    /// The largest level that was asked for is reached.
+    /// The requested largest level is reached.
     Limit,
     /// Another bound of the unknowns is reached.
     Bound,
-    /// The branch came back to where it began.
+    /// The branch returned to its start.
     Closed,
-    /// The branch came to a point from which its way on is known already.
+    /// The branch reached a point from which its continuation is already known.
     Joined,
-    /// The branch has as many points as were allowed.
+    /// The branch has the maximum number of points.
     MaxPoints,
-    /// Somebody asked for the end.
+    /// The computation was cancelled.
     Stopped,
     /// No step could be shown to stay on the branch.
     NoStep,
     /// Newton's method found no further point.
     NoConvergence,
-    /// There was no point to begin with.
+    /// There was no initial point.
     NoStart,
-    /// The way on behind a tongue of an internal resonance was not found.
+    /// The backbone beyond an internal-resonance branch was not found.
     Tongue,
     /// The branch had left its nonlinear mode for another.
     OtherMode,
-    /// These points were measured, read or given: nothing was followed.
+    /// These points were measured, read or given, not computed by continuation.
     Given,
-    /// A reason that has no name yet; the message tells it.
+    /// A reason without a name; see the message.
     Unknown,
 }
 
@@ -70,24 +70,24 @@ impl fmt::Display for EndReason {
     }
 }
 
-/// Why a branch ended, and whether that is where it was meant to end.
+/// Why a branch ended, and whether it ended as requested.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BranchEnd {
-    /// The reason at its last point, behind that at its first point where it was followed both ways.
+    /// The reason at its last point, after that at its first point if it was followed in both directions.
     pub reasons: Vec<EndReason>,
-    /// The sentence for a person.
+    /// The message for the user.
     pub message: String,
-    /// False if the computation ended before one of the limits that were asked for.
+    /// False if the computation ended before one of the requested limits.
     pub complete: bool,
 }
 
 impl BranchEnd {
-    /// The end of a branch that was followed one way.
+    /// The end of a branch that was followed in one direction.
     pub fn new(reason: EndReason, message: impl Into<String>, complete: bool) -> Self {
         Self { reasons: vec![reason], message: message.into(), complete }
     }
 
-    /// The end of points that were measured, read or given, with the sentence that says so.
+    /// The end of points that were measured, read or given, with a message to this effect.
     pub fn given(message: impl Into<String>) -> Self {
         Self::new(EndReason::Given, message, true)
     }

@@ -36,7 +36,7 @@ impl HarmonicCoefficients {
         &self.values[d * width..(d + 1) * width]
     }
 
-    /// As [`Self::of`], to be written.
+    /// As [`Self::of`], mutable.
     ///
     /// # Panics
     /// If there is no coordinate `d`.
@@ -45,7 +45,7 @@ impl HarmonicCoefficients {
         &mut self.values[d * width..(d + 1) * width]
     }
 
-    /// The harmonics up to `n_harmonics`; all where there are fewer.
+    /// The harmonics up to `n_harmonics`; all of them if there are fewer.
     pub fn truncated(&self, n_harmonics: usize) -> Self {
         let mut kept = Self::zeros(self.n_coordinates, n_harmonics.min(self.n_harmonics));
         let width = kept.n_harmonics + 1;
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn values_and_derivatives_are_those_of_the_series() {
-        // 0.5 + 2 cos τ − 3 sin 2τ, and nothing at the other coordinate.
+        // 0.5 + 2 cos τ − 3 sin 2τ, and zero at the other coordinate.
         let mut series = HarmonicCoefficients::zeros(2, 2);
         series.of_mut(1).copy_from_slice(&[0.5.into(), 2.0.into(), Complex64::new(0.0, 3.0)]);
         for tau in [0.0, 0.7, -2.0, 9.0] {

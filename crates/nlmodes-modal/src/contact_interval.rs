@@ -1,20 +1,20 @@
 use crate::noise::noise_level;
 use crate::{ModalError, TimeHistory};
 
-/// The contact counts as closed where its force exceeds so many standard deviations of its noise …
+/// The contact is closed if its force exceeds this many standard deviations of its noise …
 const NOISE_FACTOR: f64 = 6.0;
-/// … and this share of its peak.
+/// … and this fraction of its peak.
 const PEAK_SHARE: f64 = 0.02;
-/// A force that drops below the threshold for fewer samples than this has not left the stop.
+/// Contact is not interrupted if the force is below the threshold for fewer samples than this.
 const SHORTEST_GAP: usize = 3;
 
 /// A time span in which a contact is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ContactInterval {
-    /// Instant of touching, s.
+    /// Instant of closing, s.
     pub touching: f64,
-    /// Instant of leaving, s.
+    /// Instant of opening, s.
     pub leaving: f64,
     /// First sample within.
     pub first: usize,
@@ -24,9 +24,9 @@ pub struct ContactInterval {
 
 /// Closed intervals of a time history that begin and end within it.
 ///
-/// They come from the instants that the history brings, as a computed one does; where it brings none, from its force:
-/// closed is what exceeds six standard deviations of the noise and a fiftieth of the peak, and the instants are where
-/// the force, continued in a straight line, comes to zero.
+/// They follow from the instants in the history, as in a computed one, or otherwise from its force: a contact is closed
+/// if the force exceeds six standard deviations of the noise and a fiftieth of the peak, and the instants are the zeros
+/// of the force, extrapolated linearly.
 ///
 /// # Errors
 /// [`ModalError::HistoryLength`], [`ModalError::NotFinite`], [`ModalError::NoContact`].
@@ -41,7 +41,7 @@ pub fn contact_intervals(history: &TimeHistory) -> Result<Vec<ContactInterval>, 
     Ok(intervals)
 }
 
-/// Force above which a contact counts as closed, N.
+/// Force above which a contact is closed, N.
 pub fn closed_force(force: &[f64]) -> f64 {
     let peak = force.iter().copied().fold(0.0, f64::max);
     (NOISE_FACTOR * noise_level(force)).max(PEAK_SHARE * peak)
@@ -81,15 +81,14 @@ fn from_force(history: &TimeHistory, threshold: f64) -> Vec<ContactInterval> {
     whole.map(|(first, last)| interval(history, first, last)).collect()
 }
 
-/// The instants lie between the last open sample and the first closed one, and so at the other end.
+/// The instants are between the last open sample and the first closed one, and likewise at the other end.
 fn interval(history: &TimeHistory, first: usize, last: usize) -> ContactInterval {
     let touching = zero_before(history, first, first + 1).clamp(history.time[first - 1], history.time[first]);
     let leaving = zero_before(history, last, last - 1).clamp(history.time[last], history.time[last + 1]);
     ContactInterval { touching, leaving, first, last }
 }
 
-/// Where the line through the forces of two samples comes to zero; the instant of the outer one where they do not rise
-/// inward.
+/// Zero of the line through the forces of two samples; the instant of the outer one if they do not rise inward.
 fn zero_before(history: &TimeHistory, outer: usize, inner: usize) -> f64 {
     let (time, force) = (&history.time, &history.force);
     let rise = force[inner] - force[outer];
@@ -120,7 +119,7 @@ mod tests {
             let found = contact_intervals(&history(&force, unit)).unwrap();
             assert_eq!(found.len(), 1);
             assert_eq!((found[0].first, found[0].last), (10, 15));
-            // Rises by 40 in half a second; the line at the other end would pass zero behind the next sample.
+            // Rises by 40 in half a second; the line at the other end would reach zero beyond the next sample.
             assert!((found[0].touching - (5.0 - 0.25)).abs() < 1e-13, "{found:?}");
             assert!((found[0].leaving - 8.0).abs() < 1e-13, "{found:?}");
         }

@@ -1,7 +1,7 @@
-/// What one contact does in a period of a motion: how long it is closed, how hard it pushes, how fast it is met.
+/// Quantities of one contact over a period of a motion: duration, force and approach speed.
 ///
-/// The impulse is what converges with the number of harmonics; the largest force does so slowly, if at all, where
-/// contacts are short blows.
+/// The impulse converges with the number of harmonics; the largest force converges slowly, if at all, for short
+/// contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactPeriod {
     /// Share of the period in which it is closed.
@@ -12,8 +12,8 @@ pub struct ContactPeriod {
     pub mean_force: f64,
     /// Integral of the force over the period, N·s.
     pub impulse: f64,
-    /// Closed intervals a period.
+    /// Closed intervals per period.
     pub touches: usize,
-    /// Largest speed at which the gap closes as it is touched, m/s; zero without a touch.
+    /// Largest closing speed at the beginning of contact, m/s; zero without contact.
     pub approach_velocity: f64,
 }

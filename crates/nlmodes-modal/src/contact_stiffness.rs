@@ -2,14 +2,13 @@ use crate::contact_interval::closed_force;
 use crate::noise::noise_level;
 use crate::{ContactInterval, ModalError, TimeHistory, contact_intervals};
 
-/// Forces below this share of the peak are left out of the fit: there the contact is only beginning.
+/// Forces below this fraction of the peak are excluded from the fit, since contact is only beginning there.
 const PEAK_SHARE: f64 = 0.1;
 
 /// Contact stiffness by a straight line through force over displacement, `λ = k_c (q − g₀)`, eq. (3), Fig. 7 b.
 ///
-/// Both are measured, so both carry noise: a fit of force over displacement alone would give too small a stiffness. The
-/// line is the one of errors in both variables (Deming), with the ratio of the noise levels taken from the record
-/// itself.
+/// Both are measured and noisy, and ordinary regression would underestimate the stiffness. The line is fitted with
+/// errors in both variables (Deming), with the ratio of the noise levels taken from the record itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ContactStiffness {
@@ -17,7 +16,7 @@ pub struct ContactStiffness {
     pub stiffness: f64,
     /// Its standard error, N/m.
     pub stiffness_error: f64,
-    /// Displacement at which the force vanishes, along the coordinate, m: the stop as the contact sees it.
+    /// Displacement at which the force vanishes, along the coordinate, m: the effective position of the stop.
     pub stop: f64,
     /// Its standard error, m.
     pub stop_error: f64,
@@ -40,11 +39,11 @@ struct Moments {
 
 impl ContactStiffness {
     /// Fits the samples in contact of a time history. Standard errors come from leaving out one contact interval at a
-    /// time (jackknife), or from the scatter about the line where there are fewer than three intervals.
+    /// time (jackknife), or from the scatter about the line if there are fewer than three intervals.
     ///
     /// # Errors
-    /// As [`contact_intervals`]; [`ModalError::NoPenetration`] if force and displacement do not rise together, as at a
-    /// rigid stop.
+    /// As [`contact_intervals`]; [`ModalError::NoPenetration`] if force and displacement do not increase together, as
+    /// at a rigid stop.
     pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
         let intervals = contact_intervals(history)?;
         let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
@@ -82,7 +81,7 @@ fn moments(history: &TimeHistory, interval: &ContactInterval, least: f64, side: 
     })
 }
 
-/// Variance of the force noise over that of the displacement noise; infinite where only the force is noisy.
+/// Variance of the force noise over that of the displacement noise; infinite if only the force is noisy.
 fn noise_ratio(history: &TimeHistory) -> f64 {
     let (force, displacement) = (noise_level(&history.force), noise_level(&history.displacement));
     if displacement == 0.0 { f64::INFINITY } else { (force / displacement).powi(2) }
@@ -175,7 +174,7 @@ mod tests {
     fn without_noise_the_line_is_exact() {
         for (side, k) in [(1.0, 2.3e6), (-1.0, 2.3e6), (1.0, 2.3)] {
             let mut history = pressed(k, 1.03e-3, [0.0, 0.0], 6, side, 1);
-            // The stop as it was drawn need not be where it is.
+            // The actual position of the stop may differ from the drawing.
             history.stop = side * 1.0e-3;
             let fit = ContactStiffness::of(&history).unwrap();
             assert!((fit.stiffness / k - 1.0).abs() < 1e-9, "{fit:?}");
@@ -214,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Slope of a line `f = k (x − s)` and its zero, with the errors of the textbook: residuals one by one.
+    /// Slope of a line `f = k (x − s)` and its zero, with textbook errors from the individual residuals.
     #[test]
     fn errors_from_the_scatter_are_those_of_a_regression() {
         for (k, unit) in [(3.0, 1.0), (0.4, 1e-3), (2e6, 1e-6)] {
@@ -266,8 +265,8 @@ mod tests {
             (sum, outside) = (sum + fit.stiffness / n as f64, outside + usize::from(miss.abs() > 2.0));
             assert!((fit.stiffness / 2.3e6 - 1.0).abs() < 0.01, "{fit:?}");
         }
-        // The mean of 24 fits, each good to 0.2 %; two standard errors are missed by one fit in twenty, five of 24 by
-        // one in 500.
+        // The mean of 24 fits, each accurate to 0.2 %; one fit in twenty is outside two standard errors, and five of 24
+        // with a probability of one in 500.
         assert!((sum / 2.3e6 - 1.0).abs() < 2e-3, "{sum}");
         assert!(outside <= 5, "{outside} of {n} beyond two standard errors");
     }
@@ -277,8 +276,8 @@ mod tests {
         for unit in [1.0, 1e-6] {
             let mut history = pressed(2.3e6, 1.03e-3, [0.1, 2e-7], 24, 1.0, 5);
             history.force.iter_mut().for_each(|f| *f *= unit);
-            // Some 12 000 samples: medians are good to some per cent, and some of the samples have the corner of a
-            // contact in them.
+            // Some 12 000 samples: medians are accurate to some per cent, and some samples include the kink at the
+            // beginning or end of contact.
             let ratio = noise_ratio(&history) / (0.1 * unit / 2e-7_f64).powi(2);
             assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
             history.displacement.fill(0.0);

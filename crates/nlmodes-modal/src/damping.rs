@@ -3,17 +3,16 @@ use crate::{HarmonicCoefficients, LinearModes};
 /// Nonlinear modal damping coefficient `δ̃ = P₁/(q̃² ω̃³)`, eq. (28), from the balance of the fundamental's power, eq.
 /// (27).
 ///
-/// `fundamental_power` in W, `modal_amplitude` in m·√kg, `omega` in rad/s; the result is a damping ratio, without unit.
+/// `fundamental_power` in W, `modal_amplitude` in m·√kg, `omega` in rad/s; the result is a dimensionless damping ratio.
 pub fn damping_coefficient(fundamental_power: f64, modal_amplitude: f64, omega: f64) -> f64 {
     fundamental_power / (modal_amplitude.powi(2) * omega.powi(3))
 }
 
 /// Power that the damping ratios of linear modes dissipate in a periodic motion, harmonic by harmonic, eqs. (25), (26).
 ///
-/// With `Φᵀ D Φ = diag(2 ζ_k ω_k)` and the modal coordinates `η_{k,n}` the summand of eq. (25) is
-/// `P_n = ½ (nω)² Σ_k 2 ζ_k ω_k |η_{k,n}|²`, in W, and eq. (26) gives `δ̃_n = Σ_k ζ_k ω_k |η_{k,n}|² / (ω q̃²)`. What
-/// is missing to the active power of the excitation (eq. 24) is dissipated elsewhere: at the contact, or in modes that
-/// are left out.
+/// With `Φᵀ D Φ = diag(2 ζ_k ω_k)` and the modal coordinates `η_{k,n}` the summand of eq. (25) is `P_n = ½ (nω)² Σ_k 2
+/// ζ_k ω_k |η_{k,n}|²`, in W, and eq. (26) gives `δ̃_n = Σ_k ζ_k ω_k |η_{k,n}|² / (ω q̃²)`. The difference from the
+/// active power of the excitation (eq. 24) is dissipated elsewhere: at the contact, or in modes that are not included.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LinearDissipation {
@@ -27,7 +26,7 @@ impl LinearDissipation {
     /// Of the modal coordinates `modal` (modes × (H + 1), m·√kg) at the frequency `omega` (rad/s).
     ///
     /// # Panics
-    /// If `modal` has another number of rows than there are modes.
+    /// If the number of rows of `modal` is not the number of modes.
     pub fn new(modes: &LinearModes, modal: &HarmonicCoefficients, omega: f64) -> Self {
         assert_eq!(modal.n_coordinates(), modes.n_modes());
         let rates = modes.omegas().iter().zip(modes.damping_ratios()).map(|(omega, zeta)| zeta * omega);

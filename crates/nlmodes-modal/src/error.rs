@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// Why a modal quantity cannot be formed.
+/// Why a modal quantity cannot be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModalError {
@@ -11,10 +11,10 @@ pub enum ModalError {
         harmonics: usize,
         /// Samples a period.
         samples: usize,
-        /// Smallest number that works.
+        /// Smallest sufficient number.
         needed: usize,
     },
-    /// A table of linear mode shapes does not fit its positions or frequencies.
+    /// A table of linear mode shapes is inconsistent with its positions or frequencies.
     #[error(
         "the table of linear mode shapes has {rows} rows and {columns} columns (rows of equal length?), but there are {positions} \
          positions and {modes} modes with frequency and damping ratio"
@@ -35,7 +35,7 @@ pub enum ModalError {
         /// Where.
         what: &'static str,
     },
-    /// Positions cannot tell modes apart.
+    /// The positions do not distinguish the modes.
     #[error(
         "{coordinates} positions cannot tell {modes} modes apart (smallest over largest singular value of the shapes: {ratio:.1e})"
     )]
@@ -69,17 +69,17 @@ pub enum ModalError {
         /// Forces.
         force: usize,
     },
-    /// The contact is never closed for a whole interval within the record.
+    /// The record has no complete contact interval.
     #[error(
         "no contact interval lies within the record: the force peaks at {peak} N, and {threshold} N count as closed"
     )]
     NoContact {
         /// Largest force, N.
         peak: f64,
-        /// Force above which the contact counts as closed, N.
+        /// Force above which the contact is closed, N.
         threshold: f64,
     },
-    /// Force and displacement do not rise together: there is no stiffness to fit.
+    /// Force and displacement do not increase together: there is no stiffness to fit.
     #[error("{samples} samples in contact span {span} m of displacement: no contact stiffness can be fitted")]
     NoPenetration {
         /// Samples in contact.

@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Event {
-    /// The linear mode touches a stop for the first time: the branch starts here.
+    /// Grazing: the linear mode just touches a stop, and the branch starts here.
     Grazing,
     /// The branch starts elsewhere.
     Start,
@@ -15,31 +15,31 @@ pub enum Event {
     Fold,
     /// The frequency of a nonlinear mode turns.
     FrequencyFold,
-    /// More than two arms of solutions meet.
+    /// More than two half-branches meet.
     BranchPoint,
-    /// The branch has a corner.
+    /// The tangent of the branch jumps.
     Kink,
     /// The sequence of closed contacts within a period changes.
     ContactChange,
-    /// Beyond this point the motion is unstable where it was stable, or the other way round.
+    /// Beyond this point the motion is unstable where it was stable, or vice versa.
     StabilityChange,
     /// A Floquet multiplier passes −1.
     PeriodDoubling,
     /// A pair of complex Floquet multipliers passes the unit circle.
     NeimarkSacker,
-    /// From here on it is sure that the branch has left its nonlinear mode for that of another linear mode.
+    /// From here on the branch has demonstrably left its nonlinear mode for that of another linear mode.
     OtherMode,
-    /// The point before once more, with another number of harmonics.
+    /// The previous point again, with another number of harmonics.
     Harmonics,
-    /// As [`Event::Harmonics`], where it is not shown that the branch is still the same.
+    /// As [`Event::Harmonics`], where the branch is not shown to be the same.
     HarmonicsUnproven,
-    /// More harmonics were tried here and did not lead on.
+    /// More harmonics were tried here without success.
     HarmonicsNoHelp,
-    /// From here on the accuracy that was asked for is not reached.
+    /// From here on the requested accuracy is not reached.
     AccuracyLimit,
-    /// The last point before a stretch of the branch that was left out.
+    /// The base point of an internal-resonance branch that was skipped: the last point before it.
     TongueFoot,
-    /// The first point behind a stretch of the branch that was left out.
+    /// The first point after an internal-resonance branch that was skipped.
     Resumed,
 }
 
@@ -93,14 +93,14 @@ impl Event {
         Self::ALL.into_iter().find(|event| event.name() == name)
     }
 
-    /// Whether a branch may have a corner here, since the set of closed contacts changes or branches cross: no curve is
-    /// smooth across it.
+    /// Whether a branch may have a kink here, since the set of closed contacts changes or branches intersect: no curve
+    /// is smooth across it.
     #[must_use]
     pub const fn is_corner(self) -> bool {
         matches!(self, Self::Kink | Self::ContactChange | Self::BranchPoint)
     }
 
-    /// The names of these events, separated by spaces, as they stand in column `event`.
+    /// The names of these events, separated by spaces, as in the column `event`.
     pub fn names(events: &[Self]) -> String {
         events.iter().map(|event| event.name()).collect::<Vec<_>>().join(" ")
     }

@@ -3,7 +3,7 @@
 pub struct ContactInstant {
     /// Time within the record, s.
     pub time: f64,
-    /// True: touching begins. False: the body leaves.
+    /// True: contact begins. False: contact ends.
     pub touching: bool,
 }
 
@@ -26,17 +26,17 @@ pub struct TimeHistory {
     pub force: Vec<f64>,
     /// Signed position of the stop along the coordinate, m.
     pub stop: f64,
-    /// Instants of touching and leaving, ascending.
+    /// Instants at which contact begins and ends, ascending.
     pub instants: Vec<ContactInstant>,
 }
 
-/// Fewest equidistant instants beside those of contact.
+/// Minimum number of equidistant instants in addition to those of contact.
 const FEWEST: usize = 64;
-/// Instants within the shortest stretch: an odd number, so that its middle is one.
+/// Number of instants within the shortest segment: odd, so that its midpoint is one of them.
 const WITHIN: usize = 15;
 
 impl TimeHistory {
-    /// A history without instants, before a stop at this signed position (m).
+    /// A history without instants, with a stop at this signed position (m).
     pub fn empty(label: &str, stop: f64) -> Self {
         let none = Vec::new;
         Self {
@@ -51,7 +51,7 @@ impl TimeHistory {
         }
     }
 
-    /// Appends an instant (s): displacement (m) with its two derivatives by time, and force (N).
+    /// Appends an instant (s): displacement (m) with its first two time derivatives, and force (N).
     pub fn push(&mut self, time: f64, [displacement, velocity, acceleration]: [f64; 3], force: f64) {
         self.time.push(time);
         self.displacement.push(displacement);
@@ -60,11 +60,11 @@ impl TimeHistory {
         self.force.push(force);
     }
 
-    /// Instants that do justice to motions which are smooth within each of `stretches` (their ends, one after the
-    /// other) and change between them: each with the number of its stretch, in whose formulas it is meant. Both ends of
-    /// each stretch are among them, and equidistant ones within it: some in the shortest too, of which a blow may be
-    /// one, and in others by their lengths, so that there are `samples + 1` in all, or as many more as it takes for 65
-    /// beside the changes.
+    /// Instants that resolve a motion which is smooth within each of `stretches` (the ends of consecutive segments) and
+    /// nonsmooth between them, each with the number of the segment whose formulas apply. They include both ends of each
+    /// segment, and equidistant instants within it: a minimum number even in the shortest, which may be a brief
+    /// contact, and more in others according to their lengths, so that there are `samples + 1` in total, or more if
+    /// needed to have 65 in addition to the segment ends.
     pub fn exact_instants(stretches: &[[f64; 2]], samples: usize) -> Vec<(f64, usize)> {
         let n = stretches.len();
         if n == 0 {
@@ -83,7 +83,7 @@ impl TimeHistory {
     }
 }
 
-/// `count` divided among stretches: `least` for each, the rest by their lengths.
+/// `count` distributed over the segments: `least` for each, the rest in proportion to their lengths.
 fn shares(stretches: &[[f64; 2]], count: usize, least: usize) -> Vec<usize> {
     let length = |stretch: &[f64; 2]| (stretch[1] - stretch[0]).max(0.0);
     let whole: f64 = stretches.iter().map(length).sum();
@@ -127,7 +127,7 @@ mod tests {
             assert_eq!((found[0], found[200]), ((0.0, 0), (scale, 3)));
             assert!(found.iter().all(|(t, k)| (stretches[*k][0]..=stretches[*k][1]).contains(t)));
         }
-        // A blow of a thousandth of the period has its largest force between its ends: its middle is among the
+        // A contact of a thousandth of the period has its largest force between its ends: its midpoint is among the
         // instants.
         let short: Vec<[f64; 2]> = [0.0, 0.3, 0.301, 1.0].windows(2).map(|pair| [pair[0], pair[1]]).collect();
         let found = TimeHistory::exact_instants(&short, 200);
@@ -136,7 +136,7 @@ mod tests {
         assert!(blow.iter().any(|t| (t - 0.3005).abs() < 1e-12));
         let widest = found.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0.0, f64::max);
         assert!(widest < 1.2 / 200.0 * 1.1, "{widest}");
-        // Many changes do not leave the motion without instants between them.
+        // Many segments do not exclude instants within them.
         let many: Vec<[f64; 2]> = (0..100).map(|k| [f64::from(k), f64::from(k + 1)]).collect();
         assert_eq!(TimeHistory::exact_instants(&many, 100).len(), 65 + 2 * 99);
         assert!(TimeHistory::exact_instants(&[], 10).is_empty());

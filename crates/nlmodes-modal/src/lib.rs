@@ -19,7 +19,7 @@
 //! | `∫ λ dt` | share, force and impulse of a contact over a period | N·s | [`ContactPeriod`] |
 //! | `E_av` | averaged kinetic energy | J | [`ModalPoint::kinetic_energy`] |
 //!
-//! A [`ModalBranch`] is a nonlinear mode over energy, computed or measured; a [`TimeHistory`] looks closer at one of
+//! A [`ModalBranch`] is a nonlinear mode over energy, computed or measured; a [`TimeHistory`] is the motion at one of
 //! its points.
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal

@@ -3,14 +3,14 @@ use num_complex::Complex64;
 
 use crate::{HarmonicCoefficients, ModalError};
 
-/// Singular values below this share of the largest count as zero: shapes that the positions cannot tell apart.
+/// Singular values below this fraction of the largest are zero: the positions do not distinguish the shapes.
 const RANK_TOLERANCE: f64 = 1e-10;
 
 /// Mass-normalised linear modes at some coordinates, `Φ` of eq. (30), `Φᵀ M Φ = 1`.
 ///
 /// A motion `q` at the coordinates has the modal coordinates `η = Φ⁺ q`, in the sense of least squares where there are
-/// more coordinates than modes; then `qᴴ M q = ηᴴ η`, which is how a motion that was measured at a few places is
-/// normalised by mass (eq. 22).
+/// more coordinates than modes; then `qᴴ M q = ηᴴ η`, so a motion measured at a few positions can be mass-normalised
+/// (eq. 22).
 ///
 /// Shapes: `Φ` is coordinates × modes, unit 1/√kg; `η` has the unit m·√kg.
 ///
@@ -31,13 +31,13 @@ pub struct LinearModes {
 }
 
 impl LinearModes {
-    /// Modes at `positions` (m) with eigenfrequencies `omegas` (rad/s) and damping ratios; `shapes` has a row a
-    /// position and an entry a mode (1/√kg).
+    /// Modes at `positions` (m) with eigenfrequencies `omegas` (rad/s) and damping ratios; `shapes` has one row per
+    /// position and one entry per mode (1/√kg).
     ///
     /// # Errors
     /// [`ModalError::ShapeTable`] if the table has rows of different lengths or another number of rows than positions,
     /// or more modes than frequencies or damping ratios; [`ModalError::NotFinite`]; [`ModalError::DependentShapes`] if
-    /// the positions cannot tell the modes apart, as always with fewer positions than modes.
+    /// the positions do not distinguish the modes, as always with fewer positions than modes.
     pub fn new(
         positions: &[f64],
         omegas: &[f64],
@@ -99,7 +99,7 @@ impl LinearModes {
     /// The same modes at the coordinates `rows`, the first `n_modes` of them.
     ///
     /// # Errors
-    /// [`ModalError::DependentShapes`] if these coordinates cannot tell these modes apart.
+    /// [`ModalError::DependentShapes`] if these coordinates do not distinguish these modes.
     ///
     /// # Panics
     /// If there is no such row or mode.
@@ -117,7 +117,7 @@ impl LinearModes {
     /// Modal coordinates `η = Φ⁺ q` of one motion `q`, m·√kg.
     ///
     /// # Panics
-    /// If `motion` has another number of entries than there are coordinates.
+    /// If the number of entries of `motion` is not the number of coordinates.
     pub fn project(&self, motion: &[Complex64]) -> Vec<Complex64> {
         assert_eq!(motion.len(), self.n_coordinates());
         (0..self.n_modes()).map(|k| self.coordinate(k, motion)).collect()
@@ -131,7 +131,7 @@ impl LinearModes {
     /// Motion `Φ η` of modal coordinates at the coordinates.
     ///
     /// # Panics
-    /// If `modal` has another number of entries than there are modes.
+    /// If the number of entries of `modal` is not the number of modes.
     pub fn expand(&self, modal: &[Complex64]) -> Vec<Complex64> {
         assert_eq!(modal.len(), self.n_modes());
         let row = |d: usize| modal.iter().enumerate().map(move |(k, eta)| eta * self.shapes[(d, k)]);
@@ -175,7 +175,7 @@ fn pseudo_inverse(shapes: &DMatrix<f64>) -> Result<DMatrix<f64>, ModalError> {
     if coordinates < modes {
         return Err(dependent(0.0));
     }
-    // The iteration limit is far above what finite matrices need, and keeps the rest from hanging.
+    // The iteration limit is far above what finite matrices need, and prevents an infinite loop otherwise.
     let svd = shapes.clone().try_svd(true, true, f64::EPSILON, 1000).ok_or_else(|| dependent(0.0))?;
     let (largest, smallest) = (svd.singular_values.max(), svd.singular_values.min());
     if smallest.is_nan() || smallest <= RANK_TOLERANCE * largest {
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn damping_takes_what_each_mode_loses() {
-        // Two modes of a coordinate each: 2 ζ ω of each, times the square of its coordinate.
+        // Two modes with one coordinate each: 2 ζ ω of each, times the square of its coordinate.
         let modes =
             LinearModes::new(&[0.0, 1.0], &[10.0, 30.0], &[0.01, 0.002], &[vec![0.5, 0.0], vec![0.0, 2.0]]).unwrap();
         let form = modes.damping_form(&[Complex64::new(0.0, 1.0), Complex64::new(3.0, 4.0)]);
@@ -248,7 +248,7 @@ mod tests {
         assert!(LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(f64::NAN)).is_err());
         let fewer = LinearModes::new(&[0.0], &[1.0, 2.0], &[0.0, 0.0], &shapes(5.0)[..1]).unwrap_err();
         assert_eq!(fewer, ModalError::DependentShapes { coordinates: 1, modes: 2, ratio: 0.0 });
-        // Two modes that differ by a rounding, of light structures and of heavy ones, whose shapes are small.
+        // Two modes that differ by rounding, of light structures and of heavy ones, whose shapes are small.
         for unit in [1.0, 1e-6] {
             let nearly = [vec![unit, 0.0], vec![0.0, 1e-15 * unit]];
             let error = LinearModes::new(&[0.0, 1.0], &[1.0, 2.0], &[0.0, 0.0], &nearly).unwrap_err();

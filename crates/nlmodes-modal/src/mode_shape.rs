@@ -2,10 +2,10 @@ use num_complex::Complex64;
 
 use crate::{HarmonicCoefficients, ModalError};
 
-/// Which phase is zero at the time origin: the absolute phase of a periodic motion is arbitrary.
+/// Choice of the phase at the time origin: the absolute phase of a periodic motion is arbitrary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PhaseAnchor {
-    /// The motion as it is.
+    /// The motion unchanged.
     None,
     /// The fundamental of this coordinate is real and positive.
     Coordinate(usize),
@@ -32,23 +32,24 @@ pub enum PhaseAnchor {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct NonlinearModeShape {
-    /// Nonlinear modal amplitude `q̃`, m·√kg: the amplitude of the mass-normalised mode where the motion is a linear
-    /// one.
+    /// Nonlinear modal amplitude `q̃`, m·√kg: the amplitude of the mass-normalised mode if the motion is that of a
+    /// linear mode.
     pub modal_amplitude: f64,
-    /// Phase `θ` of the anchor in the motion as it came, rad: harmonic `n` was turned by `−nθ`, a shift in time.
+    /// Phase `θ` of the anchor in the original motion, rad: harmonic `n` was rotated by `−nθ`, a shift in time.
     pub phase: f64,
     /// Shapes `φ̃_n`: coordinates × (H + 1), 1/√kg.
     pub harmonics: HarmonicCoefficients,
 }
 
 impl NonlinearModeShape {
-    /// Normalises the motion. `mass_norm_squared` gives `qᴴ M q` (kg·m²) of the complex amplitudes of all coordinates.
+    /// Normalises the motion. `mass_norm_squared` returns `qᴴ M q` (kg·m²) of the complex amplitudes of all
+    /// coordinates.
     ///
     /// # Errors
     /// [`ModalError::NoFundamental`] if the motion has none, or a mass that is not positive and finite.
     ///
     /// # Panics
-    /// If the anchor is a coordinate that is not there.
+    /// If the anchor is not one of the coordinates.
     pub fn new(
         motion: &HarmonicCoefficients,
         mass_norm_squared: impl Fn(&[Complex64]) -> f64,
@@ -77,7 +78,7 @@ fn harmonic(motion: &HarmonicCoefficients, n: usize) -> Vec<Complex64> {
     (0..motion.n_coordinates()).map(|d| motion.of(d)[n]).collect()
 }
 
-/// The motion later in time by the phase `phase` (rad) of its fundamental: harmonic `n` turned by `−n·phase`.
+/// The motion delayed by the phase `phase` (rad) of its fundamental: harmonic `n` rotated by `−n·phase`.
 pub fn shifted(motion: &HarmonicCoefficients, phase: f64) -> HarmonicCoefficients {
     let mut motion = motion.clone();
     for d in 0..motion.n_coordinates() {

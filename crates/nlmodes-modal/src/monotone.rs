@@ -1,4 +1,4 @@
-//! Cubic interpolation that goes beyond no value.
+//! Monotone cubic interpolation, without overshoot.
 
 /// Slopes at values that follow each other at these steps: those of the parabola through three neighbours, limited so
 /// that each piece is monotone (Steffen, *A simple method for monotonic interpolation in one dimension*, Astron.
@@ -34,7 +34,7 @@ pub fn monotone_slopes(values: &[f64], steps: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The cubic between two values with these slopes, a share `t` of the step from the first, from 0 to 1.
+/// The cubic between two values with these slopes, at the fraction `t` of the step, from 0 to 1.
 #[must_use]
 pub fn cubic(values: [f64; 2], slopes: [f64; 2], step: f64, t: f64) -> f64 {
     let s = 1.0 - t;
@@ -43,7 +43,7 @@ pub fn cubic(values: [f64; 2], slopes: [f64; 2], step: f64, t: f64) -> f64 {
     s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d
 }
 
-/// `slope`, no steeper than `bound` and never of the other sign.
+/// `slope`, limited to `bound` in magnitude and to its sign.
 fn limited(slope: f64, bound: f64) -> f64 {
     if slope * bound <= 0.0 { 0.0 } else { slope.abs().min(bound.abs()).copysign(bound) }
 }

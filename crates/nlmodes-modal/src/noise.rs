@@ -1,12 +1,12 @@
 //! Level of white noise on a smooth signal.
 
-/// Fourth differences of a signal keep little of what is smooth, and 70 times the variance of white noise.
+/// Fourth differences of a signal suppress its smooth part and multiply the variance of white noise by 70.
 const FOURTH_DIFFERENCE_VARIANCE: f64 = 70.0;
 /// Median of the magnitude of a normal variable with unit variance.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_082;
 
-/// Standard deviation of white noise on a signal, from the median of its fourth differences: corners and bursts in less
-/// than half of the record do not count. Zero with fewer than five samples.
+/// Standard deviation of white noise on a signal, from the median of its fourth differences, so that kinks and bursts
+/// in less than half of the record have no effect. Zero with fewer than five samples.
 pub fn noise_level(samples: &[f64]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let mut magnitudes: Vec<f64> = samples.windows(5).map(|w| fourth(w).abs()).collect();
@@ -50,7 +50,7 @@ pub mod tests {
         let signal = |j: usize| (0.02 * j as f64).sin() + if j % 200 < 10 { (j % 7) as f64 } else { 0.0 };
         let samples: Vec<f64> = (0..20_000).map(|j| signal(j) + 0.01 * normal.draw()).collect();
         let level = noise_level(&samples);
-        // Ten of two hundred samples are in bursts, so the median stands at the 0.53 quantile of the rest.
+        // Ten of two hundred samples are in bursts, so the median is at the 0.53 quantile of the rest.
         assert!((level / 0.01 - 1.0).abs() < 0.1, "{level}");
         assert_eq!(noise_level(&[1.0, 2.0]), 0.0);
     }

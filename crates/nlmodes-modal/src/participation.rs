@@ -6,27 +6,27 @@ use crate::HarmonicCoefficients;
 
 /// Participation of the linear modes in a nonlinear one, eq. (30): `v = Σ_n Re(Φ⁻¹ φ̃_n e^{−inθ})`.
 ///
-/// Complex shapes of several harmonics have no sum before a time origin is chosen. Here the phase `nθ` that a shift in
-/// time gives to harmonic `n` is taken out first, with `θ` the phase of the fundamental at the anchor: `v` then holds
-/// the modal coordinates, over the modal amplitude, at the instant when the fundamental of the anchor is at its peak.
-/// What is left out is the part in quadrature.
+/// The sum of complex shapes of several harmonics depends on the time origin. Here the phase `nθ` that a time shift
+/// gives to harmonic `n` is removed first, where `θ` is the phase of the fundamental at the anchor: `v` then has the
+/// modal coordinates, divided by the modal amplitude, at the instant of the peak of the fundamental at the anchor. The
+/// part in quadrature is omitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Participation {
-    /// Factors `v_k`, one a linear mode.
+    /// Factors `v_k`, one per linear mode.
     pub factors: Vec<f64>,
     /// The same sum in quadrature, zero for a motion in which all harmonics peak together.
     pub quadrature: Vec<f64>,
     /// The harmonics in the sum.
     pub harmonics: RangeInclusive<usize>,
-    /// Share of each linear mode in the averaged kinetic energy, 0 to 1, over all harmonics; where the motion has no
-    /// fundamental it is still there. Empty where it is not known.
+    /// Share of each linear mode in the averaged kinetic energy, 0 to 1, over all harmonics; it is defined even if the
+    /// motion has no fundamental. Empty if unknown.
     pub energy_shares: Vec<f64>,
 }
 
 impl Participation {
     /// Sums the harmonics of the modal coordinates `Φ⁻¹ φ̃_n` (modes × (H + 1), of a mode shape with its phase anchor).
     ///
-    /// Harmonics beyond H are not there to be summed; the range in the result says which were.
+    /// Harmonics beyond H cannot be included; the range in the result states which were.
     pub fn new(modal: &HarmonicCoefficients, harmonics: RangeInclusive<usize>) -> Self {
         let (first, last) = (*harmonics.start(), (*harmonics.end()).min(modal.n_harmonics()));
         let sum = |k: usize| -> Complex64 { modal.of(k).iter().take(last + 1).skip(first).sum() };
@@ -39,7 +39,7 @@ impl Participation {
         }
     }
 
-    /// With the shares of the modes, whose mass-normalised coordinates are `modal` (m·√kg), in the averaged kinetic
+    /// Adds the shares of the modes, whose mass-normalised coordinates are `modal` (m·√kg), in the averaged kinetic
     /// energy (J) of a motion of angular frequency `omega` (rad/s): `Σ_n (nω)² |η_k,n|² / 4E_av`.
     pub fn with_energy_shares(self, modal: &HarmonicCoefficients, omega: f64, kinetic_energy: f64) -> Self {
         let of = |k: usize| {

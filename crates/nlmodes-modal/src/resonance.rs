@@ -2,7 +2,7 @@ use std::fmt;
 
 use crate::{Event, ModalPoint};
 
-/// Share of the averaged kinetic energy in one harmonic above the first from which on it counts as resonant.
+/// A harmonic above the first is resonant if it has at least this share of the averaged kinetic energy.
 pub const RESONANT_SHARE: f64 = 0.25;
 
 /// An internal resonance `n : mode k`: harmonic n of the motion excites linear mode k.
@@ -20,8 +20,8 @@ impl fmt::Display for InternalResonance {
     }
 }
 
-/// A tongue of a branch: the stretch on which an internal resonance holds at least [`RESONANT_SHARE`] of the kinetic
-/// energy.
+/// An internal-resonance branch: the segment of a branch on which an internal resonance has at least [`RESONANT_SHARE`]
+/// of the kinetic energy.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Tongue {
@@ -31,15 +31,15 @@ pub struct Tongue {
     pub start: usize,
     /// Index of its point with the largest share of the kinetic energy in the resonant harmonic.
     pub tip: usize,
-    /// Index of its last point; `None` if the branch ends within the tongue.
+    /// Index of its last point; `None` if the branch ends within it.
     pub end: Option<usize>,
     /// Least and largest averaged kinetic energy on it, J.
     pub energy: [f64; 2],
-    /// Whether the tongue was left out: then `start` and `end` are the points of the branch on both sides of it.
+    /// Whether it was skipped: then `start` and `end` are the points of the branch on both sides of it.
     pub skipped: bool,
 }
 
-/// The tongues of a branch in the order of its points.
+/// The internal-resonance branches in the order of the points.
 pub fn tongues(points: &[ModalPoint]) -> Vec<Tongue> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -56,8 +56,8 @@ pub fn tongues(points: &[ModalPoint]) -> Vec<Tongue> {
     found
 }
 
-/// The tongue on the points from `start` to `last`, which all have its resonance; `None` for the foot of one that was
-/// skipped behind which nothing follows.
+/// The internal-resonance branch on the points from `start` to `last`, which all have its resonance; `None` for the
+/// base point of one that was skipped if no point follows.
 fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, last: usize) -> Option<Tongue> {
     let stretch = start..=last;
     let skipped = stretch.clone().any(|i| points[i].has_event(Event::Resumed));
@@ -70,7 +70,7 @@ fn tongue(points: &[ModalPoint], resonance: InternalResonance, start: usize, las
 }
 
 impl ModalPoint {
-    /// The integral of all contact forces over a period, N·s; `None` where no contact is known.
+    /// The integral of all contact forces over a period, N·s; `None` if no contact is known.
     pub fn impulse(&self) -> Option<f64> {
         (!self.contacts.is_empty()).then(|| self.contacts.iter().map(|contact| contact.impulse).sum())
     }

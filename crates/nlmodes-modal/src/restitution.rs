@@ -1,6 +1,6 @@
 use crate::{ContactInterval, ModalError, TimeHistory, contact_intervals};
 
-/// Samples from which the velocity at an instant of touching or leaving is taken.
+/// Number of samples used for the velocity at the beginning or end of contact.
 const VELOCITY_SAMPLES: usize = 4;
 
 /// One impact: velocities normal to the stop before and after it.
@@ -9,9 +9,9 @@ const VELOCITY_SAMPLES: usize = 4;
 pub struct Impact {
     /// When the contact was closed.
     pub interval: ContactInterval,
-    /// Speed toward the stop at the instant of touching, m/s, positive.
+    /// Speed toward the stop at the beginning of contact, m/s, positive.
     pub approach: f64,
-    /// Speed away from the stop at the instant of leaving, m/s.
+    /// Speed away from the stop at the end of contact, m/s.
     pub departure: f64,
 }
 
@@ -45,15 +45,15 @@ pub struct RestitutionStatistics {
 }
 
 impl Restitution {
-    /// The impacts of a time history, measured or computed. The stop stands on the side that the sign of
-    /// [`TimeHistory::stop`] tells, the positive one where it is zero.
+    /// The impacts of a time history, measured or computed. The stop is on the side given by the sign of
+    /// [`TimeHistory::stop`], the positive one if it is zero.
     ///
-    /// The velocity at an instant is that of a straight line through the four samples outside the contact next to it: a
-    /// velocity that changes within one sample is not smeared, and noise is halved. Impacts that do not approach are
-    /// left out.
+    /// The velocity at an instant is that of a straight line through the four adjacent samples outside the contact: a
+    /// velocity that changes within one sample is not smeared, and noise is halved. Impacts without approach are
+    /// ignored.
     ///
     /// # Errors
-    /// As [`contact_intervals`]; [`ModalError::NoContact`] also if there is no impact that approaches.
+    /// As [`contact_intervals`]; [`ModalError::NoContact`] also if there is no impact with approach.
     pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
         let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
         let intervals = contact_intervals(history)?;
@@ -82,7 +82,7 @@ impl Restitution {
         statistics(&self.impacts)
     }
 
-    /// Mean and spread in `n_bins` equal ranges of the approach speed; ranges without an impact are left out.
+    /// Mean and spread in `n_bins` equal ranges of the approach speed; ranges without an impact are omitted.
     pub fn over_speed(&self, n_bins: usize) -> Vec<RestitutionStatistics> {
         let speeds = self.impacts.iter().map(|impact| impact.approach);
         let low = speeds.clone().fold(f64::INFINITY, f64::min);
@@ -151,7 +151,7 @@ mod tests {
             start += flight + contact;
             v0 *= e;
         }
-        // The record ends in the midst of the last contact.
+        // The record ends during the last contact.
         let n = time.len() - 20;
         [&mut time, &mut x, &mut v, &mut f].into_iter().for_each(|series| series.truncate(n));
         let acceleration = vec![0.0; n];
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_velocities_between_two_contacts_count_for_both() {
-        // Three samples between the contacts; instants lie half a sample outside, as the force does not rise inward.
+        // Three samples between the contacts; instants are half a sample outside, since the force does not rise inward.
         [(1.0, 1.0), (1e-4, 1.0), (1.0, 1e-6)].into_iter().for_each(velocities_between);
     }
 

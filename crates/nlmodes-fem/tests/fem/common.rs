@@ -47,7 +47,7 @@ pub fn frequencies(mass: &SparseMatrix, stiffness: &SparseMatrix, count: usize) 
     linear_modes(mass, stiffness, count).unwrap().omega
 }
 
-/// Frequencies below this share of the highest one looked at are those of rigid-body modes.
+/// Frequencies below this fraction of the highest one considered are those of rigid-body modes.
 const RIGID: f64 = 1e-4;
 
 /// Number of rigid-body modes.
@@ -67,7 +67,7 @@ pub fn frequencies_of(model: &StructuralModel, kind: DofKind, count: usize) -> V
             let sizes = model.dofs().iter().enumerate().filter(|(_, d)| (d.kind == kind) == wanted);
             sizes.fold(0.0_f64, |l, (i, _)| l.max(shapes[(i, r)].abs()))
         };
-        // Bending modes turn and deflect; they have no axial part, and the other way round.
+        // Bending modes have rotation and deflection but no axial part, and vice versa.
         if kind == DofKind::Axial { largest(true) > largest(false) } else { largest(true) > 1e-6 * largest(false) }
     };
     let found: Vec<f64> = (0..omega.len()).filter(|&r| moves(r)).map(|r| omega[r]).take(count).collect();

@@ -10,7 +10,7 @@ fn stops_act_on_the_displacement_of_their_direction_at_their_node() {
     let beam = square_beam(0.1, 4, Support::Pinned, Support::Free);
     let back = Stop { side: Side::Negative, gap: -0.2, ..stop(0.5, Direction::Transverse) };
     let model = beam.assemble(&[stop(1.0, Direction::Axial), back, stop(0.5, Direction::Transverse)]).unwrap();
-    // The pinned node has its rotation only.
+    // The pinned node has only its rotation.
     assert_eq!(model.dofs().len(), 13);
     let stops: Vec<_> = model.contacts().iter().map(|c| c.single_dof().unwrap()).collect();
     let at = |i: usize| model.dofs()[stops[i].dof];

@@ -1,4 +1,4 @@
-//! Assembled structures against closed forms, reference values and invariants.
+//! Assembled structures, compared with closed forms, reference values and invariants.
 
 mod closed_forms;
 mod common;

@@ -36,7 +36,8 @@ fn mass_properties_are_those_of_the_body() {
                 0.0
             };
             let slender = body.total * (0.62975520_f64.powi(2) / 3.0 + rotary);
-            // Half of an element's mass at its nodes has a larger moment of inertia, by m l²/6 an element.
+            // Half of the mass of an element at each of its nodes has a larger moment of inertia, by m l²/6 per
+            // element.
             let tolerance = if mass_matrix == MassMatrix::Consistent { 1e-13 } else { 3e-2 };
             assert_close(body.moment_of_inertia, slender, tolerance);
         }
@@ -104,7 +105,7 @@ fn conserving_takes_more_nodes_where_the_mesh_coarsens_towards_the_contact() {
     let (before, after) =
         [model.mass(), conserved.mass()].map(|m| MassProperties::of(m, model.dofs(), DofKind::Axial)).into();
     assert_close(after.moment_of_inertia, before.moment_of_inertia, 1e-14);
-    // No inertia loses more than 70 % of itself.
+    // No inertia decreases by more than 70 %.
     let d = model.dofs().len();
     assert!((0..d - 1).all(|i| conserved.mass()[(i, i)] >= 0.3 * model.mass()[(i, i)]));
 }

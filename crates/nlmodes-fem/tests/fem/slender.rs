@@ -1,4 +1,4 @@
-//! No locking: a beam ten thousand times as long as high.
+//! No locking of a beam whose length is ten thousand times its height.
 
 use nlmodes_fem::{Beam, Mesh, Support};
 use nlmodes_linalg::SparseCholesky;
@@ -9,7 +9,7 @@ use crate::common::{assert_close, frequencies_of, square_beam};
 
 const HEIGHT: f64 = 1e-4;
 
-/// Deflection of the tip under a unit force there.
+/// Tip deflection due to a unit tip force.
 fn tip_compliance(beam: &Beam) -> f64 {
     let model = beam.assemble(&[]).unwrap();
     let tip = model.dofs().iter().rposition(|d| d.kind == DofKind::Deflection).unwrap();
@@ -27,7 +27,7 @@ fn expected(height: f64) -> f64 {
 
 #[test]
 fn static_deflection_does_not_depend_on_the_mesh() {
-    // One element is exact; with n elements rounding grows with the condition of the stiffness, about n⁴.
+    // One element is exact; with n elements rounding errors grow with the condition number of the stiffness, about n⁴.
     for (elements, tolerance) in [(1, 1e-13), (10, 1e-11), (100, 1e-7)] {
         let beam = square_beam(HEIGHT, elements, Support::Clamped, Support::Free);
         assert_close(tip_compliance(&beam), expected(HEIGHT), tolerance);

@@ -1,4 +1,4 @@
-//! Steps of section and material, tubes and added mass, against closed forms.
+//! Steps of section and material, tubes and added mass, compared with closed forms.
 
 use std::f64::consts::PI;
 
@@ -38,7 +38,7 @@ fn frequency_equation(omega: f64) -> f64 {
     s1 * s2 * z2 - c1 * c2 * z1
 }
 
-/// The root next to `near`, by bisection.
+/// The root closest to `near`, by bisection.
 fn root(near: f64) -> f64 {
     let [mut low, mut high] = [0.999 * near, 1.001 * near];
     assert!(frequency_equation(low) * frequency_equation(high) < 0.0, "no root near {near}");
@@ -60,7 +60,7 @@ fn a_stepped_rod_has_the_roots_of_its_frequency_equation() {
             frequencies(model.mass(), model.stiffness(), 4)
         });
         for (coarse, fine) in coarse.iter().zip(&fine) {
-            // The error falls with the square of the element length; what is left of it with the fourth power.
+            // The error decreases with the square of the element length; the remainder with the fourth power.
             let exact = root(*fine);
             assert_close((coarse / exact - 1.0) / (fine / exact - 1.0), 4.0, 0.01);
             assert_close(fine + (fine - coarse) / 3.0, exact, 2e-7);
@@ -136,7 +136,7 @@ fn the_mass_of_a_stepped_beam_is_that_of_its_parts() {
         let r: Vec<f64> = model.dofs().iter().map(|d| f64::from(u8::from(d.kind == kind))).collect();
         assert_close(bilinear(&r, model.mass(), &r), expected, 1e-13);
     }
-    // Added mass has no rotary inertia: what it adds does not depend on the section.
+    // Added mass has no rotary inertia: its contribution does not depend on the section.
     let thin = Section::tube(0.0016, 0.0008, 0.3).unwrap();
     let added = |added_mass| {
         let step = Step { to_node: 8, material: beam.material, section: thin, added_mass };

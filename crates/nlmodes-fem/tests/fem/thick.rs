@@ -1,4 +1,4 @@
-//! A thick beam, L/h = 5, against the exact frequency equation of Timoshenko's theory.
+//! A thick beam, L/h = 5, compared with the exact frequency equation of Timoshenko's theory.
 
 use nlmodes_fem::Support::{self, Clamped, Free, Pinned};
 use nlmodes_model::DofKind;

@@ -12,7 +12,7 @@ use super::numeric::factorise;
 use super::panels::Panels;
 use crate::{LinalgError, Mat, SparseMatrix};
 
-/// What is known of a factor with dense blocks before its numbers are.
+/// The symbolic part of a factor with dense blocks.
 #[derive(Debug)]
 pub(super) struct Blocks {
     pub panels: Panels,
@@ -29,7 +29,7 @@ impl Blocks {
         Self { panels, order, place }
     }
 
-    /// The panels of the factor of `a`, of which the lower triangle is read.
+    /// The panels of the factor of `a`; the lower triangle is read.
     pub fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<Vec<Mat<f64>>, LinalgError> {
         let n = self.order.len();
         let below = |j: usize| a.symbolic().row_idx_of_col_raw(j).iter().filter(move |&&i| i >= j).count();
@@ -55,7 +55,7 @@ impl Blocks {
         Halves { panels: &self.panels, values }
     }
 
-    /// Overwrites `x` with `A⁻¹ x`, its rows those of the matrix.
+    /// Overwrites `x` with `A⁻¹ x`, with the rows of the matrix.
     pub fn solve(&self, values: &[Mat<f64>], mut x: MatMut<'_, f64>) {
         let mut permuted = Mat::zeros(x.nrows(), x.ncols());
         for j in 0..x.ncols() {

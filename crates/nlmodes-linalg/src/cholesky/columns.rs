@@ -12,12 +12,12 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::{LinalgError, SparseMatrix};
 
-/// What is known of a factor column by column before its numbers are.
+/// The symbolic part of a factor by columns.
 #[derive(Debug)]
 pub(super) struct Columns(pub SymbolicCholesky<usize>);
 
 impl Columns {
-    /// The numbers of the factor of `a`, of which the lower triangle is read.
+    /// The numbers of the factor of `a`; the lower triangle is read.
     pub fn factor(&self, a: &SparseMatrix, what: &'static str) -> Result<Vec<f64>, LinalgError> {
         let (par, params) = (Par::Seq, Spec::default());
         let scratch = self.0.factorize_numeric_llt_scratch::<f64>(par, params);
@@ -80,7 +80,7 @@ impl Columns {
             .collect()
     }
 
-    /// None never comes: plans with dense blocks are of the other kind.
+    /// `None` does not occur: plans with dense blocks are of the other kind.
     fn simplicial(&self) -> Option<&SymbolicSimplicialCholesky<usize>> {
         match self.0.raw() {
             SymbolicCholeskyRaw::Simplicial(simplicial) => Some(simplicial),

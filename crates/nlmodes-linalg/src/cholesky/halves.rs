@@ -11,14 +11,14 @@ use super::thin;
 use crate::Mat;
 use crate::threads::spread;
 
-/// So many right-hand sides at most are few: the numbers of some rows are in registers. With eight a copy of the panel,
-/// as faer makes it, costs less.
+/// Up to this number of right-hand sides the entries of some rows are kept in registers. With eight, a copy of the
+/// panel as made by faer costs less.
 const FEW: usize = 4;
 
 /// A factor with dense blocks: `L`, panel by panel.
 ///
-/// Right-hand sides stand row by row, with `stride` numbers each: where few are solved for, as many as there are
-/// numbers in registers.
+/// Right-hand sides are stored row by row, with `stride` numbers each: for few right-hand sides, the number kept in
+/// registers.
 #[derive(Clone, Copy)]
 pub(super) struct Halves<'a> {
     pub panels: &'a Panels,
@@ -29,7 +29,7 @@ pub(super) struct Halves<'a> {
 struct Rows<'a, P> {
     x: &'a mut [f64],
     stride: usize,
-    /// Where a row stands among those in `x`.
+    /// Index of a row in `x`.
     place: P,
     /// The first row that is elsewhere.
     end: usize,
@@ -58,8 +58,8 @@ impl Halves<'_> {
         in_rows(x, |x, stride| self.backward_rows(x, stride));
     }
 
-    /// Each subtree adds up what it changes in the top, and the sums are taken out of it in the order of the subtrees:
-    /// they do not depend on the number of threads.
+    /// Each subtree sums its changes to the top, and the sums are subtracted in the order of the subtrees, so that they
+    /// do not depend on the number of threads.
     pub fn forward_rows(self, x: &mut [f64], stride: usize) {
         let subtrees = &self.panels.subtrees;
         if subtrees.parts.is_empty() {
@@ -96,7 +96,7 @@ impl Halves<'_> {
         spread(subtrees.split(x, stride), || (), |(), (part, x)| below(part, x));
     }
 
-    /// The rows of a subtree; what it adds to the rows of its last node is returned.
+    /// The rows of a subtree; returns its contribution to the rows of its last node.
     fn forward_below(self, part: &Subtree, x: &mut [f64], stride: usize) -> Vec<f64> {
         let (rows, subtrees) = (self.panels.rows_of_node(part.root), &self.panels.subtrees);
         let mut at = vec![0_u32; subtrees.rows_of_top];
@@ -123,7 +123,7 @@ impl Halves<'_> {
         self.backward_through(subtrees.top.iter().rev().copied(), rows, |_| &[]);
     }
 
-    /// These panels one after the other; `beyond` takes what they add to rows elsewhere.
+    /// These panels one after the other; `beyond` receives their contributions to other rows.
     fn forward_through<P: Fn(usize) -> usize>(
         self,
         panels: impl Iterator<Item = usize>,
@@ -144,7 +144,7 @@ impl Halves<'_> {
         }
     }
 
-    /// These panels one after the other; `beyond` gives the numbers of rows elsewhere.
+    /// These panels one after the other; `beyond` supplies the numbers of other rows.
     fn backward_through<'b, P: Fn(usize) -> usize>(
         self,
         panels: impl Iterator<Item = usize>,
@@ -165,7 +165,7 @@ impl Halves<'_> {
     }
 }
 
-/// `own ← L⁻¹ own` with the diagonal block of a panel, and `below ← −B own` with what is below it.
+/// `own ← L⁻¹ own` with the diagonal block of a panel, and `below ← −B own` with the part below it.
 fn forward(panel: &Mat<f64>, own: &mut [f64], below: &mut [f64], stride: usize) {
     match stride {
         1 => thin::forward::<1>(panel, own.as_chunks_mut().0, below.as_chunks_mut().0),

@@ -1,4 +1,4 @@
-//! `Bᵀ A⁻¹ B` from half a solution, `L⁻¹ P B`, which of a sparse `B` is zero in most rows.
+//! `Bᵀ A⁻¹ B` from the forward solution `L⁻¹ P B`, most of whose rows are zero for a sparse `B`.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
@@ -9,18 +9,18 @@ use super::halves::Halves;
 use super::{Factor, SparseCholesky};
 use crate::{Mat, SparseMatrix};
 
-/// Right-hand sides that are solved for at once where the factor has no dense blocks.
+/// Number of right-hand sides solved together if the factor has no dense blocks.
 const AT_ONCE: usize = 32;
 
 impl SparseCholesky {
     /// `(S − D C)ᵀ A⁻¹ (S − D C)`, c × c and symmetric, for sparse `S` (n × c), dense `D` (n × m) and `C` (m × c).
     ///
-    /// With `Z = L⁻¹ P B` it is `Zᵀ Z`. Of a sparse column, `Z` is not zero only on the way from its entries to the
-    /// root of the elimination tree: with few entries a column this costs a small share of what solutions cost, where
-    /// the factor has dense blocks. Elsewhere the solutions are computed, some at once.
+    /// With `Z = L⁻¹ P B` it is `Zᵀ Z`. For a sparse column, `Z` is nonzero only on the path from its entries to the
+    /// root of the elimination tree: with few entries per column this costs a small fraction of the full solutions if
+    /// the factor has dense blocks. Otherwise the solutions are computed, several at a time.
     ///
     /// # Panics
-    /// If the sizes do not fit together.
+    /// If the sizes are inconsistent.
     pub fn inverse_form(&self, sparse: &SparseMatrix, dense: &Mat<f64>, coefficients: &Mat<f64>) -> Mat<f64> {
         let (c, m) = (sparse.ncols(), dense.ncols());
         assert!(
@@ -65,7 +65,7 @@ struct Tree<'a> {
     factor: Halves<'a>,
     /// The columns that reach each panel, ascending.
     reached_by: Vec<Vec<usize>>,
-    /// What stands in the rows of each panel (its rows × the columns that reach it), where anything does.
+    /// The entries in the rows of each panel (its rows × the columns that reach it), if any.
     blocks: Vec<Option<Mat<f64>>>,
     columns: usize,
 }
@@ -85,7 +85,7 @@ impl<'a> Tree<'a> {
             let mut own = std::mem::take(&mut reached_by[p]);
             own.sort_unstable();
             own.dedup();
-            // All that a panel changes lies on its way to the root, which begins with the first of them.
+            // A panel changes only rows on its path to the root, which begins with the first of them.
             if let Some(next) = panels.rows(p).next().filter(|_| !own.is_empty()) {
                 reached_by[panels.of_column(next)].extend_from_slice(&own);
             }
@@ -125,7 +125,7 @@ impl<'a> Tree<'a> {
         (form, cross)
     }
 
-    /// Takes what the rows of panel `p` add to those below out of them.
+    /// Subtracts the contribution of the rows of panel `p` from those below.
     fn pass_on(&mut self, p: usize, x: &Mat<f64>) {
         let Halves { panels, values } = self.factor;
         let bottom = values[p].get(x.nrows().., ..);
@@ -150,7 +150,7 @@ impl<'a> Tree<'a> {
 mod tests {
     use crate::{Mat, SparseCholesky, SparseMatrix, multiply_transposed, sparse_from_triplets};
 
-    /// A grid of `n`³ nodes with one unknown each, coupled to all nodes around, held weakly.
+    /// A grid of `n`³ nodes with one unknown each, coupled to all neighbours, with weak springs to ground.
     fn grid(n: usize) -> SparseMatrix {
         let near = |x: usize| x.saturating_sub(1)..(x + 2).min(n);
         let mut entries = Vec::new();

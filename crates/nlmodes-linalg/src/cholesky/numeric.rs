@@ -15,14 +15,14 @@ use super::panels::{Panel, Panels, WIDEST};
 use crate::Mat;
 use crate::threads::spread;
 
-/// Rows of a change that are computed at a time, so that they are still in the cache where they are taken away.
+/// Rows of a change computed at a time, so that they are still in the cache when they are subtracted.
 const ROWS: usize = 1024;
 
-/// `L` of the lower triangle of a matrix whose rows are in the order of elimination; else the first column whose pivot
-/// is not positive.
+/// `L` of the lower triangle of a matrix with rows in the order of elimination, or the first column whose pivot is not
+/// positive.
 ///
-/// Each panel is computed by one thread, from what comes before it in ascending order, whatever the number of threads:
-/// first the subtrees, each by one thread, then the panels of the top, which wait for one another as late as they can.
+/// Each panel is computed by one thread, from the previous panels in ascending order, whatever the number of threads:
+/// first the subtrees, each by one thread, then the panels of the top, which wait for one another as late as possible.
 pub(super) fn factorise(panels: &Panels, lower: SparseColMatRef<'_, usize, f64>) -> Result<Vec<Mat<f64>>, usize> {
     let numeric = Numeric {
         panels,
@@ -50,9 +50,9 @@ fn tasks(panels: &Panels) -> Vec<Vec<usize>> {
     parts.iter().map(|part| part.panels.clone().collect()).chain(subtrees.top.iter().map(|&p| vec![p])).collect()
 }
 
-/// What each thread needs for itself.
+/// Work space of each thread.
 struct Workspace {
-    /// The row of the present panel at which each row stands.
+    /// The row of the current panel that corresponds to each row.
     at: Vec<u32>,
     change: Mat<f64>,
     memory: MemBuffer,
@@ -65,23 +65,23 @@ impl Workspace {
     }
 }
 
-/// A factorisation under way.
+/// A factorisation in progress.
 struct Numeric<'a> {
     panels: &'a Panels,
     lower: SparseColMatRef<'a, usize, f64>,
-    /// Panels of the factor; those that follow from one without a positive pivot, or do not matter any more beside it,
-    /// are none.
+    /// Panels of the factor; `None` for those that depend on a panel without a positive pivot or are no longer needed
+    /// because of it.
     done: Vec<OnceLock<Option<Mat<f64>>>>,
     /// The first column so far whose pivot is not positive.
     failed: AtomicUsize,
 }
 
 impl Numeric<'_> {
-    /// Computes panel `p`, or leaves it out.
+    /// Computes panel `p`, or skips it.
     fn compute(&self, p: usize, own: &mut Workspace) {
         let panel = self.panels.panel(p);
         let values = if self.failed.load(Ordering::Relaxed) < panel.first { None } else { self.values(p, own) };
-        // Nobody else computes this panel.
+        // No other thread computes this panel.
         let _ = self.done[p].set(values);
     }
 
@@ -115,12 +115,12 @@ impl Numeric<'_> {
         values
     }
 
-    /// A panel that was computed before, or is being computed; none if it was left out.
+    /// A panel that was computed before, or is being computed; `None` if it was skipped.
     fn block(&self, p: usize) -> Option<&Mat<f64>> {
         self.done[p].wait().as_ref()
     }
 
-    /// Takes what the columns of an earlier node change in a panel out of it.
+    /// Subtracts the contribution of the columns of an earlier node from a panel.
     fn take_change_of(
         &self,
         node: usize,
@@ -144,7 +144,7 @@ impl Numeric<'_> {
             }
             for j in 0..columns {
                 let mut to = values.rb_mut().col_mut(rows[first + j] as usize - panel.first);
-                // What is above the diagonal is not read.
+                // The part above the diagonal is not read.
                 for (k, &row) in rows[top..top + count].iter().enumerate() {
                     to[own.at[row as usize] as usize] -= change[(k, j)];
                 }
@@ -154,7 +154,7 @@ impl Numeric<'_> {
         Some(())
     }
 
-    /// The diagonal block and what is below it. False if a pivot is not positive.
+    /// The diagonal block and the part below it. Returns false if a pivot is not positive.
     fn eliminate(&self, panel: Panel, values: &mut Mat<f64>, memory: &mut MemBuffer) -> bool {
         let (mut top, bottom) = values.as_mut().split_at_row_mut(panel.width());
         let stack = MemStack::new(memory);
@@ -171,7 +171,7 @@ impl Numeric<'_> {
     }
 }
 
-/// How many of the ascending `rows` are below `limit`.
+/// Number of the ascending `rows` that are below `limit`.
 fn below(rows: &[u32], limit: usize) -> usize {
     rows.partition_point(|&row| (row as usize) < limit)
 }

@@ -1,4 +1,4 @@
-//! Where the entries of a factor with dense blocks are.
+//! Storage of a factor with dense blocks.
 
 use std::ops::Range;
 
@@ -6,16 +6,16 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::subtrees::Subtrees;
 
-/// Columns of a panel at most. The part above the diagonal of a panel is stored too: with wider panels there is more of
-/// it, with narrower ones products are slower.
+/// Maximum number of columns of a panel. The part above the diagonal of a panel is stored too: wider panels waste more
+/// memory, narrower ones make products slower.
 pub(super) const WIDEST: usize = 128;
 
-/// The columns of the factor in panels of some that have the same rows below them. Columns that can be eliminated
-/// together are a node; a wide node is several panels, each of which has its rows from its own diagonal on.
+/// The columns of the factor in panels with the same rows below them. Columns that can be eliminated together form a
+/// node; a wide node has several panels, each with the rows from its own diagonal on.
 #[derive(Debug, Clone)]
 pub(super) struct Panels {
     panels: Vec<Panel>,
-    /// The first panel of each node, and behind the last one.
+    /// The first panel of each node, and one past the last panel.
     first_of_node: Vec<usize>,
     /// Rows of the nodes beyond their columns: those of node `s` are `rows[row_starts[s]..row_starts[s + 1]]`.
     rows: Vec<u32>,
@@ -115,7 +115,7 @@ impl Panels {
         (panel.end..panel.node_end).chain(self.rows_of_node(panel.node).iter().map(|&row| row as usize))
     }
 
-    /// The same in two parts: those before row `end`, and the others, which belong to the rows of its node.
+    /// The same in two parts: those before row `end`, and the others, which belong to the rows of the node.
     pub fn rows_before(&self, p: usize, end: usize) -> (impl Iterator<Item = usize> + Clone + '_, &[u32]) {
         let panel = self.panels[p];
         let rows = self.rows_of_node(panel.node);
@@ -123,12 +123,12 @@ impl Panels {
         ((panel.end..panel.node_end).chain(here.iter().map(|&row| row as usize)), elsewhere)
     }
 
-    /// Number of rows of the panel that has most, beyond its columns.
+    /// Largest number of rows of a panel beyond its columns.
     pub fn tallest(&self) -> usize {
         self.tallest
     }
 
-    /// Number of rows of a panel, those of its diagonal block with it.
+    /// Number of rows of a panel, including those of its diagonal block.
     pub fn height(&self, p: usize) -> usize {
         let panel = self.panels[p];
         panel.node_end - panel.first + self.rows_of_node(panel.node).len()
@@ -139,7 +139,7 @@ impl Panels {
         &self.changed_by[self.starts[p]..self.starts[p + 1]]
     }
 
-    /// The nodes that change each panel, in one list, and where those of each begin.
+    /// The nodes that change each panel, in one list, and the start of each panel in it.
     fn changes(&self) -> (Vec<u32>, Vec<usize>) {
         let changed = |node: usize| {
             let mut last = None;
@@ -166,18 +166,18 @@ impl Panels {
         (0..self.len()).map(|p| self.height(p) * self.panels[p].width()).sum()
     }
 
-    /// Rows in each column of each panel, its diagonal and what is below.
+    /// Rows in each column of each panel: its diagonal and the part below.
     pub fn rows_of_columns(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).flat_map(move |p| (0..self.panels[p].width()).map(move |k| self.height(p) - k))
     }
 }
 
-/// The panels of all nodes, and which is the first of each.
+/// The panels of all nodes, and the first panel of each.
 fn divide(nodes: &SymbolicSupernodalCholesky<usize>) -> (Vec<Panel>, Vec<usize>) {
     let (mut panels, mut first_of_node) = (Vec::new(), vec![0]);
     for (node, (&begin, &node_end)) in nodes.supernode_begin().iter().zip(nodes.supernode_end()).enumerate() {
         let count = (node_end - begin).div_ceil(WIDEST).max(1);
-        // All as wide as each other, in steps of eight.
+        // All of equal width, in steps of eight.
         let width = (node_end - begin).div_ceil(count).next_multiple_of(8);
         for first in (begin..node_end).step_by(width) {
             panels.push(Panel { node, first, end: node_end.min(first + width), node_end });

@@ -4,23 +4,22 @@ use std::ops::Range;
 
 use super::panels::Panels;
 
-/// A part that holds more than this share of the factor is divided further.
+/// A part with more than this fraction of the factor is divided further.
 const LARGEST: f64 = 0.15;
-/// Parts with less than this share are not worth a task.
+/// Parts with less than this fraction are not worth a task.
 const SMALLEST: f64 = 0.01;
-/// Factors with fewer numbers are not divided, and stay on one thread: 32 megabytes, those of solids with some 10⁴
-/// unknowns.
+/// Factors with fewer numbers are not divided and use one thread: 32 megabytes, as for solids with some 10⁴ unknowns.
 const UNDIVIDED: usize = 1 << 22;
 
-/// Subtrees of the elimination tree, and all that stands above them: the top. They depend on the pattern alone, not on
-/// how many threads there are.
+/// Subtrees of the elimination tree, and everything above them: the top. They depend on the pattern alone, not on the
+/// number of threads.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Subtrees {
     /// In ascending order.
     pub parts: Vec<Subtree>,
     /// The panels of the top, ascending.
     pub top: Vec<usize>,
-    /// The place of each row among the rows of the top; of rows elsewhere it is meaningless.
+    /// The index of each row among the rows of the top; meaningless for other rows.
     place_in_top: Vec<u32>,
     /// Columns of the top, in runs, ascending.
     pub columns_of_top: Vec<Range<usize>>,
@@ -28,7 +27,7 @@ pub(super) struct Subtrees {
     pub rows_of_top: usize,
 }
 
-/// A subtree: all it changes beyond its own columns are the rows of its last node.
+/// A subtree: beyond its own columns it changes only the rows of its last node.
 #[derive(Debug, Clone)]
 pub(super) struct Subtree {
     pub panels: Range<usize>,
@@ -56,7 +55,7 @@ impl Subtrees {
         Self::beside(parts, panels)
     }
 
-    /// With the top that these parts leave.
+    /// With the top that remains beside these parts.
     fn beside(parts: Vec<Subtree>, panels: &Panels) -> Self {
         let (mut top, mut columns_of_top, mut place_in_top) = (Vec::new(), Vec::new(), vec![0; panels.nrows()]);
         let (mut panel, mut column, mut rows_of_top) = (0, 0, 0);
@@ -83,7 +82,7 @@ struct Tree {
     numbers: Vec<usize>,
     /// The first node of each subtree.
     first: Vec<usize>,
-    /// Whether the nodes of a subtree are in one piece.
+    /// Whether the nodes of a subtree are contiguous.
     whole: Vec<bool>,
 }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::threads::tests::with_helpers;
 use crate::{max_norm, multiply, sparse_from_triplets};
 
-/// Springs between all nodes of a cube of `n`³ that are next to each other, held weakly: dense blocks.
+/// Springs between all neighbouring nodes of a cube of `n`³, with weak springs to ground: dense blocks.
 fn solid(n: usize) -> SparseMatrix {
     let near = |x: usize| x.saturating_sub(1)..(x + 2).min(n);
     let mut entries = Vec::new();
@@ -14,7 +14,7 @@ fn solid(n: usize) -> SparseMatrix {
     sparse_from_triplets(n.pow(3), n.pow(3), &entries).unwrap()
 }
 
-/// Stiffness of `n` unit springs in a row; the first end is held if `ground` is one.
+/// Stiffness of `n` unit springs in a row; the first end is fixed if `ground` is one.
 fn chain(n: usize, ground: f64) -> SparseMatrix {
     let mut entries = vec![(0, 0, ground)];
     for i in 1..n {
@@ -63,7 +63,7 @@ fn two_half_solutions_in_the_order_of_elimination_make_a_whole_one() {
         let (order, b) = (factor.order(), Mat::from_fn(n, 3, |i, j| ((7 * i + j) % 11) as f64 - 5.0));
         let mut half = Mat::from_fn(n, 3, |k, j| b[(order[k], j)]);
         factor.forward(half.as_mut());
-        // bᵀ A⁻¹ b, from the half and from the whole.
+        // bᵀ A⁻¹ b, from the forward and from the full solution.
         let mut x = b.clone();
         factor.solve_many(&mut x);
         let (form, expected) = (half.transpose() * &half, b.transpose() * &x);

@@ -1,4 +1,4 @@
-//! Products and solutions with one panel for few right-hand sides: the panel is read once, from memory, column after
+//! Products and solutions with one panel for few right-hand sides: the panel is read from memory only once, column by
 //! column.
 
 use pulp::{Arch, Simd, WithSimd};
@@ -54,7 +54,7 @@ impl<const K: usize> WithSimd for Backward<'_, K> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { panel, own, below } = self;
-        // The same columns together as on the way forward.
+        // The same columns together as in the forward solution.
         let mut left = own.len();
         while left > 0 {
             left -= match (left % TOGETHER, left % 4) {
@@ -66,7 +66,7 @@ impl<const K: usize> WithSimd for Backward<'_, K> {
     }
 }
 
-/// Columns `at..at + G` of the panel, and how many they are.
+/// Columns `at..at + G` of the panel, and their number.
 #[inline(always)]
 fn forward_columns<S: Simd, const G: usize, const K: usize>(
     panel: &Mat<f64>,
@@ -145,7 +145,7 @@ fn take_columns<S: Simd, const G: usize, const K: usize>(
 #[inline(always)]
 fn take<S: Simd, const K: usize>(sum: &mut [f64; K], factor: f64, x: &[f64; K]) {
     for r in 0..K {
-        // One instruction where the processor has it, a slow function elsewhere.
+        // One instruction if the processor has it, otherwise a slow function.
         sum[r] = if S::IS_SCALAR { sum[r] - factor * x[r] } else { (-factor).mul_add(x[r], sum[r]) };
     }
 }

@@ -1,4 +1,4 @@
-//! Lanczos vectors: columns that grow in number.
+//! Lanczos vectors: a growing number of columns.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, ColRef, MatMut, MatRef, Par};
@@ -6,13 +6,13 @@ use faer::{Accum, ColRef, MatMut, MatRef, Par};
 use crate::Mat;
 use crate::threads::{in_pieces, pays, spread};
 
-/// Columns of one piece of memory: pieces are never moved, so that nothing is in memory twice while the basis grows.
+/// Columns per block of memory: blocks are never moved, so that nothing is stored twice while the basis grows.
 const PIECE: usize = 16;
 
-/// Rows that are turned at a time.
+/// Rows rotated at a time.
 const ROWS: usize = 2048;
 
-/// Columns of length `n`, M-orthonormal where those who add them see to it.
+/// Columns of length `n`, M-orthonormal if the caller ensures it.
 #[derive(Debug)]
 pub(super) struct Basis {
     n: usize,
@@ -85,7 +85,7 @@ impl Basis {
         }
     }
 
-    /// `Q C`, with as many of the columns of `Q` as `C` has rows, in the place of `Q`: no second table is in memory.
+    /// `Q C`, with as many of the columns of `Q` as `C` has rows, in place of `Q`, without a second table.
     pub fn turned(mut self, c: MatRef<'_, f64>) -> Self {
         let kept = c.ncols();
         self.len = c.nrows();
@@ -121,7 +121,7 @@ impl Basis {
         }
     }
 
-    /// Index of the first column of each piece, and its columns.
+    /// Index of the first column of each block, and its columns.
     fn filled(&self) -> impl Iterator<Item = (usize, MatRef<'_, f64>)> {
         self.pieces.iter().enumerate().map(|(i, piece)| {
             let first = i * PIECE;
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(rest, &x - &whole * &overlap);
     }
 
-    /// The first `count` columns of what the pieces hold.
+    /// The first `count` columns of the blocks.
     fn filled(n: usize, count: usize, value: impl Fn(usize, usize) -> f64) -> Basis {
         let mut basis = Basis::new(n);
         basis.extend(Mat::from_fn(n, count, value).as_ref());
@@ -164,7 +164,7 @@ mod tests {
         for (n, rows, kept) in [(7, 1, 1), (ROWS + 9, PIECE + 4, PIECE + 2), (2 * ROWS, 2 * PIECE + 3, 2), (40, 9, 0)] {
             let value = |i: usize, j: usize| ((3 * i + 5 * j) % 7) as f64 - 3.0;
             let c = Mat::from_fn(rows, kept, |i, j| ((i + 2 * j) % 3) as f64 - 1.0);
-            // One column more than there are coefficients stays out.
+            // The column beyond the number of coefficients is not used.
             let turned = filled(n, rows + 1, value).turned(c.as_ref());
             let expected = Mat::from_fn(n, rows, value) * &c;
             assert_eq!(turned.len(), kept);

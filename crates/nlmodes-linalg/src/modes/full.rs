@@ -8,8 +8,8 @@ use super::{Pencil, diagonal};
 use crate::{LinalgError, Mat, add_scaled, symmetric_eigen};
 
 /// With `K + sM = L Lᵀ`: the `count` largest eigenvalues of `L⁻¹ M L⁻ᵀ`, whose eigenvectors `u` give `φ = L⁻ᵀ u`. A
-/// singular `M` has eigenvalues zero there, which are left alone. Some vectors more than asked for come back: rounding
-/// mixes neighbours of high modes, and at the edge of the space they must not be missed.
+/// singular `M` has zero eigenvalues there, which are ignored. A few vectors more than requested are returned: rounding
+/// mixes neighbouring high modes, which must not be missed at the edge of the space.
 pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
     let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();

@@ -9,30 +9,30 @@ use super::orthonormal::{Orthonormal, orthonormalise};
 use super::{Pencil, diagonal};
 use crate::{LinalgError, Mat, max_norm, symmetric_eigen};
 
-/// A Ritz vector has converged when its residual is this share of its `θ`.
+/// A Ritz vector has converged when its residual is this fraction of its `θ`.
 const TOLERANCE: f64 = 1e-12;
 
-/// A run in the complement that has nothing above the modes found so far after this many vectors, and knows its own
-/// largest `θ`, will not find it later.
+/// If a run in the complement has found nothing above the known modes after this many vectors, and its largest `θ` has
+/// converged, it will not find anything later.
 const VERIFICATION: usize = 30;
 
-/// Vectors of a look beside all those of a run. A mode that is missing there is a hundredth of the first of them, in
-/// the worst case, and has outgrown all others by the third step.
+/// Number of vectors of a check in the complement of a run. A missing mode is, in the worst case, a hundredth of the
+/// first vector, and dominates all others by the third step.
 const BESIDE: usize = 12;
 
-/// Vectors of a step where the factor has dense blocks: a solution for four costs little more than one for one. Twenty
-/// modes of a solid took as long with six and with eight, but with more vectors the wider the blocks.
+/// Vectors per step if the factor has dense blocks: a solution for four costs little more than for one. Twenty modes of
+/// a solid took the same time with six and eight, but wider blocks need more vectors.
 const WIDTH: usize = 4;
 
-/// For more modes than these all steps have so many vectors: most of the work is then to keep them orthogonal, and
-/// several at a time read the basis once.
+/// Above this number of modes all steps have this many vectors: most of the work is then orthogonalisation, and several
+/// vectors at a time read the basis only once.
 const MANY: usize = 64;
 
 /// `L⁻ᵀ u` of the orthonormal Ritz vectors `u` of the `count` largest `θ = 1/(λ + s)`, largest first; fewer if there
 /// are no more.
 ///
-/// One run sees as many vectors of the space of a multiple `θ` as its blocks have. So the run is repeated in the
-/// complement of what was found, until it finds nothing that belongs to the first `count`.
+/// One run finds at most as many vectors of a multiple `θ` as its blocks have. The run is therefore repeated in the
+/// complement of the vectors found, until it finds nothing that belongs to the first `count`.
 pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();
     let rank = (0..n).filter(|&i| diagonal(pencil.mass, i) > 0.0).count();
@@ -63,9 +63,9 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
     Ok(operator.shapes(vectors))
 }
 
-/// Whether nothing above `floor` is orthogonal to all vectors of a run, the first one. What converged slowest lies in
-/// them as well, so that the largest `θ` beside them is far smaller, and known after few vectors. If that is left open,
-/// another run will tell.
+/// Whether there is nothing above `floor` orthogonal to all vectors of the first run. The slowest converging vectors
+/// are included in them, so the largest `θ` in the complement is far smaller, and converges after few vectors. If this
+/// remains undecided, another run decides.
 fn nothing_missed(run: &Run<'_>, floor: f64, rank: usize) -> bool {
     let seed = 0x5EED;
     let Some(mut beside) = Run::start(run.operator, &run.basis, seed, [run.current.nrows(), run.width, rank]) else {
@@ -104,7 +104,7 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Starts from `L⁻¹ M r`, which is in the range of the operator. None if everything has been found.
+    /// Starts from `L⁻¹ M r`, which is in the range of the operator. `None` if everything has been found.
     fn start(operator: &'a Operator<'a>, found: &'a Basis, seed: u64, [n, width, rank]: [usize; 3]) -> Option<Self> {
         let most = rank.saturating_sub(found.len());
         let width = width.min(most);
@@ -131,11 +131,11 @@ impl<'a> Run<'a> {
         self.alpha.iter().map(Mat::ncols).sum()
     }
 
-    /// One more block of columns of the projected operator. False if the space is exhausted.
+    /// One more block of columns of the projected operator. Returns false if the space is exhausted.
     fn step(&mut self) -> bool {
         let mut w = self.current.clone();
         self.operator.apply(&mut w);
-        // The three-term recurrence takes most of it; one pass through the basis is then enough nearly always.
+        // The three-term recurrence removes most of it; one pass through the basis is then nearly always enough.
         let alpha = self.current.transpose() * &w;
         matmul(w.as_mut(), Accum::Add, &self.current, &alpha, -1.0, Par::Seq);
         if let Some(beta) = self.beta.last() {
@@ -154,8 +154,8 @@ impl<'a> Run<'a> {
         more
     }
 
-    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them with the coefficients of
-    /// their vectors in the basis, and with those beyond that are known as well.
+    /// Iterates until the `wanted` largest `θ` above `floor` have converged and returns them, and further ones that
+    /// have converged, with the coefficients of their vectors in the basis.
     fn complete(mut self, wanted: usize, floor: f64) -> Result<(Vec<f64>, Mat<f64>, Self), LinalgError> {
         let limit = 20 * wanted + 600;
         let wide = 4 * self.width;
@@ -178,10 +178,10 @@ impl<'a> Run<'a> {
             let open = |i: usize| excess(i) > 1.0;
             let above = theta.iter().take(wanted).filter(|&&t| t > floor.max(noise * 1e-12)).count();
             let converged = (0..above).filter(|&i| !open(i)).count();
-            // What is below the floor is only known to be so once it is known.
+            // Values below the floor count only once they have converged.
             let settled = above > 0 || theta[0] + residual(0) < floor || !open(0);
             if !more || (converged == above && settled) {
-                // As good as the others: what is found beside them later is orthogonal to them.
+                // As accurate as the others: vectors found later are orthogonal to them.
                 let known = |i: &usize| residual(*i) <= TOLERANCE * theta[*i];
                 let aside = (above..theta.len()).take(self.width).take_while(known).count();
                 let kept = if above == 0 { 0 } else { above + aside };
@@ -197,7 +197,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Length of the residual of a Ritz vector: what the last block couples it to.
+    /// Norm of the residual of a Ritz vector, from its coupling to the last block.
     fn residual(&self, s: &Mat<f64>, i: usize) -> f64 {
         let Some(beta) = self.beta.last() else { return 0.0 };
         let last = s.nrows() - beta.ncols();
@@ -227,9 +227,9 @@ impl<'a> Run<'a> {
     }
 }
 
-/// After how many vectors more it is worth looking again, from the logarithm by which the worst residual stood above
-/// its limit at two looks: the way that is left at the pace so far, less a tenth, as convergence becomes faster; a
-/// sixth of the space at most.
+/// Number of further vectors before the next convergence check, from the logarithms of the ratio of the worst residual
+/// to its limit at two checks: extrapolated linearly, less a tenth since convergence accelerates; at most a sixth of
+/// the space.
 fn to_next_look(size: usize, far: f64, before: Option<(usize, f64)>) -> usize {
     let most = (size / 6).max(5);
     match before {

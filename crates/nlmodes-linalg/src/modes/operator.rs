@@ -11,8 +11,8 @@ const AT_ONCE: usize = 8;
 
 /// `C = L⁻¹ P M Pᵀ L⁻ᵀ` of the factor `P (K + sM) Pᵀ = L Lᵀ`: `C u = θ u` with `θ = 1/(λ + s)` and `φ = Pᵀ L⁻ᵀ u`.
 ///
-/// It is symmetric as it stands, so that what iterates with it needs no product with `M` to keep its vectors
-/// orthogonal. All rows are in the order of elimination.
+/// It is symmetric, so an iteration with it needs no products with `M` to keep its vectors orthogonal. All rows are in
+/// the order of elimination.
 pub(super) struct Operator<'a> {
     mass: &'a SparseMatrix,
     factor: &'a SparseCholesky,
@@ -30,7 +30,7 @@ impl<'a> Operator<'a> {
         self.press(u);
     }
 
-    /// Overwrites `x` with `L⁻¹ P M Pᵀ x`: something in the range of `C`, whatever `x` is.
+    /// Overwrites `x` with `L⁻¹ P M Pᵀ x`, which is in the range of `C` for any `x`.
     pub fn press(&self, x: &mut Mat<f64>) {
         self.multiply(x.as_mut());
         self.factor.forward(x.as_mut());
@@ -88,7 +88,7 @@ impl<'a> Operator<'a> {
         }
     }
 
-    /// Modes `φ = Pᵀ L⁻ᵀ u`, still in the order of elimination and not yet of length one.
+    /// Modes `φ = Pᵀ L⁻ᵀ u`, still in the order of elimination and not normalised.
     pub fn shapes(&self, mut u: Mat<f64>) -> Mat<f64> {
         self.factor.backward(u.as_mut());
         u

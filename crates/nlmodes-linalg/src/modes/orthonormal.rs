@@ -5,26 +5,25 @@ use faer::{MatRef, unzip, zip};
 use super::basis::Basis;
 use crate::Mat;
 
-/// A column that keeps less than this share of itself beside the others of its block is orthogonalised again as a
-/// whole.
+/// A column of which less than this fraction remains after orthogonalisation to its block is orthogonalised again.
 const CANCELLED: f64 = 0.1;
 const MOST_ROUNDS: usize = 4;
 
-/// `W = Q R` up to what lies in the bases, with orthonormal `Q`.
+/// `W = Q R` up to components in the bases, with orthonormal `Q`.
 pub(super) struct Orthonormal {
     pub q: Mat<f64>,
     /// As many rows as `Q` has columns, one column for each of `W`.
     pub r: Mat<f64>,
 }
 
-/// Takes the `bases` out of the columns of `w` and makes them orthonormal. Columns of which no more than `negligible`
-/// is left are dropped, and no more than `most` are kept.
+/// Orthogonalises the columns of `w` to the `bases` and makes them orthonormal. Columns of which at most `negligible`
+/// remains are dropped, and at most `most` are kept.
 pub(super) fn orthonormalise(bases: [&Basis; 2], w: Mat<f64>, negligible: f64, most: usize) -> Orthonormal {
     let (mut block, mut r) = (w, None::<Mat<f64>>);
     let mut round = 1;
     loop {
         take_out(bases, &mut block, negligible);
-        // From the second round on columns come in with length one: one that is shortened was rounding.
+        // From the second round on columns have length one: a column that is shortened was rounding.
         let least = if round == 1 { negligible } else { 0.5 };
         let (within, cancelled) = gram_schmidt(block, least, most);
         let whole = match r {
@@ -38,7 +37,7 @@ pub(super) fn orthonormalise(bases: [&Basis; 2], w: Mat<f64>, negligible: f64, m
     }
 }
 
-/// Takes the bases out of the columns of `w`, again as long as a column lost much of its length.
+/// Orthogonalises the columns of `w` to the bases, repeatedly as long as a column loses much of its length.
 fn take_out(bases: [&Basis; 2], w: &mut Mat<f64>, negligible: f64) {
     let mut before = vec![f64::INFINITY; w.ncols()];
     loop {
@@ -54,7 +53,7 @@ fn take_out(bases: [&Basis; 2], w: &mut Mat<f64>, negligible: f64) {
     }
 }
 
-/// Columns of `w` made orthonormal one after the other, and whether one of them nearly was a combination of others.
+/// Columns of `w` made orthonormal one after the other, and whether one of them was nearly a combination of the others.
 fn gram_schmidt(mut w: Mat<f64>, least: f64, most: usize) -> (Orthonormal, bool) {
     let p = w.ncols();
     let (mut r, mut kept, mut cancelled) = (Mat::zeros(p, p), 0, false);

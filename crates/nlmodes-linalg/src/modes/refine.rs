@@ -1,4 +1,4 @@
-//! Last digits: modes from a nearly invariant subspace, by the quotient of the inverse.
+//! Refinement of modes from a nearly invariant subspace, by the quotient of the inverse.
 
 use faer::linalg::solvers::LltError;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
@@ -7,26 +7,26 @@ use faer::{Par, Side};
 use super::operator::Operator;
 use crate::Mat;
 
-/// Off-diagonal entries below this share of their diagonal are rounding.
+/// Off-diagonal entries below this fraction of their diagonal are rounding errors.
 const NEGLIGIBLE: f64 = 2.0 * f64::EPSILON;
 
-/// Off-diagonal entries below this share of their diagonal, and of its difference, are taken away by one correction of
-/// first order for all of them: what that leaves is the square of it.
+/// Off-diagonal entries below this fraction of their diagonal entries, and of the difference of these, are removed by
+/// one simultaneous first-order correction, whose remainder is of second order.
 const SMALL: f64 = 1e-8;
 
 const MOST_SWEEPS: usize = 40;
 
-/// A vector of which less than this share is left beside the others is orthogonalised column by column.
+/// A vector of which less than this fraction remains after orthogonalisation is orthogonalised column by column.
 const DEPENDENT: f64 = 1e-3;
-/// So is one of which `φᵀMφ` is below this share of the largest that its length allows: it may be rounding.
+/// The same applies if `φᵀMφ` is below this fraction of the largest possible for its length: it may be rounding.
 const WEIGHTLESS: f64 = 1e-10;
 
-/// The lowest `count` λ of the pencil in the space of the columns of `x`, which come in the order of ascending λ, and
+/// The lowest `count` λ of the pencil in the space of the columns of `x`, which are in the order of ascending λ, and
 /// their modes; rows in the order of elimination.
 ///
 /// `G = (MX)ᵀ (K + sM)⁻¹ (MX) = Zᵀ Z`, `Z = L⁻¹ M X`, with M-orthonormal `X` is nearly diagonal, with entries of very
-/// different size. Jacobi rotations, and corrections of first order where their angles are small, respect that: each of
-/// its eigenvalues `θ = 1/(λ + s)` comes out with a small relative error.
+/// different size. Jacobi rotations, and first-order corrections for small angles, preserve this: each of its
+/// eigenvalues `θ = 1/(λ + s)` has a small relative error.
 pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, shift: f64) -> (Vec<f64>, Mat<f64>) {
     let mut z = orthonormalise(operator, &mut x);
     operator.forward(&mut z);
@@ -41,12 +41,12 @@ pub(super) fn rayleigh_ritz(operator: &Operator, mut x: Mat<f64>, count: usize, 
     (eigenvalues, x * rotation)
 }
 
-/// Makes the columns M-orthonormal, from the lowest mode on: it is the high ones that carry traces of the low. Returns
-/// `M X`.
+/// Makes the columns M-orthonormal, from the lowest mode on, since the high modes contain traces of the low ones.
+/// Returns `M X`.
 fn orthonormalise(operator: &Operator, x: &mut Mat<f64>) -> Mat<f64> {
     let (mut mass_x, heaviest) = (x.clone(), operator.heaviest());
     operator.multiply(mass_x.as_mut());
-    // The first time takes away what is there, the second what rounding left.
+    // The first pass removes the components, the second the rounding errors.
     for _ in 0..2 {
         let Some(r) = triangular(&*x, &mass_x, heaviest) else {
             one_by_one(operator, x);
@@ -61,7 +61,7 @@ fn orthonormalise(operator: &Operator, x: &mut Mat<f64>) -> Mat<f64> {
     mass_x
 }
 
-/// `Rᵀ` of `Xᵀ M X = Rᵀ R`; none where a column is nearly a combination of those before it, or has hardly any mass.
+/// `Rᵀ` of `Xᵀ M X = Rᵀ R`; `None` if a column is nearly a combination of previous ones, or has hardly any mass.
 fn triangular(x: &Mat<f64>, mass_x: &Mat<f64>, heaviest: f64) -> Option<Mat<f64>> {
     let gram = x.transpose() * mass_x;
     let heavy = |j: usize| gram[(j, j)] > WEIGHTLESS * heaviest * x.col(j).squared_norm_l2();
@@ -90,7 +90,7 @@ fn one_by_one(operator: &Operator, x: &mut Mat<f64>) {
             v *= if norm > 0.0 { 1.0 / norm } else { 0.0 };
         }
     }
-    // What was taken away shortened the vectors by rounding only; the second pass has normalised them.
+    // The removed components shortened the vectors by rounding only; the second pass has normalised them.
 }
 
 /// Makes the symmetric `g` diagonal and returns the matrix of its eigenvectors.
@@ -114,8 +114,8 @@ fn diagonalise(matrix: &mut Mat<f64>) -> Mat<f64> {
     if turned { Mat::from_fn(n, n, |i, j| product[j][i]) * correction } else { correction }
 }
 
-/// Cyclic Jacobi iteration, until all entries beside the diagonal are small; the rotations are added to `product`.
-/// Whether there were any.
+/// Cyclic Jacobi iteration, until all off-diagonal entries are small; the rotations are accumulated in `product`.
+/// Returns whether there were any.
 fn rotate(g: &mut [Vec<f64>], product: &mut [Vec<f64>]) -> bool {
     let n = g.len();
     for sweep in 0..MOST_SWEEPS {
@@ -146,7 +146,7 @@ fn rotation(a: f64, b: f64, d: f64) -> (f64, f64) {
     (cos, cos * tangent)
 }
 
-/// Of a matrix that is given by its columns, `p` before `q`.
+/// For a matrix given by its columns, `p` before `q`.
 fn rotate_columns(a: &mut [Vec<f64>], p: usize, q: usize, cos: f64, sin: f64) {
     let (before, behind) = a.split_at_mut(q);
     for (u, v) in before[p].iter_mut().zip(&mut behind[0]) {

@@ -8,7 +8,7 @@ fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
     a.col(j).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
 }
 
-/// Springs `k` and masses `m` in a row; held at the first end unless `free`.
+/// Springs `k` and masses `m` in a row; fixed at the first end unless `free`.
 fn chain(n: usize, free: bool, mass: impl Fn(usize) -> f64) -> (SparseMatrix, SparseMatrix) {
     let mut k = vec![(0, 0, if free { 0.0 } else { 1.0 })];
     for i in 1..n {
@@ -18,7 +18,7 @@ fn chain(n: usize, free: bool, mass: impl Fn(usize) -> f64) -> (SparseMatrix, Sp
     (sparse_from_triplets(n, n, &k).unwrap(), sparse_from_triplets(n, n, &m).unwrap())
 }
 
-/// `λ = 4 sin²((2r − 1) π / (4n + 2))` of `n` unit masses, held at one end.
+/// `λ = 4 sin²((2r − 1) π / (4n + 2))` of `n` unit masses, fixed at one end.
 fn held_chain(n: usize, r: usize) -> f64 {
     let angle = (2 * r - 1) as f64 * std::f64::consts::PI / (4 * n + 2) as f64;
     4.0 * angle.sin().powi(2)
@@ -87,7 +87,7 @@ fn rigid_body_mode_comes_first_with_eigenvalue_zero() {
         let modes = lowest_modes(&k, &m, 12).unwrap();
         assert!(modes.eigenvalues[0] >= 0.0 && modes.eigenvalues[0] < 1e-9 * modes.eigenvalues[1]);
         for r in 1..12 {
-            // The entries of K + sM carry λ with the rounding of the largest λ.
+            // The entries of K + sM represent λ with the rounding of the largest λ.
             assert!((modes.eigenvalues[r] / free_chain(n, r) - 1.0).abs() < 1e-10, "n = {n}, r = {r}");
         }
         assert_modes(&k, &m, &modes);
@@ -96,7 +96,7 @@ fn rigid_body_mode_comes_first_with_eigenvalue_zero() {
 
 #[test]
 fn massless_coordinates_follow_statically() {
-    // Every other mass missing: springs of ½ between those that are left.
+    // Every other mass missing: springs of ½ between the remaining ones.
     for n in [41, 801] {
         let (k, m) = chain(n, false, |i| if i % 2 == 1 { 1.0 } else { 0.0 });
         let modes = lowest_modes(&k, &m, n).unwrap();
@@ -136,8 +136,8 @@ fn repeated_eigenvalues_are_all_found() {
     }
 }
 
-/// Masses of elements that move with the mean of their ends: what goes to and fro from node to node has none, though
-/// every node has.
+/// Masses that move with the mean of the ends of their element: a motion that alternates from node to node has no mass,
+/// although every node has.
 #[test]
 fn a_mass_matrix_without_a_zero_on_its_diagonal_may_be_singular() {
     for n in [4, 21, 60] {
@@ -199,7 +199,7 @@ fn cube_values(n: usize, copies: usize) -> Vec<f64> {
 
 #[test]
 fn repeated_eigenvalues_of_solids_are_all_found_in_any_units() {
-    // Two cubes have each λ up to twelve times: more often than a block has vectors. The last mode asked for may be one
+    // Two cubes have each λ up to twelve times: more often than a block has vectors. The last requested mode may be one
     // of several equal ones.
     for (n, copies, counts) in [(13, 1, [10, 41]), (12, 2, [3, 30])] {
         let expected = cube_values(n, copies);
@@ -235,7 +235,7 @@ fn solids_that_float_and_masses_of_few_nodes_come_out_of_blocks_too() {
         assert!((λ - expected).abs() < 1e-11 * first, "{λ} {expected}");
     }
     assert_modes(&k, &m, &modes);
-    // Five masses: five modes, however many are asked for.
+    // Five masses: five modes, however many are requested.
     let few: Vec<_> = (0..5).map(|i| (300 * i + 7, 300 * i + 7, 1.0 + i as f64)).collect();
     let m = sparse_from_triplets(n.pow(3), n.pow(3), &few).unwrap();
     let modes = lowest_modes(&held, &m, 9).unwrap();

@@ -1,8 +1,8 @@
-//! The same elimination in another sequence: every subtree of the elimination tree in one piece.
+//! The same elimination in another sequence: every subtree of the elimination tree is contiguous.
 
-/// `order` of the vertices of a graph, changed so that whatever is eliminated before a vertex for its sake stands
-/// directly before it. Fill and work stay the same; columns that can be eliminated together come together, and parts
-/// that do not depend on each other are in one piece each.
+/// `order` of the vertices of a graph, rearranged so that the vertices on which a vertex depends are directly before
+/// it. Fill and work are unchanged; columns that can be eliminated together become adjacent, and independent parts
+/// become contiguous.
 pub(super) fn postordered(order: &[usize], starts: &[i32], neighbours: &[i32]) -> Vec<usize> {
     let parents = parents(order, starts, neighbours);
     let (mut first_child, mut next_sibling) = (vec![NONE; order.len()], vec![NONE; order.len()]);
@@ -13,7 +13,7 @@ pub(super) fn postordered(order: &[usize], starts: &[i32], neighbours: &[i32]) -
     for root in (0..order.len()).filter(|&k| parents[k] == NONE) {
         let mut at = root;
         loop {
-            // Down to a leaf, and up again as far as nothing is left beside.
+            // Down to a leaf, and up again as long as there are no siblings left.
             while first_child[at] != NONE {
                 at = std::mem::replace(&mut first_child[at], NONE);
             }
@@ -29,7 +29,7 @@ pub(super) fn postordered(order: &[usize], starts: &[i32], neighbours: &[i32]) -
 
 const NONE: usize = usize::MAX;
 
-/// The elimination tree: of each step, the first later one that it changes.
+/// The elimination tree: for each step, the first later one that it changes.
 fn parents(order: &[usize], starts: &[i32], neighbours: &[i32]) -> Vec<usize> {
     let mut step = vec![0; order.len()];
     order.iter().enumerate().for_each(|(k, &v)| step[v] = k);
@@ -37,7 +37,7 @@ fn parents(order: &[usize], starts: &[i32], neighbours: &[i32]) -> Vec<usize> {
     for (k, &v) in order.iter().enumerate() {
         for &w in &neighbours[starts[v] as usize..starts[v + 1] as usize] {
             let mut at = step[w as usize];
-            // The way from an earlier step to its root so far, shortened for those who come after.
+            // The path from an earlier step to its current root, with path compression.
             while at < k {
                 let next = std::mem::replace(&mut ancestors[at], k);
                 if next == NONE {
@@ -56,12 +56,12 @@ mod tests {
 
     #[test]
     fn subtrees_are_in_one_piece_and_come_before_what_they_change() {
-        // A path of seven, eliminated from both ends by turns, its middle last: two chains.
+        // A path of seven, eliminated alternately from both ends, the middle last: two chains.
         let neighbours = [1, 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5];
         let starts = [0, 1, 3, 5, 7, 9, 11, 12];
         let sequence = postordered(&[0, 6, 1, 5, 2, 4, 3], &starts, &neighbours);
         assert_eq!(sequence, [0, 1, 2, 6, 5, 4, 3]);
-        // It is in that sequence already, and two parts that have nothing in common stay as they are.
+        // It is already in that sequence, and two independent parts are unchanged.
         assert_eq!(postordered(&sequence, &starts, &neighbours), sequence);
         assert_eq!(postordered(&[1, 0], &[0, 0, 0], &[]), [1, 0]);
     }
