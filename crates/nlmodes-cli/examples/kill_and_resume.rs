@@ -1,5 +1,5 @@
-//! Kills runs of `nlmodes-cli` at random instants, looks at what is left, lets them go on, and compares with a run that
-//! was not killed.
+//! Kills runs of `nlmodes-cli` at random instants, checks their files, resumes them, and compares with an uninterrupted
+//! run.
 //!
 //! ```text
 //! cargo run -p nlmodes-cli --example kill_and_resume -- configs/rod.toml --kills 100 --set method.harmonics=5
@@ -19,7 +19,7 @@ use npyz::npz::NpzArchive;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// The call, and how often it is killed.
+/// The call, and the number of kills.
 struct Arguments {
     kills: usize,
     seed: u64,
@@ -27,16 +27,16 @@ struct Arguments {
     call: Vec<String>,
 }
 
-/// What the kills came to.
+/// Results of the kills.
 #[derive(Default)]
 struct Figures {
     kills: usize,
-    /// Runs that had ended by themselves before they were to be killed.
+    /// Runs that had finished before the kill.
     too_late: usize,
     before_first_point: usize,
-    /// Most points that had been said to be found and were not in the table.
+    /// Largest number of points that were reported as found but missing in the table.
     lost: usize,
-    /// Points in the table that the run which went on had to compute again: most, and in all.
+    /// Points in the table that the resumed run had to compute again: maximum, and total.
     again: (usize, usize),
     torn: usize,
     files: usize,
@@ -82,7 +82,7 @@ fn run(arguments: &Arguments) -> Outcome {
     let mut figures = Figures::default();
     while figures.kills < arguments.kills {
         let directory = folder.path().join("killed");
-        // As often as not the run that goes on is killed too.
+        // The resumed run is killed as well in half of the cases.
         loop {
             let wait = time.mul_f64(1.05 * random.next());
             kill_once(&arguments.call, &directory, wait, &expected, &mut figures)?;
@@ -121,7 +121,7 @@ fn tell(figures: &Figures, points: usize) {
 
 type Said = thread::JoinHandle<String>;
 
-/// A run, the points that it says it has found, and all else that it says.
+/// A run, the points that it reports, and its other output.
 fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>, Said)> {
     let mut child = Command::new(program()?)
         .arg("run")
@@ -142,14 +142,14 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
         for line in BufReader::new(stderr).lines().map_while(Result::ok) {
             if line.contains("point ") && line.contains(" residual ") {
                 let found = number(&line);
-                // A branch that goes both ways says its start twice.
+                // A branch in both directions reports its start twice.
                 if found > last {
                     count.fetch_add(1, Ordering::SeqCst);
                 }
                 last = found.max(last);
             } else if let (true, Some(kept)) = (line.starts_with("back to point"), number(&line)) {
-                // A tongue is skipped, or other harmonics are taken some points earlier: those points do not count, be
-                // they of this run or of the one before.
+                // An internal resonance is skipped, or the number of harmonics is changed some points earlier: those
+                // points do not count, whether of this run or of the previous one.
                 let withdrawn = last.map_or(0, |last: usize| (last + 1).saturating_sub(kept));
                 count.store(count.load(Ordering::SeqCst).saturating_sub(withdrawn), Ordering::SeqCst);
                 last = kept.checked_sub(1);
@@ -165,7 +165,7 @@ fn start(call: &[String], directory: &Path) -> Outcome<(Child, Arc<AtomicUsize>,
     Ok((child, found, said))
 }
 
-/// The program beside this one.
+/// The program in the same directory.
 fn program() -> Outcome<PathBuf> {
     let own = std::env::current_exe()?;
     let folder = own.parent().and_then(Path::parent).ok_or("this program lies in no folder")?;
@@ -208,7 +208,7 @@ fn kill_once(
     if total == 0 {
         figures.before_first_point += 1;
     }
-    // Points that are said again are those that an earlier kill had left in the table but not in the steps.
+    // Points reported again are those that an earlier kill had left in the table but not in the steps.
     let fewer = if withdraws(call) { 0 } else { before.saturating_sub(total) };
     let lost = fewer.max(new.saturating_sub(total));
     figures.lost = figures.lost.max(lost);
@@ -218,8 +218,8 @@ fn kill_once(
     read_all(directory, figures)
 }
 
-/// Whether points that were found can be taken back: those on tongues that are skipped, and those before which an
-/// accuracy wants other harmonics. The scene or the call asks for it.
+/// Whether points can be withdrawn: those on internal-resonance branches that are skipped, and those at which
+/// `accuracy` changes the number of harmonics, as set by the scene or the call.
 fn withdraws(call: &[String]) -> bool {
     let says = |text: &str| {
         let keys = text.lines().filter(|line| !line.trim_start().starts_with('#'));
@@ -228,7 +228,7 @@ fn withdraws(call: &[String]) -> bool {
     call.iter().any(|word| says(word) || fs::read_to_string(word).is_ok_and(|scene| says(&scene)))
 }
 
-/// Points in the steps on disk; a run takes these over.
+/// Points in the steps on disk, from which a run continues.
 fn steps(directory: &Path, figures: &mut Figures) -> Outcome<usize> {
     let mut points = 0;
     for path in files(directory)?.into_iter().filter(|path| path.ends_with("steps.jsonl")) {
@@ -284,7 +284,7 @@ fn tables(directory: &Path) -> Outcome<Vec<(PathBuf, String)>> {
     Ok(found)
 }
 
-/// The arrays of all archives; the archives themselves hold the time when they were written.
+/// The arrays of all archives; the archives themselves contain the time of writing.
 fn coefficients(directory: &Path) -> Outcome<Vec<(PathBuf, Vec<u8>)>> {
     let mut found = Vec::new();
     for path in files(directory)?.into_iter().filter(|path| path.ends_with("harmonics.npz")) {

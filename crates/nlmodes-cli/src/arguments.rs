@@ -1,4 +1,4 @@
-//! What the program takes: its commands with their options, and the help of each.
+//! The commands and options of the program, with their help.
 
 use std::path::PathBuf;
 
@@ -11,9 +11,9 @@ use crate::{at, compare, explore, figures, lcp, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
-/// A scene, a TOML file, describes a rod or beam, its stops, and what is to be computed. From it come the branch of a
-/// nonlinear mode (frequency, shape and contact force over energy), a virtual test of it, or the same from measured
-/// records: as tables, figures and a page.
+/// A scene, a TOML file, describes a structure, its stops, and the computation. The results are the branch of a
+/// nonlinear mode (frequency, shape and contact force over energy), responses, a virtual test, or modes from measured
+/// records, as tables, figures and a page.
 #[derive(Debug, Parser)]
 #[command(name = "nlmodes-cli", version, arg_required_else_help = true, after_help = EXAMPLES)]
 pub struct CommandLine {
@@ -37,10 +37,10 @@ Exit status:
 const SET_HELP: &str = "\
 Replaces a value of the scene, or adds one. The key is a dotted path; stops go by number, from 0. May be given several times.";
 
-// What is to be done. No doc comments here: they would go into the help.
+// The command. No doc comments here: they would appear in the help.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Compute the branch, or run the virtual test, that a scene describes, and write its tables and figures
+    /// Compute the branch or run the virtual test of a scene, and write tables and figures
     #[command(after_help = "\
 Examples:
   nlmodes-cli run configs/rod.toml                               results go to the directory that the scene names
@@ -53,13 +53,13 @@ A directory with the results of another scene is left as it is, unless `--force`
     Run {
         #[command(flatten)]
         scene: SceneArguments,
-        /// Directory of the result files, instead of the one that the scene names
+        /// Directory of the result files, instead of the one given in the scene
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         #[command(flatten)]
         options: RunOptions,
     },
-    /// Write a scene with comments, to begin with
+    /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:
   nlmodes-cli new rod                        writes rod.toml
@@ -91,13 +91,13 @@ Example:
 
 Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
     Lcp(lcp::Arguments),
-    /// A quantity over parameters: thousands of branches, their table, spread and sensitivity
+    /// Compute a quantity over parameters: thousands of branches, their table, scatter and sensitivities
     #[command(subcommand)]
     Study(study::Command),
     /// Measured records
     #[command(subcommand)]
     Experiment(Experiment),
-    /// Say what results are at a frequency or an energy: each motion there, with what every stop does
+    /// Print the results at a frequency or an energy: each motion, with the quantities of every stop
     #[command(after_help = "\
 Examples:
   nlmodes-cli at results/beam_two_stops --frequency-hz 50
@@ -107,7 +107,7 @@ A branch may pass a frequency several times, each time with another motion: all 
 
 Exit status 1 where none passes it, which `answer` says of each in JSON; 2 where there are no results or a table is damaged.")]
     At(at::Arguments),
-    /// Start the full structure from a computed point, and say by how much it fails to return after a period
+    /// Integrate the full structure from a computed point, and print by how much it fails to return after a period
     #[command(after_help = "\
 Example:
   nlmodes-cli run configs/rod.toml
@@ -115,7 +115,7 @@ Example:
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Verify(verify::Arguments),
-    /// Read and check a scene, and say what would be computed; computes no more than linear modes, writes nothing
+    /// Read and check a scene, and print what would be computed; computes only linear modes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {
         #[command(flatten)]
@@ -124,7 +124,7 @@ Exit status 1 where the motion cannot be integrated, 2 where the directory holds
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
     #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
     Schema,
-    /// Change a scene by sliders in a browser, its branch computed anew while you drag
+    /// Change a scene with sliders in a browser, with its branch recomputed as they move
     #[command(after_help = "\
 Examples:
   nlmodes-cli explore configs/beam_two_stops.toml
@@ -132,7 +132,7 @@ Examples:
 
 The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
     Explore(explore::Arguments),
-    /// The figures of results as PDF or PNG, for papers and slides
+    /// Convert the figures of results to PDF or PNG, for papers and slides
     #[command(after_help = "\
 Examples:
   nlmodes-cli figures results/beam                                       a PDF beside each SVG
@@ -141,14 +141,14 @@ Examples:
 
 The width of those that a run writes, and their titles, are output.figure_width_mm and output.figure_titles of the scene.")]
     Figures(figures::Arguments),
-    /// Print what every file of results, its columns and arrays mean, with units and signs
+    /// Print the meaning of every results file, its columns and arrays, with units and signs
     #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
     Columns {
         /// As Markdown
         #[arg(long)]
         markdown: bool,
     },
-    /// Print completions of this command line for a shell
+    /// Print shell completions
     #[command(after_help = "\
 Examples:
   nlmodes-cli completions bash > ~/.local/share/bash-completion/completions/nlmodes-cli
@@ -162,11 +162,11 @@ They work in the next shell that is opened.")]
     },
 }
 
-// What is to be done with records.
+// Commands for records.
 #[derive(Debug, Subcommand)]
 pub enum Experiment {
-    /// Turn measured records into points of a nonlinear mode: a table, figures, and what a careful experimenter wants
-    /// to be told
+    /// Extract points of a nonlinear mode from measured records: a table, figures, and findings on the quality of the
+    /// records
     #[command(after_help = "\
 Example:
   nlmodes-cli experiment extract configs/measured_record.toml --out results/measured
@@ -175,7 +175,7 @@ Exit status 1 where a record gives no point, with the reason in the table; 2 whe
     Extract {
         #[command(flatten)]
         scene: SceneArguments,
-        /// Directory of the result files, instead of the one that the scene names
+        /// Directory of the result files, instead of the one given in the scene
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         /// Overwrite the results of another scene
@@ -187,7 +187,7 @@ Exit status 1 where a record gives no point, with the reason in the table; 2 whe
     },
 }
 
-// A scene, and what is changed of it.
+// A scene and the changed values.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     /// The scene, a TOML file
@@ -195,7 +195,7 @@ pub struct SceneArguments {
     pub path: PathBuf,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP, allow_hyphen_values = true)]
     pub overrides: Vec<String>,
-    /// Most memory that the scene may take, as 8GiB; default: three quarters of the machine's
+    /// Maximum memory for the scene, for instance 8GiB; default: three quarters of the machine's
     #[arg(long, value_name = "SIZE")]
     pub memory_limit: Option<memory::Limit>,
 }

@@ -1,4 +1,4 @@
-//! `nlmodes-cli at`: what results say at a frequency or an energy.
+//! `nlmodes-cli at`: results at a frequency or an energy.
 
 use std::path::PathBuf;
 
@@ -10,18 +10,18 @@ use nlmodes_run::passages::{Abscissa, Answer, PassageError, json, passages, text
 use crate::Status;
 use crate::terminal::print;
 
-/// At what results may be asked for.
+/// Quantities at which results can be requested.
 pub const PLACES: &str = "results are asked for at a frequency, `--frequency-hz 50`, or at an energy, `--energy-j 0.1`";
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Directory that `run` has written, or a table branch.csv
+    /// Directory written by `run`, or a table branch.csv
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
     #[command(flatten)]
     place: Place,
-    /// All of it as JSON
+    /// Print everything as JSON
     #[arg(long)]
     json: bool,
 }
@@ -38,13 +38,13 @@ struct Place {
     energy_j: Option<f64>,
 }
 
-/// A number without a unit, which stands in the name of the option.
+/// A number without a unit, since the unit is in the name of the option.
 fn number(text: &str) -> Result<f64, String> {
     let wrong = |_| "expected a number with a decimal point and without its unit, as 50.5".to_owned();
     text.parse().map_err(wrong)
 }
 
-/// Prints every passage of every branch there; that there is none, is [`Status::EndedEarly`].
+/// Prints every passage of every branch; if there is none, the status is [`Status::EndedEarly`].
 pub fn run(arguments: &Arguments) -> Status {
     let (abscissa, value) = match (arguments.place.frequency_hz, arguments.place.energy_j) {
         (Some(frequency), _) => (Abscissa::FrequencyHz, frequency),

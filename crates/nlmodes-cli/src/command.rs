@@ -1,4 +1,4 @@
-//! From the command line to what it asks for.
+//! Dispatch of the command line.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::{Status, at, compare, explore, extract, figures, lcp, modes, new, run, study, verify};
 
-/// Takes the command line apart and does what it says. Wrong calls end here with status 2.
+/// Parses the command line and executes it. Wrong calls end here with status 2.
 pub fn run() -> Status {
     match CommandLine::try_parse().unwrap_or_else(|error| said_better(error).exit()).command {
         Command::Run { scene, out, options } => {
@@ -52,8 +52,8 @@ pub fn run() -> Status {
     }
 }
 
-/// A command that does not exist is told the one that was meant only where that is a slip of the finger: clap's own
-/// guesses go further. An option that does not exist is no value either; `at` says at which quantities it may be asked.
+/// For an unknown command a similar one is suggested only if it is a likely typing error: clap's own guesses go
+/// further. An unknown option is not a value either; `at` lists the quantities that it accepts.
 fn said_better(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::InvalidSubcommand {
         let typed = match error.get(ContextKind::InvalidSubcommand) {
@@ -78,8 +78,8 @@ fn said_better(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Reads a scene, says what is wrong or looks wrong with it or does not fit into memory, and goes on if nothing stands
-/// in the way; its results go to `out`.
+/// Reads a scene, prints errors, warnings and memory limits, and continues if there is no error; its results go to
+/// `out`.
 fn with(
     arguments: &SceneArguments,
     out: Option<PathBuf>,
@@ -101,7 +101,7 @@ fn with(
     }
 }
 
-/// The same with the scene of a structure; one with several methods is gone through for each of them.
+/// The same for the scene of a structure; one with several methods is processed for each of them.
 fn with_structure(arguments: &SceneArguments, then: impl FnMut(SceneFile) -> Status) -> Status {
     with(arguments, None, scenes::load_structure, |scene| match scene {
         AnyScene::Structure(files) => each(files, then),
@@ -109,8 +109,7 @@ fn with_structure(arguments: &SceneArguments, then: impl FnMut(SceneFile) -> Sta
     })
 }
 
-/// One scene after the other, each below the name of its method where there are several, up to the first that cannot be
-/// done.
+/// One scene after the other, with the name of the method as heading if there are several, up to the first that fails.
 fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Status {
     let count = files.len();
     for (k, file) in files.into_iter().enumerate() {
@@ -123,7 +122,7 @@ fn each(files: Vec<SceneFile>, mut then: impl FnMut(SceneFile) -> Status) -> Sta
     Status::Done
 }
 
-/// Updates the parameters that the scene asks for, says so, and goes on.
+/// Updates the parameters given in the scene, reports it, and continues.
 fn with_parameters(file: SceneFile, then: impl FnOnce(&SceneFile) -> Status) -> Status {
     let file = match updated(file) {
         Ok(file) => file,
@@ -136,13 +135,13 @@ fn with_parameters(file: SceneFile, then: impl FnOnce(&SceneFile) -> Status) -> 
     }
 }
 
-/// Says what a scene would compute.
+/// Prints what a scene would compute.
 fn check(scene: AnyScene) -> Status {
     let say = |checked: Result<Outline, RunError>| match checked {
         Ok(outline) => print(&outline.to_string()),
         Err(error) => refuse_run(&error),
     };
-    // A warning of one method says nothing about another: each has an observer of its own.
+    // A warning of one method does not apply to another: each has its own observer.
     let observer = || TerminalObserver::new(RunOptions::default());
     match scene {
         AnyScene::Structure(files) => each(files, |file| say(nlmodes_run::check(&file, &mut observer()))),

@@ -11,10 +11,10 @@ use nlmodes_scene::SceneFile;
 use crate::Status;
 use crate::terminal::{print, refuse_run};
 
-/// What stands on the command line beside the scene.
+/// Command-line arguments in addition to the scene.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Contact solvers, the first of which the others are compared with
+    /// Contact solvers; the others are compared with the first
     #[arg(
         long = "contact-solver",
         value_name = "NAME,NAME…",

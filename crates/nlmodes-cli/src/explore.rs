@@ -1,4 +1,4 @@
-//! `nlmodes-cli explore`: a scene on a page with sliders, its branch computed anew while one drags.
+//! `nlmodes-cli explore`: a scene on a page with sliders, with its branch recomputed as they move.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use nlmodes_run::explore::{ExploreError, Page};
 use crate::Status;
 use crate::terminal::{print, refuse};
 
-/// What `explore` takes.
+/// Arguments of `explore`.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The scene, a TOML file
@@ -17,7 +17,7 @@ pub struct Arguments {
     /// Replaces a value of the scene, or adds one; see `run`
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     overrides: Vec<String>,
-    /// Port on this machine; default: one that is free
+    /// Port on this machine; default: a free one
     #[arg(long, default_value_t = 0)]
     port: u16,
 }

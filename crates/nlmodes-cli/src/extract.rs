@@ -9,7 +9,7 @@ use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse_run};
 
-/// Extracts from all records, and says what came of each.
+/// Extracts from all records, and reports the result of each.
 pub fn run(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
     let outcomes = match extract(file, options.over(), &mut TerminalObserver::new(options)) {
         Ok(outcomes) => outcomes,

@@ -14,20 +14,20 @@ use nlmodes_scene::number;
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Directories of results, all figures of which are taken, and single figures
+    /// Directories of results, whose figures are all converted, and single figures
     #[arg(value_name = "RESULTS", required = true)]
     from: Vec<PathBuf>,
-    /// What to make of them
+    /// Output format
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_values = ["pdf"])]
     format: Vec<Format>,
     /// Resolution of PNG
     #[arg(long, value_name = "N", default_value_t = 300.0, allow_negative_numbers = true)]
     dots_per_inch: f64,
-    /// Width in print, mm, with letters of 8 points: 90 for a column, 180 for two. The figures of a branch or of
-    /// responses are drawn anew, and the files named by it: frequency_energy_90mm.pdf
+    /// Width in print, mm, with letters of 8 points: 90 for one column, 180 for two. The figures of a branch or of
+    /// responses are redrawn, and the width is part of the file names: frequency_energy_90mm.pdf
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     width_mm: Option<f64>,
     /// Without the titles above the figures, with --width-mm
@@ -37,9 +37,9 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Format {
-    /// Lines as lines, letters embedded
+    /// Vector graphics with embedded fonts
     Pdf,
-    /// An image on white
+    /// Image with white background
     Png,
 }
 
@@ -52,7 +52,7 @@ impl Format {
     }
 }
 
-/// Converts the figures, and names what it writes.
+/// Converts the figures, and prints the names of the files written.
 pub fn run(arguments: &Arguments) -> Status {
     if let Some(width) = arguments.width_mm {
         return in_width(arguments, width);
@@ -83,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Status {
     status
 }
 
-/// The figures of a directory by name, or the figure itself; none where that is no SVG.
+/// The figures of a directory by name, or the figure itself; none if it is not an SVG.
 fn figures_of(place: &Path) -> io::Result<Vec<PathBuf>> {
     let mut figures = Vec::new();
     if fs::metadata(place)?.is_dir() {
@@ -98,7 +98,7 @@ fn figures_of(place: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(figures)
 }
 
-/// Draws the figures of directories anew in this width, and converts them.
+/// Redraws the figures of directories in this width, and converts them.
 fn in_width(arguments: &Arguments, width: f64) -> Status {
     if !(FigureStyle::LEAST_MM..=FigureStyle::MOST_MM).contains(&width) {
         let [least, most] = [FigureStyle::LEAST_MM, FigureStyle::MOST_MM].map(number);
@@ -112,7 +112,7 @@ fn in_width(arguments: &Arguments, width: f64) -> Status {
         }
         let folder = place.join(format!(".figures.{}.nlmodes.tmp", std::process::id()));
         let drawn = draw(place, &folder, arguments, width);
-        // What is left there is in nobody's way.
+        // A leftover file does no harm.
         _ = fs::remove_dir_all(&folder);
         if let Err(error) = drawn {
             say!("error: {}: {}", place.display(), chain(error.as_ref()));
@@ -131,7 +131,7 @@ fn draw(place: &Path, folder: &Path, arguments: &Arguments, width: f64) -> Resul
     Ok(())
 }
 
-/// Converts a figure into files that are called so.
+/// Converts a figure to files with this name.
 fn convert(figure: &Path, called: &Path, arguments: &Arguments) -> Result<(), Failure> {
     let svg = fs::read_to_string(figure)?;
     for format in &arguments.format {
@@ -139,7 +139,7 @@ fn convert(figure: &Path, called: &Path, arguments: &Arguments) -> Result<(), Fa
             Format::Pdf => pdf(&svg)?,
             Format::Png => png(&svg, arguments.dots_per_inch)?,
         };
-        // The name may have a point in its width.
+        // The name may have a decimal point in its width.
         let path = PathBuf::from(format!("{}.{}", called.display(), format.ending()));
         write_file(&path, &converted)?;
         print(&path.display().to_string());

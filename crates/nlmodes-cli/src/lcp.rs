@@ -1,4 +1,4 @@
-//! `nlmodes-cli lcp`: contact problems of one's own, `0 ≤ A λ + b ⊥ λ ≥ 0`, from a NumPy archive.
+//! `nlmodes-cli lcp`: the user's own contact problems, `0 ≤ A λ + b ⊥ λ ≥ 0`, from a NumPy archive.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use nlmodes_run::lcp::{self, ProblemError, check_place, read, write};
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// NumPy archive with `A` (c × c, m/N) and `b` (samples × c, or c values, m)
@@ -25,7 +25,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Solves the problems of the archive. Where a sample has no solution, those before it are written.
+/// Solves the problems of the archive. If a sample has no solution, those before it are written.
 pub fn run(arguments: &Arguments) -> Status {
     match solve(arguments) {
         Ok(status) => status,
@@ -51,7 +51,7 @@ fn solve(arguments: &Arguments) -> Result<Status, ProblemError> {
     Ok(Status::EndedEarly)
 }
 
-/// What became of the samples before the one that failed.
+/// Results of the samples before the one that failed.
 fn kept(solved: usize, out: Option<&Path>) -> String {
     match (solved, out) {
         (1.., Some(path)) => format!("The {solved} sample(s) before it are in {}", path.display()),

@@ -1,11 +1,10 @@
 //! The command line of nlmodes: from a scene file to branch, tables and figures.
 //!
-//! [`command`] takes the command line apart, and each command is a module of its own. `nlmodes-scene` reads and checks
-//! scenes, `nlmodes-run` and `nlmodes-study` compute and write and serve the page with sliders; what
-//! there is to say of it comes from there in words. Here it is put on a terminal, with lines that move, Ctrl-C and exit
-//! statuses.
+//! [`command`] parses the command line, and each command is a separate module. `nlmodes-scene` reads and checks scenes;
+//! `nlmodes-run` and `nlmodes-study` compute, write, serve the page with sliders, and supply all messages as text. This
+//! crate prints them on a terminal, with progress lines, Ctrl-C and exit statuses.
 
-/// Prints a line to standard error; one that nobody can read is no error.
+/// Prints a line to standard error; failure to write it is not an error.
 macro_rules! say {
     ($($text:tt)*) => {{
         use std::io::Write as _;

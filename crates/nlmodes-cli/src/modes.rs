@@ -18,7 +18,7 @@ pub fn run(file: &SceneFile) -> Status {
     }
 }
 
-/// Says of which of several methods the lines that follow are.
+/// Prints the method to which the following lines belong, if there are several.
 pub fn say_method(scene: &Scene, number: usize, count: usize) -> Status {
     if count < 2 {
         return Status::Done;

@@ -1,4 +1,4 @@
-//! `nlmodes-cli new`: a scene with comments, to begin with.
+//! `nlmodes-cli new`: a commented scene to start from.
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// What the scene describes
@@ -22,11 +22,11 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Kind {
-    /// A rod whose tip meets a stop
+    /// A rod with a stop at its tip
     Rod,
-    /// A beam whose tip meets a stop
+    /// A beam with a stop at its tip
     Beam,
-    /// A beam on a virtual rig, driven under a phase-locked loop
+    /// A beam on a virtual rig, driven by a phase-locked loop
     VirtualTest,
     /// A beam driven by a shaker: responses, phase resonance, damped mode
     Response,
@@ -52,7 +52,7 @@ impl Kind {
     }
 }
 
-/// Writes the scene; never over a file.
+/// Writes the scene; never overwrites a file.
 pub fn write(arguments: &Arguments) -> Status {
     let kind = arguments.kind;
     let path = arguments.file.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", kind.name())));

@@ -1,4 +1,4 @@
-//! What a run tells, on the terminal.
+//! Output of a run on the terminal.
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
@@ -13,13 +13,13 @@ use crate::progress::Shown;
 use crate::terminal::print;
 use crate::{Status, interrupt, modes, told};
 
-/// Says what a run tells, as far as the user wants to hear it, and asks it to end at Ctrl-C.
+/// Prints the events of a run at the requested verbosity, and asks it to end at Ctrl-C.
 pub struct TerminalObserver {
     options: RunOptions,
     progress: Option<Shown>,
-    /// Several parts of a scene have much to warn of in common.
+    /// Several parts of a scene often have the same warnings.
     warned: HashSet<String>,
-    /// Whether something could not be told on standard output, or ended early.
+    /// Whether something could not be written to standard output, or ended early.
     pub status: Status,
 }
 
@@ -29,7 +29,7 @@ impl TerminalObserver {
         Self { options, progress: None, warned: HashSet::new(), status: Status::Done }
     }
 
-    /// Says how branches differ, unless nobody wants to hear it.
+    /// Prints how branches differ, unless quiet.
     pub fn compared(&mut self, lines: &[String]) {
         if !self.options.quiet && !lines.is_empty() {
             self.print(&lines.join("\n"));
@@ -135,7 +135,7 @@ impl Observer for TerminalObserver {
     }
 }
 
-/// What is said of results that other calls made, before they go.
+/// Warning about results of other calls before they are replaced.
 fn replaces(directory: &Path, certificates: usize, drawn: usize) {
     let place = directory.display();
     if certificates > 0 {

@@ -1,19 +1,18 @@
-//! How a run goes about it.
+//! Options of a run.
 
 use clap::Args;
 use nlmodes_run::Over;
 
-/// How a run goes about it.
+/// Options of a run.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct RunOptions {
-    /// Go on where an interrupted run of this scene ended; from the beginning where there was none
+    /// Continue an interrupted run of this scene; start from the beginning if there is none
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
     /// Overwrite the results of another scene
     #[arg(long)]
     pub force: bool,
-    /// Look at all that says how far the numbers can be trusted: more harmonics, more modes, exact motions at a few
-    /// points
+    /// Run all checks of how far the numbers can be trusted: more harmonics, more modes, exact motions at a few points
     #[arg(long)]
     pub certify: bool,
     /// No progress; warnings and errors only

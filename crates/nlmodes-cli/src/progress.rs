@@ -1,4 +1,4 @@
-//! What a run says while it computes: one line that moves on a terminal, plain lines elsewhere.
+//! Progress of a run: one updated line on a terminal, plain lines elsewhere.
 
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,26 +17,26 @@ use crate::terminal::moves;
 /// Time between two plain lines.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
-/// Time after which a moving line that shows the last point shows what is done since then.
+/// Time after which the progress line shows the current activity instead of the last point.
 const MOVING_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Parts of the moving bar.
+/// Parts of the progress bar.
 const PARTS: u64 = 1000;
 
-/// The progress of a branch, as far as the user wants to see it.
+/// The progress of a branch, at the requested verbosity.
 pub struct Shown {
     bar: Option<ProgressBar>,
     plain: bool,
     verbose: bool,
     progress: Progress,
-    /// When something was said last, by points or between them.
+    /// When something was last printed, at points or between them.
     last: Arc<Mutex<Instant>>,
-    /// What is looked at behind the last point.
+    /// Current activity after the last point.
     looking: Arc<Mutex<Option<CheckProgress>>>,
 }
 
 impl Shown {
-    /// Silent if the user wants it quiet.
+    /// Silent with `--quiet`.
     pub fn new(options: RunOptions, scene: &Scene) -> Self {
         let terminal = moves();
         Self {
@@ -65,7 +65,7 @@ impl Shown {
         }
     }
 
-    /// Looks on between points: says what is sought where that takes long, and ends it when `ended` says so.
+    /// Progress between points: prints the current search if it takes long, and ends it if `ended` returns true.
     pub fn watch(&self, ended: impl Fn() -> bool + Send + Sync + 'static) -> Watch {
         let (bar, plain, last, began) = (self.bar.clone(), self.plain, Arc::clone(&self.last), self.progress.began());
         let looking = Arc::clone(&self.looking);
@@ -74,7 +74,7 @@ impl Shown {
                 return ControlFlow::Break(());
             }
             let time = began.elapsed().as_secs_f64();
-            // Behind the last point the moving line is gone.
+            // The progress line is cleared after the last point.
             if let Some(looking) = held(&looking).as_ref() {
                 if (plain || bar.is_some()) && is_due(&last, PLAIN_INTERVAL) {
                     say!("{}", looking.line(time));
@@ -105,12 +105,12 @@ impl Shown {
         self.progress.set_points(kept);
     }
 
-    /// So many points are there, and the branch goes the other way from its start, which is found once more.
+    /// This many points exist, and the branch continues in the other direction from its start, which is found again.
     pub fn turned(&mut self, points: usize) {
         self.progress.set_points(points);
     }
 
-    /// A check of the certificate looks at a point, its number among so many; said from time to time.
+    /// A check of the verification report examines a point, the given one of this many; printed from time to time.
     pub fn looking(&self, check: &'static str, point: usize, number: [usize; 2]) {
         let mut looking = held(&self.looking);
         let now = CheckProgress::new(check, point, number, looking.as_ref());
@@ -120,7 +120,7 @@ impl Shown {
         *looking = Some(now);
     }
 
-    /// Clears the moving line.
+    /// Clears the progress line.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -139,14 +139,14 @@ impl Shown {
     }
 }
 
-/// A bar of so many parts.
+/// A bar of this many parts.
 pub fn bar(template: &str, parts: u64) -> ProgressBar {
     let style = ProgressStyle::with_template(template);
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(parts).with_style(style.progress_chars("=> "))
 }
 
-/// What is inside, whatever happened to whoever held it.
+/// The contents, even if a thread panicked while holding the lock.
 fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

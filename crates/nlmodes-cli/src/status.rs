@@ -5,7 +5,7 @@ use std::process::ExitCode;
 pub enum Status {
     /// All was done.
     Done,
-    /// The computation ended early, or has no answer; what was found is written, and why it ended is said.
+    /// The computation ended early, or has no answer; its results are written, and the reason is reported.
     EndedEarly,
     /// The scene or the call is wrong; nothing is written.
     Wrong,

@@ -1,4 +1,4 @@
-//! `nlmodes-cli study`: thousands of branches, and what comes of them.
+//! `nlmodes-cli study`: thousands of branches and their statistics.
 
 mod collect;
 mod run;
@@ -13,10 +13,10 @@ use nlmodes_study::{Settings, Study, StudyError};
 use crate::Status;
 use crate::terminal::{print, refuse, wants_colours};
 
-/// What is done with a study.
+/// Commands for studies.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Compute the cases that are not there yet, one branch a core, then table and page
+    /// Compute the missing cases, one branch per core, then table and page
     #[command(after_help = "\
 Examples:
   nlmodes-cli study run configs/gap_study.toml
@@ -25,9 +25,9 @@ Examples:
 What is there is not computed again, and what was interrupted goes on: after Ctrl-C, a killed process or a full disk the same call goes on.
 A case that fails is a row of the table with its reason.")]
     Run(run::Arguments),
-    /// How many cases are there, failed, and are missing
+    /// Print how many cases are complete, failed and missing
     Status(Place),
-    /// Write table (CSV, Parquet), statistics and page of what there is
+    /// Write table (CSV, Parquet), statistics and page of the existing cases
     #[command(after_help = "\
 Example:
   nlmodes-cli study collect configs/gap_study.toml
@@ -43,7 +43,7 @@ Example:
 
 The script has the line for GNU parallel and that for HyperQueue too.")]
     Slurm(slurm::Arguments),
-    /// Compute cases that another program asks for: a line of JSON in, a line out
+    /// Compute cases requested by another program: a line of JSON in, a line out
     #[command(after_help = "\
 Example:
   echo '{\"id\": 1, \"set\": {\"gap_m\": 1e-3}}' | nlmodes-cli study serve configs/gap_study.toml
@@ -53,19 +53,19 @@ Names are those of the study's variables, or keys that `--set` takes. Answers co
     Serve(serve::Arguments),
 }
 
-/// The study, and where it is.
+/// The study and its directory.
 #[derive(Debug, Args)]
 pub struct Place {
     /// The study, a TOML file
     #[arg(value_name = "STUDY")]
     path: PathBuf,
-    /// Directory of the study, instead of the one that it names
+    /// Directory of the study, instead of the one given in it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 impl Place {
-    /// Reads and checks the study, says what is wrong with it, or goes on.
+    /// Reads and checks the study, prints its errors, or continues.
     fn with(&self, then: impl FnOnce(&Study) -> Status) -> Status {
         match Study::load(&self.path) {
             Ok(mut file) => {
@@ -82,7 +82,7 @@ impl Place {
     }
 }
 
-/// Does what the command line says.
+/// Executes the command.
 pub fn run(command: &Command) -> Status {
     match command {
         Command::Run(arguments) => run::run(arguments),
@@ -93,14 +93,14 @@ pub fn run(command: &Command) -> Status {
     }
 }
 
-/// Says how many cases are in which state. Exit status 1 where some are missing.
+/// Prints the number of cases in each state. Exit status 1 if some are missing.
 fn status(study: &Study) -> Status {
     let counts = nlmodes_study::status(study, Settings::default().jobs());
     let printed = print(&format!("{}\n{counts}", study.title));
     if counts.missing > 0 { Status::EndedEarly } else { printed }
 }
 
-/// Why a study does not go on.
+/// Why a study cannot continue.
 fn refused(error: &StudyError) -> Status {
     say!("error: {}", nlmodes_run::chain(error));
     match error {
@@ -112,7 +112,7 @@ fn refused(error: &StudyError) -> Status {
     }
 }
 
-/// Where files are, for people.
+/// Paths for messages.
 fn shown(directory: &Path, name: &str) -> String {
     directory.join(name).display().to_string()
 }

@@ -1,4 +1,4 @@
-//! What is said on the terminal: lines for the user to standard error, results to standard output.
+//! Terminal output: messages to standard error, results to standard output.
 
 use std::io::{self, IsTerminal, Write};
 
@@ -7,7 +7,7 @@ use nlmodes_scene::SceneError;
 
 use crate::Status;
 
-/// Prints a line or several to standard output. A reader that has gone away, as in `| head`, is no error.
+/// Prints one or several lines to standard output. A closed pipe, as in `| head`, is not an error.
 pub fn print(text: &str) -> Status {
     match writeln!(io::stdout(), "{text}") {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -18,24 +18,24 @@ pub fn print(text: &str) -> Status {
     }
 }
 
-/// Whether standard error is a terminal on which a line can move: `TERM` is not `dumb`.
+/// Whether standard error is a terminal on which a line can be updated: `TERM` is not `dumb`.
 pub fn moves() -> bool {
     let dumb = std::env::var_os("TERM").is_some_and(|name| name == "dumb");
     io::stderr().is_terminal() && !dumb
 }
 
-/// Whether it wants colours too: `NO_COLOR` is unset or empty.
+/// Whether colours are permitted too: `NO_COLOR` is unset or empty.
 pub fn wants_colours() -> bool {
     moves() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Says what stands in the way of a sound scene.
+/// Prints the errors of a scene.
 pub fn refuse(error: &SceneError) -> Status {
     say!("{}", error.text(wants_colours()));
     Status::Wrong
 }
 
-/// Says why there are no results.
+/// Prints why there are no results.
 pub fn refuse_run(error: &RunError) -> Status {
     match error {
         RunError::Scene(said) | RunError::Failed(said) => _ = refuse(said),

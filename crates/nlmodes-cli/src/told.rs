@@ -1,11 +1,11 @@
-//! What is said about branches that are done.
+//! Messages about completed branches.
 
 use nlmodes_run::{PartOutcome, chain};
 
 use crate::terminal::print;
 use crate::{Status, interrupt};
 
-/// Says how the branches of a part ended, and where its results are.
+/// Prints how the branches of a part ended, and where its results are.
 pub fn part(part: &PartOutcome, quiet: bool) -> Status {
     if let Some(error) = &part.failure {
         say!("error: {}", chain(error.as_ref()));

@@ -1,4 +1,4 @@
-//! `nlmodes-cli verify`: one period of the full, unfiltered structure from a computed point.
+//! `nlmodes-cli verify`: one period of the full structure, without truncation of harmonics, from a computed point.
 
 use std::path::PathBuf;
 
@@ -10,10 +10,10 @@ use nlmodes_run::verify::{Point, VerifyError, verify};
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Directory that `run` has written, or a folder of one of its branches
+    /// Directory written by `run`, or the folder of one of its branches
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
     /// Number of the point, as in branch.csv
@@ -21,7 +21,7 @@ pub struct Arguments {
     point: usize,
 }
 
-/// Verifies the point and prints what comes out.
+/// Verifies the point and prints the result.
 pub fn run(arguments: &Arguments) -> Status {
     let point = match Point::read(&arguments.results, arguments.point) {
         Ok(point) => point,

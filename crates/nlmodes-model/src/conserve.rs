@@ -5,31 +5,31 @@ use crate::redistribution::{check_definite, from_entries, refuse_in_space, witho
 use crate::rigid::{positions, translation};
 use crate::{Dof, MassRedistribution, ModelError, StructuralModel};
 
-/// Largest share of its own inertia that a degree of freedom may lose.
+/// Largest fraction of its inertia that a degree of freedom may lose.
 const LARGEST_LOSS: f64 = 0.7;
 
-/// Relative difference of the distances of two nodes up to which it is rounding: both sides of a contact take part, or
-/// none.
+/// Distances of two nodes that differ by less than this, relatively, are equal to rounding: then both sides of a
+/// contact participate, or none.
 const EQUALLY_FAR: f64 = 1e-9;
 
-/// The mass of a contact degree of freedom moves to its neighbours so that total mass, centre of mass and moment of
-/// inertia stay.
+/// The mass of a contact degree of freedom is moved to its neighbours such that total mass, centre of mass and moment
+/// of inertia are conserved.
 ///
-/// Taking away row and column `d` of `M` takes away mass, first and second moment of [`MassProperties`]: those of the
-/// kind of `d`, `Δ(uᵀ M v)` for `u, v ∈ {r, ρ}`. They come back as point masses and rotary inertias `δ_i` on the
-/// diagonal of `M`, those that change the inertias least in proportion,
+/// Removing row and column `d` of `M` removes mass, first and second moment of [`MassProperties`]: those of the kind of
+/// `d`, `Δ(uᵀ M v)` for `u, v ∈ {r, ρ}`. They are restored as point masses and rotary inertias `δ_i` on the diagonal of
+/// `M`, chosen for the least relative change of the inertias,
 ///
 /// ```text
 /// min Σ_i (δ_i/m_ii)²   subject to   Σ_i r_i² δ_i = Δm ,   Σ_i r_i ρ_i δ_i = Δs ,   Σ_i ρ_i² δ_i = ΔJ
 /// ```
 ///
-/// over the nodes next to the contact: as few as allow it with no inertia losing more than 70 % of itself and a mass
-/// matrix that stays positive definite. For deflections the rotations of these nodes take part, that of the contact
-/// node included.
+/// over the nodes next to the contact: as few as possible without any inertia decreasing by more than 70 % and with a
+/// mass matrix that remains positive definite. For deflections the rotations of these nodes participate, including that
+/// of the contact node.
 ///
 /// Kept exactly, apart from rounding: the response to rigid motions. The idea of conserving these three is that of
-/// Khenous, Laborde, Renard (2008), who minimise over all of the matrix; here the change stays near the contact, where
-/// the mode shapes hardly differ from a parabola.
+/// Khenous, Laborde, Renard (2008), who minimise over the whole matrix; here the change is confined to the
+/// neighbourhood of the contact, where the mode shapes hardly differ from a parabola.
 ///
 /// [`MassProperties`]: crate::MassProperties
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl MassRedistribution for Conserve {
         let massive: Vec<usize> = inertias.iter().map(|i| i.0).collect();
         for (i, &dof) in contacts.iter().enumerate() {
             let moments = Moments::about(model.dofs(), dof);
-            // What the contacts before this one took along is not to be moved twice.
+            // Mass removed with previous contacts must not be moved twice.
             let before = moments.of(&from_entries(n, &without(model.mass(), &contacts[..i]))?);
             let after = moments.of(&from_entries(n, &without(model.mass(), &contacts[..=i]))?);
             let lost: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
@@ -86,7 +86,7 @@ impl Moments {
         [r * r, r * rho, rho * rho]
     }
 
-    /// `entries` with what is lost given back to as few nodes around the contact as can take it.
+    /// `entries` with the lost inertia restored at as few nodes around the contact as possible.
     fn give_back(
         &self,
         entries: &[Triplet],
@@ -117,8 +117,8 @@ impl Moments {
         Err(indefinite.unwrap_or(too_few))
     }
 
-    /// Inertias for the diagonal that bring back what is lost; `None` if these degrees of freedom cannot take it, as
-    /// where all of them stand at the contact (`length` is zero, and the matrix has no finite entries).
+    /// Diagonal inertias that restore the lost ones; `None` if these degrees of freedom cannot take them, for instance
+    /// if all of them are at the contact (`length` is zero, and the matrix has no finite entries).
     fn least_change(&self, takers: &[(usize, f64)], lost: &[f64], length: f64) -> Option<Vec<Triplet>> {
         let size = max_norm(takers.iter().map(|t| t.1 * self.shares(t.0, length)[0]));
         let gram = Mat::from_fn(3, 3, |a, b| {
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Nodes on either side of a contact are equally far from it up to rounding, which is another one in each unit.
+    /// Nodes on either side of a contact are equally far from it up to rounding, which depends on the unit.
     #[test]
     fn the_change_is_the_same_in_any_unit_of_length() {
         let changed = |unit: f64| {
@@ -230,7 +230,7 @@ mod tests {
         assert_eq!((mass[(0, 0)], mass[(1, 1)], mass.get(2, 2)), (1.0, 1.0, None));
     }
 
-    /// A mass across the axis beside the contact is none that could be given something back, nor is it counted.
+    /// A transverse mass next to the contact cannot take any of it, and is not counted.
     #[test]
     fn what_a_contact_does_not_move_is_no_neighbour() {
         let along = springs(3, 1.0, stops(&[2]), &lumped(3));

@@ -2,12 +2,12 @@ use nlmodes_linalg::max_norm;
 
 use crate::{DofIndex, ModelError, SparseDirection};
 
-/// The side on which a stop stands, seen along the positive direction of the degree of freedom.
+/// The side of a stop, in the positive direction of the degree of freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// Touched by a positive displacement: `g = g₀ − q`.
+    /// Contact at a positive displacement: `g = g₀ − q`.
     Positive,
-    /// Touched by a negative displacement: `g = g₀ + q`.
+    /// Contact at a negative displacement: `g = g₀ + q`.
     Negative,
 }
 
@@ -21,7 +21,7 @@ impl Side {
     }
 }
 
-/// How a stop answers when it is pressed: it yields by its compliance times the force.
+/// Deformation of a stop under load: its compliance times the force.
 ///
 /// ```text
 /// 0 ≤ λ ⊥ g + c λ ≥ 0 ,   c = 0 (rigid, eq. (5)) or 1/k_c (elastic, eq. (3))
@@ -51,7 +51,7 @@ impl ContactLaw {
 /// A one-sided contact, eqs. (3), (5): `g = g₀ + wᵀ q ≥ 0` with a sparse direction `w`, and the force `w λ`, `λ ≥ 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// `w`: how the gap opens with the degrees of freedom.
+    /// `w`: change of the gap with the degrees of freedom.
     pub normal: SparseDirection,
     /// Clearance at rest `g₀`, m; zero touches, negative presses.
     pub gap: f64,
@@ -80,18 +80,18 @@ impl Contact {
         Self::stop(dof, side, gap).on_spring(stiffness)
     }
 
-    /// A node in front of a rigid wall. `normal` points from the node to the wall and may have any length: `w = −n` at
-    /// the displacements of the node, those that supports hold left out.
+    /// A node and a rigid wall. `normal` points from the node to the wall and may have any length: `w = −n` at the free
+    /// displacements of the node.
     ///
     /// # Errors
-    /// [`ModelError::NormalLength`]; [`ModelError::NodeCannotMove`] if nothing of the node moves along the normal.
+    /// [`ModelError::NormalLength`]; [`ModelError::NodeCannotMove`] if the node cannot move along the normal.
     pub fn point(dofs: &DofIndex, node: usize, normal: [f64; 3], gap: f64) -> Result<Self, ModelError> {
         let entries = along(dofs, node, unit(normal)?, -1.0);
         SparseDirection::new(entries).map(|w| Self::new(w, gap)).map_err(|_| ModelError::NodeCannotMove { node })
     }
 
-    /// Two nodes that can meet. `normal` points from `a` to `b` and may have any length: `w = +n` at `b` and `−n` at
-    /// `a`, so that the gap is what separates them.
+    /// Contact of two nodes. `normal` points from `a` to `b` and may have any length: `w = +n` at `b` and `−n` at `a`,
+    /// so that the gap is their distance.
     ///
     /// # Errors
     /// As [`Contact::point`], with node `a`; also if both are one node.
@@ -101,7 +101,7 @@ impl Contact {
         SparseDirection::new(entries).map(|w| Self::new(w, gap)).map_err(|_| ModelError::NodeCannotMove { node: a })
     }
 
-    /// The same contact on a spring of `stiffness`, N/m.
+    /// The same contact with the contact stiffness `stiffness`, N/m.
     pub fn on_spring(self, stiffness: f64) -> Self {
         Self { law: ContactLaw::Elastic { stiffness }, ..self }
     }
@@ -117,13 +117,13 @@ impl Contact {
     }
 }
 
-/// A contact at one degree of freedom, as the partition into massless contact nodes and the rest needs it:
-/// `g = g₀ + w q`, `w = −side`.
+/// A contact at one degree of freedom, as required for the partition into massless contact nodes and the rest: `g = g₀
+/// + w q`, `w = −side`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DofContact {
     /// Index of the degree of freedom.
     pub dof: usize,
-    /// Where the stop stands.
+    /// Side of the stop.
     pub side: Side,
     /// Clearance at rest `g₀`, m; zero touches, negative presses.
     pub gap: f64,
@@ -149,7 +149,7 @@ fn along(dofs: &DofIndex, node: usize, n: [f64; 3], sign: f64) -> impl Iterator<
     (0..3).filter_map(move |axis| Some((dofs.translation(node, axis)?, sign * n[axis])))
 }
 
-/// The normal with length one.
+/// The unit normal.
 fn unit(normal: [f64; 3]) -> Result<[f64; 3], ModelError> {
     // By the largest component first, so that squares neither overflow nor vanish.
     let largest = max_norm(normal);
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::{Dof, DofKind};
 
-    /// Nodes 5 and 9 in space, the latter held along Y.
+    /// Nodes 5 and 9 in space, the latter fixed along Y.
     fn index() -> DofIndex {
         let dof = |node, kind| Dof { node, position: 0.0, kind };
         use DofKind::{RX, X, Y, Z};
@@ -182,7 +182,7 @@ mod tests {
         assert!((wall.gap + wall.normal.dot(&q) + 0.9).abs() < 1e-15);
         let pair = Contact::pair(&index(), 5, 9, [0.0, 0.0, -2.0], 0.1).unwrap();
         assert_eq!(pair.normal.entries(), [(2, 1.0), (5, -1.0)]);
-        // A common translation leaves the gap; the supports hold a part of the second.
+        // A common translation does not change the gap; the supports fix some of the second node.
         assert_eq!(pair.normal.dot(&[1.0; 6]), 0.0);
         let slanted = Contact::pair(&index(), 5, 9, [0.0, 3.0, 4.0], 0.1).unwrap();
         assert_eq!(slanted.normal.entries(), [(1, -0.6), (2, -0.8), (5, 0.8)]);
@@ -212,7 +212,7 @@ mod tests {
         let along_x = Contact::point(&index(), 5, [7.0, 0.0, 0.0], 0.0).unwrap();
         assert_eq!(along_x.single_dof().map(|c| (c.dof, c.side)), Some((0, Side::Positive)));
         assert_eq!(Contact::pair(&index(), 5, 9, [0.0, 0.0, 1.0], 0.0).unwrap().single_dof(), None);
-        // A slanted wall in front of a node that slides: not a stop of unit direction.
+        // An inclined wall and a sliding node: not a stop of unit direction.
         assert_eq!(Contact::point(&index(), 9, [0.0, 0.6, 0.8], 0.0).unwrap().single_dof(), None);
     }
 }

@@ -1,14 +1,14 @@
-//! What a mass matrix must have so that no motion has a negative kinetic energy, as far as single entries tell.
+//! Necessary conditions on the entries of a mass matrix for nonnegative kinetic energy.
 
 use nlmodes_linalg::{SparseMatrix, triplets};
 
 use crate::{Dof, ModelError};
 
-/// Entries below this share of the largest one of their kind may be rounding.
+/// Entries below this fraction of the largest one of their kind may be rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Refuses negative principal minors of one and of two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever
-/// `½ vᵀ M v ≥ 0` does.
+/// Rejects negative principal minors of one and two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever `½ vᵀ M v ≥
+/// 0` does.
 ///
 /// # Errors
 /// [`ModelError::NegativeMass`], [`ModelError::CoupledMass`].
@@ -53,7 +53,7 @@ mod tests {
             let error = check(&[(0, 0, 1.0), (1, 1, 1e-6), (2, 2, -2.0)], unit).unwrap_err();
             let kind = DofKind::Deflection;
             assert_eq!(error, ModelError::NegativeMass { dof: 2, node: 2, position: 2.0, kind, value: -2.0 * unit });
-            // A moment of inertia that is small beside the masses is one all the same.
+            // A moment of inertia may be much smaller than the masses.
             let error = check(&[(0, 0, 1.0), (1, 1, -1e-12), (2, 2, 1.0)], unit).unwrap_err();
             assert!(matches!(error, ModelError::NegativeMass { dof: 1, .. }), "{error}");
         }

@@ -11,7 +11,7 @@ impl SparseDirection {
     /// The direction with the coefficients `(dof, w)`, in any order; those of one degree of freedom are added.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`]; [`ModelError::EmptyDirection`] if nothing but zeros is left.
+    /// [`ModelError::NotFinite`]; [`ModelError::EmptyDirection`] if only zeros remain.
     pub fn new(entries: impl IntoIterator<Item = (usize, f64)>) -> Result<Self, ModelError> {
         let mut all: Vec<(usize, f64)> = entries.into_iter().collect();
         if let Some(&(index, value)) = all.iter().find(|(_, w)| !w.is_finite()) {

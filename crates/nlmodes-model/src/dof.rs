@@ -1,10 +1,10 @@
 use std::collections::HashMap;
 
-/// What a degree of freedom measures.
+/// Kind of a degree of freedom.
 ///
 /// Straight structures have the first three, structures in space the displacements and rotations of their nodes along
 /// the axes of coordinates. [`Self::Axial`], [`Self::Deflection`] and [`Self::Rotation`] are X, Y and RZ of a structure
-/// that lies on the axis X.
+/// on the axis X.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DofKind {
@@ -27,11 +27,10 @@ pub enum DofKind {
     RY,
     /// Rotation of a node in space about Z, rad.
     RZ,
-    /// A coordinate that belongs to no node, of a structure that was reduced before. Rigid-body motions leave it at
-    /// rest.
+    /// A coordinate without node, of a structure that was already reduced. Rigid-body motions leave it at rest.
     Modal,
-    /// Displacement of a contact toward what it touches, m, of a structure that was reduced before: it stands beside
-    /// modal coordinates and has no mass.
+    /// Displacement of a contact toward its obstacle, m, of a structure that was already reduced: a massless coordinate
+    /// in addition to the modal ones.
     Contact,
 }
 
@@ -51,7 +50,7 @@ impl DofKind {
         Self::Contact,
     ];
 
-    /// Lower-case name, as it stands in result files.
+    /// Lower-case name, as used in result files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Axial => "axial",
@@ -68,7 +67,7 @@ impl DofKind {
         }
     }
 
-    /// The axis of coordinates (0 to 2) along which it displaces; none for rotations and modal coordinates.
+    /// The axis of coordinates (0 to 2) of its displacement; none for rotations and modal coordinates.
     pub fn translation_axis(self) -> Option<usize> {
         match self {
             Self::Axial | Self::X => Some(0),
@@ -78,7 +77,7 @@ impl DofKind {
         }
     }
 
-    /// The axis of coordinates (0 to 2) about which it rotates; none for displacements and modal coordinates.
+    /// The axis of coordinates (0 to 2) of its rotation; none for displacements and modal coordinates.
     pub fn rotation_axis(self) -> Option<usize> {
         match self {
             Self::RX => Some(0),
@@ -88,21 +87,21 @@ impl DofKind {
         }
     }
 
-    /// Whether it is one of a node in space, of which three coordinates say where it is.
+    /// Whether it belongs to a node in space, with three coordinates.
     pub fn is_spatial(self) -> bool {
         matches!(self, Self::X | Self::Y | Self::Z | Self::RX | Self::RY | Self::RZ)
     }
 }
 
-/// A degree of freedom that the supports leave free.
+/// A free degree of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dof {
-    /// Node that it belongs to.
+    /// Its node.
     pub node: usize,
-    /// Position of the node along the axis, m. Of structures in space the coordinate x, or zero where it is not known:
+    /// Position of the node along the axis, m. For structures in space the coordinate x, or zero if it is unknown:
     /// [`StructuralModel::place`](crate::StructuralModel::place) has all three.
     pub position: f64,
-    /// What it measures.
+    /// Its kind.
     pub kind: DofKind,
 }
 
@@ -113,7 +112,7 @@ pub struct DofIndex {
 }
 
 impl DofIndex {
-    /// The index of `dofs`. Where two have the same node and axis, the first is found.
+    /// The index of `dofs`. If two have the same node and axis, the first is found.
     pub fn new(dofs: &[Dof]) -> Self {
         let mut translations = HashMap::with_capacity(dofs.len());
         for (i, dof) in dofs.iter().enumerate() {
@@ -124,7 +123,7 @@ impl DofIndex {
         Self { translations }
     }
 
-    /// The displacement of `node` along `axis` (0 to 2); none if the supports hold it or there is no such node.
+    /// The displacement of `node` along `axis` (0 to 2); none if it is fixed or there is no such node.
     pub fn translation(&self, node: usize, axis: usize) -> Option<usize> {
         self.translations.get(&(node, axis)).copied()
     }

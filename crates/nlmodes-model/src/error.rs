@@ -3,7 +3,7 @@ use thiserror::Error;
 
 use crate::{DofKind, RigidMotion};
 
-/// Why a model cannot be made.
+/// Why a model cannot be constructed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -74,33 +74,33 @@ pub enum ModelError {
         /// Largest entry in magnitude, `√(m_ii m_jj)`.
         most: f64,
     },
-    /// A contact names a degree of freedom that the model has not.
+    /// A contact refers to a degree of freedom that does not exist.
     #[error("contact {contact} is at degree of freedom {dof}, but there are {dofs} (counted from 0)")]
     NoSuchDof {
         /// Index of the contact.
         contact: usize,
-        /// The degree of freedom asked for.
+        /// The requested degree of freedom.
         dof: usize,
-        /// How many there are.
+        /// Number of degrees of freedom.
         dofs: usize,
     },
     /// The direction of a contact is zero.
     #[error("the direction of a contact has no entry other than zero")]
     EmptyDirection,
-    /// The normal of a contact has no length, or none that is a number.
+    /// The normal of a contact has zero or undefined length.
     #[error("the normal {normal:?} of a contact has no direction")]
     NormalLength {
         /// The normal.
         normal: [f64; 3],
     },
-    /// No degree of freedom lets a node move along the normal of its contact.
+    /// A node cannot move along the normal of its contact.
     #[error("node {node} cannot move along the normal of its contact: it is not there, or the supports hold it")]
     NodeCannotMove {
         /// The node.
         node: usize,
     },
-    /// A contact in a direction of several degrees of freedom where the partition into contact nodes and the rest needs
-    /// single ones.
+    /// A contact whose direction involves several degrees of freedom, where the partition into contact nodes and the
+    /// rest requires a single one.
     #[error(
         "contact {contact} acts on {dofs} degree(s) of freedom in a direction of its own: the held-modes reduction needs contacts at \
          single degrees of freedom; use open modes"
@@ -108,10 +108,10 @@ pub enum ModelError {
     NotASingleDof {
         /// Index of the contact.
         contact: usize,
-        /// Degrees of freedom that its direction has.
+        /// Number of degrees of freedom of its direction.
         dofs: usize,
     },
-    /// Where a structure in space lies is not known, so that its rigid-body motions are not either.
+    /// The positions of a structure in space are unknown, and so are its rigid-body motions.
     #[error(
         "the structure is one in space, but the places of its nodes are not known: the held-modes reduction cannot tell whether it floats"
     )]
@@ -134,16 +134,17 @@ pub enum ModelError {
         /// Its stiffness.
         stiffness: f64,
     },
-    /// A rigid stop where the contact node moves in harmonics and only the spring of the stop follows the contact law.
+    /// A rigid stop in conventional harmonic balance, where the contact node moves in harmonics and only the spring of
+    /// the stop follows the contact law.
     #[error("contact {contact} is rigid, but harmonic balance of the contact node needs a contact stiffness")]
     RigidStop {
         /// Index of the contact.
         contact: usize,
     },
-    /// A model with massless contact nodes was asked for, but there is no contact.
+    /// A model with massless contact nodes was requested, but there is no contact.
     #[error("the structure has no contact, so that there is no contact mass to redistribute")]
     NoContact,
-    /// Every degree of freedom has a contact, so that nothing with mass is left.
+    /// Every degree of freedom has a contact, so that no mass remains.
     #[error("all {dofs} degrees of freedom have a contact: no mass is left")]
     NoLinearDof {
         /// Degrees of freedom.
@@ -163,7 +164,7 @@ pub enum ModelError {
         /// The entry.
         value: f64,
     },
-    /// There are not enough places that can take the mass of a contact.
+    /// Not enough neighbours can take the mass of a contact.
     #[error(
         "the mass of the {kind} contact at {position} m cannot be moved: its {found} free, massive neighbours are too few or too light",
         kind = .kind.name()
@@ -178,10 +179,10 @@ pub enum ModelError {
         /// Neighbours found.
         found: usize,
     },
-    /// Moving the mass of the contacts makes the mass of the rest indefinite.
+    /// Moving the mass of the contacts makes the remaining mass matrix indefinite.
     #[error("moving the mass of the contacts leaves a mass matrix that is not positive definite, at the {kind} of {position} m", kind = .kind.name())]
     IndefiniteMass {
-        /// Degree of freedom where the factorisation stopped.
+        /// Degree of freedom at which the factorisation stopped.
         dof: usize,
         /// Its position, m.
         position: f64,
@@ -194,7 +195,7 @@ pub enum ModelError {
         /// The motion that remains.
         motion: RigidMotion,
     },
-    /// An imposed frequency is not positive, or not above the one before.
+    /// An imposed frequency is not positive, or not above the previous one.
     #[error(
         "imposed frequency {number} is {hz} Hz; expected more than {low} Hz, frequencies ascend",
         number = .index + 1, hz = hertz(*.value), low = hertz(*.below)
@@ -204,7 +205,7 @@ pub enum ModelError {
         index: usize,
         /// The frequency, rad/s.
         value: f64,
-        /// The one before, rad/s; zero for the first.
+        /// The previous one, rad/s; zero for the first.
         below: f64,
     },
     /// More frequencies are imposed than there are modes.
@@ -217,7 +218,7 @@ pub enum ModelError {
         /// The kind of degree of freedom that they move.
         kind: DofKind,
     },
-    /// The last imposed frequency passes a mode that keeps its own, which would exchange their numbers.
+    /// The last imposed frequency exceeds that of the next mode, which is kept: their numbers would be exchanged.
     #[error(
         "the last imposed frequency, {imposed} Hz, is not below the next mode, which keeps its {next} Hz: impose one on that mode too",
         imposed = hertz(*.imposed), next = hertz(*.next)
@@ -241,7 +242,7 @@ pub enum ModelError {
     ImposedSize {
         /// Degrees of freedom that the modes move.
         dofs: usize,
-        /// Most of them.
+        /// The maximum.
         limit: usize,
     },
     /// A factorisation or eigenproblem failed.
@@ -256,7 +257,7 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    /// Names what was being computed when linear algebra failed.
+    /// Adds the failed computation to an error of linear algebra.
     pub(crate) fn during(what: &'static str) -> impl FnOnce(LinalgError) -> Self {
         move |source| Self::Linalg { what, source }
     }

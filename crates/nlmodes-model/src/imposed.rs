@@ -2,52 +2,51 @@ use nlmodes_linalg::{Mat, SparseMatrix, Triplet, max_norm, multiply, sparse_from
 
 use crate::{DofKind, LinearModes, MassRedistribution, ModelError, StructuralModel, linear_modes};
 
-/// Most degrees of freedom that may take part in modes with imposed frequencies: the stiffness between all of them is a
-/// full matrix.
+/// Maximum number of degrees of freedom that participate in modes with imposed frequencies: their stiffness matrix is
+/// full.
 pub const MAX_IMPOSED_DOFS: usize = 2000;
-/// A mode rests in a kind of degree of freedom below this share of its largest component.
+/// A mode has no motion in a kind of degree of freedom if its components are below this fraction of the largest.
 const REST: f64 = 1e-9;
-/// A mode counts as a rigid-body motion below this share of the highest frequency looked at.
+/// A mode is a rigid-body motion if its frequency is below this fraction of the highest one considered.
 const RIGID: f64 = 1e-6;
 
 /// A structure whose lowest modes have imposed frequencies, as of a measurement.
 ///
-/// With the linear modes `K φ_k = ω_k² M φ_k`, contacts open and mass as the method has it, and the imposed frequencies
-/// `ω'_k`, the stiffness becomes
+/// With the linear modes `K φ_k = ω_k² M φ_k`, with open contacts and the mass of the method, and the imposed
+/// frequencies `ω'_k`, the stiffness becomes
 ///
 /// ```text
 /// K' = K + Σ_k M φ_k (ω'_k² − ω_k²) φ_kᵀ M
 /// ```
 ///
-/// so that `K' φ_k = ω'_k² M φ_k`, and all other modes stay what they were. Mass and shapes are those of the finite
-/// elements, and so is the static flexibility of what is left to the other modes, in particular that of a massless
-/// contact node: `M φ_k` has no entry there, and `K_NN`, `K_NL` do not change. The model is a modal one all the same:
-/// no distribution of stiffness along the structure need belong to `K'`, which couples all degrees of freedom that the
-/// modes move.
+/// so that `K' φ_k = ω'_k² M φ_k`, and all other modes are unchanged. Mass and shapes are those of the finite elements,
+/// and so is the static flexibility of the other modes, in particular that of a massless contact node: `M φ_k` has no
+/// entry there, and `K_NN`, `K_NL` do not change. Nevertheless the model is a modal one: there need not be a stiffness
+/// distribution along the structure with this `K'`, which couples all degrees of freedom that the modes move.
 #[derive(Debug, Clone)]
 pub struct ImposedFrequencies {
     /// The structure with `K'`; its mass and contacts are unchanged.
     pub model: StructuralModel,
-    /// Angular eigenfrequencies `ω_k` that the modes had, rad/s.
+    /// Original angular eigenfrequencies `ω_k` of the modes, rad/s.
     pub own: Vec<f64>,
-    /// Their numbers among all linear modes of the structure before, from 0.
+    /// Their numbers among all linear modes of the original structure, from 0.
     pub numbers: Vec<usize>,
 }
 
 impl StructuralModel {
     /// Imposes the angular frequencies `omega` (rad/s, ascending) on the lowest modes in which degrees of freedom of
-    /// this kind move: the bending modes of a beam have other modes between them. `rule` takes the mass away from the
-    /// contacts first; the modes are those with the mass that it leaves.
+    /// this kind move: there may be other modes between the bending modes of a beam. `rule` is applied to the mass of
+    /// the contacts first; the modes are those with the redistributed mass.
     ///
     /// # Errors
-    /// [`ModelError::ImposedFrequency`] for one that is not positive or not above the one before,
-    /// [`ModelError::TooManyImposed`], [`ModelError::ImposedAboveNext`] if the last one passes the next mode, which
-    /// keeps its own, [`ModelError::ImposedOnRigidBody`], [`ModelError::ImposedSize`] beyond [`MAX_IMPOSED_DOFS`]; what
-    /// `rule` and the eigenproblem report.
+    /// [`ModelError::ImposedFrequency`] for one that is not positive or not above the previous one,
+    /// [`ModelError::TooManyImposed`], [`ModelError::ImposedAboveNext`] if the last one exceeds that of the next mode,
+    /// which is kept, [`ModelError::ImposedOnRigidBody`], [`ModelError::ImposedSize`] beyond [`MAX_IMPOSED_DOFS`]; and
+    /// the errors of `rule` and the eigenproblem.
     ///
     /// # Example
-    /// Two unit masses between three unit springs, the second mode moved from √3 to 2 rad/s: the first stays, and the
-    /// shapes do too.
+    /// Two unit masses between three unit springs, with the second mode moved from √3 to 2 rad/s: the first mode and
+    /// the shapes are unchanged.
     /// ```
     /// use nlmodes_linalg::sparse_from_triplets;
     /// use nlmodes_model::{Dof, DofKind, StructuralModel, linear_modes};
@@ -88,11 +87,11 @@ impl StructuralModel {
         Ok(ImposedFrequencies { model, own, numbers })
     }
 
-    /// Numbers, from 0, of the lowest `count` linear modes in which degrees of freedom of this kind move; `rule` takes
-    /// the mass away from the contacts first.
+    /// Numbers, from 0, of the lowest `count` linear modes in which degrees of freedom of this kind move; `rule` is
+    /// applied to the mass of the contacts first.
     ///
     /// # Errors
-    /// [`ModelError::TooManyImposed`]; what `rule` and the eigenproblem report.
+    /// [`ModelError::TooManyImposed`]; and the errors of `rule` and the eigenproblem.
     pub fn modes_of_kind(
         &self,
         rule: Option<&dyn MassRedistribution>,
@@ -104,7 +103,7 @@ impl StructuralModel {
         Ok(numbers)
     }
 
-    /// Modes, the numbers of the lowest of this kind, and that of the next one of it.
+    /// Modes, the numbers of the lowest of this kind, and that of the next one.
     fn lowest_of_kind(
         &self,
         mass: &SparseMatrix,
@@ -112,7 +111,7 @@ impl StructuralModel {
         count: usize,
     ) -> Result<(LinearModes, Vec<usize>, Option<usize>), ModelError> {
         let size = self.dofs().len();
-        // Modes of other kinds lie between: twice the number is nearly always enough.
+        // There are modes of other kinds in between: twice the number is nearly always enough.
         let mut wanted = (2 * count + 4).min(size);
         loop {
             let modes = linear_modes(mass, self.stiffness(), wanted)?;
@@ -141,7 +140,7 @@ impl StructuralModel {
         max_norm(components.map(|(i, _)| shapes[(i, k)]))
     }
 
-    /// `M φ_k`, without the rounding in the kinds in which the mode rests, which would couple them.
+    /// `M φ_k`, without rounding errors in the kinds in which the mode has no motion, which would couple them.
     fn inertia(&self, mass: &SparseMatrix, shapes: &Mat<f64>, k: usize) -> Vec<f64> {
         let rests = DofKind::ALL.map(|kind| (!self.moves(shapes, k, kind)).then_some(kind));
         let component = |i: usize| if rests.contains(&Some(self.dofs()[i].kind)) { 0.0 } else { shapes[(i, k)] };
@@ -171,7 +170,7 @@ fn updated(stiffness: &SparseMatrix, inertia: &[Vec<f64>], change: &[f64]) -> Re
     let mut entries: Vec<Triplet> = triplets(stiffness).collect();
     for &j in &moved {
         for &i in &moved {
-            // In one order for (i, j) and (j, i), so that the sum is symmetric to the last digit.
+            // In the same order for (i, j) and (j, i), so that the sum is exactly symmetric.
             entries.push((i, j, inertia.iter().zip(change).map(|(u, c)| c * (u[i] * u[j])).sum()));
         }
     }
@@ -219,8 +218,8 @@ mod tests {
             let imposed = model.with_frequencies(Some(rule), DofKind::Axial, &[0.2]).unwrap();
             let [new, old] = [&imposed.model, &model].map(|model| MasslessContactModel::new(model, rule).unwrap());
             assert_eq!((new.k_nn(), new.k_ln(), new.mass().val()), (old.k_nn(), old.k_ln(), old.mass().val()));
-            // Pressed there, the whole yields by the flexibilities φ²/ω² of all modes, one of which has changed, and by
-            // that of the node.
+            // The flexibility there is the sum of those of all modes, φ²/ω², one of which has changed, and that of the
+            // node.
             let flexibility = |model: &MasslessContactModel| {
                 let factor = nlmodes_linalg::SparseCholesky::factor(model.stiffness(), "stiffness").unwrap();
                 let mut x = vec![0.0; N];
@@ -237,7 +236,7 @@ mod tests {
 
     #[test]
     fn held_modes_follow_the_secular_equation() {
-        // Held at the contact, 1/K_NN + Σ_k φ_k(N)² λ/(ω_k² (ω_k² − λ)) + Σ_k φ_k²/ω_k² = 0: the dynamic flexibility
+        // With the contact fixed, 1/K_NN + Σ_k φ_k(N)² λ/(ω_k² (ω_k² − λ)) + Σ_k φ_k²/ω_k² = 0: the dynamic flexibility
         // there vanishes.
         let imposed = stopped().with_frequencies(Some(&Drop), DofKind::Axial, &[0.2, 0.5]).unwrap();
         let massless = MasslessContactModel::new(&imposed.model, &Drop).unwrap();
@@ -282,7 +281,7 @@ mod tests {
         }
     }
 
-    /// Masses along the axis, and as many across it on springs of 1.7: modes of both in turn.
+    /// Masses along the axis, and as many across it on springs of 1.7: modes of both alternate.
     #[test]
     fn what_moves_in_another_direction_keeps_its_stiffness_to_the_last_digit() {
         let along = chain(N, vec![]);
@@ -294,7 +293,7 @@ mod tests {
         let dofs: Vec<Dof> = along.dofs().iter().copied().chain(across).collect();
         let model =
             StructuralModel::new(twice(along.mass(), 1.0), twice(along.stiffness(), 1.7), dofs, vec![]).unwrap();
-        // Of the chain with all its masses, and √1.7 times as high across: modes 0 and 1, 2 and 3 in turn.
+        // Of the chain with all its masses, and √1.7 times as high across: modes 0 and 1, 2 and 3 alternate.
         let own = |r: usize| 2.0 * ((2 * r - 1) as f64 * std::f64::consts::PI / (4 * N + 2) as f64).sin();
         let imposed = model.with_frequencies(None, DofKind::Deflection, &[0.2, 0.5]).unwrap();
         assert_eq!(imposed.numbers, [1, 3]);
@@ -324,7 +323,7 @@ mod tests {
 
     #[test]
     fn large_structures_are_refused() {
-        // The end has no mass and takes no part.
+        // The end has no mass and does not participate.
         let n = MAX_IMPOSED_DOFS + 1;
         let masses: Vec<_> = (0..n).map(|i| (i, i, 1.0)).collect();
         let structure = crate::test_chain::springs(n + 1, 1.0, vec![], &masses);

@@ -4,8 +4,8 @@
 //! M q̈ + K q = W λ ,   0 ≤ g ⊥ λ ≥ 0 ,   g = Wᵀ q + g₀                                   eqs. (4), (5)
 //! ```
 //!
-//! [`StructuralModel`] holds `M`, `K` and the contacts. A [`MassRedistribution`] splits the degrees of freedom into
-//! those without contact (L) and those with (N) and takes the mass away from N, eq. (12); what comes out, a
+//! [`StructuralModel`] has `M`, `K` and the contacts. A [`MassRedistribution`] splits the degrees of freedom into those
+//! without contact (L) and those with contact (N) and removes the mass from N, eq. (12); the result, a
 //! [`MasslessContactModel`], is the only model that mixed shooting-harmonic balance accepts. The contact nodes are then
 //! in static equilibrium at any instant, eq. (13), and no impact law is needed.
 //!
@@ -19,14 +19,14 @@
 //! | `g₀` | gap at rest | m | c | [`Contact::gap`] |
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`open_modes`], [`held_modes`] |
-//! | | what the massless contacts do to `ω_0,r` | – | | [`MassShift`] |
+//! | | effect of massless contacts on `ω_0,r` | – | | [`MassShift`] |
 //! | `ω'_k`, `K'` | imposed frequencies, stiffness with them | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
 //! use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
 //!
-//! // Two unit masses on unit springs, the second one in front of a stop.
+//! // Two unit masses on unit springs, the second one with a stop.
 //! let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
 //! let k = sparse_from_triplets(2, 2, &[(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)])?;
 //! let dofs = [1.0, 2.0].map(|position| Dof { node: 0, position, kind: DofKind::Axial }).to_vec();

@@ -9,15 +9,16 @@ use crate::{MasslessContactModel, ModelError};
 pub struct LinearModes {
     /// Angular eigenfrequencies `ω_0,r`, rad/s; zero for rigid-body modes, up to rounding.
     pub omega: Vec<f64>,
-    /// Shapes, one a column, in 1/√kg for displacements: n × modes. Massless degrees of freedom follow statically. The
-    /// largest component of each is positive.
+    /// Shapes, one per column, in 1/√kg for displacements: n × modes. Massless degrees of freedom follow statically.
+    /// The largest component of each is positive.
     pub shapes: Mat<f64>,
 }
 
 /// Lowest `count` modes of the structure with mass `M` and stiffness `K` and all contacts open.
 ///
 /// Massless contact degrees of freedom are allowed; they follow the others statically, `q_N = −K_NN⁻¹ K_NL q_L`, which
-/// is eq. (13) without contact forces. Fewer modes come back if the structure has fewer massive degrees of freedom.
+/// is eq. (13) without contact forces. Fewer modes are returned if the structure has fewer degrees of freedom with
+/// mass.
 ///
 /// # Errors
 /// [`ModelError::Linalg`] if the eigenproblem cannot be solved.
@@ -29,7 +30,7 @@ pub fn linear_modes(mass: &SparseMatrix, stiffness: &SparseMatrix, count: usize)
 /// Lowest `count` modes of a model with all contacts open, those of [`linear_modes`] for its mass and stiffness; shapes
 /// are n × modes.
 ///
-/// The model and its clones keep what was found: the eigenproblem is solved again only where more modes are asked for.
+/// The model and its clones cache the modes: the eigenproblem is solved again only if more modes are requested.
 ///
 /// # Errors
 /// As [`linear_modes`].
@@ -37,10 +38,11 @@ pub fn open_modes(model: &MasslessContactModel, count: usize) -> Result<LinearMo
     model.known.open.lowest(count, |count| linear_modes(model.mass(), model.stiffness(), count))
 }
 
-/// Lowest `count` modes with the contact degrees of freedom held, `K_LL φ_k = λ_k M̄_LL φ_k`; shapes are n_L × modes.
+/// Lowest `count` fixed-interface modes, with the contact degrees of freedom fixed, `K_LL φ_k = λ_k M̄_LL φ_k`; shapes
+/// are n_L × modes.
 ///
 /// They diagonalise the dynamic stiffness `H_LL,n` of eq. (9): `H_LL,n⁻¹ = Σ_k φ_k φ_kᵀ / (λ_k − n²ω²)`. As `q_N = 0`,
-/// `K_NN` does not enter. Kept like [`open_modes`].
+/// `K_NN` does not enter. Cached like [`open_modes`].
 ///
 /// # Errors
 /// As [`linear_modes`].
@@ -55,7 +57,7 @@ pub(crate) struct KnownModes {
     held: Known,
 }
 
-/// The lowest modes of one eigenproblem, as many as were asked for at most; fewer are all that there are.
+/// The lowest modes of one eigenproblem, at most the requested number; if there are fewer, these are all.
 #[derive(Debug, Default)]
 struct Known(Mutex<Option<(usize, LinearModes)>>);
 
@@ -65,7 +67,7 @@ impl Known {
         count: usize,
         solve: impl FnOnce(usize) -> Result<LinearModes, ModelError>,
     ) -> Result<LinearModes, ModelError> {
-        // A thread that panicked left either the modes of before or none.
+        // A thread that panicked left either the previous modes or none.
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match known.as_ref() {
             Some((asked, modes)) if count <= *asked => Ok(modes.lowest(count)),
@@ -79,7 +81,7 @@ impl Known {
 }
 
 impl LinearModes {
-    /// The lowest `count` of them, all where there are fewer.
+    /// The lowest `count` of them, or all if there are fewer.
     pub fn lowest(&self, count: usize) -> Self {
         let count = count.min(self.omega.len());
         Self { omega: self.omega[..count].to_vec(), shapes: self.shapes.subcols(0, count).to_owned() }

@@ -1,6 +1,6 @@
 use crate::{MasslessContactModel, ModelError, StructuralModel, linear_modes};
 
-/// What taking the mass away from the contacts does to the frequency of a linear mode.
+/// Effect of massless contacts on the frequency of a linear mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassShift {
@@ -13,8 +13,8 @@ pub struct MassShift {
 }
 
 impl MassShift {
-    /// Compares the linear modes of this number (from 1); `None` where either structure has no such mode, or none that
-    /// vibrates.
+    /// Compares the linear modes of this number (from 1); `None` if either structure has no such mode, or it is a
+    /// rigid-body mode.
     ///
     /// # Errors
     /// [`ModelError::Linalg`] if an eigenproblem cannot be solved.
@@ -28,8 +28,7 @@ impl MassShift {
         Ok(Self::between(&with_mass, &omega(massless.mass(), massless.stiffness())?, mode))
     }
 
-    /// Compares the angular frequencies (rad/s, ascending) of the structure with and without that mass, where they are
-    /// known.
+    /// Compares known angular frequencies (rad/s, ascending) of the structure with and without that mass.
     pub fn between(with_mass: &[f64], without_mass: &[f64], mode: usize) -> Option<Self> {
         let place = mode.checked_sub(1)?;
         let (with_mass, without_mass) = (*with_mass.get(place)?, *without_mass.get(place)?);
@@ -63,7 +62,7 @@ mod tests {
             for mode in 1..n {
                 let shift = MassShift::of(&model, &massless, mode).unwrap().unwrap();
                 let of_chain = |n: usize| ((2 * mode - 1) as f64 * PI / (4 * n + 2) as f64).sin();
-                // One mass less, and the spring before it does not move it.
+                // One mass less, and its spring does no work.
                 let expected = of_chain(n - 1) / of_chain(n) - 1.0;
                 assert!((shift.relative() - expected).abs() < 1e-11, "{mode}: {} {expected}", shift.relative());
             }

@@ -8,7 +8,7 @@ use crate::{
     Contact, ContactLaw, Dof, DofContact, DofKind, MassRedistribution, ModelError, RigidMotion, StructuralModel,
 };
 
-/// Which massless coordinates `q_N` follow the contact law at each instant, while all others move in harmonics.
+/// The massless coordinates `q_N` that satisfy the contact law at each instant; all others move in harmonics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactCoordinates {
     /// The contact nodes of the structure, without mass, one for each contact degree of freedom: mixed
@@ -27,22 +27,22 @@ pub enum ContactCoordinates {
 /// ```
 ///
 /// With [`ContactCoordinates::Nodes`], [`Self::new`], N are the contact nodes, and `C = diag(1/k_c)` is the compliance
-/// of the stops, zero where they are rigid.
+/// of the stops, zero for rigid ones.
 ///
-/// With [`ContactCoordinates::SpringTips`], [`Self::with_spring_tips`], each elastic stop of eq. (3) is seen as a
-/// massless spring `k_c` that the contact node carries, and its tip meets a rigid wall. With `w_i` the direction of
-/// contact i, eq. (2),
+/// With [`ContactCoordinates::SpringTips`], [`Self::with_spring_tips`], each elastic stop of eq. (3) is a massless
+/// spring `k_c` attached to the contact node, whose tip meets a rigid wall. With `w_i` the direction of contact i, eq.
+/// (2),
 ///
 /// ```text
 /// L: all degrees of freedom ,   K_LL = K + Σ_i k_c,i w_i w_iᵀ ,   K_LN: −k_c,i at the node of contact i ,   K_NN = diag(k_c,i) ,   C = 0
 /// ```
 ///
-/// The contact node moves as where the tip would be without wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that
-/// `λ = k_c max(−g, 0)`.
+/// The contact node is at the position that the tip would have without the wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that `λ =
+/// k_c max(−g, 0)`.
 #[derive(Debug, Clone)]
 pub struct MasslessContactModel {
     pub(crate) dofs: Vec<Dof>,
-    /// Where the nodes are, of a structure in space.
+    /// Positions of the nodes of a structure in space.
     pub(crate) places: Option<Vec<[f64; 3]>>,
     pub(crate) contacts: Vec<DofContact>,
     pub(crate) coordinates: ContactCoordinates,
@@ -55,7 +55,7 @@ pub struct MasslessContactModel {
     pub(crate) k_ln: Mat<f64>,
     pub(crate) k_nn: Mat<f64>,
     pub(crate) w: Mat<f64>,
-    /// Shared by all clones: nothing of a model changes.
+    /// Shared by all clones: a model is immutable.
     pub(crate) known: Arc<KnownModes>,
 }
 
@@ -63,8 +63,8 @@ impl MasslessContactModel {
     /// Redistributes the mass of `model` by `rule` and partitions it.
     ///
     /// # Errors
-    /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` does not do what
-    /// its trait asks for, and what else it reports; [`ModelError::Linalg`] if `K_NN` is not positive definite.
+    /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` violates its
+    /// trait, and other errors of `rule`; [`ModelError::Linalg`] if `K_NN` is not positive definite.
     pub fn new(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<Self, ModelError> {
         let n = model.dofs().len();
         let (contacts, places) = (single_dofs(model)?, places_in_space(model)?);
@@ -102,10 +102,10 @@ impl MasslessContactModel {
     }
 
     /// The model whose contact coordinates are the tips of the springs of its elastic stops; the contact nodes keep
-    /// their mass, or lose it by `rule`.
+    /// their mass unless `rule` removes it.
     ///
     /// # Errors
-    /// [`ModelError::NoContact`]; [`ModelError::RigidStop`]; what `rule` reports.
+    /// [`ModelError::NoContact`]; [`ModelError::RigidStop`]; errors of `rule`.
     pub fn with_spring_tips(
         model: &StructuralModel,
         rule: Option<&dyn MassRedistribution>,
@@ -144,13 +144,13 @@ impl MasslessContactModel {
         })
     }
 
-    /// Which coordinates follow the contact law.
+    /// The coordinates that satisfy the contact law.
     pub fn contact_coordinates(&self) -> ContactCoordinates {
         self.coordinates
     }
 
-    /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one a contact: zero where the stop is rigid, or where
-    /// its spring is in `K_NN` already.
+    /// Compliance `C` of the stops in series with `K_NN⁻¹`, m/N, one per contact: zero if the stop is rigid, or if its
+    /// spring is already in `K_NN`.
     pub fn stop_compliance(&self) -> Vec<f64> {
         let of = |c: &DofContact| match self.coordinates {
             ContactCoordinates::Nodes => c.law.compliance(),
@@ -159,7 +159,7 @@ impl MasslessContactModel {
         self.contacts.iter().map(of).collect()
     }
 
-    /// A rigid-body motion that is left when the contact degrees of freedom are held, so that `K_LL` is singular.
+    /// A rigid-body motion that remains with the contact degrees of freedom fixed, so that `K_LL` is singular.
     pub fn held_rigid_motion(&self) -> Option<RigidMotion> {
         RigidMotion::of_held(&self.stiffness, &self.dofs, self.places.as_deref(), &self.nonlinear)
     }
@@ -172,9 +172,8 @@ impl MasslessContactModel {
     /// Cholesky factor of `K_LL`.
     ///
     /// # Errors
-    /// [`ModelError::HeldRigidBody`] if the structure can move as a rigid body with its contacts held: contact forces
-    /// that are constant in time could not be balanced then. [`ModelError::Linalg`] if `K_LL` is not positive definite
-    /// otherwise.
+    /// [`ModelError::HeldRigidBody`] if the structure can move as a rigid body with its contacts fixed: constant
+    /// contact forces could not be balanced then. [`ModelError::Linalg`] if `K_LL` is not positive definite otherwise.
     pub fn factor_k_ll(&self) -> Result<SparseCholesky, ModelError> {
         match self.held_rigid_motion() {
             Some(motion) => Err(ModelError::HeldRigidBody { motion }),
@@ -198,9 +197,9 @@ impl MasslessContactModel {
         &self.linear
     }
 
-    /// Indices in [`Self::dofs`] of the contact coordinates' degrees of freedom. Of [`ContactCoordinates::Nodes`]
-    /// ascending, two stops at one degree of freedom sharing it; of [`ContactCoordinates::SpringTips`] that of each
-    /// stop.
+    /// Indices in [`Self::dofs`] of the contact coordinates' degrees of freedom. For [`ContactCoordinates::Nodes`] in
+    /// ascending order, shared by two stops at one degree of freedom; for [`ContactCoordinates::SpringTips`] that of
+    /// each stop.
     pub fn contact_dofs(&self) -> &[usize] {
         &self.nonlinear
     }
@@ -210,7 +209,7 @@ impl MasslessContactModel {
         &self.mass
     }
 
-    /// `K`, to be kept by whoever needs it longer.
+    /// `K`, shared.
     pub fn shared_stiffness(&self) -> Arc<SparseMatrix> {
         Arc::clone(&self.stiffness)
     }
@@ -262,12 +261,12 @@ fn single_dofs(model: &StructuralModel) -> Result<Vec<DofContact>, ModelError> {
     model.contacts().iter().enumerate().map(single).collect()
 }
 
-/// Places of all degrees of freedom of a structure in space; none of a straight one.
+/// Positions of all degrees of freedom of a structure in space; none for a straight one.
 fn places_in_space(model: &StructuralModel) -> Result<Option<Vec<[f64; 3]>>, ModelError> {
     if !model.dofs().iter().any(|dof| dof.kind.is_spatial()) {
         return Ok(None);
     }
-    // Modal coordinates are nowhere; rigid motions leave them at rest.
+    // Modal coordinates have no position; rigid motions leave them at rest.
     let place = |(i, dof): (usize, &Dof)| match dof.kind {
         DofKind::Modal => Some([0.0; 3]),
         _ => model.place(i),
@@ -302,7 +301,7 @@ fn check_massless(rule: &'static str, mass: &SparseMatrix, nonlinear: &[usize]) 
     }
 }
 
-/// `W̄`: one column a contact, one row a contact degree of freedom.
+/// `W̄`: one column per contact, one row per contact degree of freedom.
 fn directions(contacts: &[DofContact], nonlinear: &[usize]) -> Mat<f64> {
     Mat::from_fn(nonlinear.len(), contacts.len(), |i, j| {
         if contacts[j].dof == nonlinear[i] { contacts[j].direction() } else { 0.0 }
@@ -382,7 +381,7 @@ mod tests {
 
     #[test]
     fn holding_the_contact_may_leave_a_rigid_body() {
-        // Free chain: held by its contact; two chains, only one of which has a contact: the other floats.
+        // A free chain fixed by its contact; two chains, only one of which has a contact: the other floats.
         let mass: Vec<_> = (0..4).map(|i| (i, i, 1.0)).collect();
         let free = springs(4, 0.0, vec![stop(3, Side::Positive)], &mass);
         let model = MasslessContactModel::new(&free, &Drop).unwrap();

@@ -4,7 +4,7 @@ use crate::massless::contact_dofs;
 use crate::rigid::positions;
 use crate::{Dof, ModelError, StructuralModel};
 
-/// Takes the mass away from the contact degrees of freedom, eq. (12).
+/// Removes the mass from the contact degrees of freedom, eq. (12).
 pub trait MassRedistribution {
     /// Name in scenes and result files.
     fn name(&self) -> &'static str;
@@ -12,7 +12,7 @@ pub trait MassRedistribution {
     /// Redistributed mass matrix `M_R` (n × n), with zero rows and columns at the contact degrees of freedom.
     ///
     /// # Errors
-    /// [`ModelError`] if the mass cannot be moved as the rule asks for.
+    /// [`ModelError`] if the rule cannot be applied.
     fn redistribute(&self, model: &StructuralModel) -> Result<SparseMatrix, ModelError>;
 }
 
@@ -23,11 +23,11 @@ pub trait MassRedistribution {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Drop;
 
-/// The mass of a contact degree of freedom moves to its neighbours of the same kind; total mass and centre of mass
-/// stay.
+/// The mass of a contact degree of freedom is moved to its neighbours of the same kind; total mass and centre of mass
+/// are conserved.
 ///
-/// Taking away row and column `d` of `M` takes away the mass `Δm` and the first moment `Δs` of [`MassProperties`],
-/// those of the kind of `d`. They come back as two point masses at neighbours at `x_1` and `x_2`,
+/// Removing row and column `d` of `M` removes the mass `Δm` and the first moment `Δs` of [`MassProperties`], those of
+/// the kind of `d`. They are restored as two point masses at neighbours at `x_1` and `x_2`,
 ///
 /// ```text
 /// m_1 + m_2 = Δm ,   m_1 x_1 + m_2 x_2 = Δs ,
@@ -35,11 +35,11 @@ pub struct Drop;
 ///
 /// added to the diagonal of `M`. The neighbours are the nearest degrees of freedom of the same kind that have mass and
 /// no contact: one on either side, or the nearest two if the contact is at an end. There the farther one gets a
-/// negative mass, which is smaller than its own for usual meshes; where it is not, an error says so.
+/// negative mass, which is smaller than its own for usual meshes; otherwise there is an error.
 ///
 /// Kept exactly, apart from rounding: for each kind of displacement that a contact has, total mass and first moment,
 /// and so the centre of mass. Not kept: moment of inertia and, with it, the frequencies of rigid rotation;
-/// [`Conserve`](crate::Conserve) keeps that too.
+/// [`Conserve`](crate::Conserve) conserves that too.
 ///
 /// [`MassProperties`]: crate::MassProperties
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl MassRedistribution for Move {
         let mut entries = without(model.mass(), &contacts);
         let massive: Vec<usize> = entries.iter().filter(|e| e.0 == e.1 && e.2 > 0.0).map(|e| e.0).collect();
         for (i, &dof) in contacts.iter().enumerate() {
-            // What the contacts before this one took along is not to be moved twice.
+            // Mass removed with previous contacts must not be moved twice.
             let taken = Taken::from(model, dof, &contacts[..i]);
             if taken.mass != 0.0 || taken.moment != 0.0 {
                 let [a, b] = neighbours(model.dofs(), dof, &massive)?;
@@ -81,7 +81,7 @@ impl MassRedistribution for Move {
     }
 }
 
-/// Positions along an axis say nothing about neighbours in space.
+/// Positions along an axis do not determine neighbours in space.
 pub(crate) fn refuse_in_space(rule: &'static str, dofs: &[Dof], contacts: &[usize]) -> Result<(), ModelError> {
     match contacts.iter().find(|&&dof| dofs[dof].kind.is_spatial()) {
         Some(&dof) => Err(ModelError::StraightOnly { rule, dof }),
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// A node of another part may stand at the same place: it is on neither side.
+    /// A node of another part may be at the same position: it is on neither side.
     #[test]
     fn a_mass_at_the_place_of_the_contact_is_no_neighbour() {
         let row = springs(6, 1.0, stops(&[2]), &(0..6).map(|i| (i, i, 1.0)).collect::<Vec<_>>());

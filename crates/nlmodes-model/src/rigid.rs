@@ -6,7 +6,7 @@ use crate::{Dof, DofKind};
 
 mod spatial;
 
-/// A motion of a structure that strains nothing.
+/// A motion of a structure without strain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum RigidMotion {
@@ -42,10 +42,10 @@ impl fmt::Display for RigidMotion {
 }
 
 impl RigidMotion {
-    /// A rigid motion that neither `stiffness` nor holding the degrees of freedom `held` prevents.
+    /// A rigid motion that neither `stiffness` nor fixing the degrees of freedom `held` prevents.
     ///
-    /// This looks at `K r = 0` row by row instead of at pivots: fine beams have such small pivots that a factorisation
-    /// cannot tell a supported structure from a floating one.
+    /// This checks `K r = 0` row by row instead of pivots: fine beams have such small pivots that a factorisation
+    /// cannot distinguish a supported structure from a floating one.
     ///
     /// `places` are the coordinates of the nodes of a structure in space.
     pub(crate) fn of_held(
@@ -72,7 +72,7 @@ impl RigidMotion {
             let pivot = held.iter().find(|&&i| dofs[i].kind == DofKind::Deflection).map(|&i| dofs[i].position);
             return pivot.and_then(|about| rotation_about(about, stiffness, dofs, held));
         }
-        // Some support holds the deflection: a rotation about it may be left, `K (ρ − a r) = 0`.
+        // A support fixes the deflection: a rotation about it may remain, `K (ρ − a r) = 0`.
         let (k_across, k_about) = (multiply(stiffness, &across), multiply(stiffness, &about_origin));
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let about = product(&k_across, &k_about) / product(&k_across, &k_across);
@@ -80,7 +80,7 @@ impl RigidMotion {
     }
 }
 
-/// The rotation about `about`, if it strains nothing and moves no held degree of freedom.
+/// The rotation about `about`, if it causes no strain and moves no fixed degree of freedom.
 fn rotation_about(about: f64, stiffness: &SparseMatrix, dofs: &[Dof], held: &[usize]) -> Option<RigidMotion> {
     let across = translation(dofs, DofKind::Deflection);
     let motion: Vec<f64> = rotation(dofs).iter().zip(&across).map(|(rotation, r)| rotation - about * r).collect();
@@ -104,7 +104,7 @@ fn rotation(dofs: &[Dof]) -> Vec<f64> {
     dofs.iter().map(component).collect()
 }
 
-/// Whether `K r` is rounding beside `|K| |r|`, row by row, of a motion that moves something.
+/// Whether `K r` is rounding compared with `|K| |r|`, row by row, for a nonzero motion.
 fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
     let mut scale = vec![0.0; r.len()];
     triplets(stiffness).for_each(|(i, j, k)| scale[i] += (k * r[j]).abs());
@@ -115,7 +115,8 @@ fn strains_nothing(stiffness: &SparseMatrix, r: &[f64]) -> bool {
 ///
 /// `m = rᵀ M r`, `s = rᵀ M ρ` and `J = ρᵀ M ρ`, where `r` translates the structure in the direction of the kind and `ρ`
 /// displaces each point by its position `x`: a rotation about `x = 0` for deflections (with the rotations of the cross
-/// sections), a stretch for axial displacements. Mass at supported degrees of freedom is not in `M` and so not counted.
+/// sections), a uniform extension for axial displacements. Mass at supported degrees of freedom is not in `M` and
+/// therefore not included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassProperties {
@@ -128,7 +129,7 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Mass and first moment of what moves in the direction of `kind`.
+    /// Mass and first moment of the motion in the direction of `kind`.
     ///
     /// # Panics
     /// If the size of `mass` is not the number of degrees of freedom.
@@ -162,7 +163,7 @@ mod tests {
     use nlmodes_linalg::{Triplet, sparse_from_triplets};
 
     /// Four nodes across an axis from `from` on, `length` apart, whose bending `q_{i−1} − 2 q_i + q_{i+1}` is strained;
-    /// a spring to the ground at some nodes, a stop before the third. The first node is held along the axis.
+    /// a spring to the ground at some nodes, a stop at the third. The first node is fixed along the axis.
     fn beam(from: f64, length: f64, stiffness: f64, grounds: &[usize]) -> MasslessContactModel {
         let mut k: Vec<Triplet> = vec![(4, 4, stiffness)];
         let bending = [1.0, -2.0, 1.0];
@@ -180,8 +181,8 @@ mod tests {
         MasslessContactModel::new(&model, &Drop).unwrap()
     }
 
-    /// Of what moves in one direction only: masses across it, beside it and coupled with it are not in it; rotary
-    /// inertias are in turns.
+    /// For motions in one direction only: masses across it, next to it and coupled with it are not included; rotary
+    /// inertias are.
     #[test]
     fn each_direction_has_its_own_mass() {
         let of = |position, kind| Dof { node: 0, position, kind };
@@ -209,7 +210,7 @@ mod tests {
                 Some(RigidMotion::Rotation { about }) => (about - from) / length,
                 other => panic!("{other:?}"),
             };
-            // Its contact holds the free one; a spring holds it elsewhere; both together leave nothing.
+            // The contact fixes the free one; a spring restrains it elsewhere; both together leave no motion.
             assert_eq!(about(free.held_rigid_motion()), (from + 2.0 * length - from) / length);
             for node in [0, 1, 3] {
                 let hinged = beam(from, length, stiffness, &[node]);

@@ -7,8 +7,8 @@ use crate::{Contact, ContactLaw, Dof, ModelError};
 
 /// A linear structure with unilateral contacts, eqs. (1), (4), (5).
 ///
-/// `M` (n × n, kg or kg·m²), `K` (n × n, N/m …) and, where it is known, the viscous damping `C` (n × n, N·s/m …) are
-/// symmetric, of the free degrees of freedom only. Copies share the matrices.
+/// `M` (n × n, kg or kg·m²), `K` (n × n, N/m …) and, if known, the viscous damping `C` (n × n, N·s/m …) are symmetric
+/// and for the free degrees of freedom only. Copies share the matrices.
 #[derive(Debug, Clone)]
 pub struct StructuralModel {
     mass: Arc<SparseMatrix>,
@@ -20,7 +20,7 @@ pub struct StructuralModel {
 }
 
 impl StructuralModel {
-    /// Checks and holds the parts.
+    /// Checks the parts.
     ///
     /// # Errors
     /// [`ModelError::Dimension`] if sizes disagree, [`ModelError::NotFinite`] for an entry, position or gap,
@@ -43,7 +43,7 @@ impl StructuralModel {
         Ok(Self { mass, stiffness, damping: None, dofs: dofs.into(), places: None, contacts })
     }
 
-    /// The same structure with the viscous damping `C` (n × n). Conservative analyses do not look at it.
+    /// The same structure with the viscous damping `C` (n × n). Conservative analyses ignore it.
     ///
     /// # Errors
     /// [`ModelError::Dimension`], [`ModelError::NotFinite`], [`ModelError::NotSymmetric`].
@@ -94,23 +94,23 @@ impl StructuralModel {
         &self.stiffness
     }
 
-    /// Viscous damping matrix `C`, if it is known.
+    /// Viscous damping matrix `C`, if known.
     pub fn damping(&self) -> Option<&SparseMatrix> {
         self.damping.as_deref()
     }
 
-    /// `M`, to be kept by whoever needs it longer.
+    /// `M`, shared.
     pub fn shared_mass(&self) -> Arc<SparseMatrix> {
         Arc::clone(&self.mass)
     }
 
-    /// `K`, to be kept by whoever needs it longer.
+    /// `K`, shared.
     pub fn shared_stiffness(&self) -> Arc<SparseMatrix> {
         Arc::clone(&self.stiffness)
     }
 
-    /// Where the node of degree of freedom `dof` is, m: on the axis X for straight structures. None for modal
-    /// coordinates, and in space where no places were given.
+    /// Position of the node of degree of freedom `dof`, m: on the axis X for straight structures. None for modal
+    /// coordinates, and in space if no positions were given.
     pub fn place(&self, dof: usize) -> Option<[f64; 3]> {
         let of = self.dofs.get(dof)?;
         match (&self.places, of.kind) {

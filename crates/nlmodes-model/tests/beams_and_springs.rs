@@ -1,5 +1,5 @@
-//! Beams, frames and stops on springs against the textbook: mass properties, rules of redistribution, rigid motions,
-//! and the spring tips.
+//! Beams, frames and elastic stops compared with textbook results: mass properties, rules of redistribution, rigid
+//! motions, and the spring tips.
 
 use nlmodes_linalg::{SparseMatrix, Triplet, bilinear, multiply, sparse_from_triplets, triplets};
 use nlmodes_model::{
@@ -13,7 +13,7 @@ const UNITS: [(f64, f64); 4] = [(1.0, 1.0), (1e-3, 1.0), (1.0, 1e-6), (40.0, 1e3
 const ELEMENTS: usize = 16;
 
 /// A beam from `from` on, free at both ends, with `EI = ρA = 1` in these units and elements of a tenth, with consistent
-/// mass; deflection and rotation of its nodes in turn.
+/// mass; deflection and rotation of each node.
 fn beam(from: f64, (length, mass): (f64, f64), contacts: Vec<Contact>) -> StructuralModel {
     let l = 0.1 * length;
     let stiffness = [[12.0, 6.0, -12.0, 6.0], [6.0, 4.0, -6.0, 2.0], [-12.0, -6.0, 12.0, -6.0], [6.0, 2.0, -6.0, 4.0]];
@@ -63,7 +63,8 @@ fn a_uniform_beam_has_the_mass_properties_of_the_textbook() {
     }
 }
 
-/// What the rules keep in any unit, for contacts at the end, next to it and inside; the rows of the contacts are empty.
+/// Quantities conserved by the rules in any unit, for contacts at the end, next to it and inside; the rows of the
+/// contacts are empty.
 #[test]
 fn rules_keep_the_moments_that_they_promise_in_any_unit() {
     for unit in UNITS {
@@ -96,7 +97,8 @@ fn rules_keep_the_moments_that_they_promise_in_any_unit() {
     }
 }
 
-/// At an end, where the nearest node takes more than all and the next one gives some back, at distances of one and two.
+/// At an end the nearest node takes more than the whole mass and the next one a negative mass, at distances of one and
+/// two.
 #[test]
 fn a_mass_at_an_end_moves_to_the_two_nodes_before_it() {
     for unit in UNITS {
@@ -149,7 +151,7 @@ fn frame(length: f64, left_free: usize) -> MasslessContactModel {
     MasslessContactModel::new(&model.with_places((0..12).map(place).collect()).unwrap(), &Drop).unwrap()
 }
 
-/// What one support leaves free is a translation along its axis or a turn about it through the node.
+/// The motion left by one missing support is a translation along its axis or a rotation about it through the node.
 #[test]
 fn a_frame_moves_as_the_support_that_is_missing_lets_it() {
     for length in [1.0, 1e-3, 1e3, 1e-7, 1e7] {
@@ -159,7 +161,7 @@ fn a_frame_moves_as_the_support_that_is_missing_lets_it() {
                 panic!("{length} {free}")
             };
             let place = [0.3, 0.2, -0.5].map(|x| x * length);
-            // Of the node that is held but for one: t + r × x.
+            // For the node with all but one direction fixed: t + r × x.
             let r = rotation;
             let turned = [
                 r[1] * place[2] - r[2] * place[1],
@@ -176,8 +178,7 @@ fn a_frame_moves_as_the_support_that_is_missing_lets_it() {
     }
 }
 
-/// Tips of springs: beside the structure stand the springs between its nodes and the tips, and a tip on which nothing
-/// presses follows its node.
+/// Spring tips: springs connect the nodes of the structure with the tips, and an unloaded tip follows its node.
 #[test]
 fn spring_tips_are_springs_between_the_nodes_and_the_stops() {
     let (n, springs) = (5, [3.0, 0.4, 7.0]);

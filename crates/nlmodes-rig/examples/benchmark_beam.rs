@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Ideal force instead of the shaker, hard stop instead of the spring, noise of the sensors, only upwards, cut-off of
-//! the detector over the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
+//! the detector relative to the frequency, data of the shaker (R, L, T, m, ka, ca, ks, cs).
 
 #![allow(mixed_script_confusables, dead_code)]
 

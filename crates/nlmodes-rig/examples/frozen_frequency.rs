@@ -1,14 +1,14 @@
 //! Is phase resonance stable without the loop? Periodic responses of the paper's beam to an ideal force, with their
-//! Floquet multipliers, and what becomes of them when the frequency is frozen.
+//! Floquet multipliers, and the behaviour after the frequency is frozen.
 //!
 //! ```text
 //! cargo run -p nlmodes-rig --example frozen_frequency -- FORCE…
 //! ```
 //!
 //! At each force and lag the response is the fixed point of the map over one period of the drive, found by Newton's
-//! method with the frequency as an unknown and the lag as an equation, so that folds over the frequency do not matter.
-//! The sampling interval is a whole fraction of the period. A response is stable with the frequency held if all
-//! eigenvalues of the map's derivative lie within the unit circle.
+//! method with the frequency as an unknown and the lag as an equation, so that folds over frequency do not matter. The
+//! period is an integer number of sampling intervals. A response is stable at fixed frequency if all eigenvalues of the
+//! derivative of the map are inside the unit circle.
 
 #![allow(mixed_script_confusables, dead_code)]
 
@@ -25,19 +25,21 @@ use num_complex::Complex64;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// Samples a period.
+/// Samples per period.
 const SAMPLES: usize = 480;
 const MODES: usize = beam::FREQUENCIES_HZ.len();
 const STATES: usize = 2 * MODES;
 
-/// The driven beam at one frequency. States are modal coordinates and velocities over the first eigenfrequency, m√kg.
+/// The driven beam at one frequency. States are modal coordinates and velocities divided by the first eigenfrequency,
+/// m√kg.
 struct Driven {
     rig: VirtualRig,
     force: f64,
     omega: f64,
 }
 
-/// The end of a period, and the displacement at the drive point meanwhile: its fundamental over the force's phase.
+/// The state after a period, and the fundamental of the displacement at the drive point relative to the phase of the
+/// force.
 struct Period {
     state: Vec<f64>,
     response: Complex64,
@@ -82,7 +84,7 @@ impl Driven {
         Ok(Period { state: state(&self.rig)?, response })
     }
 
-    /// Derivative of the map and of the response by the state.
+    /// Derivative of the map and of the response with respect to the state.
     fn derivative(&mut self, at: &[f64]) -> Outcome<(Mat<f64>, Vec<Complex64>)> {
         let step = 1e-7 * at.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let (mut map, mut response) = (Mat::zeros(STATES, STATES), Vec::new());
@@ -144,7 +146,7 @@ fn resonance(force: f64, lag: f64, mut x: Vec<f64>, mut omega: f64) -> Outcome<(
     Err("no periodic response found".into())
 }
 
-/// State at phase 0 and frequency of the loop at this force, after so many seconds.
+/// State at phase 0 and frequency of the loop at this force, after this many seconds.
 fn locked(force: f64, seconds: f64) -> Outcome<(Vec<f64>, f64)> {
     let resonance = Resonance { omega: scale(), damping_ratio: beam::DAMPING_RATIOS[0] };
     let settings =

@@ -1,14 +1,14 @@
-/// Binomial coefficients beyond this degree are not needed: Taylor series of one step end before.
+/// Binomial coefficients beyond this degree are not needed: Taylor series of one step are shorter.
 const MOST: usize = 32;
 
-/// Depth of subdivision at which an interval of `2⁻⁵⁰` counts as a point.
+/// Maximum depth of subdivision: an interval of `2⁻⁵⁰` is a point.
 const DEPTH: u32 = 50;
 
 /// Smallest `τ` in [0, 1] at which `Σ a_i τ^i` becomes negative.
 ///
-/// The polynomial lies between its smallest and largest Bernstein coefficient on the interval, and has at most as many
-/// roots there as these change sign. So nothing is missed, however briefly it dips below zero: intervals are halved
-/// until they have no change (no root) or one (one root, then bisected).
+/// On the interval the polynomial is bounded by its smallest and largest Bernstein coefficients, and has at most as
+/// many roots as these have sign changes. Nothing is missed, however briefly it becomes negative: intervals are halved
+/// until they have no sign change (no root) or one (one root, then bisected).
 pub(crate) fn first_negative(power: &[f64]) -> Option<f64> {
     let n = power.len() - 1;
     assert!(n <= MOST, "a Taylor series of one step has a fixed, lower order");

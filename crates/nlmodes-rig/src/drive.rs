@@ -4,12 +4,12 @@ use num_complex::Complex64;
 use crate::RigError;
 use crate::propagator::{DEGREE, Input};
 
-/// Largest angle of the drive in one integration step, rad: the series of the cosine then errs by less than 1e-7.
+/// Largest angle of the drive in one integration step, rad: the error of the cosine series is then below 1e-7.
 const LARGEST_ANGLE: f64 = 0.5;
 
 /// The drive over one sampling interval: `Re Σ U_n(t) e^{in(φ + ω t)}` with amplitudes that change linearly.
 ///
-/// Harmonic, not held: a held drive would lag by half a sampling interval, which at 20 kHz and 40 Hz is 0.36 degrees.
+/// Harmonic, without a zero-order hold, which would lag by half a sampling interval, 0.36 degrees at 20 kHz and 40 Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Complex amplitudes of the harmonics 1, 2 … at the beginning and at the end, N or V.
@@ -31,14 +31,14 @@ impl Drive {
         drive
     }
 
-    /// The highest harmonic that is in it, one at least.
+    /// Its highest harmonic, at least one.
     fn highest(&self) -> usize {
         let is_there = |n: &usize| self.amplitudes.iter().any(|at| at[n - 1] != Complex64::ZERO);
         (2..=MAX_HARMONICS).rev().find(is_there).unwrap_or(1)
     }
 
-    /// Powers of time over the part of the interval from `start` to `end` (shares of it, which is `interval` seconds
-    /// long).
+    /// Powers of time over the part of the interval from `start` to `end` (fractions of its length of `interval`
+    /// seconds).
     pub(crate) fn polynomial(&self, start: f64, end: f64, interval: f64) -> Result<Input, RigError> {
         let highest = self.highest();
         let angle = highest as f64 * self.omega * interval * (end - start);

@@ -4,14 +4,14 @@ use nlmodes_model::ModelError;
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-/// Why a virtual rig cannot be built or cannot go on.
+/// Why a virtual rig cannot be built or cannot continue.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RigError {
-    /// Somebody who was asked broke it off.
+    /// The computation was cancelled.
     #[error("interrupted")]
     Interrupted,
-    /// A quantity that has to be positive and finite is not.
+    /// A quantity that must be positive and finite is not.
     #[error("{what} must be positive and finite, not {value}")]
     NotPositive {
         /// The quantity, with its unit.
@@ -35,7 +35,7 @@ pub enum RigError {
         /// Its value.
         value: f64,
     },
-    /// A list has not one entry a mode.
+    /// A list does not have one entry per mode.
     #[error("{what}: {found} values for {modes} modes")]
     ModeCount {
         /// The list.
@@ -45,7 +45,7 @@ pub enum RigError {
         /// Number of values.
         found: usize,
     },
-    /// A rigid stop needs the static flexibility of the point at which it stands.
+    /// A rigid stop needs the static flexibility of its point.
     #[error(
         "a rigid stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not {residual}: \
          without it the contact node would have mass, and an impact law would be needed"
@@ -54,7 +54,7 @@ pub enum RigError {
         /// Residual flexibility, m/N.
         residual: f64,
     },
-    /// There is no stop for a sensor that measures at one.
+    /// A sensor at the stop, but there is no stop.
     #[error("sensor `{sensor}` measures at the stop, but there is none")]
     NoStop {
         /// The sensor.
@@ -63,7 +63,7 @@ pub enum RigError {
     /// There is no such sensor.
     #[error("channel {channel}: there are {channels}")]
     NoChannel {
-        /// Index asked for.
+        /// Requested index.
         channel: usize,
         /// Number of channels.
         channels: usize,
@@ -78,10 +78,10 @@ pub enum RigError {
         step: f64,
         /// Longest step, s.
         limit: f64,
-        /// Steps a sampling interval that would do.
+        /// Sufficient number of steps per sampling interval.
         substeps: usize,
     },
-    /// The drive turns too far in one integration step to be represented.
+    /// The angle of the drive in one integration step is too large to be represented.
     #[error(
         "the drive turns by {angle} rad in one integration step, at most {limit} rad: sample faster or drive more slowly"
     )]
@@ -91,12 +91,12 @@ pub enum RigError {
         /// Largest, rad.
         limit: f64,
     },
-    /// Contact opened and closed more often in one step than a piecewise linear motion of this size can.
+    /// Contact opened and closed more often in one step than is possible for a piecewise linear motion of this size.
     #[error("contact switched more than {most} times in one step at {time} s")]
     Chatter {
         /// Time, s.
         time: f64,
-        /// Most.
+        /// Maximum.
         most: usize,
     },
     /// The motion left the range of numbers.
@@ -105,12 +105,12 @@ pub enum RigError {
         /// Time, s.
         time: f64,
     },
-    /// A structure has not as many modes as asked for.
+    /// A structure has fewer modes than requested.
     #[error("{wanted} modes were asked for, but the structure has {found}")]
     TooFewModes {
-        /// Asked for.
+        /// Requested.
         wanted: usize,
-        /// There are.
+        /// Available.
         found: usize,
     },
     /// The modes of a structure cannot be computed.
@@ -122,10 +122,10 @@ pub enum RigError {
     /// Its static deflections cannot be computed.
     #[error(transparent)]
     Statics(#[from] LinalgError),
-    /// The loop is refused.
+    /// The loop is rejected.
     #[error(transparent)]
     Loop(#[from] PhaseLoopError),
-    /// The loop's sampling interval is not that of the rig.
+    /// The sampling interval of the loop differs from that of the rig.
     #[error("the loop has a sampling interval of {of_loop} s, the rig one of {of_rig} s")]
     SamplingIntervals {
         /// Of the loop, s.
@@ -133,7 +133,7 @@ pub enum RigError {
         /// Of the rig, s.
         of_rig: f64,
     },
-    /// The loop is set for another quantity than its response sensor measures.
+    /// The loop is set for a quantity other than that of its response sensor.
     #[error("the loop expects a response in {expected}, but sensor `{sensor}` measures in {found}")]
     ResponseQuantity {
         /// The sensor.

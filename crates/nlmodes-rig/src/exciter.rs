@@ -1,7 +1,7 @@
 use crate::RigError;
 use crate::error::{not_negative, positive};
 
-/// What turns the drive into a force.
+/// The exciter, which converts the drive to a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exciter {
     /// The drive is the force itself, N.
@@ -18,8 +18,8 @@ pub enum Exciter {
 /// f = k_s (x_a − w) + c_s (v_a − ẇ)
 /// ```
 ///
-/// `f` is what a force sensor between stinger and structure measures. A residual flexibility of the drive point acts in
-/// series with the spring of the stinger; its damper spans both.
+/// `f` is what a force sensor between stinger and structure measures. A residual flexibility of the drive point is in
+/// series with the spring of the stinger; the damper is parallel to both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaker {
     /// Resistance of the coil `R`, Ω.
@@ -42,7 +42,7 @@ pub struct Shaker {
 
 impl Default for Shaker {
     /// A small shaker of the 50 N class: 2 Ω, 0.15 mH, 9.8 N/A, 60 g on 12 kN/m; and a thin steel stinger of 1 mm by
-    /// 150 mm (EA/l = 1.0e6 N/m). On a structure that hardly moves it gives some 4.7 N/V at low frequency.
+    /// 150 mm (EA/l = 1.0e6 N/m). On a nearly immobile structure it supplies some 4.7 N/V at low frequency.
     ///
     /// The paper names no shaker; these are typical data of such machines, not those of its experiment.
     fn default() -> Self {
@@ -60,7 +60,7 @@ impl Default for Shaker {
 }
 
 impl Exciter {
-    /// Its name, for people.
+    /// Its name for messages.
     pub fn name(&self) -> &'static str {
         match self {
             Self::IdealForce => "ideal force",

@@ -1,34 +1,34 @@
 use std::fmt;
 
-/// What a careful experimenter wants to be told about a level, with its number.
+/// What a careful experimenter should know about a level, with its value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// The lag is not the one asked for.
+    /// The lag differs from its target.
     NotLocked {
         /// Lag less target, rad.
         error: f64,
     },
-    /// The frequency still moves.
+    /// The frequency still drifts.
     FrequencyDrift {
-        /// Relative change a second, 1/s.
+        /// Relative change per second, 1/s.
         rate: f64,
     },
-    /// The amplitude of the response still moves.
+    /// The amplitude of the response still drifts.
     AmplitudeDrift {
-        /// Relative change a second, 1/s.
+        /// Relative change per second, 1/s.
         rate: f64,
     },
-    /// One period is not like the next.
+    /// Successive periods differ.
     Aperiodic {
         /// Root mean square difference from the mean period, relative.
         spread: f64,
     },
-    /// A controlled harmonic of the force is not what it should be.
+    /// A controlled harmonic of the force misses its target.
     HarmonicNotReached {
         /// The harmonic.
         harmonic: usize,
-        /// Distance from the wanted amplitude over the amplitude of the fundamental.
+        /// Distance from the target amplitude, relative to the amplitude of the fundamental.
         error: f64,
     },
     /// A controlled harmonic would have to be larger than permitted: the drive point hardly moves in it.
@@ -36,15 +36,15 @@ pub enum Finding {
         /// The harmonic.
         harmonic: usize,
     },
-    /// The loop wants a frequency outside of its range.
+    /// The loop demands a frequency outside its range.
     FrequencyLimit {
-        /// Where it stands, rad/s.
+        /// Present frequency, rad/s.
         omega: f64,
     },
 }
 
 impl Finding {
-    /// Short name, as it stands in tables.
+    /// Short name, as used in tables.
     pub fn name(&self) -> &'static str {
         match self {
             Self::NotLocked { .. } => "not-locked",

@@ -25,8 +25,8 @@ impl Functional {
         self
     }
 
-    /// Time derivative along `ẋ = A x + c + b u`. At most two derivatives of the input are kept, which is what an
-    /// acceleration with a direct share of the drive needs.
+    /// Time derivative along `ẋ = A x + c + b u`. At most two derivatives of the input are kept, as required for an
+    /// acceleration with direct feedthrough of the drive.
     pub(crate) fn derivative(&self, a: &Matrix, c: &[f64], b: &[f64]) -> Self {
         let [now, first, _] = self.input;
         Self { row: a.transposed_times(&self.row), constant: dot(&self.row, c), input: [dot(&self.row, b), now, first] }

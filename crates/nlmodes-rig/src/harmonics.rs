@@ -10,41 +10,41 @@ use num_complex::Complex64;
 
 use crate::{Drive, RigError, VirtualRig};
 
-/// Which harmonics of the force are controlled beyond the first, and what for.
+/// The harmonics of the force that are controlled beyond the first.
 ///
-/// The law is that of [`ForceAppropriation`]: each gets the power that the damping of the linear modes takes out of the
-/// motion.
+/// The control law is that of [`ForceAppropriation`]: each harmonic supplies the power dissipated by the damping of the
+/// linear modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlledHarmonics {
     /// The highest, from 2 on.
     pub harmonics: usize,
     /// Linear modes at motion sensors, with damping ratios.
     pub modes: LinearModes,
-    /// Channels of these sensors, one a coordinate of the modes.
+    /// Channels of these sensors, one per coordinate of the modes.
     pub channels: Vec<usize>,
-    /// Which of these coordinates is the drive point.
+    /// Index of the drive point among these coordinates.
     pub drive: usize,
 }
 
-/// The controller of a session, with what it remembers.
+/// The controller of a session, with its state.
 #[derive(Debug, Clone)]
 pub(crate) struct HarmonicControl {
     control: ForceAppropriation,
     pub(crate) state: AppropriationState,
     channels: Vec<usize>,
     motions: Vec<f64>,
-    /// Sum of what was missing to the wanted harmonics, and its samples.
+    /// Sum of the errors of the harmonics, and the number of samples.
     missing: Vec<Complex64>,
     samples: usize,
 }
 
 impl HarmonicControl {
-    /// Amplitude of the tones with which the answer of the force is measured, as a share of the level.
+    /// Amplitude of the tones used to measure the transfer function of the force, relative to the level.
     pub(crate) const TONE: f64 = 0.1;
-    /// Time constants of the detector after which it counts as at rest.
+    /// Number of time constants after which the detector has settled.
     const WAIT: f64 = 20.0;
 
-    /// A controller with this answer of the force to the drive, or with one that stands for it until it is measured.
+    /// A controller with this transfer function from drive to force, or with a placeholder until it is measured.
     pub(crate) fn new(
         rig: &VirtualRig,
         pll: &LoopSettings,
@@ -56,7 +56,7 @@ impl HarmonicControl {
         let (harmonic, omega) = (MAX_HARMONICS, pll.range[1]);
         let limit = PI / (harmonic as f64 * omega);
         if interval >= limit {
-            // Harmonics that are not sampled would be taken for lower ones.
+            // Harmonics above the Nyquist frequency would be aliased.
             return Err(PhaseLoopError::AboveNyquist { harmonic, omega, limit }.into());
         }
         let settings =
@@ -68,12 +68,12 @@ impl HarmonicControl {
         Ok(Self { control, state, channels: wanted.channels.clone(), motions, missing, samples: 0 })
     }
 
-    /// Time after which the detectors have come up, s.
+    /// Settling time of the detectors, s.
     pub(crate) fn wait(&self) -> f64 {
         Self::WAIT / self.control.settings().cut_off
     }
 
-    /// Takes this interval's samples and puts its harmonics into the drive.
+    /// Processes the samples of this interval and adds its harmonics to the drive.
     pub(crate) fn step(
         &mut self,
         drive: &mut Drive,
@@ -95,14 +95,14 @@ impl HarmonicControl {
         Ok(())
     }
 
-    /// Mean distance of each harmonic from what is wanted over the fundamental, since this was last asked for.
+    /// Mean error of each harmonic relative to the fundamental, since the last call.
     pub(crate) fn take_off(&mut self) -> Vec<f64> {
         let size = self.state.force()[0].norm() * std::mem::take(&mut self.samples) as f64;
         self.missing.iter_mut().map(|sum| std::mem::take(sum).norm() / size).collect()
     }
 }
 
-/// What the sensor at this channel measures, if it is a motion.
+/// Quantity of the sensor of this channel, if it is a motion.
 fn quantity(rig: &VirtualRig, channel: usize) -> Result<ResponseQuantity, RigError> {
     let found = rig.channel(channel)?;
     match found.quantity {

@@ -3,14 +3,14 @@ use nlmodes_experiment::phase_loop::AppropriationState;
 use crate::error::positive;
 use crate::{Finding, RigError};
 
-/// How long a level is held: until lag, drift and periodicity are within tolerance, all at once.
+/// Duration of a level: until lag, drift and periodicity are all within tolerance.
 ///
 /// Judged on windows of whole periods; drift is the slope of a straight line through the last windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold {
-    /// Periods a window.
+    /// Periods per window.
     pub periods: usize,
-    /// Windows that are looked at together.
+    /// Number of windows considered together.
     pub windows: usize,
     /// Largest deviation of the lag from its target, rad.
     pub lag: f64,
@@ -20,9 +20,9 @@ pub struct Hold {
     pub amplitude_drift: f64,
     /// Largest relative difference between a period and the mean one.
     pub spread: f64,
-    /// Largest deviation of a controlled harmonic of the force, over the fundamental.
+    /// Largest deviation of a controlled harmonic of the force, relative to the fundamental.
     pub harmonics: f64,
-    /// Longest time, s. After it the level is recorded as it is, with what is wrong among its findings.
+    /// Longest time, s. After it the level is recorded as it is, with the deviations among its findings.
     pub longest: f64,
 }
 
@@ -42,7 +42,7 @@ impl Default for Hold {
     }
 }
 
-/// Means over some periods of the steady state, or of what came instead.
+/// Means over some periods of the steady state, or of the unsteady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SteadyState {
@@ -58,15 +58,15 @@ pub struct SteadyState {
     pub spread: f64,
 }
 
-/// What happened while a level was held.
+/// Outcome of holding a level.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Settling {
-    /// Time that it took, s.
+    /// Duration, s.
     pub duration: f64,
     /// Mean of the last windows.
     pub steady: SteadyState,
-    /// What is still not as it should be; empty once settled.
+    /// Remaining deviations; empty if settled.
     pub findings: Vec<Finding>,
 }
 
@@ -88,7 +88,7 @@ impl Hold {
         let omega = slope(windows, length, |w| w.omega) / mean(windows, |w| w.omega);
         let response = slope(windows, length, |w| w.response) / mean(windows, |w| w.response);
         let spread = windows.iter().map(|w| w.spread).fold(0.0, f64::max);
-        // Written so that a value that is not a number is a finding.
+        // Formulated such that NaN is a finding.
         let within = |value: f64, tolerance: f64| value.abs() <= tolerance;
         [
             (within(error, self.lag), Finding::NotLocked { error }),
@@ -103,14 +103,14 @@ impl Hold {
 }
 
 impl Hold {
-    /// What is wrong with the controlled harmonics, each as its mean distance from what is wanted over the fundamental.
+    /// Deviations of the controlled harmonics, each as its mean error relative to the fundamental.
     pub(crate) fn judge_harmonics(&self, off: &[f64], control: &AppropriationState) -> Vec<Finding> {
         let one = |(index, &error): (usize, &f64)| {
             let harmonic = index + 1;
             if control.is_limited(harmonic) {
                 return Some(Finding::HarmonicLimit { harmonic });
             }
-            // Written so that a value that is not a number is a finding.
+            // Formulated such that NaN is a finding.
             let within = error <= self.harmonics;
             (!within).then_some(Finding::HarmonicNotReached { harmonic, error })
         };
@@ -149,7 +149,7 @@ fn mean(windows: &[SteadyState], value: impl Fn(&SteadyState) -> f64) -> f64 {
     windows.iter().map(value).sum::<f64>() / windows.len() as f64
 }
 
-/// Slope of the least squares line through values that are `length` apart.
+/// Slope of the least-squares line through values with spacing `length`.
 fn slope(windows: &[SteadyState], length: f64, value: impl Fn(&SteadyState) -> f64) -> f64 {
     let middle = 0.5 * (windows.len() as f64 - 1.0);
     let (mut product, mut square) = (0.0, 0.0);

@@ -1,7 +1,7 @@
 //! Virtual test rig: a vibrating structure with a stop, a shaker, sensors and a level schedule under a phase-locked
 //! loop.
 //!
-//! It shows what a test would show before there is one, and makes records with known truth for the extraction of modes.
+//! It simulates a test before it is built, and supplies records with known exact values for the extraction of modes.
 //!
 //! ```text
 //! q̈_k + 2 ζ_k ω_k q̇_k + ω_k² q_k = φ_ex,k f − side · φ_s,k λ             structure, eq. (23) in modal coordinates
@@ -11,10 +11,10 @@
 //! ```
 //!
 //! `A` is the flexibility of the stop, that of a massless contact node, or both; so a rigid stop needs no impact law,
-//! see [`Stop`]. The whole is piecewise linear. Between contact instants it is propagated by the matrix exponential,
-//! and the instants are the roots of a Taylor series that leaves none out: energy is kept to rounding (below 1e-9 in
-//! two seconds with a hundred contacts), and a step too large for that is [refused](RigError::StepTooLarge). The drive
-//! is harmonic within a sampling interval.
+//! see [`Stop`]. The system is piecewise linear. Between contact instants it is propagated by the matrix exponential,
+//! and the instants are the roots of a Taylor series, none of which is missed: energy is conserved to rounding (below
+//! 1e-9 in two seconds with a hundred contacts), and a step too large for this is [rejected](RigError::StepTooLarge).
+//! The drive is harmonic within a sampling interval.
 //!
 //! | symbol | meaning | unit | item |
 //! | --- | --- | --- | --- |
@@ -23,11 +23,10 @@
 //! | `g_0`, `λ`, `A` | gap, contact force, flexibility | m, N, m/N | [`Stop`] |
 //! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
 //!
-//! A [`Session`] is a rig with its loop closed; a [`VirtualTest`] goes through a [`Schedule`] of levels, holds each
-//! until lag, drift and periodicity are within tolerance, and gives its
-//! [`Record`](nlmodes_experiment::records::Record), as a measured one, with what is still wrong as [`Finding`]s. The
-//! loop of [`nlmodes_experiment::phase_loop`] sees two noisy channels and nothing of the model. The same seed gives the
-//! same records.
+//! A [`Session`] is a rig in a closed loop; a [`VirtualTest`] runs through a [`Schedule`] of levels, holds each until
+//! lag, drift and periodicity are within tolerance, and returns a [`Record`](nlmodes_experiment::records::Record) like
+//! a measured one, with the remaining deviations as [`Finding`]s. The loop of [`nlmodes_experiment::phase_loop`] has
+//! access to two noisy channels only, not to the model. The same seed gives the same records.
 //!
 //! ```
 //! use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};

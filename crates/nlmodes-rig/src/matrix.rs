@@ -1,4 +1,4 @@
-/// A small square matrix, column-major: one product a step, at the size of a modal model with a shaker.
+/// A small square matrix, column-major: one product per step, of the size of a modal model with a shaker.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Matrix {
     n: usize,

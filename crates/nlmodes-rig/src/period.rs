@@ -2,10 +2,10 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-/// Harmonics that are followed.
+/// Number of harmonics.
 const HARMONICS: usize = 5;
 
-/// Fewest points of a period at which the signals are resampled.
+/// Minimum number of points per period at which the signals are resampled.
 const FEWEST: f64 = 32.0;
 
 /// Complex amplitudes of force and response over one period, in the frame of the drive; harmonics 1 to 5.
@@ -27,7 +27,7 @@ impl Period {
         mean
     }
 
-    /// Root mean square distance of some periods from their mean, over the size of the mean: the larger of force and
+    /// Root mean square distance of some periods from their mean, relative to the mean: the larger of force and
     /// response.
     pub(crate) fn spread(periods: &[Self]) -> f64 {
         let mean = Self::mean(periods);
@@ -41,11 +41,11 @@ impl Period {
     }
 }
 
-/// Resamples force and response at equal angles of the drive and forms the Fourier coefficients of each period.
+/// Resamples force and response at equal angles of the drive and computes the Fourier coefficients of each period.
 ///
-/// A period is no whole number of samples; by cubic interpolation at equal angles there is no leakage, and one period
-/// can be compared with the next. There are as many points as samples, so that contact's high harmonics are not folded
-/// down.
+/// A period is not a whole number of samples; with cubic interpolation at equal angles there is no leakage, and one
+/// period can be compared with the next. There are as many points as samples, so that the high harmonics of contact are
+/// not aliased.
 #[derive(Debug, Clone)]
 pub(crate) struct PeriodAnalyzer {
     points: usize,
@@ -61,7 +61,7 @@ pub(crate) struct PeriodAnalyzer {
 }
 
 impl PeriodAnalyzer {
-    /// For drives that turn by about `angle` rad a sample.
+    /// For drives with about `angle` rad per sample.
     pub(crate) fn new(angle: f64) -> Self {
         let points = (TAU / angle).ceil().max(FEWEST);
         Self {
@@ -110,7 +110,7 @@ impl PeriodAnalyzer {
         complete
     }
 
-    /// Cubic Lagrange interpolation at the share `s` between the two middle samples.
+    /// Cubic Lagrange interpolation at the fraction `s` between the two middle samples.
     fn interpolate(&self, s: f64) -> [f64; 2] {
         let weights = [
             -s * (s - 1.0) * (s - 2.0) / 6.0,
@@ -137,7 +137,7 @@ mod tests {
         }
         assert_eq!(found.len(), 7);
         for period in &found {
-            // Cubic interpolation errs by (n Δθ)⁴ 3/128, 5e-10 for the fundamental.
+            // The error of cubic interpolation is (n Δθ)⁴ 3/128, 5e-10 for the fundamental.
             assert!((period.force[0] - Complex64::from_polar(3.0, 0.2)).norm() < 1e-8);
             assert!((period.force[2] - Complex64::new(0.0, -0.5)).norm() < 1e-7);
             assert!((period.response[0] - Complex64::new(0.0, -1e-5)).norm() < 1e-13);

@@ -8,16 +8,16 @@ use crate::state_space::{Linear, StateSpace};
 /// Order of the Taylor series in time.
 const ORDER: usize = 24;
 
-/// Largest `‖A‖ h`: the rest of the series is then below `2²⁵ / 25! = 2e-18` of the state.
+/// Largest `‖A‖ h`: the remainder of the series is then below `2²⁵ / 25! = 2e-18` of the state.
 const LARGEST_NORM: f64 = 2.0;
 
-/// Most parts into which a sampling interval is divided without being told to.
+/// Maximum number of parts into which a sampling interval is divided by default.
 const MOST_PARTS: usize = 1000;
 
-/// Degree of the polynomial that stands for the drive within one step.
+/// Degree of the polynomial that represents the drive within one step.
 pub(crate) const DEGREE: usize = 7;
 
-/// Most switchings of one contact in one step.
+/// Maximum number of switchings of one contact in one step.
 const MOST_SWITCHES: usize = 32;
 
 /// Input over one step: `u = Σ u_j τ^j` with `τ` from 0 to 1.
@@ -26,14 +26,14 @@ pub(crate) type Input = [f64; DEGREE + 1];
 /// Exact propagation of a piecewise linear system from contact instant to contact instant.
 ///
 /// Between two instants `ẋ = A x + c + b u` is solved by the matrix exponential, with its integrals against the powers
-/// of time for the input. A step in which the contact may open or close is written as a Taylor series, whose first
-/// change of sign of the penetration is isolated and bisected; from there the other system goes on.
+/// of time for the input. A step in which the contact may open or close is written as a Taylor series, whose first sign
+/// change of the penetration is isolated and bisected; from there the other system applies.
 #[derive(Debug, Clone)]
 pub(crate) struct Propagator {
     step: f64,
     /// Open, closed.
     systems: [Exponential; 2],
-    /// Penetration and its first two derivatives (m, m a step, m a step²), of the open and of the closed system.
+    /// Penetration and its first two derivatives (m, m per step, m per step²), of the open and of the closed system.
     gauge: Option<[[Functional; 3]; 2]>,
     series: Vec<f64>,
     next: Vec<f64>,
@@ -52,7 +52,7 @@ struct Exponential {
 }
 
 impl Propagator {
-    /// Prepares steps of `interval / substeps`, or of as few parts as are needed.
+    /// Prepares steps of `interval / substeps`, or with the smallest sufficient number of parts.
     pub(crate) fn new(space: &StateSpace, interval: f64, substeps: Option<usize>) -> Result<Self, RigError> {
         let norm = space.systems.iter().map(|system| system.a.norm()).fold(0.0, f64::max);
         let limit = LARGEST_NORM / finite("fastest rate of the rig (1/s)", norm)?;
@@ -72,7 +72,7 @@ impl Propagator {
         self.step
     }
 
-    /// One step of `x`; `closed` says whether the contact is closed, before and after.
+    /// One step of `x`; `closed` is whether the contact is closed, before and after.
     pub(crate) fn advance(&mut self, x: &mut [f64], closed: &mut bool, u: &Input, time: f64) -> Result<(), RigError> {
         let mut next = std::mem::take(&mut self.next);
         self.systems[usize::from(*closed)].apply(x, u, &mut next);
@@ -116,8 +116,7 @@ impl Propagator {
         Err(RigError::Chatter { time, most: MOST_SWITCHES })
     }
 
-    /// Where, in the series at hand, the penetration leaves the side on which it is: negative while open, positive
-    /// while closed.
+    /// Where the penetration changes its sign in this series: it is negative while open, positive while closed.
     fn departure(&self, closed: bool, just_switched: bool) -> Option<f64> {
         let gauge = self.gauge.as_ref()?;
         let sign = if closed { 1.0 } else { -1.0 };
@@ -126,7 +125,7 @@ impl Propagator {
         for (k, (value, x)) in power.iter_mut().zip(self.series.chunks_exact(n)).enumerate() {
             *value = sign * (dot(&gauge[0][0].row, x) + if k == 0 { gauge[0][0].constant } else { 0.0 });
         }
-        // At an instant the penetration is zero but for rounding: the series then begins with its velocity.
+        // At a contact instant the penetration is zero to rounding: the series then begins with its velocity.
         if just_switched || (power[0] <= 0.0 && power[1] > 0.0) {
             return first_negative(&power[1..]);
         }
@@ -191,7 +190,7 @@ impl Exponential {
         }
     }
 
-    /// `x(τ) = Σ x_k τ^k` over the share `part` of a step: `(k + 1) x_{k+1} = part · h (A x_k + c δ_k0 + b u_k)`.
+    /// `x(τ) = Σ x_k τ^k` over the fraction `part` of a step: `(k + 1) x_{k+1} = part · h (A x_k + c δ_k0 + b u_k)`.
     fn expand(&self, x: &[f64], part: f64, u: &Input, series: &mut [f64]) {
         let n = x.len();
         series[..n].copy_from_slice(x);
@@ -211,15 +210,16 @@ impl Exponential {
     }
 }
 
-/// Penetration, its velocity and its acceleration, a step being the unit of time.
+/// Penetration, its velocity and its acceleration, with a step as the unit of time.
 fn gauge(penetration: &Functional, system: &Exponential) -> [Functional; 3] {
     let velocity = penetration.derivative(&system.a, &system.c, &system.b);
     let acceleration = velocity.derivative(&system.a, &system.c, &system.b);
     [penetration.clone(), velocity, acceleration]
 }
 
-/// Whether the contact cannot switch within a step: at both ends it is farther away than velocities and accelerations
-/// there can carry it. A step resolves all modes (`‖A‖ h ≤ 2`), so that these do not hide larger ones between.
+/// Whether the contact cannot switch within a step: at both ends the distance is larger than the velocities and
+/// accelerations there allow it to travel. A step resolves all modes (`‖A‖ h ≤ 2`), so there are no larger values in
+/// between.
 fn far(gauge: &[Functional; 3], closed: bool, x: &[f64], next: &[f64], u: &Input) -> bool {
     let (at, after) = ([u[0], u[1], 2.0 * u[2]], [u.iter().sum(), 0.0, 0.0]);
     let reach = |x: &[f64], input: &[f64; 3]| 2.0 * gauge[1].value(x, input).abs() + gauge[2].value(x, input).abs();
@@ -241,7 +241,7 @@ fn evaluate(series: &[f64], τ: f64, x: &mut [f64]) {
     }
 }
 
-/// The same polynomial on the share of the step from `start`, of length `part`.
+/// The same polynomial on the part of the step from `start`, of length `part`.
 fn shifted(u: &Input, start: f64, part: f64) -> Input {
     let mut shifted = *u;
     // Taylor shift by repeated synthetic division, then scaling of the variable.

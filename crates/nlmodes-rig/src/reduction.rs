@@ -6,11 +6,11 @@ use nlmodes_reduction::{ModeCount, OpenModes};
 
 use crate::{DrivePoint, RigError};
 
-/// A component counts as at rest below this share of the largest one of a mode.
+/// A component is at rest if it is below this fraction of the largest one of the mode.
 const REST: f64 = 1e-9;
 
-/// A finite-element structure with its contacts open, reduced to its lowest modes and the static flexibility of the
-/// others: [`OpenModes`] without contacts, of which those are kept in which what is measured moves.
+/// A finite-element structure with open contacts, reduced to its lowest modes and the static flexibility of the others:
+/// [`OpenModes`] without contacts, restricted to the modes in which the measured coordinates move.
 ///
 /// A point of the structure is a list of degrees of freedom with weights, `w = Σ weight · q`. Its shape is
 /// `φ_k = Σ weight · Φ_k`, its residual flexibility `pᵀ K⁻¹ p − Σ_k φ_k² / ω_k²` with `p` the weights as a load. With
@@ -41,7 +41,7 @@ impl ModalReduction {
     ) -> Result<Self, RigError> {
         let (mass, stiffness) = (Arc::new(mass.clone()), Arc::new(stiffness.clone()));
         let nothing = sparse_from_triplets(dofs.len(), 0, &[])?;
-        // Modes of other kinds lie between: twice the number is nearly always enough.
+        // There are modes of other kinds in between: twice the number is nearly always enough.
         let mut wanted = (2 * count + 4).min(dofs.len());
         loop {
             let modes = ModeCount::Lowest(wanted);
@@ -76,9 +76,10 @@ impl ModalReduction {
         self.kept.iter().map(of).collect()
     }
 
-    /// Residual flexibility at a point, m/N. Zero up to rounding where no mode was left out.
+    /// Residual flexibility at a point, m/N. Zero to rounding if no mode was truncated.
     ///
-    /// A point between nodes loads them by its weights: what the element yields between its nodes is not in it.
+    /// A point between nodes loads them by its weights: the deformation of the element between its nodes is not
+    /// included.
     ///
     /// # Panics
     /// If a degree of freedom does not exist.
@@ -90,7 +91,7 @@ impl ModalReduction {
         residual.max(0.0)
     }
 
-    /// The point as one at which an exciter pushes; `position` in m.
+    /// The point as a drive point; `position` in m.
     pub fn drive_point(&self, position: f64, point: &[(usize, f64)]) -> DrivePoint {
         DrivePoint { position, shape: self.shape(point), residual: self.residual(point) }
     }

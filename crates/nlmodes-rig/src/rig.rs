@@ -10,22 +10,22 @@ use crate::state_space::StateSpace;
 use crate::structure::check_shape;
 use crate::{Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigError, Sensor, SensorPlace, Stop};
 
-/// What a rig consists of.
+/// Components of a rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigSetup {
     /// The structure without its stop.
     pub structure: LinearStructure,
-    /// Where the exciter pushes.
+    /// The drive point.
     pub drive_point: DrivePoint,
     /// Shaker or ideal force.
     pub exciter: Exciter,
     /// The stop, if there is one.
     pub stop: Option<Stop>,
-    /// Sensors, one a channel.
+    /// Sensors, one per channel.
     pub sensors: Vec<Sensor>,
     /// Sampling interval, s.
     pub interval: f64,
-    /// Integration steps a sampling interval; left out, as many as are needed.
+    /// Integration steps per sampling interval; by default the smallest sufficient number.
     pub substeps: Option<usize>,
     /// Seed of the noise.
     pub seed: u64,
@@ -34,8 +34,8 @@ pub struct RigSetup {
 /// A rig in motion.
 ///
 /// The motion is exact up to rounding between contact instants, which are located to the same accuracy; only a drive of
-/// high frequency is approximated (a polynomial of degree seven a step). Sensors are read at sampling instants; their
-/// noise follows from the seed, channel by channel.
+/// high frequency is approximated (a polynomial of degree seven per step). Sensors are read at sampling instants; their
+/// noise is determined by the random seed, channel by channel.
 #[derive(Debug, Clone)]
 pub struct VirtualRig {
     setup: RigSetup,
@@ -73,12 +73,12 @@ impl VirtualRig {
         Ok(Self { setup, space, propagator, substeps, channels, x, closed, input: [0.0; 3], intervals: 0 })
     }
 
-    /// What it consists of.
+    /// Its components.
     pub fn setup(&self) -> &RigSetup {
         &self.setup
     }
 
-    /// Integration steps a sampling interval.
+    /// Integration steps per sampling interval.
     pub fn substeps(&self) -> usize {
         self.substeps
     }
@@ -88,7 +88,7 @@ impl VirtualRig {
         self.intervals as f64 * self.setup.interval
     }
 
-    /// Moves on by one sampling interval.
+    /// Advances by one sampling interval.
     ///
     /// # Errors
     /// [`RigError::DriveTooFast`], [`RigError::Chatter`], [`RigError::Diverged`].
@@ -108,7 +108,7 @@ impl VirtualRig {
         if self.x.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(RigError::Diverged { time: self.time() }) }
     }
 
-    /// Reads a channel, with noise. Each reading draws anew.
+    /// Reads a channel, with noise. Each reading has new noise.
     ///
     /// # Errors
     /// [`RigError::NoChannel`].
@@ -122,7 +122,7 @@ impl VirtualRig {
         Ok(exact + *noise * normal)
     }
 
-    /// What a channel would read without noise.
+    /// The noise-free value of a channel.
     ///
     /// # Errors
     /// [`RigError::NoChannel`].
@@ -132,17 +132,17 @@ impl VirtualRig {
         Ok(channel.output[usize::from(self.closed)].value(&self.x, &self.input))
     }
 
-    /// Whether the structure touches its stop.
+    /// Whether the contact is closed.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
 
-    /// Modal coordinates `q_k`, m·√kg: what no sensor sees.
+    /// Modal coordinates `q_k`, m·√kg, which no sensor measures.
     pub fn modal_coordinates(&self) -> Vec<f64> {
         self.space.coordinates(&self.x).collect()
     }
 
-    /// Puts the structure into this state, m·√kg and m·√kg/s, with the exciter at rest.
+    /// Sets the state of the structure, m·√kg and m·√kg/s, with the exciter at rest.
     ///
     /// # Errors
     /// [`RigError::ModeCount`], [`RigError::NotFinite`].
@@ -204,14 +204,14 @@ fn channels(setup: &RigSetup, space: &StateSpace) -> Result<Vec<Channel>, RigErr
         Ok(Channel {
             output: [output(setup, space, sensor, false)?, output(setup, space, sensor, true)?],
             noise: sensor.noise,
-            // One stream a channel: a further channel leaves the noise of the others as it is.
+            // One random stream per channel: an additional channel does not change the noise of the others.
             random: Xoshiro256PlusPlus::seed_from_u64(setup.seed.wrapping_add(index as u64)),
         })
     };
     setup.sensors.iter().enumerate().map(channel).collect()
 }
 
-/// What a sensor reads with the stop open or closed.
+/// Value of a sensor with the stop open or closed.
 fn output(setup: &RigSetup, space: &StateSpace, sensor: &Sensor, closed: bool) -> Result<Functional, RigError> {
     let stop = || setup.stop.as_ref().ok_or_else(|| RigError::NoStop { sensor: sensor.name.clone() });
     let differentiate = |displacement: Functional, motion: MotionQuantity| {

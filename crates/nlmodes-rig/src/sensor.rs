@@ -1,6 +1,6 @@
 use nlmodes_experiment::records::{Quantity, Role};
 
-/// What a motion sensor measures.
+/// Quantity of a motion sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MotionQuantity {
     /// m.
@@ -22,20 +22,20 @@ impl MotionQuantity {
     }
 }
 
-/// What a sensor is attached to.
+/// Location of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SensorPlace {
     /// The force between exciter and structure.
     Excitation,
     /// The motion of the drive point.
     DrivePoint(MotionQuantity),
-    /// The motion of the point of the structure that meets the stop.
+    /// The motion of the contact point of the structure.
     StopPoint(MotionQuantity),
     /// The contact force on the stop.
     Stop,
     /// The motion of another point.
     Point {
-        /// What is measured.
+        /// Quantity.
         motion: MotionQuantity,
         /// Position along the structure, m.
         position: f64,
@@ -69,7 +69,7 @@ impl SensorPlace {
 pub struct Sensor {
     /// Name of the channel.
     pub name: String,
-    /// Where and what.
+    /// Location and quantity.
     pub place: SensorPlace,
     /// Standard deviation of white Gaussian noise, in the unit of the channel.
     pub noise: f64,

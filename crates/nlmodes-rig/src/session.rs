@@ -14,12 +14,12 @@ use crate::hold::Settling;
 use crate::period::{Period, PeriodAnalyzer};
 use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState, VirtualRig};
 
-/// Name of the channel of the drive's phase.
+/// Name of the channel with the phase of the drive.
 pub const DRIVE_PHASE: &str = "drive_phase";
 
-/// A rig with its loop closed: ramp, wait, settle, record, hold the frequency.
+/// A rig in a closed loop: ramp, wait, settle, record, freeze the frequency.
 ///
-/// The loop sees two channels of the rig, with their noise, and nothing else.
+/// The loop has access only to two channels of the rig, with their noise.
 #[derive(Debug, Clone)]
 pub struct Session {
     rig: VirtualRig,
@@ -29,12 +29,12 @@ pub struct Session {
     response: usize,
     amplitude: f64,
     harmonics: Option<HarmonicControl>,
-    /// What was read in this interval, channel by channel.
+    /// The readings of this interval, channel by channel.
     readings: Vec<Option<f64>>,
     asked: Asked,
 }
 
-/// Who is asked from time to time whether the motion goes on, and the samples since.
+/// Cancellation callback, and the samples since its last call.
 #[derive(Clone, Default)]
 struct Asked {
     who: Option<Arc<dyn Fn() -> ControlFlow<()> + Send + Sync>>,
@@ -42,7 +42,7 @@ struct Asked {
 }
 
 impl Asked {
-    /// Samples from one question to the next: some milliseconds of computation.
+    /// Samples between calls of the callback: some milliseconds of computation.
     const EVERY: usize = 500;
 
     fn goes_on(&mut self) -> Result<(), RigError> {
@@ -61,11 +61,11 @@ impl fmt::Debug for Asked {
 }
 
 impl Session {
-    /// A rig at rest and a loop before its first sample. `force` and `response` are the channels that the loop sees.
+    /// A rig at rest and a loop before its first sample. `force` and `response` are the channels used by the loop.
     ///
     /// # Errors
     /// Those of [`VirtualRig::new`]; [`RigError::Loop`], among others for unstable gains; [`RigError::NoChannel`];
-    /// [`RigError::SamplingIntervals`] and [`RigError::ResponseQuantity`] if rig and loop do not fit.
+    /// [`RigError::SamplingIntervals`] and [`RigError::ResponseQuantity`] if rig and loop are incompatible.
     pub fn new(setup: RigSetup, settings: LoopSettings, force: usize, response: usize) -> Result<Self, RigError> {
         let rig = VirtualRig::new(setup)?;
         let pll = PhaseLockedLoop::new(settings)?;
@@ -76,7 +76,7 @@ impl Session {
         Ok(Self { rig, pll, state, force, response, amplitude: 0.0, harmonics: None, readings, asked })
     }
 
-    /// Asks `who` from time to time whether the motion goes on; where it is to break off, whatever was begun ends with
+    /// Calls `who` from time to time to ask whether to continue; if not, the current operation ends with
     /// [`RigError::Interrupted`].
     #[must_use]
     pub fn asking(mut self, who: impl Fn() -> ControlFlow<()> + Send + Sync + 'static) -> Self {
@@ -89,7 +89,7 @@ impl Session {
         &self.rig
     }
 
-    /// The loop's state.
+    /// The state of the loop.
     pub fn state(&self) -> &LoopState {
         &self.state
     }
@@ -104,12 +104,12 @@ impl Session {
         self.amplitude
     }
 
-    /// Holds the frequency as it is, or gives it back to the loop.
+    /// Freezes the present frequency, or returns it to the loop.
     pub fn hold_frequency(&mut self, held: bool) {
         self.state = self.state.hold_frequency(held);
     }
 
-    /// Holds the frequency at `omega`, rad/s.
+    /// Freezes the frequency at `omega`, rad/s.
     ///
     /// # Errors
     /// [`RigError::NotPositive`].
@@ -118,13 +118,13 @@ impl Session {
         Ok(())
     }
 
-    /// Gives the higher harmonics of the force to a controller, from here on: measures how the force answers to the
-    /// drive in each of them, with a tone of a tenth of the present level, and lets them come up. To be called at a
-    /// level that is not zero, best below contact.
+    /// Starts control of the higher harmonics of the force: measures the transfer function from drive to force in each
+    /// of them, with a tone of a tenth of the present level, and lets them settle. To be called at a nonzero level,
+    /// preferably without contact.
     ///
     /// # Errors
-    /// [`RigError::Loop`] for what the controller has against its settings, or a force that does not answer;
-    /// [`RigError::NoChannel`] and [`RigError::ResponseQuantity`] for channels that are no motions;
+    /// [`RigError::Loop`] for invalid settings of the controller, or a force that does not respond;
+    /// [`RigError::NoChannel`] and [`RigError::ResponseQuantity`] for channels that are not motions;
     /// [`RigError::DriveTooFast`]; those of [`Session::ramp`].
     pub fn control_harmonics(&mut self, wanted: &ControlledHarmonics) -> Result<(), RigError> {
         let tone = HarmonicControl::TONE * positive("level", self.amplitude.abs())?;
@@ -147,13 +147,13 @@ impl Session {
         self.run(wait)
     }
 
-    /// The controlled harmonics of the force, where there are any beyond the first.
+    /// The controlled harmonics of the force, if any beyond the first.
     pub fn harmonics(&self) -> Option<&AppropriationState> {
         self.harmonics.as_ref().map(|control| &control.state)
     }
 
-    /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, ahead of the cosine in which the
-    /// fundamental of the response's displacement moves; empty where none but the first is controlled.
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, with phases relative to the cosine of the
+    /// fundamental of the response's displacement; empty if only the first is controlled.
     pub fn force_harmonics(&self) -> Vec<Complex64> {
         let [_, response] = self.state.fundamentals();
         let ahead = FRAC_PI_2 * f64::from(self.pll.settings().quantity.derivatives());
@@ -176,7 +176,7 @@ impl Session {
         Ok(())
     }
 
-    /// Goes on for `duration` seconds at the present amplitude.
+    /// Continues for `duration` seconds at the present amplitude.
     ///
     /// # Errors
     /// As [`Session::ramp`].
@@ -233,7 +233,7 @@ impl Session {
         Ok(window.steady_state(self.pll.target_lag()))
     }
 
-    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (one at least).
+    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (at least one).
     /// The last channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
     ///
     /// # Errors
@@ -289,7 +289,7 @@ impl Session {
         Ok((not_negative("duration (s)", duration)? / self.rig.setup().interval).round() as usize)
     }
 
-    /// One sample: read, let `see` look at the readings (each channel is read once), step the loop, move on.
+    /// One sample: read, pass the readings to `see` (each channel is read once), step the loop, advance.
     fn sample(
         &mut self,
         amplitude: f64,
@@ -338,7 +338,7 @@ fn check_channels(rig: &VirtualRig, pll: &PhaseLockedLoop, force: usize, respons
     Err(RigError::ResponseQuantity { sensor, expected: expected.si_unit(), found: found.si_unit() })
 }
 
-/// Whole periods, and the mean frequency meanwhile.
+/// Whole periods, and the mean frequency over them.
 struct Window {
     wanted: usize,
     analyzer: PeriodAnalyzer,

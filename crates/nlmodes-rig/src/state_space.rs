@@ -5,15 +5,15 @@ use crate::{DrivePoint, Exciter, LinearStructure, Shaker, Stop};
 /// `ẋ = A x + c + b u` with the stop open or closed.
 ///
 /// State: `s q_k`, `q̇_k`, and for a shaker `s √m_a x_a`, `√m_a v_a`, `√L i`. The rate `s`, near the highest frequency
-/// with the stop closed, makes all entries comparable and the norm of `A` as small as it can be: the norm decides on
-/// the step.
+/// with the stop closed, makes all entries comparable and the norm of `A`, which determines the step, as small as
+/// possible.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
     pub(crate) a: Matrix,
     pub(crate) c: Vec<f64>,
 }
 
-/// The rig as two linear systems that share state and input, and what is read from them.
+/// The rig as two linear systems with common state and input, and their outputs.
 #[derive(Debug, Clone)]
 pub(crate) struct StateSpace {
     modes: usize,
@@ -87,7 +87,7 @@ impl StateSpace {
         a
     }
 
-    /// Adds the force at the drive point, and the shaker's own equations.
+    /// Adds the force at the drive point, and the equations of the shaker.
     fn excite(&mut self, a: &mut Matrix) {
         let force = self.excitation_force();
         for (k, φ) in self.drive_point.shape.clone().into_iter().enumerate() {
@@ -169,7 +169,7 @@ impl StateSpace {
     }
 }
 
-/// Spring of the stinger in series with the residual flexibility of the point that it pushes at, N/m.
+/// Spring of the stinger in series with the residual flexibility of the drive point, N/m.
 fn stinger(shaker: &Shaker, at: &DrivePoint) -> f64 {
     1.0 / (1.0 / shaker.stinger_stiffness + at.residual)
 }

@@ -6,9 +6,9 @@ use crate::structure::check_shape;
 
 /// A one-sided stop.
 ///
-/// The point of the structure that meets it stands at `w = Σ_k φ_k q_k − side · R λ`, with `λ` the contact force and
-/// `R` the residual flexibility: what the modes that were left out, among them that of a massless contact node, yield
-/// statically. So contact is the quasi-static complementarity problem of eqs. (11) and (13),
+/// The contact point of the structure is at `w = Σ_k φ_k q_k − side · R λ`, with the contact force `λ` and the residual
+/// flexibility `R` of the truncated modes, including that of a massless contact node. Contact is therefore the
+/// quasi-static complementarity problem of eqs. (11) and (13),
 ///
 /// ```text
 /// 0 ≤ g_0 − side · Σ_k φ_k q_k + A λ  ⊥  λ ≥ 0 ,     A = R (rigid) ,   A = R + 1/k_c (elastic)
@@ -22,11 +22,11 @@ pub struct Stop {
     pub position: f64,
     /// Mode shapes there, 1/√kg.
     pub shape: Vec<f64>,
-    /// Side on which it stands.
+    /// Side of the stop.
     pub side: Side,
-    /// Gap at rest `g_0`, m. A negative one presses.
+    /// Gap at rest `g_0`, m. Negative: preloaded.
     pub gap: f64,
-    /// Rigid, or a spring.
+    /// Rigid, or elastic.
     pub law: ContactLaw,
     /// Residual flexibility `R`, m/N: static flexibility of the point less `Σ_k φ_k² / ω_k²`. A rigid stop needs it.
     pub residual: f64,

@@ -30,16 +30,16 @@ impl LinearStructure {
     }
 }
 
-/// Where the exciter pushes.
+/// The drive point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivePoint {
     /// Position along the structure, m.
     pub position: f64,
     /// Mode shapes there, 1/√kg.
     pub shape: Vec<f64>,
-    /// Residual flexibility of the modes that were left out, m/N: `w = Σ_k φ_k q_k + residual · f`.
+    /// Residual flexibility of the truncated modes, m/N: `w = Σ_k φ_k q_k + residual · f`.
     ///
-    /// The static flexibility of the point less `Σ_k φ_k² / ω_k²`. Zero leaves those modes out altogether.
+    /// The static flexibility of the point less `Σ_k φ_k² / ω_k²`. Zero neglects those modes altogether.
     pub residual: f64,
 }
 

@@ -11,16 +11,16 @@ use crate::hold::Settling;
 use crate::session::Session;
 use crate::{ControlledHarmonics, Drive, Finding, Hold, RigError, RigSetup, SteadyState};
 
-/// Levels of a test and how they are gone through.
+/// Levels of a test and their timing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// Amplitudes of the drive in their order, N or V.
     pub levels: Vec<f64>,
-    /// Time at the first level with the frequency held, s, until response and detector have come up.
+    /// Time at the first level with frozen frequency, s, until response and detector have settled.
     pub start: f64,
     /// Time from one level to the next, s.
     pub ramp: f64,
-    /// When a level is steady.
+    /// Criterion for a steady level.
     pub hold: Hold,
     /// Length of the record of each level, s.
     pub record: f64,
@@ -32,7 +32,7 @@ impl Schedule {
         Self { levels, start: 1.0, ramp: 1.0, hold: Hold::default(), record: 1.0 }
     }
 
-    /// These levels, and back from the last but one.
+    /// These levels, then back down from the last but one.
     pub fn up_and_down(mut levels: Vec<f64>) -> Self {
         let back: Vec<f64> = levels.iter().rev().skip(1).copied().collect();
         levels.extend(back);
@@ -46,14 +46,14 @@ impl Schedule {
 pub struct LevelOutcome {
     /// Amplitude of the drive, N or V.
     pub level: f64,
-    /// How it came to rest.
+    /// How it settled.
     pub settling: Settling,
     /// Means over the record.
     pub steady: SteadyState,
-    /// Complex amplitudes of the force in the controlled harmonics 1, 2 … at its end, N, ahead of the cosine in which
-    /// the fundamental of the drive point's displacement moves; none where only the fundamental is controlled.
+    /// Complex amplitudes of the force in the controlled harmonics 1, 2 … at its end, N, with phases relative to the
+    /// cosine of the fundamental of the drive point's displacement; empty if only the fundamental is controlled.
     pub force_harmonics: Vec<Complex64>,
-    /// What is not as it should be: after the hold, or within the record. Empty for a good level.
+    /// Deviations after the hold, or within the record. Empty for a good level.
     pub findings: Vec<Finding>,
     /// Time of the first sample since the test began, s.
     pub start: f64,
@@ -61,7 +61,7 @@ pub struct LevelOutcome {
     pub record: Record,
 }
 
-/// A whole test: rig, loop, schedule.
+/// A complete test: rig, loop, schedule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualTest {
     /// The rig.
@@ -72,15 +72,15 @@ pub struct VirtualTest {
     pub force: usize,
     /// Channel of the response, for the loop.
     pub response: usize,
-    /// Harmonics of the force that are controlled beyond the first; without them the loop turns the fundamental alone,
-    /// and the others are what the exciter makes of them.
+    /// Harmonics of the force that are controlled beyond the first; without them the loop controls the fundamental
+    /// alone, and the exciter determines the others.
     pub harmonics: Option<ControlledHarmonics>,
     /// The levels.
     pub schedule: Schedule,
 }
 
 impl VirtualTest {
-    /// Whether the test would begin: refuses all that [`run`](Self::run) refuses before its first sample.
+    /// Whether the test can start: rejects everything that [`run`](Self::run) rejects before its first sample.
     ///
     /// # Errors
     /// Those of [`Session::new`], [`RigError::DriveTooFast`] at the starting frequency, and unsuitable numbers in the
@@ -89,7 +89,7 @@ impl VirtualTest {
         self.session().map(drop)
     }
 
-    /// The rig at rest, where the schedule can be gone through from.
+    /// The rig at rest, ready for the schedule.
     fn session(&self) -> Result<Session, RigError> {
         let session = Session::new(self.rig.clone(), self.settings.clone(), self.force, self.response)?;
         self.schedule.hold.check()?;
@@ -106,11 +106,11 @@ impl VirtualTest {
         Ok(session)
     }
 
-    /// Runs the schedule. `observe` sees each level as soon as it is recorded.
+    /// Runs the schedule. `observe` is called with each level as soon as it is recorded.
     ///
     /// # Errors
-    /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not come
-    /// to rest is no error: its findings say so.
+    /// Those of [`Session::new`], of the motion, and of unsuitable numbers in the schedule. A level that does not
+    /// settle is not an error: it is one of its findings.
     pub fn run(&self, mut observe: impl FnMut(&LevelOutcome)) -> Result<Vec<LevelOutcome>, RigError> {
         let told = |level: &LevelOutcome| {
             observe(level);
@@ -119,11 +119,11 @@ impl VirtualTest {
         self.run_while(|| ControlFlow::Continue(()), told)
     }
 
-    /// As [`run`](Self::run), as long as `asked`, many times a level, lets it go on, and up to the level behind which
+    /// As [`run`](Self::run), as long as `asked`, called many times per level, permits, and up to the level after which
     /// `observe` ends it.
     ///
     /// # Errors
-    /// As [`run`](Self::run); [`RigError::Interrupted`] where `asked` ended it.
+    /// As [`run`](Self::run); [`RigError::Interrupted`] if `asked` ended it.
     pub fn run_while(
         &self,
         asked: impl Fn() -> ControlFlow<()> + Send + Sync + 'static,

@@ -7,7 +7,7 @@ use super::{Place, refused, shown};
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -17,12 +17,12 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Writes table, statistics and page of what there is.
+/// Writes table, statistics and page of the existing cases.
 pub fn run(arguments: &Arguments) -> Status {
     arguments.place.with(|study| write(study, Settings::default().jobs(), arguments.quiet))
 }
 
-/// The same for a study that is read.
+/// The same for a study already read.
 pub fn write(study: &Study, threads: usize, quiet: bool) -> Status {
     let collected = Collected::new(study, threads);
     if let Err(error) = collected.write(study) {

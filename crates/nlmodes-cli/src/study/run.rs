@@ -16,28 +16,29 @@ use crate::{Status, interrupt};
 /// Time between two plain lines.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     place: Place,
-    /// Cases at a time [default: as many as the machine has cores]
+    /// Number of cases at a time [default: number of cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Every n-th case only, beginning with case i from 0: the shares of several machines, 0/n to (n−1)/n; without
+    /// Only every n-th case, beginning with case i from 0: the shards of several machines, 0/n to (n−1)/n; without
     /// table and page
     #[arg(long, value_name = "I/N", default_value = "0/1")]
     shard: Shard,
-    /// Taken for likeness with `run`: a study always goes on where it was interrupted
+    /// Accepted for similarity with `run`: a study always continues where it was interrupted
     #[arg(long = "resume")]
     _resume: bool,
-    /// Compute cases that failed once more
+    /// Compute failed cases again
     #[arg(long)]
     retry_failed: bool,
-    /// Draw figures and page of each case too
+    /// Also draw figures and page of each case
     #[arg(long)]
     figures: bool,
-    /// Most memory of all cases that are computed at the same time, as 8GiB; default: three quarters of the machine's
+    /// Maximum memory of all cases computed at the same time, for instance 8GiB; default: three quarters of the
+    /// machine's
     #[arg(long, value_name = "SIZE")]
     memory_limit: Option<memory::Limit>,
     /// No progress; warnings and errors only
@@ -45,7 +46,7 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Computes the cases that are not there yet, then table and page.
+/// Computes the missing cases, then table and page.
 pub fn run(arguments: &Arguments) -> Status {
     arguments.place.with(|study| {
         interrupt::install();
@@ -94,7 +95,7 @@ fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &Stu
     }
 }
 
-/// A line that moves on a terminal, plain lines elsewhere.
+/// An updated line on a terminal, plain lines elsewhere.
 struct Watch {
     bar: Option<ProgressBar>,
     plain: bool,

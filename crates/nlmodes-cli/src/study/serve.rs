@@ -1,4 +1,4 @@
-//! `nlmodes-cli study serve`: a line of JSON for each case that is wanted, a line for each that is there.
+//! `nlmodes-cli study serve`: a line of JSON for each requested case, a line for each completed one.
 
 use std::io;
 use std::num::NonZeroUsize;
@@ -9,12 +9,12 @@ use nlmodes_study::Settings;
 use super::{Place, refused};
 use crate::Status;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     place: Place,
-    /// Cases at a time [default: as many as the machine has cores]
+    /// Number of cases at a time [default: number of cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
 }

@@ -11,26 +11,26 @@ use super::{Place, refused};
 use crate::Status;
 use crate::terminal::print;
 
-/// What stands on the command line.
+/// Command-line arguments.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     place: Place,
-    /// Tasks of the array, each a share of the cases; few and long ones please a cluster
+    /// Tasks of the array, each with a share of the cases; clusters favour a few long ones
     #[arg(long, value_name = "N", default_value = "8")]
     shards: NonZeroUsize,
-    /// Cores of each task
+    /// Cores per task
     #[arg(long, value_name = "N", default_value = "1")]
     jobs: NonZeroUsize,
-    /// Partition of the cluster
+    /// Cluster partition
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
-    /// File of the script; default: the study's name with .sbatch, where the program is started
+    /// Script file; default: the name of the study with .sbatch, in the current directory
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
 }
 
-/// Writes the script, and says what it asks for.
+/// Writes the script, and prints the requested resources.
 pub fn write(arguments: &Arguments) -> Status {
     arguments.place.with(|study| {
         let (shards, jobs) = (arguments.shards.get(), arguments.jobs.get());

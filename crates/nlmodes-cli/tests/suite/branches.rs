@@ -1,4 +1,4 @@
-//! Trees of branches, skipped tongues and starts elsewhere, as files.
+//! Trees of branches, skipped internal resonances and starts elsewhere, as files.
 
 use std::error::Error;
 use std::fs;

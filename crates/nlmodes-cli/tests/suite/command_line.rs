@@ -23,8 +23,8 @@ fn scenes_that_come_along_are_sound() -> Outcome {
         let scene = scene.as_str();
         let output = call(&["check", scene])?;
         assert_eq!(output.status.code(), Some(0));
-        // The rule of the paper, by which contact nodes lose their mass, moves the linear mode: that is said, and
-        // nothing else.
+        // The rule of the paper, by which contact nodes lose their mass, shifts the linear mode: this is the only
+        // warning.
         let said = String::from_utf8(output.stderr)?;
         assert!(said.starts_with("warning: taking the mass of the contact nodes away (drop)"), "{scene}: {said}");
         assert_eq!(said.trim().lines().count(), 1, "{scene}: {said}");
@@ -55,14 +55,14 @@ fn mass_that_is_left_out_is_told_with_both_frequencies_and_what_helps() -> Outco
         assert!(said.contains(part), "{part} is not in\n{said}");
     }
     assert!(verdict.contains("can be computed, but see the warning") && !verdict.contains("is sound"), "{verdict}");
-    // With a mass that is kept, or moved little, there is nothing to say.
+    // If the mass is kept, or changes little, there is no warning.
     let output = check(10, "conserve")?;
     assert_eq!(String::from_utf8(output.stderr)?, "");
     assert!(String::from_utf8(output.stdout)?.contains("The scene is sound"));
     Ok(())
 }
 
-/// A gap in another unit, which is possible: what is warned of is not called sound below that.
+/// A gap in another unit, which is possible: a scene with warnings is not called sound below them.
 #[test]
 fn a_scene_that_is_warned_of_is_not_called_sound() -> Outcome {
     let output = call(&["check", "configs/beam_updated.toml", "--set", "contact.0.gap_m=400.0"])?;
@@ -71,7 +71,7 @@ fn a_scene_that_is_warned_of_is_not_called_sound() -> Outcome {
     Ok(())
 }
 
-/// Of records and virtual tests as of structures, before anything is computed.
+/// For records and virtual tests as for structures, before anything is computed.
 #[test]
 fn rows_of_what_is_laid_over_that_are_not_used_are_counted_by_check() -> Outcome {
     let folder = tempfile::tempdir()?;
@@ -87,7 +87,7 @@ fn rows_of_what_is_laid_over_that_are_not_used_are_counted_by_check() -> Outcome
     Ok(())
 }
 
-/// What a plain run knows against its numbers stands in the terminal too.
+/// The reservations of a plain run about its numbers are printed on the terminal too.
 #[test]
 fn a_plain_run_says_which_numbers_not_to_use() -> Outcome {
     let folder = tempfile::tempdir()?;
@@ -232,7 +232,7 @@ fn results_that_give_no_answer_give_a_status_and_say_so() -> Outcome {
     Ok(())
 }
 
-/// Between any two titles there is a blank, and each stands over its column.
+/// There is a blank between any two titles, and each is above its column.
 #[test]
 fn titles_of_linear_modes_stand_apart_with_each_rule() -> Outcome {
     for rule in ["drop", "move", "conserve"] {

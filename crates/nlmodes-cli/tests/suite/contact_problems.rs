@@ -69,7 +69,7 @@ fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
-/// What GAPS lead to, by hand.
+/// The solution for GAPS, by hand.
 fn assert_solved(directory: &TempDir) -> Outcome {
     let (shape, lambda) = read(directory, "lambda")?;
     assert_eq!(shape, [3, 2]);
@@ -140,7 +140,7 @@ fn contradictory_gaps_end_with_status_1_and_the_samples_before_them() -> Outcome
     Ok(())
 }
 
-/// The call must end with status 2, say all parts, and write nothing.
+/// The call must end with status 2, print all parts, and write nothing.
 fn assert_refused(directory: &TempDir, more: &[&str], parts: &[&str]) -> Outcome {
     let output = solve(directory, more)?;
     let said = String::from_utf8(output.stderr)?;
@@ -228,7 +228,7 @@ fn files_that_are_no_archives_are_refused() -> Outcome {
     Ok(())
 }
 
-/// An array file as somebody with bad intentions writes it.
+/// A malicious array file.
 fn array_file(description: &str, data: &[u8]) -> Vec<u8> {
     let length = u16::try_from(description.len()).unwrap_or(u16::MAX);
     [b"\x93NUMPY\x01\x00", &length.to_le_bytes()[..], description.as_bytes(), data].concat()

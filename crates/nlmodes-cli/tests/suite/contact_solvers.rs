@@ -1,4 +1,4 @@
-//! `nlmodes-cli compare`: contact solvers give the same branch, and the table says so.
+//! `nlmodes-cli compare`: contact solvers give the same branch, as shown in the table.
 
 use std::collections::HashMap;
 use std::error::Error;

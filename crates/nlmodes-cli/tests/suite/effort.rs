@@ -1,5 +1,4 @@
-//! What a branch costs, in evaluations of residual and Jacobian and in points: counts that are the same on every
-//! machine.
+//! Cost of a branch, in evaluations of residual and Jacobian and in points: counts that are the same on every machine.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,9 +7,9 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::tempdir;
 
-/// Scene, what is set in it, and the most evaluations that its branch may take: a tenth above what it takes, which
-/// leaves room for another compiler's rounding. The two beams pass a corner on several boundaries, around which arms
-/// are looked for on spheres: a look across such a corner alone took the tip of the rod's loop for a kink.
+/// Scene, its settings, and the maximum number of evaluations for its branch: a tenth above the actual one, to allow
+/// for another compiler's rounding. The two beams pass a nonsmooth point on several boundaries, where half-branches are
+/// sought on spheres: a check across such a point alone mistook the tip of the rod's loop for a kink.
 const MOST: [(&str, &str, u64); 7] = [
     ("rod", "method.harmonics=3", 900),
     ("rod", "method.harmonics=20", 1885),

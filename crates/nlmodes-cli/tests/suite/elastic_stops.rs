@@ -1,4 +1,4 @@
-//! Elastic stops from the command line: conventional harmonic balance, and MS-HBM before a stop that yields.
+//! Elastic stops from the command line: conventional harmonic balance, and MS-HBM with an elastic stop.
 
 use std::error::Error;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn harmonic_balance_runs_from_its_own_scene_and_from_the_other_one() -> Outcome 
         // Computed elsewhere; see crates/nlmodes/tests/beam_hbm.rs.
         let last = last_row(out)?;
         assert!((column(&last, 1) - 48.148_150_48).abs() < 1e-6, "{last:?}");
-        // Displacement beyond the gap and force belong together.
+        // Penetration and force correspond.
         let force = 2.3e6 * (column(&last, 6) - 1.03e-3);
         assert!((column(&last, 9) / force - 1.0).abs() < 1e-9, "{last:?}");
     }
@@ -89,8 +89,8 @@ fn a_stop_of_its_own_stiffness_yields_with_either_method() -> Outcome {
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         found.push(last_row(&out)?);
     }
-    // Both leave out the mass of the tip, as the scene says; they differ in whether the tip, a million times stiffer
-    // than the beam, moves in harmonics.
+    // Both leave out the mass of the tip, as in the scene; they differ in whether the tip, a million times stiffer than
+    // the beam, moves in harmonics.
     assert!((column(&found[0], 1) / column(&found[1], 1) - 1.0).abs() < 1e-5, "{found:?}");
     assert!(found.iter().all(|row| column(row, 6) > 1.04e-3), "{found:?}");
     Ok(())
@@ -107,7 +107,7 @@ fn check_says_what_a_stop_is() -> Outcome {
     assert!(said("beam", &[])?.contains("rigid"));
     assert!(said("beam", &["contact.0.stiffness_n_m=5e6"])?.contains("5000000 N/m"));
     assert!(said("beam_hbm", &[])?.contains("2300000 N/m"));
-    // A stop's own stiffness goes before that of the method.
+    // The stiffness of a stop has priority over that of the method.
     assert!(said("beam_hbm", &["contact.0.stiffness_n_m=5e6"])?.contains("5000000 N/m"));
     Ok(())
 }

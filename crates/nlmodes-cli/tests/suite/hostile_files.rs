@@ -1,4 +1,4 @@
-//! Scenes that want more than results in their directory: markup in names, links that lead out of it.
+//! Malicious scenes: markup in names, links that lead out of the directory.
 
 use std::error::Error;
 use std::fs;
@@ -102,7 +102,7 @@ fn results_are_not_written_through_links() -> Outcome {
     assert!(said.contains("branch.csv is a symbolic link to") && said.contains("precious.txt"), "{said}");
     assert_eq!(fs::read_to_string(&outside)?, "keep me");
     fs::remove_file(&link)?;
-    // A directory of results that is itself a link was chosen so by the user.
+    // A directory of results that is itself a link was the user's choice.
     fs::rename(directory.path().join("results"), directory.path().join("elsewhere"))?;
     std::os::unix::fs::symlink(directory.path().join("elsewhere"), directory.path().join("results"))?;
     let (status, said) = run(directory.path(), "rod", &[])?;

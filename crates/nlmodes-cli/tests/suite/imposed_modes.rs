@@ -1,4 +1,4 @@
-//! `[structure.modes]`: imposed frequencies in the linear modes, on the branch, and in what is said about them.
+//! `[structure.modes]`: imposed frequencies in the linear modes, on the branch, and in the messages.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -16,7 +16,7 @@ fn configuration(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs").join(name)
 }
 
-/// Exit status, and what was said on both channels.
+/// Exit status, and the output on both channels.
 fn call(arguments: &[&str]) -> Result<(i32, String), Box<dyn Error>> {
     let output = Command::cargo_bin("nlmodes-cli")?.args(arguments).output()?;
     let said = String::from_utf8(output.stdout)? + &String::from_utf8(output.stderr)?;
@@ -49,7 +49,7 @@ fn both_methods_begin_at_the_imposed_frequencies_and_say_so() -> Outcome {
         let found = summary(&out.path().join(method))?;
         assert!(found["model"].as_str().is_some_and(|text| text.starts_with("modal model")), "{method}");
         assert_eq!(floats(&found["scene"]["structure"]["modes"]["frequencies_hz"]), IMPOSED);
-        // The fifth mode is the first axial one, c/4L with the wave speed c: imposed frequencies leave it as it is.
+        // The fifth mode is the first axial one, c/4L with the wave speed c: imposed frequencies do not change it.
         let all = floats(&found["linear_frequencies_hz"][column]);
         let own = floats(&found["linear_frequencies_hz"]["of_the_elements"]);
         for (wanted, mode) in IMPOSED.iter().zip([0, 1, 2, 3, 5, 6]) {
@@ -59,7 +59,7 @@ fn both_methods_begin_at_the_imposed_frequencies_and_say_so() -> Outcome {
         for mode in [4, 7, 8] {
             assert!((all[mode] / own[mode] - 1.0).abs() < 1e-10, "{method}: mode {}", mode + 1);
         }
-        // Up to contact it is the imposed linear mode, and no other takes part in it.
+        // Up to contact it is the imposed linear mode alone.
         let points = rows(&out.path().join(method).join("branch.csv"))?;
         assert!((points[0]["frequency_hz"].parse::<f64>()? / 40.10 - 1.0).abs() < 1e-9);
         let participation = &rows(&out.path().join(method).join("participation.csv"))?[0];
@@ -69,7 +69,7 @@ fn both_methods_begin_at_the_imposed_frequencies_and_say_so() -> Outcome {
     common_figures(out.path())
 }
 
-/// Both methods over each other, at equal amplitude, with touching and leaving; and all of it on the page.
+/// Both methods overlaid, at equal amplitude, with beginning and end of contact; and everything on the page.
 fn common_figures(out: &Path) -> Outcome {
     for name in ["P1", "P2"] {
         let figure = fs::read_to_string(out.join(format!("history_{name}.svg")))?;
@@ -121,7 +121,7 @@ fn updating_comes_before_imposing() -> Outcome {
     fs::write(&path, text.replace("[structure.material]", modes))?;
     let (status, said) = call(&["modes", &path.display().to_string()])?;
     assert_eq!(status, 0, "{said}");
-    // The modulus of Table 1 belongs to 40.10 Hz of the elements.
+    // The modulus of Table 1 corresponds to 40.10 Hz of the elements.
     assert!(said.contains("became 1.813"), "{said}");
     let row = said.lines().find(|line| line.trim_start().starts_with("1 ")).ok_or("no first mode")?;
     let found: Vec<f64> = row.split_whitespace().filter_map(|x| x.parse().ok()).collect();

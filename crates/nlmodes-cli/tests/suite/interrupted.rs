@@ -1,4 +1,4 @@
-//! Runs that end early keep what they have, and go on from there; results of another scene are left alone.
+//! Runs that end early keep their results, and continue from there; results of another scene are not touched.
 
 use std::error::Error;
 use std::fs;
@@ -27,7 +27,7 @@ fn rod(out: &Path, more: &[&str]) -> Outcome<Output> {
     Ok(program().args(ROD).arg("--out").arg(out).args(more).output()?)
 }
 
-/// The table of a run that nothing cuts off.
+/// The table of an uninterrupted run.
 fn whole(folder: &Path, more: &[&str]) -> Outcome<String> {
     let out = folder.join("whole");
     let output = rod(&out, more)?;
@@ -47,7 +47,7 @@ fn summary(out: &Path) -> Outcome<Value> {
     Ok(serde_json::from_str(&fs::read_to_string(out.join("summary.json"))?)?)
 }
 
-/// Starts the rod and waits until it has said so many points.
+/// Starts the rod and waits until it has reported this many points.
 fn started(out: &Path, more: &[&str], points: usize) -> Outcome<Child> {
     let mut call = program();
     call.args(ROD).arg("--out").arg(out).args(more).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -58,7 +58,7 @@ fn started(out: &Path, more: &[&str], points: usize) -> Outcome<Child> {
     Ok(child)
 }
 
-/// The coefficients of all points; the archive itself holds the time when it was written.
+/// The coefficients of all points; the archive itself contains the time of writing.
 fn coefficients(out: &Path) -> Outcome<Vec<u8>> {
     let (mut archive, mut bytes) = (NpzArchive::open(out.join("harmonics.npz"))?, Vec::new());
     archive.zip_archive().by_name("coefficients.npy")?.read_to_end(&mut bytes)?;
@@ -74,7 +74,7 @@ fn a_run_that_is_killed_keeps_its_points_and_goes_on() -> Outcome {
     let folder = tempdir()?;
     let expected = whole(folder.path(), &[])?;
     let out = folder.path().join("killed");
-    // Twice on the way; the second run has taken over what the first one left.
+    // Twice during the run; the second run continues from the results of the first.
     for points in [25, 20] {
         let before = table(&out).map_or(0, |table| rows(&table));
         let mut child = started(&out, &["--resume"], points)?;
@@ -134,7 +134,7 @@ fn a_second_ctrl_c_ends_at_once_and_harms_nothing() -> Outcome {
         drop(interrupt(&child));
         let code = child.wait()?.code();
         assert!(expected.starts_with(&table(&out)?));
-        // What is there is there as a whole.
+        // The existing files are complete.
         if out.join("summary.json").is_file() {
             summary(&out)?;
         }
@@ -163,7 +163,7 @@ fn beginning_anew_over_an_interrupted_run_is_said() -> Outcome {
     let first = said(&output);
     let warning = first.lines().next().unwrap_or_default();
     assert!(warning.starts_with("warning") && warning.contains("an interrupted run") && warning.contains("--resume"));
-    // A complete run is not one that was cut off, and a run that goes on overwrites nothing.
+    // A complete run is not an interrupted one, and a resumed run overwrites nothing.
     for more in [&["--resume"][..], &[]] {
         assert!(!said(&rod(&out, more)?).contains("an interrupted run of this scene"));
     }
@@ -227,7 +227,7 @@ fn more_points_may_be_asked_for_when_a_run_goes_on() -> Outcome {
 fn a_full_disk_is_said_and_what_was_found_is_kept() -> Outcome {
     let folder = tempdir()?;
     let (expected, out) = (whole(folder.path(), &[])?, folder.path().join("full"));
-    // A limit of the file size in blocks of 512 bytes stands for the disk.
+    // A file-size limit in blocks of 512 bytes represents a full disk.
     let call = format!("trap '' XFSZ; ulimit -f 60; exec {} \"$@\"", env!("CARGO_BIN_EXE_nlmodes-cli"));
     let output = Command::new("sh")
         .args(["-c", &call, "sh"])
@@ -317,7 +317,7 @@ fn new_scenes_are_sound_and_are_never_written_over_a_file() -> Outcome {
         assert_eq!(again.status.code(), Some(2));
         assert!(said(&again).contains("left as it is"), "{}", said(&again));
         assert_eq!(fs::read_to_string(folder.path().join(&file))?, text);
-        // What follows from the defaults and what is written agree: each commented key is one of the schema.
+        // Defaults and template agree: each commented key is one of the schema.
         assert!(text.lines().filter(|line| line.contains('#')).count() > 20);
     }
     Ok(())
@@ -335,7 +335,7 @@ fn new_scenes_run_to_their_ends() -> Outcome {
     Ok(())
 }
 
-/// Linear modes of many elements take long, and so does the search for a backbone: before there is a point nothing is
+/// Linear modes of many elements take long, and so does the search for a backbone: before the first point nothing is
 /// lost, and the program ends at once.
 #[cfg(unix)]
 #[test]

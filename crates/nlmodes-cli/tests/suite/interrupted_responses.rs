@@ -1,4 +1,4 @@
-//! Runs of damped and forced motions that end early go on where they were cut off.
+//! Interrupted runs of damped and forced motions are resumed where they ended.
 
 use std::error::Error;
 use std::fs;
@@ -12,7 +12,7 @@ use tempfile::tempdir;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// Four curves of a rod before a rigid stop: a damped mode, two levels over the frequency, phase resonances.
+/// Four curves of a rod with a rigid stop: a damped mode, two levels over frequency, phase resonances.
 const SCENE: &str = r#"
 [structure]
 kind = "rod"
@@ -74,8 +74,7 @@ fn steps(out: &Path) -> usize {
     fs::read(out.join("steps.jsonl")).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
-/// Starts a run and ends it by a signal as soon as so many lines of steps are there; `None` where it came to its end
-/// before.
+/// Starts a run and ends it by a signal as soon as there are this many lines of steps; `None` if it finished before.
 fn ended_at(scene: &Path, out: &Path, lines: usize, signal: &str) -> Outcome<Option<i32>> {
     let mut call = program();
     call.arg("run").arg(scene).arg("--out").arg(out).arg("--resume").stdout(Stdio::null()).stderr(Stdio::null());
@@ -88,7 +87,7 @@ fn ended_at(scene: &Path, out: &Path, lines: usize, signal: &str) -> Outcome<Opt
     Ok(child.wait()?.code())
 }
 
-/// Tables, and what the summary says of each curve but for its time.
+/// Tables, and the entry of each curve in the summary except its time.
 fn results(out: &Path) -> Outcome<(String, String, Value)> {
     let read = |name: &str| fs::read_to_string(out.join(name));
     let mut summary: Value = serde_json::from_str(&read("summary.json")?)?;
@@ -108,14 +107,15 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
     let output = run(&scene, &whole, &[])?;
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let (expected, n, mut before) = (results(&whole)?, steps(&whole), Vec::new());
-    // In each curve once, by `kill -9` and by Ctrl-C in turn; the next run has taken over what the last one left.
+    // Once in each curve, alternately by `kill -9` and by Ctrl-C; the next run continues from the results of the last
+    // one.
     for (share, signal) in [(0.1, "-KILL"), (0.3, "-INT"), (0.5, "-KILL"), (0.7, "-INT"), (0.9, "-KILL")] {
         let lines = (share * n as f64) as usize;
         let code = ended_at(&scene, &out, lines, signal)?;
         assert_eq!(code, (signal == "-INT").then_some(1), "{share}");
         assert!(steps(&out) >= lines && steps(&out) < n);
-        // What was there stands there still, with the step that a Ctrl-C cut short: it would be gone had the curves
-        // been computed anew.
+        // The earlier lines are still there, including the step cut short by Ctrl-C: they would be gone if the curves
+        // had been recomputed.
         let left = fs::read(out.join("steps.jsonl"))?;
         assert!(left.starts_with(&before), "{share}");
         let whole_lines = left.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
@@ -124,7 +124,7 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
     let output = run(&scene, &out, &["--resume"])?;
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     assert!(results(&out)? == expected);
-    // A run that is whole takes no further step.
+    // A complete run takes no further step.
     assert!(fs::read(out.join("steps.jsonl"))?.starts_with(&before));
     let before = fs::read(out.join("steps.jsonl"))?;
     assert_eq!(run(&scene, &out, &["--resume"])?.status.code(), Some(0));
@@ -132,8 +132,7 @@ fn responses_that_are_killed_go_on_with_the_curves_of_an_uninterrupted_run() -> 
     Ok(())
 }
 
-/// As a machine leaves them that goes down: among the short steps before a contact sets in, where the motion's own
-/// phase turns, and elsewhere.
+/// As after a crash: among the short steps before contact begins, where the phase of the motion turns, and elsewhere.
 #[test]
 fn responses_go_on_behind_any_of_their_steps() -> Outcome {
     let folder = tempdir()?;

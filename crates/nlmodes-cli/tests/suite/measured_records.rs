@@ -15,7 +15,7 @@ fn configs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs")
 }
 
-/// Exit status, what was said, and the rows of the table.
+/// Exit status, output, and the rows of the table.
 fn extract(scene: &Path, out: &Path, more: &[&str]) -> Result<(i32, String, Vec<Row>), Box<dyn Error>> {
     let mut command = Command::cargo_bin("nlmodes-cli")?;
     let output = command.args(["experiment", "extract"]).arg(scene).arg("--out").arg(out).args(more).output()?;
@@ -66,7 +66,7 @@ fn the_short_records_have_the_answer_they_were_made_with() -> Outcome {
     Ok(())
 }
 
-/// A computed branch lies beside the records in figures and page, with the differences at equal modal amplitude.
+/// A computed branch is overlaid on the records in figures and page, with the differences at equal modal amplitude.
 #[test]
 fn a_branch_is_laid_beside_records() -> Outcome {
     let folder = tempfile::tempdir()?;

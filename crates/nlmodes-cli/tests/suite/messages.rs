@@ -1,9 +1,9 @@
-//! What a user reads who made a mistake, word for word.
+//! Messages about mistakes, word for word.
 //!
-//! Each scene in `tests/bad_scenes` is refused with the text that stands beside it in a file `.stderr`; each one in
-//! `tests/odd_scenes` is taken, with the warnings that stand beside it; `tests/likely_mistakes` has the mistakes
-//! that are made most. `NLMODES_GOLDEN=write` writes these files anew: read them then as somebody would who just made
-//! the mistake. A first line `# arguments: …` adds arguments to the call.
+//! Each scene in `tests/bad_scenes` is rejected with the text in the file `.stderr` beside it; each one in
+//! `tests/odd_scenes` is accepted, with the warnings in the file beside it; `tests/likely_mistakes` has the most common
+//! mistakes. `NLMODES_GOLDEN=write` rewrites these files: read them as somebody who just made the mistake. A first line
+//! `# arguments: …` adds arguments to the call.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ fn oddities_are_warned_of_word_for_word() -> Outcome {
     compare_all("tests/odd_scenes", |_| 0)
 }
 
-/// What people do wrong first: an error ends it, a warning does not.
+/// Common first mistakes: an error ends the program, a warning does not.
 #[test]
 fn likely_mistakes_are_explained_word_for_word() -> Outcome {
     compare_all("tests/likely_mistakes", |said| if said.contains("error: ") { 2 } else { 0 })
@@ -43,7 +43,7 @@ fn compare_all(directory: &str, status: fn(&str) -> i32) -> Outcome {
     Ok(())
 }
 
-/// Checks one scene; `Some` text if what it says is not what is expected.
+/// Checks one scene; `Some` text if its output differs from the expected one.
 fn compare(scene: &Path, status: fn(&str) -> i32) -> Result<Option<String>, Box<dyn Error>> {
     let found = said_about(scene, status)?;
     let expected: PathBuf = scene.with_extension("stderr");
@@ -55,7 +55,7 @@ fn compare(scene: &Path, status: fn(&str) -> i32) -> Result<Option<String>, Box<
     Ok((wanted != found).then(|| format!("{}: expected\n{wanted}\nfound\n{found}\n", scene.display())))
 }
 
-/// What `check` says on standard error about a copy of the scene in an empty directory, in which nothing must appear.
+/// Output of `check` on standard error for a copy of the scene in an empty directory, in which no file may appear.
 fn said_about(scene: &Path, status: fn(&str) -> i32) -> Result<String, Box<dyn Error>> {
     let directory = tempfile::tempdir()?;
     let name = scene.file_name().ok_or("a scene without a name")?;

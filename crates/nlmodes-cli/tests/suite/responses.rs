@@ -1,4 +1,4 @@
-//! Scenes with responses: tables, figures, ends, and what is said.
+//! Scenes with responses: tables, figures, ends, and messages.
 
 mod few_masses;
 
@@ -124,7 +124,7 @@ max_energy_ratio = 10.0
     assert!(summary["curves"].as_array().ok_or("no list")?.iter().all(|c| c["end"]["complete"] == true));
     let events: Vec<&Value> = summary["curves"][1]["events"].as_array().ok_or("no list")?.iter().collect();
     assert_eq!(events.iter().filter(|e| e["events"].to_string().contains("fold")).count(), 2, "{events:?}");
-    // Two stops of one scene have two rows a point; here one.
+    // Two stops have two rows per point; here there is one.
     assert_eq!(rows(out.join("contacts.csv"))?.len(), table.len());
     for name in
         ["responses.svg", "phase.svg", "contact_force.svg", "damping_ratio.svg", "force_needed.svg", "drive.svg"]
@@ -154,7 +154,7 @@ fn a_scene_on_one_response_is_the_same_with_one_bracket_or_two() -> Outcome {
 
 #[test]
 fn a_base_that_shakes_moves_a_rod_as_a_force_on_all_its_mass_does() -> Outcome {
-    // Far from the stop, ü given: u = −(K − ω²M)⁻¹ M r at the tip of two elements with their mass.
+    // Without contact, with given ü: u = −(K − ω²M)⁻¹ M r at the tip of two elements with their mass.
     let folder = tempdir()?;
     let text = ROD
         .replace("[[force]]\nat_m = 0.5", "[base_motion]\namplitude_m = 1e-3")
@@ -207,7 +207,7 @@ fn a_curve_that_ends_early_is_said_and_the_rest_is_there() -> Outcome {
     Ok(())
 }
 
-/// What follows nonlinear modes says so of responses, and does not follow something else.
+/// Commands for nonlinear modes reject responses instead of computing something else.
 #[test]
 fn verify_and_compare_refuse_responses() -> Outcome {
     let folder = tempdir()?;
@@ -225,7 +225,7 @@ fn verify_and_compare_refuse_responses() -> Outcome {
     Ok(())
 }
 
-/// What the equations leave out, and what a scene says in vain, is told.
+/// There is a warning about neglected effects and about ineffective keys.
 #[test]
 fn dashpots_beyond_the_modes_and_keys_without_effect_are_said() -> Outcome {
     let folder = tempdir()?;
@@ -252,7 +252,7 @@ fn dashpots_beyond_the_modes_and_keys_without_effect_are_said() -> Outcome {
             check.map(|check| check["outcome"].clone())
         };
         assert_eq!(outcome("dashpots"), Some(Value::from(if is_told { "doubtful" } else { "good" })));
-        // The only mode is all there is; its mass at the stop is left out.
+        // There is only one mode; its mass at the stop is left out.
         assert_eq!((outcome("modes"), outcome("contact mass")), (Some("good".into()), Some("doubtful".into())));
     }
     Ok(())

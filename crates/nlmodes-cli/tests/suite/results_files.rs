@@ -1,4 +1,4 @@
-//! The files of a run: what is in them, what is said about them, and that what is not asked for is not there.
+//! The files of a run: their contents, their description, and that no others are written.
 
 mod figures;
 mod scripts;
@@ -45,8 +45,8 @@ harmonics = 5
 max_energy_ratio = 4.0
 "#;
 
-/// Runs the scene with further keys and flags; gives its directory, which lasts as long as the first value, and what
-/// was said.
+/// Runs the scene with further keys and flags; returns its directory, which exists as long as the first value, and the
+/// output.
 fn run(set: &[&str]) -> Result<(tempfile::TempDir, PathBuf, String), Box<dyn Error>> {
     let folder = tempdir()?;
     let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
@@ -78,7 +78,7 @@ fn array(path: &Path, name: &str) -> Result<(Vec<u64>, Vec<f64>), Box<dyn Error>
     Ok((found.shape().to_vec(), found.into_vec()?))
 }
 
-/// The columns that are explained of a file.
+/// The documented columns of a file.
 fn explained(name: &str) -> Vec<&'static Column> {
     FILES.iter().filter(|file| file.name == name).flat_map(|file| file.all_columns()).collect()
 }
@@ -196,7 +196,7 @@ fn what_is_not_asked_for_is_not_written_and_asked_points_are_all_the_same() -> O
     Ok(())
 }
 
-/// Skipped where there is no Python with SciPy.
+/// Skipped without Python with SciPy.
 #[test]
 fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
     let (_folder, out, _) = run(&["output.matlab=true"])?;
@@ -223,8 +223,8 @@ fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
     Ok(())
 }
 
-/// Each check has a value or says how to have it made, never both; each number is judged; the page has both at its
-/// foot.
+/// Each check has a value or states how to have it made, never both; each number has a verdict; the page has both at
+/// its end.
 #[test]
 fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
     let small = ["method.harmonics=3", "continuation.max_energy_ratio=2.0"];
@@ -272,7 +272,7 @@ fn the_certificate_is_in_the_summary_and_at_the_foot_of_the_page() -> Outcome {
         assert!(places[0] > 0 && places[0] < places[1] && places[1] < places[2], "{places:?}");
     }
     assert!(made[0].0 < made[1].0, "more is looked at where all is asked for: {made:?}");
-    // Three harmonics: the largest force is off, and said to be.
+    // Three harmonics: the largest force is wrong, and reported as such.
     assert_eq!((made[0].1.as_str(), made[1].1.as_str()), ("not-shown", "no"));
     Ok(())
 }

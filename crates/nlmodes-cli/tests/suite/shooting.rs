@@ -51,13 +51,13 @@ fn a_branch_by_shooting_has_all_files_and_its_points_return_exactly() -> Outcome
     assert_eq!(summary["method"]["name"], "exact shooting, linear motion between located contact instants");
     for ((stable, largest), angle) in stable.iter().zip(&largest).zip(&angle) {
         assert_eq!(stable == "true", largest.parse::<f64>()? <= 1.0 + 1e-6);
-        // The period doubles on this stretch: the multiplier is real and negative.
+        // Period doubling on this segment: the multiplier is real and negative.
         assert!(if stable == "true" { angle.is_empty() } else { (angle.parse::<f64>()? - 180.0).abs() < 1e-6 });
     }
     let events = column(out.path(), "event")?;
     assert_eq!(events.iter().filter(|e| e.contains("stability-change")).count(), 2, "{events:?}");
     assert!(fs::read_to_string(out.path().join("frequency_energy.svg"))?.contains("branch unstable"));
-    // The whole structure, without anything left out, from an unstable point too.
+    // The full structure, also from an unstable point.
     let unstable = stable.iter().position(|s| s == "false").ok_or("none is unstable")?.to_string();
     let output = call(&["verify", &out.path().to_string_lossy(), "--point", &unstable])?;
     let text = String::from_utf8(output.stdout)?;

@@ -1,4 +1,5 @@
-//! Structures from files and in open modes, against closed relations between structures and against CalculiX.
+//! Structures from files and in free-interface modes, compared with exact relations between structures and with
+//! CalculiX.
 
 mod doubts;
 mod formats;

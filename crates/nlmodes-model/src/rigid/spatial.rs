@@ -4,21 +4,20 @@ use nlmodes_linalg::{Mat, SparseMatrix, max_norm, symmetric_eigen, triplets};
 
 use crate::Dof;
 
-/// Forces of a rigid motion below this share of what their terms add up to are rounding, of matrices that were written
-/// with ten digits too.
+/// Forces of a rigid motion below this fraction of the sum of their terms are rounding, even for matrices written with
+/// ten digits.
 const STRAINLESS: f64 = 1e-8;
 
-/// Of the six motions, combinations that move the degrees of freedom less than this share (squared) of the others move
-/// nothing at all.
+/// Combinations of the six motions with less than this fraction (squared) of the displacement of the others are zero.
 const STILL: f64 = 1e-12;
 
-/// The motion `u(x) = t + r × x` with the least strain that also leaves `held` at rest, as `(t, r)`; none if it
-/// strains.
+/// The motion `u(x) = t + r × x` with the least strain that also leaves `held` at rest, as `(t, r)`; none if it causes
+/// strain.
 ///
 /// With the six unit motions as columns of `R`, about the centre and with rotations over the size of the structure, the
-/// rows of `K R` over `|K| max|R|` are pure numbers, whatever mixture of displacements and rotations they are. Their
-/// Gram matrix has the motion looked for as eigenvector with eigenvalue zero. Combinations of the six that move no
-/// degree of freedom, as across a structure that can move in one direction only, are left out first: they are none.
+/// rows of `K R` over `|K| max|R|` are dimensionless, for any mixture of displacements and rotations. The required
+/// motion is the eigenvector of their Gram matrix with eigenvalue zero. Combinations of the six that move no degree of
+/// freedom, as across a structure that can move in one direction only, are excluded first.
 pub(super) fn motion(
     stiffness: &SparseMatrix,
     dofs: &[Dof],
@@ -39,7 +38,7 @@ pub(super) fn motion(
     }
     let rows: Vec<[f64; 6]> =
         force.iter().zip(&scale).filter(|(_, s)| **s > 0.0).map(|(row, s)| row.map(|f| f / s)).collect();
-    // A rotation of a node counts by what it displaces at the size of the structure, whatever unit that is in.
+    // The rotation of a node is multiplied by the size of the structure, so that the unit does not matter.
     let reach = |dof: &Dof| if dof.kind.rotation_axis().is_some() { size } else { 1.0 };
     let displaced: Vec<[f64; 6]> = dofs.iter().zip(&motions).map(|(dof, row)| row.map(|r| reach(dof) * r)).collect();
     let moving = moving(&displaced)?;
@@ -59,8 +58,8 @@ pub(super) fn motion(
     Some((t, r))
 }
 
-/// Combinations of the six motions that span all that move something, with a mean square displacement of one; none
-/// where nothing moves.
+/// Combinations of the six motions that span all nonzero ones, with a mean square displacement of one; none if nothing
+/// moves.
 fn moving(motions: &[[f64; 6]]) -> Option<Vec<[f64; 6]>> {
     let count = motions.len().max(1) as f64;
     let squares = Mat::from_fn(6, 6, |a, b| motions.iter().map(|row| row[a] * row[b]).sum::<f64>() / count);
@@ -76,7 +75,7 @@ fn inner(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Mean of the places, and the largest distance from it; one for a structure in a point.
+/// Mean of the positions, and the largest distance from it; one for a structure at a single point.
 fn extent(places: &[[f64; 3]]) -> ([f64; 3], f64) {
     let count = places.len().max(1) as f64;
     let centre = std::array::from_fn(|a| places.iter().map(|x| x[a]).sum::<f64>() / count);
@@ -153,10 +152,10 @@ mod tests {
         use DofKind::{X, Y, Z};
         for length in [1.0, 1e3, 1e-3] {
             assert!(held(&truss(&[], Some([0.0, 0.0, 1.0]), length)).is_some());
-            // Six supports in all, the contact one of them: held.
+            // Six supports in total, including the contact: fixed.
             let five = [(0, X), (0, Y), (0, Z), (1, Y), (2, Z)];
             assert_eq!(held(&truss(&five, Some([0.0, 0.0, 1.0]), length)), None);
-            // The rotation about the axis through nodes 0 and 1 is left where the contact cannot hold it.
+            // The rotation about the axis through nodes 0 and 1 remains if the contact does not prevent it.
             let model = truss(&[(0, X), (0, Y), (0, Z), (1, Y), (1, Z)], None, length);
             let model = model
                 .clone()
@@ -174,8 +173,8 @@ mod tests {
         }
     }
 
-    /// Masses in a row that can move along x only, held to the ground by a spring at the first or nowhere, with a stop
-    /// before the last.
+    /// Masses in a row that can move along x only, with a spring to ground at the first or none, and a stop at the
+    /// last.
     fn chain(ground: f64, stiffness: f64, length: f64) -> StructuralModel {
         let n = 4;
         let mut k: Vec<Triplet> = vec![(0, 0, ground)];
@@ -194,7 +193,7 @@ mod tests {
     #[test]
     fn motions_that_a_structure_in_one_direction_does_not_have_are_none() {
         for (length, stiffness) in [(1.0, 7.0), (1e3, 7e9), (1e-3, 7e-12)] {
-            // The stop holds the one rigid motion that there is; nothing moves across.
+            // The stop prevents the only rigid motion; nothing moves transversely.
             assert_eq!([stiffness, 0.0].map(|ground| held(&chain(ground, stiffness, length))), [None, None]);
             let free = |ground: f64| {
                 MasslessContactModel::new(&chain(ground, stiffness, length), &Drop).unwrap().rigid_motion()

@@ -1,12 +1,12 @@
-//! Figures of a record, formed here independently of any extraction: Fourier coefficients over the drive phase, modal
-//! coordinates by least squares, power.
+//! Quantities of a record, computed here independently of any extraction: Fourier coefficients over the drive phase,
+//! modal coordinates by least squares, power.
 
 use nlmodes_experiment::records::{Quantity, Record};
 use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_rig::{DRIVE_PHASE, RigSetup, SensorPlace};
 use num_complex::Complex64;
 
-/// Figures of one level.
+/// Quantities of one level.
 pub struct Figures {
     /// Complex amplitudes of the fundamental in modal coordinates, m·√kg.
     pub modal: Vec<Complex64>,
@@ -14,7 +14,7 @@ pub struct Figures {
     pub amplitude: f64,
     /// Eq. (28).
     pub damping: f64,
-    /// Eqs. (17)-(19), positive for a force that feeds power in.
+    /// Eqs. (17)-(19), positive for a force that supplies power.
     pub pbmif: f64,
     /// Lag of the drive point's displacement, rad.
     pub lag: f64,
@@ -26,7 +26,7 @@ pub fn samples<'a>(record: &'a Record, name: &str) -> &'a [f64] {
 }
 
 /// Coefficients of the harmonics 1 to `harmonics` in the frame of the drive. A squared Hann window over n periods has
-/// side lobes below n⁻⁵ of a neighbouring harmonic.
+/// side lobes below n⁻⁵ at a neighbouring harmonic.
 pub fn amplitudes(record: &Record, channel: &str, harmonics: usize) -> Vec<Complex64> {
     let (phase, samples) = (samples(record, DRIVE_PHASE), samples(record, channel));
     let (mut sums, mut weights) = (vec![Complex64::ZERO; harmonics], 0.0);

@@ -1,8 +1,8 @@
 //! The beam of Table 1 of the paper as a modal model: measured frequencies and damping ratios, computed shapes.
 //!
 //! Shapes: Timoshenko beam of 21 elements refined towards the tip (first over last 9.1958536), E = 187.60 GPa, ν = 0.3,
-//! κ = 5/6, consistent mass, nothing dropped, which has its first frequency at 40.10 Hz. The drive point at a tenth of
-//! the length lies inside the first element, whose static interpolation gives the shapes there.
+//! κ = 5/6, consistent mass, no mass dropped, with the first frequency at 40.10 Hz. The drive point at a tenth of the
+//! length is inside the first element, whose static interpolation gives the shapes there.
 
 use nlmodes_fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes_model::{DofKind, StructuralModel};
@@ -59,7 +59,7 @@ impl Shapes {
         x.powi(3) / (3.0 * ei) + x / ga - modal.sum::<f64>()
     }
 
-    /// The same by the finite elements; at nodes no different.
+    /// The same by finite elements; identical at nodes.
     pub fn residual_of_elements(&self, x: f64) -> f64 {
         self.reduction.residual(&self.beam.deflection_at(self.model.dofs(), x).unwrap())
     }

@@ -1,4 +1,4 @@
-//! Records of the rig through the extraction that measured ones go through.
+//! Records of the rig, processed by the same extraction as measured ones.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -48,7 +48,7 @@ fn the_extraction_finds_what_the_rig_did() {
         assert!(found.findings.is_empty(), "{}", found.finding_names());
         let own = figures(&test.rig, &outcome.record, outcome.steady.omega, 100);
         let (modal, excitation) = (found.modal.as_ref().unwrap(), found.excitation.as_ref().unwrap());
-        // Two ways through the same noise: one second of record, a thousandth of a hertz and some 1e-4 of the
+        // Two evaluations with the same noise: one second of record, a thousandth of a hertz and some 1e-4 of the
         // amplitudes.
         assert!((found.omega.value - outcome.steady.omega).abs() < TAU * 1e-3);
         assert!((modal.amplitude.value / own.amplitude - 1.0).abs() < 1e-4, "{:?} {}", modal.amplitude, own.amplitude);

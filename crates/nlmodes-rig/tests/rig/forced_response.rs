@@ -1,4 +1,4 @@
-//! A level of the rig against the damped forced response from harmonic balance, which shares no code with it.
+//! A level of the rig compared with the damped forced response by harmonic balance, which shares no code with it.
 
 use std::f64::consts::TAU;
 
@@ -72,7 +72,7 @@ impl Balance<'_> {
         let mut jacobian = Mat::zeros(n, n);
         for j in 0..n {
             let column = if j + 1 == n || j == 1 || j == 2 {
-                // The frequency, and the fundamental, which also moves the drive point: by differences.
+                // The frequency, and the fundamental, which also moves the drive point, by finite differences.
                 let h = if j + 1 == n { 1e-5 } else { 1e-4 };
                 let mut moved = x.to_vec();
                 moved[j] += h;

@@ -1,4 +1,4 @@
-//! Whatever the numbers are: an error or a motion, no panic and no endless loop.
+//! For any numbers: an error or a motion, no panic and no infinite loop.
 
 use nlmodes_rig::{
     ContactLaw, Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, Shaker,
@@ -6,7 +6,7 @@ use nlmodes_rig::{
 };
 use proptest::prelude::*;
 
-/// Everyday sizes, and now and then zero, huge, tiny, negative or not a number.
+/// Ordinary magnitudes, and occasionally zero, huge, tiny, negative or NaN.
 fn number(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![
         40 => low..high,
@@ -85,7 +85,7 @@ proptest! {
                 return Ok(());
             }
             let (force, acceleration) = (rig.read(2).unwrap(), rig.read(1).unwrap());
-            // Beyond every material the difference of displacement and gap has no digits left.
+            // For unphysical stiffness the difference of displacement and gap has no digits left.
             prop_assert!(level.abs() > 1e6 || force >= -1e-9 * (1.0 + acceleration.abs()), "contact pulls by {} N", force);
         }
     }

@@ -1,4 +1,4 @@
-//! Motion without control: energy, closed forms, an independent integration, what is refused.
+//! Motion without control: energy, closed forms, an independent integration, rejected input.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use nlmodes_rig::{
 
 use crate::beam;
 
-/// One mode of 1 kg at 40 Hz in front of a stop at 1 mm.
+/// One mode of 1 kg at 40 Hz with a stop at 1 mm.
 fn oscillator(law: ContactLaw, residual: f64, side: Side) -> RigSetup {
     RigSetup {
         structure: LinearStructure { omega: vec![TAU * 40.0], damping_ratios: vec![0.0] },
@@ -55,7 +55,7 @@ fn energy_is_kept_over_two_seconds_with_either_stop() {
     hard.stop = hard.stop.map(|stop| Stop { law: ContactLaw::Rigid, residual, ..stop });
     for setup in [compliant, hard] {
         let (drift, contacts) = energy_drift(setup, &[-9e-4, 2e-5, 0.0, 1e-6, 0.0, 0.0]);
-        // Asked for: 1e-4. Rounding over 40000 steps and a hundred contacts leaves some 1e-11.
+        // Required: 1e-4. Rounding over 40000 steps and a hundred contacts leaves some 1e-11.
         assert!(drift < 1e-9 && contacts > 80, "{drift} {contacts}");
     }
 }
@@ -68,8 +68,7 @@ fn energy_is_kept_at_the_largest_step_and_larger_ones_are_refused() {
     assert!(substeps > 1);
     let (drift, contacts) =
         energy_drift(RigSetup { substeps: Some(substeps), ..coarse.clone() }, &[-9e-4, 2e-5, 0.0, 0.0, 0.0, 0.0]);
-    // Over 16 s the touches are as many as the last digits of the modes make them, which the motion magnifies:
-    // some 500.
+    // Over 16 s the number of contacts, some 500, depends on the last digits of the modes, which the motion amplifies.
     assert!(drift < 1e-9 && contacts > 400, "{drift} {contacts}");
     let error = VirtualRig::new(RigSetup { substeps: Some(substeps - 1), ..coarse }).unwrap_err();
     assert!(matches!(error, RigError::StepTooLarge { substeps: needed, .. } if needed == substeps), "{error}");
@@ -130,7 +129,7 @@ fn a_hard_stop_is_not_penetrated_and_a_compliant_one_by_the_force_over_its_stiff
 
 #[test]
 fn steady_forced_motion_has_the_frequency_response_of_the_equations() {
-    // Amplitude and phase of every channel at 41 Hz, 0.4 N, against the complex solution of the modal equations.
+    // Amplitude and phase of every channel at 41 Hz, 0.4 N, compared with the complex solution of the modal equations.
     let mut setup = beam::setup(Exciter::IdealForce);
     setup.stop = None;
     setup.sensors.retain(|sensor| !matches!(sensor.place, SensorPlace::StopPoint(_) | SensorPlace::Stop));
@@ -192,8 +191,8 @@ fn a_shaker_on_a_blocked_structure_has_its_closed_form() {
     assert!((force - expected).abs() < 1e-9 * per_volt.norm(), "{force} {expected}");
 }
 
-/// Free chain of four masses with a massless end node in front of a rigid stop, in its original coordinates:
-/// `q_N = min(b, g_0)` is the complementarity problem solved by hand, integrated by the Störmer-Verlet scheme.
+/// Free chain of four masses with a massless end node and a rigid stop, in its original coordinates: `q_N = min(b,
+/// g_0)` is the complementarity problem solved by hand, integrated by the Störmer-Verlet scheme.
 struct Chain {
     q: [f64; 4],
     v: [f64; 4],
@@ -238,7 +237,7 @@ fn a_hard_stop_moves_as_the_massless_node_in_physical_coordinates() {
             side: Side::Positive,
             gap: 0.4,
             law: ContactLaw::Rigid,
-            // All modes are kept: what is left is the massless node on its spring, 1/K_NN.
+            // All modes are kept: the remainder is the massless node on its spring, 1/K_NN.
             residual: 1.0 / Chain::K,
         }),
         sensors: vec![],
@@ -258,7 +257,7 @@ fn a_hard_stop_moves_as_the_massless_node_in_physical_coordinates() {
     let q = rig.modal_coordinates();
     for i in 0..4 {
         let x: f64 = (0..4).map(|r| mode(r, i) * q[r]).sum();
-        // The scheme errs by (ω h)²/24 of the phase, 1e-8 of 100 rad.
+        // The phase error of the scheme is (ω h)²/24, 1e-8 of 100 rad.
         assert!((x - chain.q[i]).abs() < 2e-6, "{x} {}", chain.q[i]);
     }
 }
@@ -269,7 +268,7 @@ fn a_reduced_structure_has_the_flexibility_of_its_elements() {
     // The tip is a node: elements and closed form agree to the solver's rounding, cond(K) 1e-16.
     let (exact, elements) = (shapes.residual(beam::LENGTH), shapes.residual_of_elements(beam::LENGTH));
     assert!((elements / exact - 1.0).abs() < 1e-4 && exact > 0.0, "{elements} {exact}");
-    // Inside the first element, 73 mm long, the elements miss what it yields under a load between its nodes.
+    // Inside the first element, 73 mm long, the elements miss its own deformation under a load between its nodes.
     let x = 0.1 * beam::LENGTH;
     assert!(shapes.residual_of_elements(x) < shapes.residual(x));
 }

@@ -19,7 +19,7 @@ fn session(setup: &RigSetup, settings: LoopSettings) -> Session {
     Session::new(setup.clone(), settings, FORCE, DRIVE_DISPLACEMENT).unwrap()
 }
 
-/// Comes up to `level` with the frequency held, then hands over to the loop.
+/// Rises to `level` with frozen frequency, then starts the loop.
 fn start(session: &mut Session, level: f64) {
     session.hold_frequency(true);
     session.ramp(level, 1.0).unwrap();
@@ -169,7 +169,7 @@ fn without_control_the_response_falls() {
 fn the_rig_is_stable_up_to_the_limit_of_routh_and_not_beyond() {
     let mut setup = RigSetup { stop: None, ..beam::setup(Exciter::IdealForce) };
     setup.sensors.truncate(2);
-    // A loop that believes in three times the damping lets more pass than the beam bears.
+    // A loop designed for three times the damping permits larger gains than the beam tolerates.
     let believed = Resonance { damping_ratio: 3.0 * RESONANCE.damping_ratio, ..RESONANCE };
     let settings = LoopSettings { resonance: believed, start: TAU * 40.1, ..settings() };
     let low_pass = settings.detector.low_pass(settings.cut_off);

@@ -1,4 +1,4 @@
-//! Structures of few masses, whose motions are known or can be integrated in time.
+//! Structures with few masses, whose motions are known or can be integrated in time.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -9,7 +9,7 @@ use tempfile::tempdir;
 
 use super::{Outcome, ROD, number, rows, run, said, summary};
 
-/// NLvib's third example with less damping, the spring before the first mass as a stop whose node has no mass.
+/// NLvib's third example with less damping, the spring at the first mass as a stop with a massless node.
 const MASSES: &str = r#"
 [structure]
 kind = "matrices"
@@ -41,8 +41,8 @@ harmonics = 8
 stability = "never"
 "#;
 
-/// The same example as it is, as a rod of two lumped elements: masses of 1 kg on springs of 1 N/m, a spring of 100 N/m
-/// before the tip.
+/// The original example, as a rod of two lumped elements: masses of 1 kg on springs of 1 N/m, a spring of 100 N/m at
+/// the tip.
 const LUMPS: &str = r#"
 [structure]
 kind = "rod"
@@ -86,7 +86,7 @@ fn a_structure_of_few_masses_before_an_elastic_stop_moves_in_all_its_modes() -> 
     let out = run(folder.path(), LUMPS, &[])?;
     assert!(out.status.success(), "{}", said(&out));
     let branch = rows(folder.path().join("out/branch.csv"))?;
-    // Below contact: `((1 + iγ) K − Ω²) q = f`, γ = 0.03 Ω, of two masses, by Cramer's rule.
+    // Without contact: `((1 + iγ) K − Ω²) q = f`, γ = 0.03 Ω, of two masses, by Cramer's rule.
     let omega = TAU * 0.09;
     let (gamma, square) = (0.03 * omega, omega * omega);
     let free = (1.0 - square, gamma);
@@ -95,7 +95,7 @@ fn a_structure_of_few_masses_before_an_elastic_stop_moves_in_all_its_modes() -> 
     let imaginary = gamma * (2.0 * free.0 + 2.0 - square - 2.0);
     let linear = 0.1 * free.0.hypot(free.1) / real.hypot(imaginary);
     assert!((number(&branch[0], "drive_fundamental_m") / linear - 1.0).abs() < 1e-9, "{linear}");
-    // With 63 harmonics by other code, next to its peak; exact are 0.9363056809.
+    // With 63 harmonics by other code, next to its peak; the exact value is 0.9363056809.
     let peak = branch.iter().map(|row| number(row, "drive_fundamental_m")).fold(0.0, f64::max);
     assert!((peak / 0.9363067661 - 1.0).abs() < 1e-7, "{peak}");
     Ok(())
@@ -122,9 +122,9 @@ fn a_detached_curve_is_followed_from_a_phase_resonance_and_named() -> Outcome {
     Ok(())
 }
 
-/// The rod of two elements with 2 % and a force of 12 in time, `q̈ = 3 (12 cos Ωt − 2q − 2 (q − 1)⁺) − 2ζω q̇` with
-/// `ω² = 6`: amplitude of its middle at the frequency of the load, of motions of twice its period to which it comes
-/// from a state.
+/// The rod of two elements with 2 % and a force of 12 in time, `q̈ = 3 (12 cos Ωt − 2q − 2 (q − 1)⁺) − 2ζω q̇` with `ω²
+/// = 6`: amplitude of the middle at the frequency of the load, for motions of twice its period reached from an initial
+/// state.
 fn settled(hertz: f64, mut state: [f64; 2]) -> f64 {
     let (omega, damping) = (TAU * hertz, 0.04 * 6.0_f64.sqrt());
     let rate = |t: f64, [q, v]: [f64; 2]| {

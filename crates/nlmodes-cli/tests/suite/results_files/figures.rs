@@ -7,7 +7,7 @@ use assert_cmd::Command;
 
 use super::{Outcome, run};
 
-/// Widths in print and titles are those that are asked for; how curves are drawn does not change what is computed.
+/// Widths in print and titles are as requested; drawing options do not change the computation.
 #[test]
 fn figures_have_the_width_and_the_title_that_are_asked_for() -> Outcome {
     let (_folder, out, _) = run(&["output.figure_width_mm=90", "output.figure_titles=false"])?;
@@ -22,7 +22,8 @@ fn figures_have_the_width_and_the_title_that_are_asked_for() -> Outcome {
     Ok(())
 }
 
-/// Figures of another width are drawn anew from the steps of the run, which stays as it is, its certificate too.
+/// Figures of another width are redrawn from the steps of the run, which is unchanged, including its verification
+/// report.
 #[test]
 fn figures_of_another_width_are_drawn_anew_without_a_run() -> Outcome {
     let (_folder, out, _) = run(&[])?;
@@ -50,14 +51,14 @@ fn figures_of_another_width_are_drawn_anew_without_a_run() -> Outcome {
     for wrong in ["0", "nan", "1e9"] {
         assert_eq!(figures(&["--width-mm", wrong])?.status.code(), Some(2));
     }
-    // A run that was cut off is not gone on with for a figure.
+    // An interrupted run is not continued for a figure.
     let steps = fs::read_to_string(out.join("steps.jsonl"))?;
     let kept: Vec<&str> = steps.lines().take(8).collect();
     fs::write(out.join("steps.jsonl"), kept.join("\n") + "\n")?;
     let cut = figures(&["--width-mm", "90"])?;
     assert_eq!(cut.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&cut.stderr).contains("--resume"), "{cut:?}");
-    // The folder of one number of harmonics has no run.json: it stands in the one above.
+    // The folder of one number of harmonics has no run.json: it is in the parent folder.
     fs::remove_file(out.join("run.json"))?;
     let part = figures(&["--width-mm", "90"])?;
     assert_eq!(part.status.code(), Some(1));
@@ -65,7 +66,7 @@ fn figures_of_another_width_are_drawn_anew_without_a_run() -> Outcome {
     Ok(())
 }
 
-/// A PDF and a PNG beside each figure; the next run leaves none of them behind.
+/// A PDF and a PNG beside each figure; the next run removes them.
 #[test]
 fn figures_come_as_pdf_and_png_too() -> Outcome {
     let (folder, out, _) = run(&["output.figure_width_mm=90"])?;

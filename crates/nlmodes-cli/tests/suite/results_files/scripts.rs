@@ -1,4 +1,4 @@
-//! The scripts that draw results with other programs.
+//! The scripts that plot results with other programs.
 
 use std::error::Error;
 use std::fs;
@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 use super::{Outcome, run, table};
 
-/// Where the scripts of the documentation are.
+/// Directory of the scripts of the documentation.
 fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scripts")
 }
 
-/// Whether a program is there and ends well.
+/// Whether a program exists and succeeds.
 fn works(program: &str, arguments: &[&str]) -> bool {
     std::process::Command::new(program).args(arguments).output().is_ok_and(|output| output.status.success())
 }
 
-/// Skipped, with a word, where there is no Octave that can draw.
+/// Skipped, with a note, without an Octave that can plot.
 #[test]
 fn octave_draws_the_branch_and_the_forces_that_the_tables_have() -> Outcome {
     let quiet = "set(0, 'defaultfigurevisible', 'off');";
@@ -82,7 +82,7 @@ fn octave_draws_the_branch_and_the_forces_that_the_tables_have() -> Outcome {
     Ok(())
 }
 
-/// Skipped, with a word, where there is no Python with SciPy and Matplotlib.
+/// Skipped, with a note, without Python with SciPy and Matplotlib.
 #[test]
 fn python_draws_both_figures_from_the_matlab_file() -> Outcome {
     let python = std::env::var("NLMODES_PYTHON").unwrap_or_else(|_| "python3".into());
