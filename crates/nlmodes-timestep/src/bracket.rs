@@ -1,7 +1,7 @@
 //! A root within a bracket.
 
-/// Where a function that is not negative at `low` falls below zero before `high`: Newton's method kept within the
-/// bracket. `evaluate` gives the function and its slope.
+/// Point before `high` at which a function that is not negative at `low` becomes negative, by Newton's method
+/// safeguarded by the bracket. `evaluate` returns the function and its slope.
 pub(crate) fn falls_below_zero(mut evaluate: impl FnMut(f64) -> [f64; 2], mut low: f64, mut high: f64) -> f64 {
     let mut t = 0.5 * (low + high);
     for _ in 0..200 {
@@ -28,7 +28,7 @@ pub(crate) fn falls_below_zero(mut evaluate: impl FnMut(f64) -> [f64; 2], mut lo
 mod tests {
     use super::*;
 
-    /// The root, and how often the function was asked for.
+    /// The root, and the number of function evaluations.
     fn root(f: impl Fn(f64) -> [f64; 2], low: f64, high: f64) -> (f64, usize) {
         let mut asked = 0;
         let counted = |t: f64| {
@@ -43,8 +43,8 @@ mod tests {
     #[test]
     fn roots_are_found_to_rounding_by_few_evaluations_wherever_they_are() {
         for at in [1e-3, 0.3, 0.5, 0.999] {
-            // A line takes two, one to get there and one to see it, and one more where rounding counts beside a small
-            // root; a sine converges with cubes.
+            // A line takes two, one step and one check, and one more if rounding matters for a small root; a sine
+            // converges cubically.
             let (found, asked) = root(|t| [at - t, -1.0], 0.0, 1.0);
             assert!((found - at).abs() <= f64::EPSILON * at && asked <= 3, "{at}: {found}, {asked}");
             let (found, asked) = root(|t| [-(t - at).sin(), -(t - at).cos()], 0.0, 1.0);
@@ -54,12 +54,12 @@ mod tests {
 
     #[test]
     fn where_newton_leaves_the_bracket_it_is_halved() {
-        // A steep step and flat tails: Newton's method alone goes far off from everywhere but the step.
+        // A steep step with flat tails: Newton's method alone diverges from everywhere but the step.
         let step = |t: f64| [-(300.0 * (t - 0.123)).atan(), -300.0 / (1.0 + (300.0 * (t - 0.123)).powi(2))];
         let (found, asked) = root(step, 0.0, 1.0);
-        // From 0.5 by halves to within 1/300 of the root, some eight, and then by Newton's method.
+        // From 0.5 by some eight bisections to within 1/300 of the root, and then by Newton's method.
         assert!((found - 0.123).abs() < 1e-16 && asked <= 14, "{found}, {asked}");
-        // A root of the third order: two thirds of the distance are left by each step, 1e-16 after 90.
+        // A triple root: each step reduces the distance by a factor of two thirds, to 1e-16 after 90.
         let (found, asked) = root(|t| [-(t - 0.3).powi(3), -3.0 * (t - 0.3).powi(2)], 0.0, 1.0);
         assert!((found - 0.3).abs() < 1e-15 && asked < 95, "{found}, {asked}");
     }

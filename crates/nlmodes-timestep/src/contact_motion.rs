@@ -4,7 +4,7 @@ use crate::trajectory::Segment;
 use crate::verification::{n_intervals, share};
 use crate::{ClosedInterval, Trajectory};
 
-/// Gap and force of a contact at an instant, each with its first two derivatives by time.
+/// Gap and force of a contact at an instant, each with its first two time derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ContactState {
@@ -15,7 +15,7 @@ pub struct ContactState {
 }
 
 impl Trajectory {
-    /// Gap and force of contact `contact` at the instant `t`, which is kept within the trajectory.
+    /// Gap and force of contact `contact` at the instant `t`, clamped to the trajectory.
     pub fn contact_state(&self, contact: usize, t: f64) -> ContactState {
         self.segment_at(t).contact_state(contact, t)
     }
@@ -45,8 +45,8 @@ impl Trajectory {
         closed.map(|s| s.phase.force_motion(contact, &s.start).integral(s.to - s.from)).sum::<f64>() + 0.0
     }
 
-    /// Largest speed at which the gap of contact `contact` closes as it is touched, m/s, the beginning taken to follow
-    /// the end.
+    /// Largest closing speed of the gap of contact `contact` at the beginning of contact, m/s, for a periodic
+    /// continuation.
     fn approach_velocity(&self, contact: usize) -> f64 {
         let around = self.segments.last().zip(self.segments.first());
         let pairs = self.segments.windows(2).map(|pair| (&pair[0], &pair[1])).chain(around);
@@ -97,7 +97,7 @@ impl Trajectory {
 }
 
 impl Segment {
-    /// Gap and force of a contact at the instant `t`, which is kept within the segment.
+    /// Gap and force of a contact at the instant `t`, clamped to the segment.
     fn contact_state(&self, contact: usize, t: f64) -> ContactState {
         let after = (t.min(self.to) - self.from).max(0.0);
         if self.phase.closed[contact] {

@@ -12,26 +12,26 @@ use crate::phase::{Coordinates, Phase, dot, transposed_product};
 use crate::trajectory::{Segment, Trajectory};
 use crate::{ModalState, TimestepError};
 
-/// Most degrees of freedom that are accepted: all modes are kept, in dense matrices.
+/// Maximum number of degrees of freedom: all modes are kept, in dense matrices.
 pub const MAX_DOFS: usize = 2000;
 
-/// Most stretches between contact instants in one trajectory: each keeps its modal coordinates.
+/// Maximum number of segments between contact instants in one trajectory: each stores its modal coordinates.
 const MAX_SEGMENTS: usize = 100_000;
 
-/// Switchings without progress in time, a contact, after which the contact problem just ahead decides, and after which
-/// all is given up.
+/// Number of switchings without progress in time, per contact, after which the contact problem just ahead decides, and
+/// after which the integration fails.
 const PATIENCE: [usize; 2] = [2, 8];
 
-/// A structure with massless contact nodes as an ordinary system, propagated exactly from contact instant to contact
-/// instant.
+/// A structure with massless contact nodes as an ordinary differential equation, propagated exactly from contact
+/// instant to contact instant.
 ///
 /// ```text
 /// M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ(q_L) ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
-/// The right-hand side is Lipschitz and linear while the set of closed contacts stays the same: then all is cosines and
-/// sines in the modes of that set, which are computed when it first occurs and kept. Instants are roots of gaps and
-/// forces, of which none is missed. No quantity jumps, nothing is dissipated.
+/// The right-hand side is Lipschitz, and linear as long as the set of closed contacts does not change: the solution
+/// then consists of cosines and sines in the modes of that set, which are computed when it first occurs and cached.
+/// Contact instants are roots of gaps and forces, none of which is missed. No quantity jumps, and energy is conserved.
 pub struct ContactDynamics {
     model: MasslessContactModel,
     body: ContactBody,
@@ -48,11 +48,11 @@ impl fmt::Debug for ContactDynamics {
 }
 
 impl ContactDynamics {
-    /// Takes the structure apart into its modes with all contacts open.
+    /// Computes the modes of the structure with all contacts open.
     ///
     /// # Errors
     /// [`TimestepError::TooLarge`]; [`TimestepError::Model`], [`TimestepError::Contact`] or [`TimestepError::Linalg`]
-    /// if its matrices are not usable.
+    /// if its matrices are unsuitable.
     pub fn new(model: MasslessContactModel) -> Result<Self, TimestepError> {
         let found = model.dofs().len();
         if found > MAX_DOFS {
@@ -66,7 +66,7 @@ impl ContactDynamics {
         Ok(Self { model, body, open, phases, workspace, goes_on: Box::new(|| true) })
     }
 
-    /// Asks before each stretch between contact instants whether to go on; where not, what is computed ends with
+    /// Asks before each segment between contact instants whether to continue; if not, the computation ends with
     /// [`TimestepError::Ended`].
     pub fn asking(self, goes_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self { goes_on: Box::new(goes_on), ..self }
@@ -87,8 +87,7 @@ impl ContactDynamics {
         &self.open.omega
     }
 
-    /// The state with these displacements and velocities of all degrees of freedom; what they say of massless ones does
-    /// not count.
+    /// The state with these displacements and velocities of all degrees of freedom; those of massless ones are ignored.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -106,7 +105,7 @@ impl ContactDynamics {
     /// The state at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7).
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`] if it has other coordinates than the structure.
+    /// [`TimestepError::Dimension`] if its coordinates are not those of the structure.
     pub fn state_of_harmonics(
         &self,
         motion: &HarmonicCoefficients,
@@ -122,7 +121,7 @@ impl ContactDynamics {
     /// Averaged kinetic energy `¼ Σ_n (nω)² q_nᴴ M q_n` of a periodic motion given by its Fourier coefficients, J.
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`] if it has other coordinates than the structure.
+    /// [`TimestepError::Dimension`] if its coordinates are not those of the structure.
     pub fn averaged_kinetic_energy(&self, motion: &HarmonicCoefficients, omega: f64) -> Result<f64, TimestepError> {
         let mut energy = 0.0;
         for n in 1..=motion.n_harmonics() {
@@ -145,7 +144,7 @@ impl ContactDynamics {
         Ok((phase.displacement(&at), phase.velocity(&at)))
     }
 
-    /// Kinetic and strain energy, that of elastic stops included, J.
+    /// Kinetic and strain energy, including that of elastic stops, J.
     ///
     /// # Errors
     /// [`TimestepError::Contact`] if the contact problem has no solution there.
@@ -154,7 +153,7 @@ impl ContactDynamics {
         Ok(phase.energy(&phase.enter(&state.z, &state.v)))
     }
 
-    /// Gaps per contact force at rest, with all modes yielding statically, c × c.
+    /// Gaps per contact force at rest, with the static flexibility of all modes, c × c.
     pub(crate) fn static_compliance(&self) -> Mat<f64> {
         let a = self.body.matrix().a();
         let contacts = self.model.contacts();
@@ -175,7 +174,7 @@ impl ContactDynamics {
     ///
     /// # Errors
     /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`],
-    /// [`TimestepError::Ended`], or what the modes of a new set of closed contacts report.
+    /// [`TimestepError::Ended`], or errors of the modes of a new set of closed contacts.
     pub fn propagate(&mut self, state: &ModalState, duration: f64) -> Result<Trajectory, TimestepError> {
         if !(duration.is_finite() && duration > 0.0) {
             return Err(TimestepError::NotPositive { what: "duration (s)", value: duration });
@@ -226,13 +225,13 @@ impl ContactDynamics {
         self.phase(&closed)
     }
 
-    /// The set that the contact problem gives for a state.
+    /// The set of closed contacts from the contact problem for a state.
     pub(crate) fn phase_at(&mut self, state: &ModalState) -> Result<Arc<Phase>, TimestepError> {
         let free = self.free_gaps(&state.z);
         self.solve(&free)
     }
 
-    /// The set a moment later, where several contacts are about to change at once: the displacement is smooth up to its
+    /// The set just after the present instant, if several contacts change at once: the displacement is smooth up to its
     /// second derivative.
     fn phase_ahead(&mut self, phase: &Phase, at: &Coordinates) -> Result<Arc<Phase>, TimestepError> {
         let moment = 1e-4 / phase.omega.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
@@ -264,15 +263,15 @@ impl ContactDynamics {
     }
 }
 
-/// Length of the stretch in which the closed contacts stay the same, at most `end`, and the contact that changes then.
+/// Length of the segment with unchanged closed contacts, at most `end`, and the contact that changes then.
 fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<usize>) {
     let (mut length, mut switch) = (end, None);
     for i in 0..phase.closed.len() {
         let mut guard = phase.guard(i, start);
         let value = guard.evaluate(0.0)[0];
         if value < 0.0 {
-            // Behind an instant the guard is zero but for rounding; what is more than that is a set that does not
-            // belong to this state.
+            // After a contact instant the guard is zero to rounding; a larger value means that the set does not belong
+            // to this state.
             if value < -1e-9 * guard.size() {
                 return (0.0, Some(i));
             }

@@ -4,38 +4,38 @@ use nlmodes_model::ModelError;
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-/// Why a motion cannot be integrated or a periodic one not be found.
+/// Why a motion cannot be integrated or a periodic one cannot be found.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TimestepError {
-    /// More degrees of freedom than dense matrices are sensible for.
+    /// Too many degrees of freedom for dense matrices.
     #[error(
         "{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}"
     )]
     TooLarge {
         /// Degrees of freedom of the structure.
         found: usize,
-        /// Most that are accepted.
+        /// Maximum.
         most: usize,
     },
-    /// More modes than shooting is sensible for.
+    /// Too many modes for shooting.
     #[error(
         "shooting with {found} modes: at most {most} are sensible, since a point costs their number to the third power"
     )]
     TooManyModes {
-        /// Modes kept.
+        /// Number of modes kept.
         found: usize,
-        /// Most that are accepted.
+        /// Maximum.
         most: usize,
     },
-    /// A vector does not belong to this structure.
+    /// A vector does not fit this structure.
     #[error("{what}: {found} where {expected} was expected")]
     Dimension {
         /// The quantity whose size is wrong.
         what: &'static str,
-        /// The size that it should have.
+        /// The required size.
         expected: usize,
-        /// The size that it has.
+        /// The actual size.
         found: usize,
     },
     /// A state or a coefficient is NaN or infinite.
@@ -44,12 +44,12 @@ pub enum TimestepError {
         /// The quantity.
         what: &'static str,
     },
-    /// More changes of contact than a trajectory may have.
+    /// Too many contact changes for a trajectory.
     #[error("more than {most} changes of contact up to {time:e} s")]
     TooManyContacts {
-        /// When, s.
+        /// Time, s.
         time: f64,
-        /// Most that are kept.
+        /// Maximum.
         most: usize,
     },
     /// A period, frequency or energy is not a positive number.
@@ -60,7 +60,7 @@ pub enum TimestepError {
         /// Its value.
         value: f64,
     },
-    /// The linear mode does not lead to a first touch.
+    /// The linear mode does not graze.
     #[error("linear mode {mode} has no amplitude of first touch: {why}")]
     NoGrazing {
         /// The mode, from 1.
@@ -68,15 +68,15 @@ pub enum TimestepError {
         /// The reason.
         why: &'static str,
     },
-    /// Contacts switch without time going on.
+    /// Contacts switch without progress in time.
     #[error("the contacts switch {switches} times at {time:e} s without time going on")]
     Chatter {
-        /// When, s.
+        /// Time, s.
         time: f64,
-        /// How often.
+        /// Number of times.
         switches: usize,
     },
-    /// Whoever was asked did not want it to go on.
+    /// The computation was cancelled.
     #[error("it was asked to end")]
     Ended,
     /// Newton's method found no periodic motion.
@@ -87,14 +87,14 @@ pub enum TimestepError {
         /// Newton iterations.
         iterations: usize,
     },
-    /// The samples of a period cannot carry the harmonics.
+    /// Too few samples per period for the harmonics.
     #[error("{harmonics} harmonics need at least {needed} samples a period, not {samples}")]
     Samples {
-        /// Harmonics asked for.
+        /// Requested harmonics.
         harmonics: usize,
-        /// Samples asked for.
+        /// Requested samples.
         samples: usize,
-        /// Fewest samples.
+        /// Minimum number of samples.
         needed: usize,
     },
     /// The structure or its modes.
@@ -109,7 +109,7 @@ pub enum TimestepError {
     /// A factorisation or an eigenproblem.
     #[error("{what}")]
     Linalg {
-        /// What it was for.
+        /// Its purpose.
         what: &'static str,
         /// The reason.
         #[source]
@@ -118,7 +118,7 @@ pub enum TimestepError {
 }
 
 impl TimestepError {
-    /// An error of the linear algebra, with what it was for.
+    /// An error of linear algebra, with the purpose of the computation.
     pub(crate) fn during(what: &'static str) -> impl Fn(LinalgError) -> Self {
         move |source| Self::Linalg { what, source }
     }

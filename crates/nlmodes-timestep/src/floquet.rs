@@ -4,25 +4,24 @@ use num_complex::Complex64;
 use crate::phase::dot;
 use crate::{ContactDynamics, PeriodicMotion, TimestepError, Trajectory};
 
-/// Distance from the unit circle up to which a multiplier counts as lying on it.
+/// Distance from the unit circle up to which a multiplier is taken to be on it.
 ///
-/// Rounding leaves some 1e-12 of a simple multiplier, and its square root where two of them meet.
+/// Rounding errors are some 1e-12 for a simple multiplier, and the square root of that where two of them meet.
 pub const UNIT_CIRCLE: f64 = 1e-6;
 
 /// Floquet multipliers of a periodic motion.
 ///
-/// A conservative autonomous system has the multiplier +1 twice: a shift along the motion comes back as it is, and a
-/// change of energy moves on to the neighbour in the family, with another period. This pair is not semisimple, and
-/// rounding would split it by the square root of 1e-16. It is therefore taken out exactly: with `f` the direction of
-/// the motion and `e` the gradient of the energy, `e · f = 0`, the monodromy matrix is block triangular in `f`, the
-/// complement of both, and `e`; the multipliers given are those of the block between.
+/// A conservative autonomous system has the multiplier +1 twice: a shift along the motion is unchanged after a period,
+/// and a change of energy leads to the neighbouring motion of the family, with another period. This pair is not
+/// semisimple, and rounding would split it by the square root of 1e-16. It is therefore removed exactly: with `f` the
+/// direction of the motion and `e` the gradient of the energy, `e · f = 0`, the monodromy matrix is block triangular in
+/// `f`, the complement of both, and `e`; the multipliers returned are those of the middle block.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Floquet {
-    /// The 2m − 2 multipliers beside the double +1, by falling magnitude.
+    /// The 2m − 2 multipliers other than the double +1, in order of decreasing magnitude.
     pub multipliers: Vec<Complex64>,
-    /// `‖(M − I) f‖ / ‖f‖` in the energy norm: how well the motion comes back along itself; rounding for a periodic
-    /// one.
+    /// `‖(M − I) f‖ / ‖f‖` in the energy norm: accuracy of the return along the motion; rounding for a periodic one.
     pub trivial_defect: f64,
 }
 
@@ -30,7 +29,7 @@ impl Floquet {
     /// From the monodromy matrix of one period.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`] reports; [`TimestepError::Linalg`] if the eigenvalues do not converge;
+    /// Errors of [`ContactDynamics::propagate`]; [`TimestepError::Linalg`] if the eigenvalues do not converge;
     /// [`TimestepError::NotPositive`] for a structure at rest.
     pub fn new(dynamics: &mut ContactDynamics, motion: &PeriodicMotion) -> Result<Self, TimestepError> {
         let scale: Vec<f64> = dynamics.omega().iter().map(|ω| ω.max(motion.omega)).collect();
@@ -51,12 +50,12 @@ impl Floquet {
         Ok(Self { multipliers, trivial_defect: defect })
     }
 
-    /// Largest magnitude of a multiplier; 1 where there is none beside the double +1.
+    /// Largest magnitude of a multiplier; 1 if there is none other than the double +1.
     pub fn largest(&self) -> f64 {
         self.multipliers.first().map_or(1.0, |μ| μ.norm())
     }
 
-    /// Whether all multipliers lie on the unit circle but for [`UNIT_CIRCLE`]: no small disturbance grows
+    /// Whether all multipliers are on the unit circle to within [`UNIT_CIRCLE`]: no small disturbance grows
     /// exponentially.
     pub fn is_stable(&self) -> bool {
         self.largest() <= 1.0 + UNIT_CIRCLE
@@ -79,7 +78,7 @@ fn flow(dynamics: &mut ContactDynamics, motion: &PeriodicMotion, scale: &[f64]) 
     Ok(first.chain(acceleration).collect())
 }
 
-/// Gradient of the energy, which is the flow turned: `∂E/∂v = v = ż`, `∂E/∂z = −v̇`, each over its scale.
+/// Gradient of the energy, which is the rotated flow: `∂E/∂v = v = ż`, `∂E/∂z = −v̇`, each divided by its scale.
 fn conjugate(flow: &[f64], scale: &[f64]) -> Vec<f64> {
     let m = scale.len();
     let gradient = (0..2 * m).map(|i| if i < m { -flow[m + i] / scale[i] } else { flow[i - m] / scale[i - m] });
@@ -94,7 +93,7 @@ fn complement_block(matrix: &Mat<f64>, vectors: &[Vec<f64>; 2]) -> Mat<f64> {
     let mut turned = matrix.clone();
     let mut rest = vectors.to_vec();
     for first in 0..2 {
-        // The reflection that takes the vector to ±e_first leaves the entries before it alone.
+        // The reflection that takes the vector to ±e_first does not change the entries before it.
         let mut normal = rest[first].clone();
         normal[..first].fill(0.0);
         let length = dot(&normal, &normal).sqrt();
@@ -132,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_block_of_the_complement_has_the_other_eigenvalues() {
-        // Eigenvectors of a symmetric matrix: those of the two that are taken out leave the other two.
+        // Eigenvectors of a symmetric matrix: without two of them the other two remain.
         let q = [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
             .map(|v| v.map(|x| 0.5 * x));
         let eigenvalue = [1.0, 5.0, 1.0, -0.25];

@@ -1,5 +1,5 @@
-//! Damped structures under periodic loads in time: exact between the instants of contact, and periodic motions by
-//! shooting over all their period.
+//! Damped structures under periodic loads in the time domain: exact between contact instants, with periodic motions by
+//! shooting over the whole period.
 
 mod flow;
 mod motion;
@@ -14,16 +14,15 @@ use num_complex::Complex64;
 
 use crate::TimestepError;
 
-/// A damped structure under a periodic load before stops, as a linear complementarity system in time.
+/// A damped structure with stops under a periodic load, as a linear complementarity system in time.
 ///
 /// ```text
 /// z̈ + Ĉ ż + diag(ω_k²) z = Yᵀ λ + F Σ Re(p_n e^{inΩt}) ,   0 ≤ λ ⊥ A λ + y ≥ 0 ,   y = g₀ + Y z + s + F Σ Re(a_n e^{inΩt})
 /// d_i ṡ_i + k_i s_i = λ_i                                             the stops that dissipate, without mass; s_i = 0 for the others
 /// ```
 ///
-/// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the flexibility at the contacts with that of
-/// elastic stops, `F` the level. Nothing of it comes from harmonics: these motions are what those of harmonic balance
-/// are held against.
+/// `Y` (c × m, 1/√kg) are the modes at the gaps, `A` (c × c, m/N) the flexibility at the contacts including that of
+/// elastic stops, `F` the level. No harmonics are used: these motions are the reference for harmonic balance.
 #[derive(Debug, Clone)]
 pub struct ForcedStructure {
     omega_squared: Vec<f64>,
@@ -31,7 +30,7 @@ pub struct ForcedStructure {
     rows: Mat<f64>,
     compliance: LcpMatrix,
     gaps: Vec<f64>,
-    /// Contact, stiffness and damper of each stop that dissipates.
+    /// Contact, stiffness and damper of each dissipative stop.
     dampers: Vec<(usize, f64, f64)>,
     loads: Vec<ForcedLoad>,
 }
@@ -49,8 +48,8 @@ impl ForcedStructure {
     /// stops (c × c) and gaps (c, m).
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`], or [`TimestepError::Contact`] where a stop meets no
-    /// flexibility.
+    /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`], or [`TimestepError::Contact`] if there is no
+    /// flexibility at a stop.
     pub fn new(
         omega_squared: &[f64],
         damping: &Mat<f64>,
@@ -89,8 +88,8 @@ impl ForcedStructure {
         })
     }
 
-    /// Adds a harmonic of the load: modal forces `p` (m, √kg m/s² by a unit of the level) and what it adds to the gaps,
-    /// `a` (c, m by a unit of the level).
+    /// Adds a harmonic of the load: modal forces `p` (m, √kg m/s² per unit of level) and its contribution to the gaps,
+    /// `a` (c, m per unit of level).
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -106,7 +105,7 @@ impl ForcedStructure {
         Ok(())
     }
 
-    /// Puts the stop of a contact on a spring (N/m) and a damper (N s/m) beside each other. It comes back to its place
+    /// Mounts the stop of a contact on a spring (N/m) and a damper (N s/m) in parallel. It returns to its rest position
     /// while the contact is open.
     ///
     /// # Errors
@@ -135,13 +134,12 @@ impl ForcedStructure {
         self.gaps.len()
     }
 
-    /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the stops that dissipate
-    /// (m).
+    /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the dissipative stops (m).
     pub fn n_states(&self) -> usize {
         2 * self.n_modes() + self.dampers.len()
     }
 
-    /// A rate that makes velocities comparable to displacements, 1/s.
+    /// A rate that scales velocities to displacements, 1/s.
     fn rate(&self) -> f64 {
         let highest = self.omega_squared.iter().fold(0.0_f64, |most, w| most.max(w.abs())).sqrt();
         if highest > 0.0 { highest } else { 1.0 }

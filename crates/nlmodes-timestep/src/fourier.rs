@@ -4,14 +4,14 @@ use num_complex::Complex64;
 use crate::Trajectory;
 use crate::trajectory::Segment;
 
-/// Below this phase a mode counts as a drift.
+/// Below this phase a mode is treated as a drift.
 const STILL: f64 = 1e-7;
 
 impl Trajectory {
     /// Fourier coefficients of all degrees of freedom, eqs. (7), (14), with the trajectory as one period:
     /// `q_n = (2/T) ∫ q e^{−inωt} dt`, half of that for `n = 0`.
     ///
-    /// The integrals over the stretches between contact instants have closed forms, so that the coefficients are exact
+    /// The integrals over the segments between contact instants have closed forms, so the coefficients are exact
     /// however few there are.
     pub fn harmonics(&self, n_harmonics: usize) -> HarmonicCoefficients {
         let n = self.segments.first().map_or(0, |s| s.phase.offset.len());
@@ -30,7 +30,7 @@ impl Trajectory {
 }
 
 impl Segment {
-    /// `scale ∫ q e^{−iνt} dt` of each degree of freedom over the stretch.
+    /// `scale ∫ q e^{−iνt} dt` of each degree of freedom over the segment.
     fn add_harmonic(&self, nu: f64, scale: f64, mut add: impl FnMut(usize, Complex64)) {
         let (phase, length) = (&self.phase, self.to - self.from);
         let shift = scale * Complex64::cis(-nu * self.from);
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn integrals_of_drifts_and_oscillations_are_those_by_simpsons_rule() {
         for length in [0.7, 3.0] {
-            // On both sides of where the closed form of a drift gives way to its series, at a phase of 1e-3.
+            // On both sides of the switch from the closed form of a drift to its series, at a phase of 1e-3.
             for nu in [0.0, 1e-5, 2e-4, 9e-4, 1.6e-3, 0.3, 4.0].map(|phase| phase / length) {
                 let found = drift_integral(nu, length);
                 let expected = numeric(|s| s, nu, length);
@@ -107,7 +107,7 @@ mod tests {
                         0.3 * (omega * s).cos() - 1.1 * if omega > 0.0 { (omega * s).sin() / omega } else { s }
                     };
                     let (found, expected) = (modal_integral(omega, 0.3, -1.1, nu, length), numeric(motion, nu, length));
-                    // Beside ω = 0 a drift is the difference of two large numbers.
+                    // Near ω = 0 a drift is the difference of two large numbers.
                     let tolerance = if omega * length > 0.0 && omega * length < 1e-2 { 1e-7 } else { 1e-9 };
                     assert!(
                         (found - expected).norm() < tolerance * (1.0 + length * length),

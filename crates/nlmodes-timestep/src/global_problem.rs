@@ -13,22 +13,22 @@ use crate::TimestepError;
 /// ```
 ///
 /// with `T_n = K_NN⁻¹ K_NL (K_LL − n²ω² M_LL)⁻¹ K_LN`, `c_0 = 1` and `c_n = 2`. Its solutions are those of the sampled
-/// method at the frequency ω. It has `N_t` times the number of contacts as unknowns and is not positive definite, so
-/// that it serves to check solutions of small systems.
+/// method at the frequency ω. It has `N_t` times the number of contacts as unknowns and is not positive definite, so it
+/// is used to check solutions of small systems.
 #[derive(Debug, Clone)]
 pub struct GlobalContactProblem {
     /// `𝒜`, m/N; sample after sample, c × N_t rows and columns.
     pub matrix: Mat<f64>,
-    /// Gaps at rest, m, once a sample.
+    /// Gaps at rest, m, repeated for each sample.
     pub gaps: Vec<f64>,
 }
 
 impl GlobalContactProblem {
-    /// Assembles it from dense factorisations of each harmonic's dynamic stiffness.
+    /// Assembles it from dense factorisations of the dynamic stiffness of each harmonic.
     ///
     /// # Errors
-    /// [`TimestepError::Samples`]; [`TimestepError::NotPositive`]; [`TimestepError::Linalg`] where a harmonic meets an
-    /// eigenfrequency of the structure, with the contacts held or open.
+    /// [`TimestepError::Samples`]; [`TimestepError::NotPositive`]; [`TimestepError::Linalg`] if a harmonic coincides
+    /// with a fixed-interface or free-interface eigenfrequency.
     pub fn new(
         model: &MasslessContactModel,
         omega: f64,

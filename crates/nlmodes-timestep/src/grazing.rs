@@ -4,9 +4,9 @@ use nlmodes_linalg::Mat;
 use crate::phase::Coordinates;
 use crate::{ContactDynamics, ModalState, TimestepError};
 
-/// A linear mode at the amplitude at which the state of a contact is about to change: where a nonlinear mode begins.
+/// A linear mode at the grazing amplitude, where the state of a contact is about to change and a nonlinear mode begins.
 ///
-/// Contacts that are pressed at rest count as closed.
+/// Contacts that are preloaded at rest are closed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct GrazingState {
@@ -16,17 +16,17 @@ pub struct GrazingState {
     pub energy: f64,
     /// The contact that grazes.
     pub contact: usize,
-    /// The state at the instant of grazing, at which all stands still.
+    /// The state at the instant of grazing, with zero velocity.
     pub state: ModalState,
-    /// By what `state` differs from static equilibrium.
+    /// Difference of `state` from static equilibrium.
     pub amplitude: Vec<f64>,
 }
 
 impl ContactDynamics {
-    /// Grazing of the linear mode whose angular frequency is next to `omega` (rad/s).
+    /// Grazing of the linear mode whose angular frequency is closest to `omega` (rad/s).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if it has no frequency, does not move a contact, or a contact touches at rest
+    /// [`TimestepError::NoGrazing`] if it is a rigid-body mode, does not move a contact, or a contact touches at rest
     /// without force.
     pub fn grazing(&mut self, omega: f64) -> Result<GrazingState, TimestepError> {
         let closed = self.closed_at_rest()?;
@@ -61,7 +61,7 @@ impl ContactDynamics {
         })
     }
 
-    /// The contacts that press at rest.
+    /// The contacts preloaded at rest.
     fn closed_at_rest(&self) -> Result<Vec<bool>, TimestepError> {
         let contacts = self.model().contacts();
         let gaps: Vec<f64> = contacts.iter().map(|c| c.gap).collect();
@@ -69,7 +69,7 @@ impl ContactDynamics {
         if gaps.iter().all(|gap| *gap >= 0.0) {
             return Ok(closed);
         }
-        // The whole structure yields, not only the contact nodes.
+        // The whole structure deforms, not only the contact nodes.
         let compliance = self.static_compliance();
         let a = Mat::from_fn(gaps.len(), gaps.len(), |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
         solver_by_name("active-set")?.workspace(&LcpMatrix::new(&a)?)?.solve(&gaps, &mut closed, &mut force)?;

@@ -1,6 +1,6 @@
-//! Exact time integration of structures with massless contact nodes, and what follows from it: a check of computed
-//! periodic motions, exact periodic motions by shooting, free ones and those of damped structures under periodic loads,
-//! and their stability. No harmonics are involved.
+//! Exact time integration of structures with massless contact nodes, and its applications: verification of computed
+//! periodic motions, exact periodic motions by shooting (free ones and those of damped structures under periodic
+//! loads), and their stability. No harmonics are involved.
 //!
 //! ```text
 //! M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ          (8) in time, with q_N from (13)
@@ -14,8 +14,8 @@
 //! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
-//! | `B`, `y` | basis of a reduction to held modes with static correction, and its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
-//! | `x` | damped structure under a load, and its exact motion over one period of the load or several | | [`ForcedStructure`], [`ForcedMotion`] |
+//! | `B`, `y` | basis of a reduction to fixed-interface modes with static correction, and its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
+//! | `x` | damped structure under a load, and its exact motion over one or several periods of the load | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
 //!
@@ -31,19 +31,19 @@
 //! let stop = Contact::rigid(1, Side::Positive, 1e-3);
 //! let model = StructuralModel::new(mass, stiffness, vec![dof(1), dof(2)], vec![stop])?;
 //!
-//! // The periodic motion of ten times the energy at which the linear mode just touches, from a rough guess.
+//! // The periodic motion at ten times the grazing energy of the linear mode, from a rough guess.
 //! let dynamics = ContactDynamics::new(MasslessContactModel::new(&model, &Drop)?)?;
 //! let (mut shooting, mut x, _) = Shooting::from_grazing(dynamics, 1)?;
 //! (x[0], x[1]) = (2.2 * x[0], 1.3);
 //! let motion = shooting.motion_near(&x, 10_f64.ln())?;
-//! assert!((motion.trajectory.end.z[0] / motion.state.z[0] - 1.0).abs() < 1e-12); // it comes back
+//! assert!((motion.trajectory.end.z[0] / motion.state.z[0] - 1.0).abs() < 1e-12); // it returns
 //! assert!(Floquet::new(shooting.dynamics(), &motion)?.is_stable());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Main decision: between contact instants all modes of the structure with that set of closed contacts are propagated
-//! as cosines and sines, so that the only errors are those of rounding; contact instants are roots of guards of which
-//! none is missed. That costs dense matrices, and so [`MAX_DOFS`].
+//! Main design decision: between contact instants all modes of the structure with that set of closed contacts are
+//! propagated as cosines and sines, so that the only errors are rounding errors; contact instants are roots of guards,
+//! none of which is missed. This requires dense matrices, hence [`MAX_DOFS`].
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. Shooting and

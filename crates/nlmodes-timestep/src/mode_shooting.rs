@@ -7,14 +7,14 @@ use crate::{
     Floquet, GalerkinReduction, GrazingState, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError,
 };
 
-/// Most held modes with which a branch is followed by shooting: a point costs their number to the third power.
+/// Maximum number of fixed-interface modes for a branch by shooting: the cost of a point grows with its third power.
 pub const MAX_SHOOTING_MODES: usize = 200;
 
-/// Harmonics up to which the energy of a motion is told apart, whatever number is kept of its coefficients.
+/// Harmonics for which the energy of a motion is resolved, whatever number of its coefficients is kept.
 const MOST_HARMONICS: usize = 64;
 
 /// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a
-/// [`GalerkinReduction`], begun at grazing. A system for continuation.
+/// [`GalerkinReduction`], starting at grazing. A system for continuation.
 #[derive(Debug)]
 pub struct ModeShooting {
     structure: GalerkinReduction,
@@ -24,11 +24,11 @@ pub struct ModeShooting {
 }
 
 impl ModeShooting {
-    /// The nonlinear mode that begins with the linear mode whose angular frequency is next to `omega` (rad/s); the
-    /// coefficients of its motions are given up to harmonic `harmonics` at least.
+    /// The nonlinear mode that begins with the linear mode whose angular frequency is closest to `omega` (rad/s); the
+    /// coefficients of its motions are computed at least up to harmonic `harmonics`.
     ///
     /// # Errors
-    /// [`TimestepError::TooManyModes`]; what [`ContactDynamics::grazing`](crate::ContactDynamics::grazing) reports.
+    /// [`TimestepError::TooManyModes`]; errors of [`ContactDynamics::grazing`](crate::ContactDynamics::grazing).
     pub fn new(structure: GalerkinReduction, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
         if structure.n_kept_modes() > MAX_SHOOTING_MODES {
             let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
@@ -45,7 +45,7 @@ impl ModeShooting {
         &self.structure
     }
 
-    /// Where the nonlinear mode begins, in the coordinates of the reduced structure.
+    /// Start of the nonlinear mode, in the coordinates of the reduced structure.
     pub fn grazing(&self) -> &GrazingState {
         &self.start
     }
@@ -96,7 +96,7 @@ impl ModeShooting {
     /// The motion with the unknowns `x`, over one period.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
     pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
         self.shooting.motion(x)
     }
@@ -104,17 +104,17 @@ impl ModeShooting {
     /// Floquet multipliers of the motion with the unknowns `x`.
     ///
     /// # Errors
-    /// What [`Floquet::new`] reports.
+    /// Errors of [`Floquet::new`].
     pub fn floquet(&mut self, x: &[f64]) -> Result<Floquet, TimestepError> {
         let motion = self.shooting.motion(x)?;
         Floquet::new(self.shooting.dynamics(), &motion)
     }
 
     /// Displacements of all degrees of freedom of the full structure at the beginning of the motion with the unknowns
-    /// `x`, where it stands still.
+    /// `x`, where the velocity is zero.
     ///
     /// # Errors
-    /// What [`ContactDynamics::displacement_and_velocity`](crate::ContactDynamics::displacement_and_velocity) reports.
+    /// Errors of [`ContactDynamics::displacement_and_velocity`](crate::ContactDynamics::displacement_and_velocity).
     pub fn first_displacement(&mut self, x: &[f64]) -> Result<Vec<f64>, TimestepError> {
         let state = self.shooting.state(x);
         let (q, _) = self.shooting.dynamics().displacement_and_velocity(&state)?;
@@ -123,11 +123,11 @@ impl ModeShooting {
 
     /// The point with the unknowns `x`, as a nonlinear mode with its modal quantities.
     ///
-    /// Its coefficients are exact and go as far as harmonics of the motion can be resonant with a mode, 64 at most and
-    /// those asked for at least; its energies are those of the exact motion, with all harmonics.
+    /// Its coefficients are exact and include all harmonics that can be resonant with a mode, at most 64 and at least
+    /// the requested ones; its energies are those of the exact motion, with all harmonics.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
     pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, TimestepError> {
         let motion = self.shooting.motion(x)?;
         let trajectory = &motion.trajectory;
@@ -165,7 +165,7 @@ impl ModeShooting {
         })
     }
 
-    /// How many contacts the structure has.
+    /// Number of contacts.
     pub fn n_contacts(&self) -> usize {
         self.structure.full().contacts().len()
     }
@@ -174,7 +174,7 @@ impl ModeShooting {
     /// equidistant instants and the end of the period.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
     ///
     /// # Panics
     /// If there is no such contact.
@@ -189,7 +189,7 @@ impl ModeShooting {
         let of = self.structure.full().contacts()[contact];
         let time: Vec<f64> = (0..=samples).map(|j| trajectory.duration() * j as f64 / samples as f64).collect();
         let states: Vec<_> = time.iter().map(|t| trajectory.contact_state(contact, *t)).collect();
-        // Where the contact is closed, its stop has yielded by its own compliance.
+        // Where the contact is closed, its stop is deformed by its own compliance.
         let beyond = |order: usize| -> Vec<f64> {
             states.iter().map(|s| of.side.sign() * (of.law.compliance() * s.force[order] - s.gap[order])).collect()
         };
@@ -206,12 +206,12 @@ impl ModeShooting {
         })
     }
 
-    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the instants of
-    /// contact: where any of them closes or opens stand two instants, a rounding apart, with what is just before and
-    /// just after; `samples + 1` instants in all, or as many more as it takes for 64 equidistant ones.
+    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the contact
+    /// instants: at each closing or opening there are two instants, a rounding error apart, with the values just before
+    /// and just after; `samples + 1` instants in total, or more if needed for 64 equidistant ones.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`](crate::ContactDynamics::propagate) reports.
+    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
     pub fn time_histories(
         &mut self,
         x: &[f64],
@@ -229,7 +229,7 @@ impl ModeShooting {
         for (t, states) in trajectory.exact_states(samples, contacts.len()) {
             last = t.max(f64::next_up(last));
             for ((history, of), state) in histories.iter_mut().zip(contacts).zip(states) {
-                // Where the contact is closed, its stop has yielded by its own compliance.
+                // Where the contact is closed, its stop is deformed by its own compliance.
                 let beyond =
                     |order: usize| of.side.sign() * (of.law.compliance() * state.force[order] - state.gap[order]);
                 history.push(last, [history.stop + beyond(0), beyond(1), beyond(2)], state.force[0]);
@@ -238,7 +238,7 @@ impl ModeShooting {
         Ok(histories)
     }
 
-    /// The harmonics of a motion that can meet a mode of the structure.
+    /// The harmonics of a motion that can be resonant with a mode of the structure.
     fn highest_harmonic(&mut self, omega: f64) -> usize {
         let highest = self.shooting.dynamics().omega().last().copied().unwrap_or(omega);
         self.harmonics.max(((1.2 * highest / omega).ceil() as usize).min(MOST_HARMONICS))
@@ -264,7 +264,7 @@ impl ModeShooting {
     }
 }
 
-/// Without what rounding leaves of the sines.
+/// Without the rounding errors of the sines.
 fn even(mut motion: HarmonicCoefficients) -> HarmonicCoefficients {
     (0..motion.n_coordinates()).for_each(|d| motion.of_mut(d).iter_mut().for_each(|q| q.im = 0.0));
     motion

@@ -20,7 +20,7 @@ pub(crate) fn cosine_and_sine(omega: f64, t: f64) -> (f64, f64) {
     (cos, sin / omega)
 }
 
-/// What is known about the sign of `f` within a cell.
+/// Information on the sign of `f` within a cell.
 enum Cell {
     /// Never negative.
     Quiet,
@@ -60,10 +60,10 @@ impl Oscillation<'_> {
         terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum()
     }
 
-    /// Sum of the amplitudes' magnitudes: what rounding errors of `f` are measured by.
+    /// Sum of the magnitudes of the amplitudes: the scale of rounding errors of `f`.
     pub fn size(&self) -> f64 {
         let terms = self.omega.iter().zip(self.a.iter().zip(&self.b));
-        // A drift counts with nothing: its value at the end is not known here.
+        // A drift is not included: its value at the end is not known here.
         let amplitude = |(ω, (a, b)): (&f64, (&f64, &f64))| a.hypot(if *ω > 0.0 { b / ω } else { 0.0 });
         self.constant.abs() + terms.map(amplitude).sum::<f64>()
     }
@@ -71,10 +71,10 @@ impl Oscillation<'_> {
     /// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
     ///
     /// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`,
-    /// `|f'''| ≤ G`. A cell counts as quiet if that polynomial stays above the difference; if `f` is proven monotone or
-    /// of one curvature in it, its ends or its extremum decide; else it is halved. So no pair of roots is missed,
-    /// however close, and a graze is decided by the value at its extremum. What stays above minus a few roundings of
-    /// the amplitudes is quiet too: a guard may be zero all the time.
+    /// `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone or
+    /// of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
+    /// missed, however close, and grazing is decided by the value at the extremum. Values above minus a few rounding
+    /// errors of the amplitudes also count as no root: a guard may be zero all the time.
     pub fn first_negative(&self, end: f64) -> Option<f64> {
         let (bound, noise) = (self.third_derivative(), 4.0 * f64::EPSILON * self.size());
         if !(bound.is_finite() && noise.is_finite()) {
@@ -107,7 +107,7 @@ impl Oscillation<'_> {
         self
     }
 
-    /// Smallest value in `[0, end]`: samples, eight in the shortest period, then the zero of the slope beside the best
+    /// Smallest value in `[0, end]`: samples, eight in the shortest period, then the zero of the slope next to the best
     /// one.
     pub fn lowest(&self, end: f64) -> f64 {
         let highest = self.omega.last().copied().unwrap_or(0.0);
@@ -150,8 +150,8 @@ impl Oscillation<'_> {
         }
     }
 
-    /// Where the derivative of the given order changes sign between `from` and `to`: f falls through zero, f' rises
-    /// through it.
+    /// Where the derivative of the given order changes sign between `from` and `to`: f decreases through zero, f'
+    /// increases through it.
     fn root(&self, order: usize, from: f64, to: f64) -> f64 {
         let sign = if order == 0 { 1.0 } else { -1.0 };
         let value_and_slope = |t: f64| {
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn two_roots_that_nearly_meet_are_found_and_a_graze_is_not() {
-        // 1 − δ + cos t dips below zero for 2 √(2δ) about π.
+        // 1 − δ + cos t is negative for 2 √(2δ) about π.
         for δ in [1e-2, 1e-6, 1e-12, 1e-14] {
             let root = first(&[1.0], &[1.0], &[0.0], 1.0 - δ, 2.0 * PI).unwrap();
             assert!((PI - root) / (2.0 * δ).sqrt() - 1.0 < 0.1 && root < PI, "{δ:e}: {root}");
@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(first(&[1.0], &[-1.0], &[0.0], 1.0, 6.0), None);
     }
 
-    /// Convex and concave cells, drifts, grazes and two modes: in any unit there is the same root or none.
+    /// Convex and concave cells, drifts, grazing and two modes: the same root, or none, in any unit.
     #[test]
     fn roots_do_not_depend_on_the_unit_of_the_function() {
         type Case = ([f64; 2], [f64; 2], [f64; 2], f64);
@@ -279,11 +279,11 @@ mod tests {
     fn the_lowest_value_is_at_an_end_or_where_the_slope_rises_through_zero() {
         let omega = [2.0];
         let of = |a: f64, b: f64| Oscillation { lambda: &[4.0], omega: &omega, a: vec![a], b: vec![b], constant: 0.25 };
-        // cos 2t until it is lowest, at π/2, and before.
+        // cos 2t up to its minimum, at π/2, and before.
         for (end, expected) in [(0.5, 1.0_f64.cos()), (1.5, 3.0_f64.cos()), (1.6, -1.0), (40.0, -1.0)] {
             assert!((of(1.0, 0.0).lowest(end) - 0.25 - expected).abs() < 1e-12, "{end}: {}", of(1.0, 0.0).lowest(end));
         }
-        // sin 2t begins at its lowest value unless it goes on long enough.
+        // sin 2t has its minimum at the beginning unless the interval is long enough.
         for (end, expected) in [(1.5, 0.0), (1.7, 3.4_f64.sin()), (2.5, -1.0)] {
             assert!((of(0.0, 2.0).lowest(end) - 0.25 - expected).abs() < 1e-12, "{end}");
         }

@@ -6,14 +6,14 @@ use crate::TimestepError;
 use crate::oscillation::{Oscillation, cosine_and_sine};
 use crate::restrained::Restrained;
 
-/// The structure while one set of contacts stays closed: a linear system, taken apart into its modes once.
+/// The structure as long as one set of contacts is closed: a linear system whose modes are computed once.
 ///
 /// ```text
 /// q = q_s + Φ u ,   ü_k + λ_k u_k = 0 ,   Φᵀ M Φ = I
 /// ```
 ///
-/// Degrees of freedom at closed rigid stops are held at these, springs of closed elastic stops belong to the structure,
-/// and massless degrees of freedom that are free follow statically; `q_s` is the static equilibrium of all that.
+/// Degrees of freedom at closed rigid stops are fixed there, springs of closed elastic stops are part of the structure,
+/// and free massless degrees of freedom follow statically; `q_s` is the static equilibrium of this system.
 #[derive(Debug, Clone)]
 pub(crate) struct Phase {
     pub closed: Vec<bool>,
@@ -30,7 +30,8 @@ pub(crate) struct Phase {
     /// `o = Φᵀ M q_s`.
     pub turn: Mat<f64>,
     pub shift: Vec<f64>,
-    /// What must not turn negative, m: the gap of an open contact, the force of a closed one times its own compliance.
+    /// Guards, which must not become negative, m: the gap of an open contact, the force of a closed one times its own
+    /// compliance.
     guards: Vec<Row>,
     /// Contact forces, N.
     forces: Vec<Row>,
@@ -57,7 +58,7 @@ pub(crate) struct Coordinates {
 }
 
 impl Phase {
-    /// The phase of the closed contacts `closed`; `open` is that without any, which itself needs none.
+    /// The phase of the closed contacts `closed`; `open` is the phase without closed contacts (not needed for itself).
     pub fn new(
         model: &MasslessContactModel,
         body: &ContactBody,
@@ -123,7 +124,7 @@ impl Phase {
         transposed_product(&self.turn, &own)
     }
 
-    /// Kinetic and strain energy, that of elastic stops included, J.
+    /// Kinetic and strain energy, including that of elastic stops, J.
     pub fn energy(&self, at: &Coordinates) -> f64 {
         let terms = self.lambda.iter().zip(at.u.iter().zip(&at.v));
         self.strain + 0.5 * terms.map(|(λ, (u, v))| v * v + λ * u * u).sum::<f64>()
@@ -146,12 +147,12 @@ impl Phase {
         if self.closed[i] { self.forces[i].at(&at.u) } else { 0.0 }
     }
 
-    /// Guard `i` from now on.
+    /// Guard `i` as a function of time from now on.
     pub fn guard(&self, i: usize, at: &Coordinates) -> Oscillation<'_> {
         self.motion_of(&self.guards[i], at)
     }
 
-    /// Force of contact `i`, which is closed, from now on.
+    /// Force of the closed contact `i` as a function of time from now on.
     pub fn force_motion(&self, i: usize, at: &Coordinates) -> Oscillation<'_> {
         self.motion_of(&self.forces[i], at)
     }
@@ -168,8 +169,8 @@ impl Phase {
     }
 }
 
-/// Gaps that there would be without contact forces, `y = Wᵀ b + g₀`, over the modal coordinates of a phase: the open
-/// structure's massless nodes follow statically, so that their displacement is `b`.
+/// Gaps without contact forces, `y = Wᵀ b + g₀`, as functions of the modal coordinates of a phase: the massless nodes
+/// of the open structure follow statically, with displacement `b`.
 fn free_gaps(model: &MasslessContactModel, open_shapes: &Mat<f64>, turn: &Mat<f64>, shift: &[f64]) -> Vec<Row> {
     let row = |contact: &nlmodes_model::DofContact| {
         let shape: Vec<f64> =

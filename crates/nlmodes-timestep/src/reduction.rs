@@ -7,36 +7,37 @@ use nlmodes_reduction::HeldModes;
 use crate::phase::{column, product, transposed_product};
 use crate::{ContactDynamics, TimestepError};
 
-/// Mass of the static shapes that the kept modes leave over, relative, below which nothing is left over.
+/// Relative mass of the residual static shapes below which there is no residual.
 const NOTHING: f64 = 1e-13;
 
-/// A structure with massless contacts, reduced to its lowest modes with the contacts held, with static correction.
+/// A structure with massless contacts, reduced to its lowest fixed-interface modes with static correction.
 ///
 /// ```text
 /// q_L = B y ,   B = [φ_1 … φ_m, χ] ,   ÿ + Bᵀ K_LL B y + Bᵀ K_LN q_N = 0 ,   Bᵀ M_LL B = I
 /// K_NN q_N + K_NL B y = W λ                                                                       massless contacts (13)
 /// ```
 ///
-/// `χ`, one column a contact coordinate, is what the kept modes leave over of the static shapes `Ψ = −K_LL⁻¹ K_LN`,
-/// made orthogonal to them. So the static stiffness is that of the full structure, and its mass up to `ν²`, as in mixed
-/// shooting-harmonic balance, while the contacts stay massless: this is a structure with massless contacts itself.
-/// Where all modes are kept it is the full structure. Modes that leave the contacts at rest (the axial family of a beam
-/// under a transverse stop) stay at rest and are left out.
+/// `χ`, one column per contact coordinate, is the residual of the static shapes `Ψ = −K_LL⁻¹ K_LN` beyond the kept
+/// modes, orthogonal to them. Thus the static stiffness is that of the full structure, and the mass is correct up to
+/// `ν²`, as in mixed shooting-harmonic balance, while the contacts remain massless: the result is itself a structure
+/// with massless contacts. If all modes are kept it is the full structure. Modes that are not excited by the contacts
+/// (axial modes of a beam with a transverse stop) remain at rest and are omitted.
 #[derive(Debug, Clone)]
 pub struct GalerkinReduction {
     full: MasslessContactModel,
     model: MasslessContactModel,
-    /// `B`, n_L × m; `None` where all modes are kept: nothing was reduced.
+    /// `B`, n_L × m; `None` if all modes are kept.
     basis: Option<Mat<f64>>,
     kept: usize,
     available: usize,
 }
 
 impl GalerkinReduction {
-    /// Keeps the lowest `count` held modes, of these the ones that move a contact, and the static correction.
+    /// Keeps, of the lowest `count` fixed-interface modes, those that are coupled to a contact, and the static
+    /// correction.
     ///
     /// # Errors
-    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot
+    /// [`TimestepError::Model`] if the structure can move as a rigid body with its contacts fixed, or its modes cannot
     /// be computed; [`TimestepError::Linalg`].
     pub fn new(full: MasslessContactModel, count: usize) -> Result<Self, TimestepError> {
         let n_l = full.linear_dofs().len();
@@ -59,7 +60,7 @@ impl GalerkinReduction {
         Ok(Self { full, model, basis: Some(basis), kept: n_kept, available })
     }
 
-    /// The structure that was reduced.
+    /// The original structure.
     pub fn full(&self) -> &MasslessContactModel {
         &self.full
     }
@@ -69,17 +70,17 @@ impl GalerkinReduction {
         &self.model
     }
 
-    /// Modes kept, with those of the static correction.
+    /// Number of modes kept, including those of the static correction.
     pub fn n_modes(&self) -> usize {
         self.model.linear_dofs().len()
     }
 
-    /// Held modes kept.
+    /// Number of fixed-interface modes kept.
     pub fn n_kept_modes(&self) -> usize {
         self.kept
     }
 
-    /// Held modes computed, with those that leave the contacts at rest.
+    /// Number of fixed-interface modes computed, including those that are not coupled to the contacts.
     pub fn n_held_modes(&self) -> usize {
         self.available
     }
@@ -87,7 +88,7 @@ impl GalerkinReduction {
     /// The reduced structure for exact integration.
     ///
     /// # Errors
-    /// What [`ContactDynamics::new`] reports.
+    /// Errors of [`ContactDynamics::new`].
     pub fn dynamics(&self) -> Result<ContactDynamics, TimestepError> {
         ContactDynamics::new(self.model.clone())
     }
@@ -105,7 +106,7 @@ impl GalerkinReduction {
     }
 
     /// Displacements or velocities of the reduced structure, from those of all degrees of freedom of the full one;
-    /// those of its contact coordinates follow statically and are left at zero.
+    /// those of its contact coordinates follow statically and are set to zero.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`].
@@ -127,8 +128,8 @@ impl GalerkinReduction {
     }
 }
 
-/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span what the modes `φ` leave over of the static shapes, and their
-/// `χᵀ K χ`.
+/// Columns `χ` with `χᵀ M χ = I`, `φᵀ M χ = 0`, that span the residual of the static shapes beyond the modes `φ`, and
+/// their `χᵀ K χ`.
 fn static_correction(
     full: &MasslessContactModel,
     modes: &Mat<f64>,
@@ -138,7 +139,7 @@ fn static_correction(
     let n_n = psi.ncols();
     let whole = (0..n_n).map(|d| bilinear(column(&psi, d), full.m_ll(), column(&psi, d))).fold(0.0, f64::max);
     let mut rest = psi;
-    // Twice: what rounding leaves of the modes is as large as what is left over.
+    // Twice: rounding errors of the modes are as large as the residual.
     for _ in 0..2 {
         rest = &rest - modes * (modes.transpose() * multiply_many(full.m_ll(), &rest));
     }
@@ -173,7 +174,7 @@ fn reduced_model(
     }
     let mass = sparse_from_triplets(m + n_n, m + n_n, &unit).map_err(&failed)?;
     let stiffness = sparse_from_triplets(m + n_n, m + n_n, &entries).map_err(&failed)?;
-    // A kept mode is not at any node; what it is called here is seen by nobody.
+    // A kept mode has no node; this label is never visible.
     let mode = |k: usize| Dof { node: k, position: 0.0, kind: DofKind::Deflection };
     let nodes = full.contact_dofs().iter().map(|&dof| full.dofs()[dof]);
     let dofs = (0..m).map(mode).chain(nodes).collect();

@@ -8,9 +8,9 @@ use crate::phase::{column, dot};
 pub(crate) struct Restrained<'m> {
     model: &'m MasslessContactModel,
     free: Vec<usize>,
-    /// Held degrees of freedom and where.
+    /// Fixed degrees of freedom and their values.
     held: Vec<(usize, f64)>,
-    /// Springs of closed elastic stops: degree of freedom, stiffness, place where they are relaxed.
+    /// Springs of closed elastic stops: degree of freedom, stiffness, unstretched position.
     springs: Vec<(usize, f64, f64)>,
     mass: SparseMatrix,
     stiffness: SparseMatrix,
@@ -53,8 +53,8 @@ impl<'m> Restrained<'m> {
 
     /// Static equilibrium of all degrees of freedom.
     ///
-    /// Where a rigid motion is left, the load does no work on it: held degrees of freedom and springs do not move in
-    /// it.
+    /// If a rigid motion remains, the load does no work on it, since fixed degrees of freedom and springs do not move
+    /// in it.
     pub fn equilibrium(&self, modes: &LinearModes) -> Result<Vec<f64>, TimestepError> {
         let n = self.model.dofs().len();
         let mut q = vec![0.0; n];
@@ -96,7 +96,7 @@ impl<'m> Restrained<'m> {
         Ok(x)
     }
 
-    /// Rows of zeros for what is held.
+    /// Zero rows for fixed degrees of freedom.
     pub fn on_all(&self, shapes: &Mat<f64>) -> Mat<f64> {
         let mut all = Mat::zeros(self.model.dofs().len(), shapes.ncols());
         for k in 0..shapes.ncols() {

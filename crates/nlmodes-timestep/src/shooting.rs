@@ -7,7 +7,7 @@ use nlmodes_linalg::Mat;
 use crate::phase::dot;
 use crate::{ContactDynamics, GrazingState, ModalState, TimestepError, Trajectory};
 
-/// What numbers near one mean.
+/// Scales of the dimensionless unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShootingScales {
     /// Angular frequency, rad/s.
@@ -23,10 +23,10 @@ pub struct ShootingScales {
 /// ln(E_av/E_ref) − p = 0 ,   E_av = (1/T) ∫ ½ żᵀż dt
 /// ```
 ///
-/// Unknowns are the m coordinates `z(0)` at an instant at which the structure stands still, and the frequency; the
-/// structure then runs through the same motion backwards, so that it stands still again after half a period if and only
-/// if the motion is periodic. The parameter is that of mixed shooting-harmonic balance, the logarithm of the averaged
-/// kinetic energy. The motion is exact, and so is the derivative: the monodromy matrix over half a period.
+/// Unknowns are the m coordinates `z(0)` at an instant of zero velocity, and the frequency; the motion is symmetric in
+/// time about that instant, so the velocity vanishes again after half a period if and only if the motion is periodic.
+/// The parameter is that of mixed shooting-harmonic balance, the logarithm of the averaged kinetic energy. The motion
+/// is exact, and so is the derivative: the monodromy matrix over half a period.
 ///
 /// Unknown vector: `max(ω_k, ω_ref) z_k / √(2 E_ref)`, then `ω/ω_ref`.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ pub struct PeriodicMotion {
 }
 
 impl Shooting {
-    /// With scales that make the unknowns numbers near one.
+    /// With scales that make the unknowns of order one.
     ///
     /// # Errors
     /// [`TimestepError::NotPositive`] for a scale.
@@ -70,12 +70,11 @@ impl Shooting {
         Ok(Self { dynamics, scales, units, pattern: 0 })
     }
 
-    /// In the scales of linear mode `mode` (from 1) at the amplitude at which it just touches a stop, where the
-    /// nonlinear mode begins; with the unknown vector of that point, whose parameter is zero, and the direction of
-    /// growing amplitude (m + 2).
+    /// In the scales of linear mode `mode` (from 1) at the grazing amplitude, where the nonlinear mode begins; with the
+    /// unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if there is no such mode, it has no frequency, it does not move a contact, or a
+    /// [`TimestepError::NoGrazing`] if there is no such mode, it is a rigid-body mode, it does not move a contact, or a
     /// stop touches at rest.
     pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
         let (mut dynamics, k) = (dynamics, mode.wrapping_sub(1));
@@ -92,7 +91,7 @@ impl Shooting {
     pub fn start(&self, grazing: &GrazingState) -> (Vec<f64>, Vec<f64>) {
         let x = self.unknowns(&grazing.state, grazing.omega);
         let grows = grazing.amplitude.iter().zip(&self.units).map(|(z, unit)| z / unit);
-        // The energy goes with the square of the amplitude, the frequency stays.
+        // The energy is proportional to the square of the amplitude; the frequency is constant.
         let direction = grows.chain([0.0, 2.0]).collect();
         (x, direction)
     }
@@ -117,7 +116,7 @@ impl Shooting {
         self.scales.energy * p.exp()
     }
 
-    /// Unknown vector of a motion through `state`, whose velocity is taken as zero.
+    /// Unknown vector of a motion through `state`, with its velocity set to zero.
     pub fn unknowns(&self, state: &ModalState, omega: f64) -> Vec<f64> {
         state.z.iter().zip(&self.units).map(|(z, unit)| z / unit).chain([omega / self.scales.omega]).collect()
     }
@@ -131,16 +130,16 @@ impl Shooting {
     /// One period of the motion of the unknown vector `x`.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`] reports.
+    /// Errors of [`ContactDynamics::propagate`].
     pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
         let (state, omega) = (self.state(x), self.omega(x));
         PeriodicMotion::new(&mut self.dynamics, state, omega)
     }
 
-    /// The periodic motion to which Newton's method leads from the unknown vector `x` at the parameter `p`.
+    /// The periodic motion to which Newton's method converges from the unknown vector `x` at the parameter `p`.
     ///
     /// # Errors
-    /// [`TimestepError::NotConverged`], or what [`ContactDynamics::propagate`] reports.
+    /// [`TimestepError::NotConverged`], or errors of [`ContactDynamics::propagate`].
     pub fn motion_near(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, TimestepError> {
         let mut across = vec![0.0; x.len() + 1];
         across[x.len()] = 1.0;
@@ -167,7 +166,7 @@ impl PeriodicMotion {
     /// One period from `state` at the frequency `omega` (rad/s), periodic or not.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`] reports.
+    /// Errors of [`ContactDynamics::propagate`].
     pub fn new(dynamics: &mut ContactDynamics, state: ModalState, omega: f64) -> Result<Self, TimestepError> {
         let trajectory = dynamics.propagate(&state, TAU / omega)?;
         Ok(Self {

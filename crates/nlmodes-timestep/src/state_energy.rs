@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use crate::TimestepError;
 use crate::dynamics::contact_body;
 
-/// Energy of single states of a structure whose massless contact coordinates follow the contact law, for any number of
+/// Energy of single states of a structure whose massless contact coordinates satisfy the contact law, for any number of
 /// degrees of freedom.
 ///
 /// ```text
@@ -31,10 +31,10 @@ impl fmt::Debug for StateEnergy<'_> {
 }
 
 impl<'m> StateEnergy<'m> {
-    /// Of a structure.
+    /// For a structure.
     ///
     /// # Errors
-    /// [`TimestepError::Contact`] or [`TimestepError::Linalg`] if the stiffness of its contact nodes is not usable.
+    /// [`TimestepError::Contact`] or [`TimestepError::Linalg`] if the stiffness of its contact nodes is unsuitable.
     pub fn new(model: &'m MasslessContactModel) -> Result<Self, TimestepError> {
         let workspace = solver_by_name("active-set")?.workspace(contact_body(model)?.matrix())?;
         let k_nn =
@@ -42,12 +42,12 @@ impl<'m> StateEnergy<'m> {
         Ok(Self { model, k_nn, workspace })
     }
 
-    /// Energy at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7); what they
-    /// say of massless degrees of freedom does not count.
+    /// Energy at the phase `tau = ωt` (rad) of a periodic motion given by its Fourier coefficients, eq. (7); those of
+    /// massless degrees of freedom are ignored.
     ///
     /// # Errors
-    /// [`TimestepError::Dimension`] if it has other coordinates than the structure; [`TimestepError::Contact`] if the
-    /// contact problem has no solution there.
+    /// [`TimestepError::Dimension`] if its coordinates are not those of the structure; [`TimestepError::Contact`] if
+    /// the contact problem has no solution there.
     pub fn of_harmonics(&mut self, motion: &HarmonicCoefficients, omega: f64, tau: f64) -> Result<f64, TimestepError> {
         let (expected, found) = (self.model.dofs().len(), motion.n_coordinates());
         if expected != found {

@@ -5,8 +5,8 @@ use nlmodes_linalg::Mat;
 use crate::oscillation::cosine_and_sine;
 use crate::phase::{Coordinates, Phase};
 
-/// Displacements and velocities in modal coordinates of the open structure: `q = Φ z` where it is open, with
-/// `Φᵀ M Φ = I`, so that m·√kg and m·√kg/s.
+/// Displacements and velocities in modal coordinates of the open structure: `q = Φ z` where it is open, with `Φᵀ M Φ =
+/// I`; units m·√kg and m·√kg/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalState {
     /// Coordinates, m.
@@ -15,7 +15,7 @@ pub struct ModalState {
     pub v: Vec<f64>,
 }
 
-/// A motion as stretches of time with the same closed contacts each.
+/// A motion as a sequence of segments with constant sets of closed contacts.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     pub(crate) segments: Vec<Segment>,
@@ -31,15 +31,15 @@ pub(crate) struct Segment {
     pub start: Coordinates,
 }
 
-/// A stretch of time in which a contact is closed.
+/// A time interval in which a contact is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ClosedInterval {
     /// The contact.
     pub contact: usize,
-    /// Instant of touching, s; 0 if it is closed from the beginning.
+    /// Instant of closing, s; 0 if it is closed from the beginning.
     pub from: f64,
-    /// Instant of leaving, s; the end of the trajectory if it stays closed.
+    /// Instant of opening, s; the end of the trajectory if it remains closed.
     pub to: f64,
 }
 
@@ -61,7 +61,7 @@ impl Trajectory {
         self.segments.last().map_or(0.0, |s| s.to)
     }
 
-    /// The structure at the instant `t`, which is kept within the trajectory.
+    /// The structure at the instant `t`, clamped to the trajectory.
     pub fn at(&self, t: f64) -> Snapshot {
         let i = self.segments.partition_point(|s| s.to < t).min(self.segments.len() - 1);
         let segment = &self.segments[i];
@@ -73,14 +73,14 @@ impl Trajectory {
         }
     }
 
-    /// Energy at the beginning of each stretch and at the end of the last, J.
+    /// Energy at the beginning of each segment and at the end of the last, J.
     pub fn energies(&self) -> Vec<f64> {
         let starts = self.segments.iter().map(|s| s.phase.energy(&s.start));
         let end = self.segments.last().map(|s| s.phase.energy(&s.phase.after(&s.start, s.to - s.from)));
         starts.chain(end).collect()
     }
 
-    /// Stretches in which contacts are closed, in order of their beginning.
+    /// Intervals in which contacts are closed, in order of their beginning.
     pub fn closed_intervals(&self) -> Vec<ClosedInterval> {
         let mut found: Vec<ClosedInterval> = Vec::new();
         for segment in &self.segments {
@@ -105,8 +105,8 @@ impl Trajectory {
     }
 
     /// The derivative of the end state with respect to the first one times `z` and `v` (m × any each): a product of
-    /// exponentials, since nothing jumps at contact instants. `each` sees the derivative at the beginning of each
-    /// stretch, in the coordinates of its phase.
+    /// exponentials, since nothing jumps at contact instants. `each` is called with the derivative at the beginning of
+    /// each segment, in the coordinates of its phase.
     pub(crate) fn transition(
         &self,
         z: Mat<f64>,

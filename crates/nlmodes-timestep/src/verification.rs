@@ -3,10 +3,10 @@ use nlmodes_model::DofKind;
 use crate::dynamics::energy_norm_squared;
 use crate::{ClosedInterval, ContactDynamics, ModalState, Snapshot, TimestepError, Trajectory};
 
-/// Instants of a period at which peaks are looked for.
+/// Number of instants per period at which peaks are sought.
 const SAMPLES: usize = 512;
 
-/// By how much a motion that is said to be periodic fails to return after one period of the full structure.
+/// How far a supposedly periodic motion fails to return after one period of the full structure.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Verification {
@@ -14,17 +14,17 @@ pub struct Verification {
     pub period: f64,
     /// Energy at the beginning, kinetic and strain, J.
     pub energy: f64,
-    /// `√(‖Δ‖² / E)` with `‖Δ‖² = ½ Δvᵀ M Δv + ½ Δqᵀ K Δq` of what is missing to the first state, contacts open.
+    /// `√(‖Δ‖² / E)` with `‖Δ‖² = ½ Δvᵀ M Δv + ½ Δqᵀ K Δq` of the difference from the initial state, contacts open.
     pub energy_norm: f64,
-    /// Largest displacement missing, over the largest displacement in the period.
+    /// Largest difference in displacement, relative to the largest displacement in the period.
     pub displacement: f64,
-    /// Largest velocity missing, over the largest velocity in the period.
+    /// Largest difference in velocity, relative to the largest velocity in the period.
     pub velocity: f64,
     /// Largest change of the energy over the period, relative: rounding of the integration, not an error of the point.
     pub energy_drift: f64,
-    /// Closed intervals met, in order; one that goes on beyond the end of the period counts twice here.
+    /// Closed intervals, in order; one that extends beyond the end of the period counts twice here.
     pub intervals: Vec<ClosedInterval>,
-    /// Closed intervals a period, over all contacts: those at both ends joined.
+    /// Closed intervals per period, over all contacts: those at both ends joined.
     pub n_intervals: usize,
     /// Share of the period in which each contact is closed.
     pub closed_share: Vec<f64>,
@@ -36,7 +36,7 @@ impl Verification {
     /// Propagates `state` over `period` (s) and compares.
     ///
     /// # Errors
-    /// What [`ContactDynamics::propagate`] reports; [`TimestepError::NotPositive`] if there is no energy.
+    /// Errors of [`ContactDynamics::propagate`]; [`TimestepError::NotPositive`] if there is no energy.
     pub fn new(dynamics: &mut ContactDynamics, state: &ModalState, period: f64) -> Result<Self, TimestepError> {
         let trajectory = dynamics.propagate(state, period)?;
         let energies = trajectory.energies();
@@ -73,7 +73,8 @@ fn samples(trajectory: &Trajectory) -> impl Iterator<Item = Snapshot> + '_ {
     (0..=SAMPLES).map(|j| trajectory.at(trajectory.duration() * j as f64 / SAMPLES as f64))
 }
 
-/// Largest displacement and velocity missing at the end, over the largest ones on the way; rotations are left out.
+/// Largest differences in displacement and velocity at the end, relative to the largest values in the period; rotations
+/// are excluded.
 fn gaps_over_peaks(trajectory: &Trajectory, translations: &[bool]) -> (f64, f64) {
     let largest = |x: &[f64]| x.iter().zip(translations).filter(|(_, t)| **t).fold(0.0_f64, |m, (x, _)| m.max(x.abs()));
     let gap = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>());
@@ -84,12 +85,12 @@ fn gaps_over_peaks(trajectory: &Trajectory, translations: &[bool]) -> (f64, f64)
     (gap(&last.displacement, &first.displacement) / peaks.0, gap(&last.velocity, &first.velocity) / peaks.1)
 }
 
-/// Closed intervals a period, over all contacts: those at both ends joined.
+/// Closed intervals per period, over all contacts: those at both ends joined.
 pub(crate) fn n_intervals(intervals: &[ClosedInterval], n_contacts: usize, period: f64) -> usize {
     intervals.len() - (0..n_contacts).filter(|&i| joins(intervals, i, period)).count()
 }
 
-/// Whether the contact is closed at both ends of the period, by two intervals that are one.
+/// Whether the contact is closed at both ends of the period, by two intervals that belong together.
 fn joins(intervals: &[ClosedInterval], contact: usize, period: f64) -> bool {
     let of = || intervals.iter().filter(|i| i.contact == contact);
     of().count() > 1 && of().any(|i| i.from == 0.0) && of().any(|i| i.to == period)

@@ -5,16 +5,16 @@ use crate::TimestepError;
 use crate::bracket::falls_below_zero;
 use crate::phase::{dot, product};
 
-/// Length of a step over the shortest time in which the structure or its load turns by one radian; and the fewest steps
-/// of a period.
+/// Length of a step relative to the shortest time per radian of the structure or its load; and the minimum number of
+/// steps per period.
 const TURN: f64 = 0.2;
 const FEWEST: f64 = 96.0;
 
-/// Most terms of a power series within a step.
+/// Maximum number of terms of a power series within a step.
 const TERMS: usize = 60;
 
-/// The structure while one set of contacts stays closed: `ẇ = 𝒜 w` for the state with a one and the oscillators of the
-/// load behind it, so that loads and gaps are part of it and no resonance is special.
+/// The structure as long as one set of contacts is closed: `ẇ = 𝒜 w` for the state extended by a one and the
+/// oscillators of the load, so that loads and gaps are included and resonance needs no special treatment.
 #[derive(Debug)]
 pub(super) struct Flow {
     pub closed: Vec<bool>,
@@ -22,7 +22,8 @@ pub(super) struct Flow {
     /// `𝒜`, and `e^{𝒜 step}`.
     pub matrix: Mat<f64>,
     over_step: Mat<f64>,
-    /// What must not turn negative, m: the gap of an open contact, the force of a closed one times its own compliance.
+    /// Guards, which must not become negative, m: the gap of an open contact, the force of a closed one times its own
+    /// compliance.
     pub guards: Vec<Vec<f64>>,
     /// Contact forces (N), gaps without them and with them (m).
     pub forces: Vec<Vec<f64>>,
@@ -45,7 +46,7 @@ impl ForcedStructure {
         state.iter().copied().chain([1.0]).chain(oscillators).collect()
     }
 
-    /// Gaps without contact forces as rows over `w`.
+    /// Gaps without contact forces as rows acting on `w`.
     pub(super) fn free_gaps(&self, level: f64) -> Vec<Vec<f64>> {
         let (m, s) = (self.n_modes(), self.n_states());
         let row = |i: usize| {
@@ -118,7 +119,7 @@ impl ForcedStructure {
         Ok(Flow { closed: closed.to_vec(), step, matrix, over_step, guards, forces, free, gaps })
     }
 
-    /// Contact forces as rows over `w`: `λ_S = −A_SS⁻¹ y_S`, zero for open contacts.
+    /// Contact forces as rows acting on `w`: `λ_S = −A_SS⁻¹ y_S`, zero for open contacts.
     fn forces(&self, closed: &[bool], free: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, TimestepError> {
         let set: Vec<usize> = (0..closed.len()).filter(|&i| closed[i]).collect();
         let (a, n) = (self.compliance.a(), self.n_augmented());
@@ -169,14 +170,14 @@ impl Flow {
         scaled_exponential(&self.matrix, states, t)
     }
 
-    /// A row, its rate and the rate of that at `w`.
+    /// A row, its first and second time derivatives at `w`.
     pub fn evaluate(&self, row: &[f64], w: &[f64]) -> [f64; 3] {
         let rate = product(&self.matrix, w);
         [dot(row, w), dot(row, &rate), dot(row, &product(&self.matrix, &rate))]
     }
 
-    /// Where a row (or, with `order` 1, its rate) that is not negative at `from` turns negative before `to`, both
-    /// within a step from `w`; `constant` is added to the row.
+    /// Time at which a row (or, with `order` 1, its rate) that is not negative at `from` becomes negative before `to`,
+    /// both within a step from `w`; `constant` is added to the row.
     pub fn root(&self, row: &[f64], constant: f64, order: usize, w: &[f64], (from, to): (f64, f64)) -> f64 {
         let value_and_slope = |t: f64| {
             let mut at = self.evaluate(row, &self.after(w, t));
@@ -186,8 +187,8 @@ impl Flow {
         falls_below_zero(value_and_slope, from, to)
     }
 
-    /// The lowest value of a row within a step of length `t` from `w` to `next`, and when; one of the ends where it has
-    /// no minimum between.
+    /// The lowest value of a row within a step of length `t` from `w` to `next`, and its time; one of the ends if it
+    /// has no minimum in between.
     pub fn lowest(&self, row: &[f64], w: &[f64], next: &[f64], t: f64) -> (f64, f64) {
         let [from, to] = [self.evaluate(row, w), self.evaluate(row, next)];
         if from[1] < 0.0 && to[1] > 0.0 {
@@ -204,7 +205,7 @@ mod tests {
     use super::*;
     use num_complex::Complex64;
 
-    /// A mode of 2 rad/s before two contacts, each stop with a spring and a damper, under loads of two harmonics; the
+    /// A mode of 2 rad/s with two contacts, each stop with a spring and a damper, under loads of two harmonics; the
     /// phases of the load in the gaps too.
     fn structure() -> ForcedStructure {
         let rows = Mat::from_fn(2, 1, |i, _| [1.5, -0.5][i]);
@@ -278,7 +279,7 @@ mod tests {
                 near(&flow.gaps[i], gaps[i]);
                 near(&flow.guards[i], if closed[i] { [0.2, 0.4][i] * forces[i] } else { gaps[i] });
             }
-            // ẇ: the mode is pushed by Yᵀ λ, the dampers by their own forces.
+            // ẇ: the mode is driven by Yᵀ λ, the dampers by their own forces.
             let rate = product(&flow.matrix, &w);
             let push = 1.5 * forces[0] - 0.5 * forces[1];
             let expected =

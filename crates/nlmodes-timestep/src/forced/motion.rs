@@ -6,19 +6,19 @@ use super::flow::Flow;
 use super::trajectory::Piece;
 use crate::phase::dot;
 
-/// A periodic motion under a load, exact but for rounding.
+/// A periodic motion under a load, exact to rounding.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ForcedMotion {
     /// Angular frequency of the load, rad/s.
     pub omega: f64,
-    /// Periods of the load in one of the motion.
+    /// Number of load periods per period of the motion.
     pub periods: usize,
-    /// The state at the beginning: modal coordinates, their rates, displacements of the stops that dissipate.
+    /// The state at the beginning: modal coordinates, their rates, displacements of the dissipative stops.
     pub state: Vec<f64>,
-    /// By how much the state at the end of the period differs, over its size.
+    /// Relative difference of the state at the end of the period.
     pub residual: f64,
-    /// Floquet multipliers over the period of the motion, by falling magnitude.
+    /// Floquet multipliers over the period of the motion, in order of decreasing magnitude.
     pub multipliers: Vec<Complex64>,
     pub(super) pieces: Vec<Piece>,
 }
@@ -55,7 +55,7 @@ impl ForcedMotion {
         closed.map(|piece| piece.length).sum::<f64>() / self.period()
     }
 
-    /// How often a contact closes in a period of the motion.
+    /// Number of times a contact closes in a period of the motion.
     pub fn touches(&self, contact: usize) -> usize {
         let closed = |piece: &Piece| piece.flow.closed[contact];
         let n = self.pieces.len();
@@ -68,7 +68,7 @@ impl ForcedMotion {
         closed.map(|piece| self.highest(piece, &piece.flow.forces[contact])).fold(0.0, f64::max)
     }
 
-    /// Smallest gap, m: of a rigid stop zero where it is touched.
+    /// Smallest gap, m: zero for a rigid stop with contact.
     pub fn smallest_gap(&self, contact: usize) -> f64 {
         let falling = |piece: &Piece| -> Vec<f64> { piece.flow.gaps[contact].iter().map(|v| -v).collect() };
         -self.pieces.iter().map(|piece| self.highest(piece, &falling(piece))).fold(f64::NEG_INFINITY, f64::max)

@@ -6,11 +6,11 @@ use super::trajectory::{Piece, Propagator, transition};
 use super::{ForcedMotion, ForcedStructure};
 use crate::{MAX_SHOOTING_MODES, TimestepError};
 
-/// Most steps of Newton's method, and the shortest share of one that is tried.
+/// Maximum number of Newton steps, and the smallest damping factor tried.
 const STEPS: usize = 40;
 const SHORTEST: f64 = 1e-3;
 
-/// Residual of a motion over its size that counts as periodic, and below which nothing better is looked for.
+/// Relative residual below which a motion is periodic, and below which no further improvement is attempted.
 const PERIODIC: f64 = 1e-9;
 const ROUNDING: f64 = 1e-15;
 
@@ -18,12 +18,12 @@ const ROUNDING: f64 = 1e-15;
 type Shot = (Vec<f64>, Vec<Piece>, Vec<f64>);
 
 impl ForcedStructure {
-    /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over so many of
-    /// its periods: Newton's method on `x(T; x₀) − x₀ = 0` with the exact derivative, stable or not.
+    /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over this many
+    /// of its periods: Newton's method on `x(T; x₀) − x₀ = 0` with the exact derivative, stable or not.
     ///
     /// # Errors
     /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::TooManyModes`],
-    /// [`TimestepError::NotConverged`], or what the contacts report.
+    /// [`TimestepError::NotConverged`], or errors of the contact problem.
     pub fn periodic(
         &self,
         level: f64,
@@ -71,7 +71,7 @@ impl ForcedStructure {
         Ok(ForcedMotion { omega, periods, state: self.in_units(&x, self.rate()), residual, multipliers, pieces })
     }
 
-    /// The state after so many periods of the load.
+    /// The state after this many periods of the load.
     ///
     /// # Errors
     /// As [`periodic`](Self::periodic).
@@ -92,7 +92,7 @@ impl ForcedStructure {
         state.iter().enumerate().map(|(i, v)| if is_rate(i) { v * factor } else { *v }).collect()
     }
 
-    /// The motion from the first of the shortened steps that comes closer to a period; none where no step does.
+    /// The motion from the first damped step that reduces the residual; none if no step does.
     fn shortened(
         &self,
         propagator: &mut Propagator<'_>,
@@ -114,9 +114,9 @@ impl ForcedStructure {
     }
 }
 
-/// Largest difference of two states over the size of the first.
+/// Largest difference of two states relative to the first.
 fn distance(x: &[f64], end: &[f64]) -> f64 {
-    // A NaN stays.
+    // NaN is preserved.
     let larger = |most: f64, v: f64| if v.abs() > most || v.is_nan() { v.abs() } else { most };
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, larger);
     let size = largest(&mut x.iter().chain(end).copied());

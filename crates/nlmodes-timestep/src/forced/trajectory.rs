@@ -9,11 +9,11 @@ use super::flow::Flow;
 use crate::TimestepError;
 use crate::phase::dot;
 
-/// Most steps of a trajectory.
+/// Maximum number of steps of a trajectory.
 const MAX_PIECES: usize = 2_000_000;
 
-/// Switchings without progress, a contact, after which the contact problem just ahead decides, and after which all is
-/// given up.
+/// Number of switchings without progress, per contact, after which the contact problem just ahead decides, and after
+/// which the integration fails.
 const PATIENCE: [usize; 2] = [2, 8];
 
 /// A step within which no contact changes.
@@ -50,7 +50,7 @@ impl<'a> Propagator<'a> {
         let mut flow = self.flow_of(&w)?;
         let patience = PATIENCE.map(|p| p * flow.closed.len() + 2);
         while duration - t > 1e-14 * duration {
-            // A guard is zero but for rounding behind its instant.
+            // A guard is zero to rounding after its contact instant.
             let values = flow.guards.iter().map(|guard| dot(guard, &w));
             let offsets: Vec<f64> = values.map(|value| (-value).max(0.0)).collect();
             let wrong = (0..offsets.len()).find(|&i| offsets[i] > 1e-9 * size(&flow.guards[i], &w));
@@ -108,8 +108,8 @@ impl<'a> Propagator<'a> {
     }
 }
 
-/// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at an
-/// instant of contact.
+/// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at a
+/// contact instant.
 pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, TimestepError> {
     let mut each = pieces.iter().map(|piece| piece.flow.transition(states, piece.length));
     each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))
@@ -119,7 +119,7 @@ fn size(row: &[f64], w: &[f64]) -> f64 {
     row.iter().zip(w).map(|(r, w)| (r * w).abs()).sum()
 }
 
-/// When the first contact changes within a step from `w` to `next`, and which.
+/// Time and index of the first contact change within a step from `w` to `next`.
 fn first_switch(flow: &Flow, w: &[f64], next: &[f64], length: f64, offsets: &[f64]) -> Option<(f64, usize)> {
     let mut first: Option<(f64, usize)> = None;
     for (i, (guard, offset)) in flow.guards.iter().zip(offsets).enumerate() {

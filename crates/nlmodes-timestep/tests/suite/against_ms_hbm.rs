@@ -1,4 +1,4 @@
-//! Mixed shooting-harmonic balance against exact motions, and against the global contact problem.
+//! Mixed shooting-harmonic balance compared with exact motions and with the global contact problem.
 
 use crate::support;
 
@@ -30,7 +30,7 @@ fn mixed_shooting(
     (MixedShooting::new(structure, settings, start.scales(), solver.as_ref()).unwrap(), start)
 }
 
-/// The point at `ratio` times the energy of grazing to which the branch leads.
+/// The point of the branch at `ratio` times the grazing energy.
 fn point_at(structure: &CondensedStructure, harmonics: usize, switching: Switching, ratio: f64) -> ModalPoint {
     let (mut problem, start) = mixed_shooting(structure, harmonics, switching);
     let dim = problem.dim();
@@ -65,7 +65,7 @@ struct Errors {
     /// Of the displacement of the massive node next to the tip and of the tip itself, L2 over a period, relative.
     neighbour: f64,
     tip: f64,
-    /// What the full structure fails to return by, in the energy norm.
+    /// Failure of the full structure to return, in the energy norm.
     returned: f64,
 }
 
@@ -74,7 +74,7 @@ struct Comparison {
     model: MasslessContactModel,
     structure: CondensedStructure,
     reference: PeriodicMotion,
-    /// `b` at equidistant instants; of a rod it is the place of the tip's neighbour.
+    /// `b` at equidistant instants; for a rod it is the position of the neighbour of the tip.
     b_t: Vec<f64>,
 }
 
@@ -127,8 +127,8 @@ impl Comparison {
         Errors { frequency, neighbour: l2(tip - 1), tip: l2(tip), returned }
     }
 
-    /// Largest errors among some numbers of harmonics of each octave: single ones oscillate with where the corners
-    /// fall.
+    /// Largest errors among some numbers of harmonics of each octave: single ones oscillate with the positions of the
+    /// kinks.
     fn octaves(&self, from: usize, count: usize, each: usize) -> Vec<(f64, Errors)> {
         let octave = |k: usize| {
             let low = from << k;
@@ -154,8 +154,8 @@ fn order(errors: &[(f64, Errors)], of: fn(&Errors) -> f64) -> f64 {
 fn ms_hbm_converges_to_the_exact_motion_of_the_rod_of_ten_elements() {
     let errors = Comparison::new(10, 3.0, 20).octaves(20, 4, 4);
     let orders = [order(&errors, |e| e.frequency), order(&errors, |e| e.neighbour), order(&errors, |e| e.tip)];
-    // The tip's speed jumps, so that its coefficients go like n⁻², and the third derivative of its neighbour, so n⁻⁴;
-    // in the L2 norm half a power less remains of what is left out. The frequency is stationary.
+    // The velocity of the tip jumps, so its coefficients decay like n⁻², and the third derivative of its neighbour
+    // jumps, so n⁻⁴; in the L2 norm the truncation error has half a power less. The frequency is stationary.
     assert!((-5.6..-4.4).contains(&orders[0]), "{orders:?}");
     assert!((-3.9..-3.2).contains(&orders[1]), "{orders:?}");
     assert!((-1.8..-1.3).contains(&orders[2]), "{orders:?}");
@@ -221,7 +221,7 @@ fn sampled_solutions_solve_the_global_contact_problem() {
             assert!(forces.iter().filter(|λ| **λ > 0.0).count() > 3, "{name}: hardly any contact");
             let violation = problem.violation(&forces).unwrap();
             assert!(violation < 1e-10, "{name}, {harmonics} harmonics, {samples} samples: {violation:e}");
-            // It is a test that can fail: a frequency that is off shows.
+            // This test can fail: a wrong frequency is detected.
             let other = GlobalContactProblem::new(&model, 1.001 * point.omega, harmonics, samples).unwrap();
             assert!(other.violation(&forces).unwrap() > 1e-5, "{name}");
             // Nor does the solution with exact switching solve the sampled problem.

@@ -1,4 +1,4 @@
-//! Figures of contacts, units of unknowns, and sizes, against closed forms.
+//! Contact quantities, units of unknowns, and sizes, compared with closed forms.
 
 use crate::support;
 
@@ -14,7 +14,7 @@ use nlmodes_timestep::{
 use num_complex::Complex64;
 use support::{ClosedForm, OMEGA_CONTACT, OMEGA_FREE, massless, rod_with, settle, unit_rod};
 
-/// The rod of two elements in the closed form; a second stop, behind the tip, is out of reach of the amplitude 2.
+/// The rod of two elements in the closed form; a second stop, behind the tip, is not reached at amplitude 2.
 fn rod_in_a_wide_slot() -> ContactDynamics {
     let stop = |side, gap| Stop::rigid(1.0, Direction::Axial, side, gap);
     ContactDynamics::new(massless(&rod_with(2, &[stop(Side::Positive, 1.0), stop(Side::Negative, 5.0)]))).unwrap()
@@ -101,7 +101,7 @@ fn a_stop_that_touches_at_rest_is_not_grazed_and_one_at_any_distance_is() {
     }
 }
 
-/// Sines have as much energy as cosines: a motion that begins at another instant has the same.
+/// Sines have the same energy as cosines: the energy does not depend on the initial instant.
 #[test]
 fn the_averaged_kinetic_energy_does_not_depend_on_where_the_motion_begins() {
     let rod = ContactDynamics::new(massless(&unit_rod(6))).unwrap();
@@ -147,7 +147,7 @@ fn unknowns_of_shooting_are_in_the_units_that_are_told() {
     }
 }
 
-/// From a guess far off at another energy the motion is that which is settled by itself.
+/// A distant guess at another energy leads to the same motion.
 #[test]
 fn a_motion_near_a_guess_has_the_energy_of_the_parameter() {
     let (mut shooting, x, direction) =
@@ -180,7 +180,7 @@ fn a_reduced_structure_counts_its_modes() {
             let reduced = GalerkinReduction::new(model.clone(), count).unwrap();
             assert_eq!((reduced.n_held_modes(), reduced.n_kept_modes()), (count, count));
             assert_eq!(reduced.n_modes(), count + contacts, "with a static shape a contact");
-            // What the reduced structure tells of a static shape is that of the full one.
+            // A static shape of the reduced structure is that of the full one.
             let full: Vec<f64> = (0..model.dofs().len()).map(|i| (i + 1) as f64).collect();
             let back = reduced.expand(&reduced.project(&full).unwrap());
             if contacts == 1 {
@@ -219,7 +219,7 @@ fn the_state_of_a_contact_is_that_of_the_closed_form_at_every_instant() {
     }
 }
 
-/// A rod that swings by a micrometre, in seconds, hours and microseconds.
+/// A rod that vibrates by a micrometre, in seconds, hours and microseconds.
 #[test]
 fn slow_and_small_motions_are_motions_too() {
     for density in [1.0, 1e6, 1e-12] {

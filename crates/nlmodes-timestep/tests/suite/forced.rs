@@ -55,7 +55,7 @@ impl Rod {
 
 #[test]
 fn the_rod_of_two_elements_has_the_three_responses_that_are_known() {
-    // Fundamental, share of contact, lag and largest multiplier of event-driven integrations by others.
+    // Fundamental, share of contact, lag and largest multiplier from independent event-driven integrations.
     let stable = Complex64::new(0.9198996, 0.2090172);
     let known = [
         (0.42, 2.42034024458, 0.3157984185, 31.677157, stable, 1e-10),
@@ -78,7 +78,7 @@ fn the_rod_of_two_elements_has_the_three_responses_that_are_known() {
             let product: Complex64 = motion.multipliers.iter().product();
             let trace = 0.02 * (6.0 * stiffness / mass).sqrt();
             assert!((product.re / (-trace * motion.period()).exp() - 1.0).abs() < 1e-12);
-            // Power: what the force puts in is what damping takes out, in all harmonics together.
+            // Power: the input by the force equals the dissipation by damping, summed over all harmonics.
             let input = 0.5 * rod.level(0.2) * motion.omega * (Complex64::i() * found).re * gap;
             let speeds = (1..60).map(|n| 0.5 * (n as f64 * motion.omega * motion.modal_harmonic(0, n).norm()).powi(2));
             assert!((input / (trace * speeds.sum::<f64>()) - 1.0).abs() < 1e-8);
@@ -107,7 +107,8 @@ fn a_motion_without_contact_is_the_linear_one_over_one_period_and_over_two() {
     }
 }
 
-/// Two contacts on two modes, one of them on a stop that dissipates, under two harmonics and a base that moves a stop.
+/// Two modes with two contacts, one of them with a dissipative stop, under two harmonics and base motion that moves a
+/// stop.
 fn two_contacts() -> ForcedStructure {
     let damping = Mat::from_fn(2, 2, |i, j| [[0.03, 0.01], [0.01, 0.09]][i][j]);
     let rows = Mat::from_fn(2, 2, |i, j| [[-1.2, 0.4], [0.7, 0.9]][i][j]);
@@ -168,7 +169,7 @@ fn several_contacts_with_a_stop_that_dissipates_are_those_of_small_steps() {
     }
 }
 
-/// The periodic motion to which transients die out.
+/// The periodic motion after transients have decayed.
 fn settled(structure: &ForcedStructure, level: f64, omega: f64) -> ForcedMotion {
     let near = structure.after(level, omega, 80, &[0.0; 5]).unwrap();
     structure.periodic(level, omega, 1, &near).unwrap()
@@ -208,7 +209,7 @@ fn the_largest_force_and_the_smallest_gap_of_a_period_are_those_of_many_instants
         let motion = rod.near(0.2, 0.42, 2.42034024458, 31.677157);
         let force = |j: usize| motion.contact_at(0, motion.period() * j as f64 / INSTANTS as f64)[1];
         let most = (0..INSTANTS).map(force).fold(0.0, f64::max);
-        // The force is smooth where it is largest: instants miss that by the square of their distance, some 1e-7.
+        // The force is smooth where it is largest: the error of sampling is the square of the interval, some 1e-7.
         assert!((motion.peak_force(0) / most - 1.0).abs() < 1e-6, "{} {most}", motion.peak_force(0));
         assert!(motion.smallest_gap(0).abs() < 1e-12 * gap, "it is touched");
         over_units.push(most / (stiffness * gap));
@@ -249,7 +250,7 @@ fn power_that_goes_in_is_lost_in_the_structure_and_in_the_stop() {
         };
         let speed = |k: usize| Complex64::new(0.0, nu) * eta[k];
         input += (0..2).map(|k| 0.5 * level * (p[k] * speed(k).conj()).re).sum::<f64>();
-        // The stop that moves does work too: as it goes away, the contact force does work on it.
+        // The moving stop does work too: as it recedes, the contact force does work on it.
         if n == 2 {
             let moved = Complex64::new(0.0, 0.05 * level) * Complex64::new(0.0, nu);
             input -= 0.5 * (motion.force_harmonic(1, n) * moved.conj()).re;

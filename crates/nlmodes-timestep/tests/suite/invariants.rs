@@ -1,4 +1,4 @@
-//! What must hold for any structure: energy, reversibility, the equations of motion, the contact law, derivatives.
+//! Invariants for any structure: energy, reversibility, the equations of motion, the contact law, derivatives.
 
 use crate::support;
 
@@ -37,7 +37,7 @@ fn beam_before_three_stops() -> StructuralModel {
     )
 }
 
-/// The structures and, for each, the deflection of the tip from which it is let go in its first mode.
+/// The structures and, for each, the initial tip deflection in its first mode.
 fn structures() -> Vec<(&'static str, MasslessContactModel, f64)> {
     let tips = MasslessContactModel::with_spring_tips(
         &rod_with(6, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, 0.5).on_spring(20.0)]),
@@ -58,8 +58,8 @@ fn structures() -> Vec<(&'static str, MasslessContactModel, f64)> {
     ]
 }
 
-/// Let go from rest in the first mode, with a touch of others; and some ten of its periods, of the beam, which rattles,
-/// a third of one.
+/// Released from rest in the first mode, with small amplitudes of others; for some ten of its periods or, for the
+/// chattering beam, a third of one.
 fn let_go(model: &MasslessContactModel, tip: f64) -> (ContactDynamics, ModalState, f64) {
     let modes = linear_modes(model.mass(), model.stiffness(), usize::MAX).unwrap();
     let last = model.contacts()[0].dof;
@@ -122,7 +122,7 @@ fn energy_is_kept_to_rounding_over_hundreds_of_contacts() {
         let drift = trajectory.energies().iter().fold(0.0_f64, |m, e| m.max((e / first - 1.0).abs()));
         let contacts = trajectory.closed_intervals().len();
         assert!(contacts > 60, "{name}: {contacts} contacts");
-        // A rounding error at each change of modes: they add up like a random walk.
+        // A rounding error at each change of modes: they accumulate like a random walk.
         assert!(drift < 1e-12, "{name}: {drift:e} over {contacts} contacts");
         for j in 0..200 {
             let at = trajectory.at(10.0 * time * f64::from(j) / 200.0);
@@ -165,7 +165,7 @@ fn the_contact_law_and_the_equations_of_motion_hold_at_any_instant() {
             }
             let scale = elastic.iter().zip(&inertia).fold(0.0_f64, |m, (e, i)| m.max(e.abs()).max(i.abs()));
             let defect = elastic.iter().zip(&inertia).fold(0.0_f64, |m, (e, i)| m.max((e + i).abs()));
-            // Second differences over a corner of the acceleration, and rounding of stiff rows.
+            // Second differences across a kink of the acceleration, and rounding of stiff rows.
             assert!(defect < 2e-3 * scale, "{name} at {t}: {defect:e} of {scale:e}");
         }
         assert!(tested > 10, "{name}: hardly any contact");
@@ -183,7 +183,7 @@ fn a_motion_run_backwards_comes_back() {
         let norm = |z: &[f64]| omega.iter().zip(z).map(|(ω, z)| (ω * z).powi(2)).sum::<f64>().sqrt();
         let gap: Vec<f64> = back.z.iter().zip(&state.z).map(|(a, b)| a - b).collect();
         let missing = norm(&gap) / norm(&state.z);
-        // The beam's tip rattles: of its 94 contacts there and back, each lets rounding errors grow by half.
+        // The tip of the beam chatters: in its 94 contacts forward and back, each amplifies rounding errors by half.
         let tolerance = if name.starts_with("beam") { 1e-5 } else { 1e-12 };
         assert!(missing < tolerance, "{name}: {missing:e}");
     }
@@ -230,21 +230,21 @@ fn the_motion_is_that_of_small_steps_of_runge_and_kutta() {
         }
         worst
     };
-    // The steps over the contact instants, where a derivative of the right-hand side jumps, err by h² and more.
+    // In steps across the contact instants, where a derivative of the right-hand side jumps, the error is h² and more.
     let [coarse, fine] = [10_000, 160_000].map(largest_difference);
     assert!(fine < 5e-9 && fine < coarse / 100.0, "{coarse:e}, {fine:e}");
 }
 
 #[test]
 fn derivatives_of_the_shooting_equations_are_those_by_differences() {
-    // The beam before its three stops is replaced by that before one: a step that differences of a rattling motion
-    // stand is below rounding.
+    // The beam with three stops is replaced by that with one: a difference step small enough for a chattering motion is
+    // below rounding.
     let stop = Stop::rigid(0.62975520, Direction::Transverse, Side::Positive, 1e-3);
     let one_stop = ("beam", massless(&beam(5, &[stop])), -4e-3);
     for (name, model, tip) in structures().into_iter().take(6).chain([one_stop]) {
         let (dynamics, state, _) = let_go(&model, tip);
         let omega = dynamics.omega()[0];
-        // Half a period with a touch in it, of the beam before its tip has rattled for long.
+        // Half a period with a contact, for the beam before its tip has chattered for long.
         let factor = if name == "beam" { 1.5 } else { 1.1 };
         let energy = 0.5 * state.z.iter().zip(dynamics.omega()).map(|(z, ω)| (ω * z).powi(2)).sum::<f64>();
         let mut shooting = Shooting::new(dynamics, ShootingScales { omega, energy }).unwrap();
@@ -268,7 +268,7 @@ fn derivatives_of_the_shooting_equations_are_those_by_differences() {
 
 #[test]
 fn multipliers_of_a_linear_motion_are_those_of_its_other_modes() {
-    // The second mode, too small to touch: e^{±iω_k T} of all others, beside its own double one.
+    // The second mode without contact: e^{±iω_k T} of all others, in addition to its own double one.
     let mut dynamics = dynamics(&unit_rod(10));
     let omega = dynamics.omega().to_vec();
     let mut state = ModalState { z: vec![0.0; omega.len()], v: vec![0.0; omega.len()] };

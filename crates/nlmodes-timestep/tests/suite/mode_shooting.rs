@@ -1,4 +1,4 @@
-//! The reduction to held modes, the exact Fourier coefficients, and the equations of shooting on them.
+//! The reduction to fixed-interface modes, the exact Fourier coefficients, and the shooting equations.
 
 use crate::support;
 
@@ -46,7 +46,7 @@ fn the_jacobian_is_the_derivative_of_the_residual() {
     for (model, modes) in [(massless(&two_stops()), 6), (massless(&two_stops()), 3), (transverse(4), 12)] {
         let reduced = GalerkinReduction::new(model, modes).unwrap();
         let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
-        // No solution: the linear mode beyond its grazing, with some of all others.
+        // Not a solution: the linear mode beyond grazing, with small amplitudes of all others.
         let (start, p) = (shooting.start().0, 0.6);
         let last = start.len() - 1;
         let x: Vec<f64> =
@@ -64,7 +64,7 @@ fn the_jacobian_is_the_derivative_of_the_residual() {
             shooting.linearize(&shifted(-1.0), p_of(-1.0), &mut below).unwrap();
             for i in 0..n {
                 let difference = (above.residual[i] - below.residual[i]) / (2.0 * h);
-                // The second derivative of the residual jumps where contact instants are: errors go with h.
+                // The second derivative of the residual jumps at contact instants: errors are of order h.
                 let tolerance = 1e-4 * (1.0 + at.jacobian[(i, j)].abs());
                 assert!((at.jacobian[(i, j)] - difference).abs() < tolerance, "({i}, {j}): {difference}");
             }
@@ -76,7 +76,7 @@ fn the_jacobian_is_the_derivative_of_the_residual() {
 fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out() {
     let full = transverse(4);
     let reduced = GalerkinReduction::new(full.clone(), usize::MAX).unwrap();
-    // Four axial degrees of freedom of the beam, and the mass of the tip's deflection, are gone.
+    // Four axial degrees of freedom of the beam, and the mass of the tip's deflection, are removed.
     assert_eq!((full.linear_dofs().len(), reduced.n_modes()), (11, 7));
     let (mut all, mut few) = (ContactDynamics::new(full.clone()).unwrap(), reduced.dynamics().unwrap());
     let start = all.grazing(0.0).unwrap();
@@ -92,8 +92,8 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
         let t = duration * f64::from(j) / 40.0;
         let (a, b) = (long.at(t), reduced.expand(&short.at(t).displacement));
         let gap = (0..b.len()).filter(translation).map(|d| (a.displacement[d] - b[d]).abs()).fold(0.0, f64::max);
-        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so that seven of its
-        // digits are left in double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
+        // The lowest eigenvalue of the beam with its axial modes is about 1e-9 of the largest, so seven of its digits
+        // remain in double precision; 3e-3 m times 1e-7 times the phase, 14 rad, are 4e-9 m.
         assert!(gap < 4e-9, "at {t}: {gap:e} m beside a gap of 1e-3 m");
         assert!((a.forces[0] - short.at(t).forces[0]).abs() < 1e-5 * long.peak_force(0));
     }
@@ -101,7 +101,7 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
 
 #[test]
 fn what_is_left_out_answers_statically() {
-    // The mass of what is left over counts beside that of the whole, however light that is.
+    // The residual mass is relative to the total, however small that is.
     for area in [1.0, 1e-14] {
         let stop = |at, gap| Stop::rigid(at, Direction::Axial, Side::Positive, gap);
         answers_statically(area, massless(&rod_of(area, 6, &[stop(1.0, 1.0).on_spring(4.0 * area), stop(0.5, 0.8)])));
@@ -112,7 +112,7 @@ fn answers_statically(area: f64, full: MasslessContactModel) {
     let stiffness = SparseCholesky::factor(full.stiffness(), "the rod").unwrap();
     for modes in 1..4 {
         let reduced = GalerkinReduction::new(full.clone(), modes).unwrap();
-        // A static shape for each contact, unless the four held modes are exhausted.
+        // A static shape for each contact, unless the four fixed-interface modes are exhausted.
         assert_eq!((reduced.n_kept_modes(), reduced.n_modes()), (modes, (modes + 2).min(4)));
         let small = SparseCholesky::factor(reduced.model().stiffness(), "the reduced rod").unwrap();
         for (contact, own) in full.contacts().iter().zip(reduced.model().contacts()) {
@@ -160,7 +160,7 @@ fn coefficients_are_those_of_the_motion() {
     let point = shooting.modal_point(&x, 0.0).unwrap();
     let sum: f64 = point.harmonic_energy.iter().sum();
     assert!(sum < point.kinetic_energy && sum > 0.999 * point.kinetic_energy, "{sum} of {}", point.kinetic_energy);
-    // Half of the harmonics have no energy that is not in the coefficients of the full structure.
+    // With half of the harmonics no energy is missing from the coefficients of the full structure.
     let dynamics = ContactDynamics::new(massless(&two_stops())).unwrap();
     let own = dynamics.averaged_kinetic_energy(&point.coefficients, point.omega).unwrap();
     assert!((own / sum - 1.0).abs() < 1e-12, "{own} and {sum}");
@@ -168,7 +168,7 @@ fn coefficients_are_those_of_the_motion() {
     assert!(again.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-2) && (p - 1.5_f64.ln()).abs() < 1e-3);
 }
 
-/// The first stop is touched, or too far away to be.
+/// The first stop is reached, or too far away.
 #[test]
 fn the_peak_is_the_largest_displacement_of_the_first_contact_toward_its_stop() {
     for (side, gap, touched) in
@@ -192,7 +192,7 @@ fn the_peak_is_the_largest_displacement_of_the_first_contact_toward_its_stop() {
     }
 }
 
-/// What is shown of a contact is the motion of its degree of freedom, with the derivatives of that.
+/// The history of a contact is the motion of its degree of freedom, with its derivatives.
 #[test]
 fn histories_of_contacts_are_the_motion_of_their_nodes() {
     for (side, modes) in [(Side::Positive, 6), (Side::Negative, 6), (Side::Positive, 2)] {
@@ -216,8 +216,7 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
                     let (h, (q, v, force)) = (1e-6, whole(t));
                     assert!((history.displacement[j] - q).abs() < 1e-9, "{i} {t}: {} {q}", history.displacement[j]);
                     assert!((history.force[j] - force).abs() < 1e-8, "{i} {t}: {} {force}", history.force[j]);
-                    // Velocities of massless nodes jump where a contact changes, and differences must not reach over
-                    // that.
+                    // Velocities of massless nodes jump at contact changes, and finite differences must not cross them.
                     let far = |instant: f64| (t - instant).abs() > 1e-5;
                     let within = exact.iter().flat_map(|h| &h.instants).all(|instant| far(instant.time));
                     if within && far(0.0) && far(trajectory.duration()) {
@@ -234,7 +233,7 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
     }
 }
 
-/// A motion that is given by its coefficients: where it begins, and the averaged kinetic energy `¼ Σ (nω)² qᵀ M q`.
+/// A motion given by its coefficients: its initial state, and the averaged kinetic energy `¼ Σ (nω)² qᵀ M q`.
 #[test]
 fn unknowns_of_a_given_motion_are_its_beginning_and_its_energy() {
     let model = massless(&two_stops());
@@ -264,7 +263,7 @@ fn a_stop_that_presses_at_rest_begins_where_its_force_vanishes() {
     let model = massless(&rod_with(4, &[Stop::rigid(1.0, Direction::Axial, Side::Positive, -0.1)]));
     let mut dynamics = ContactDynamics::new(model).unwrap();
     let start = dynamics.grazing(0.0).unwrap();
-    // Held at both ends: about π, and at rest the force is 0.1 EA/L.
+    // Fixed at both ends: about π, and at rest the force is 0.1 EA/L.
     assert!((start.omega / std::f64::consts::PI - 1.0).abs() < 0.03);
     let trajectory = dynamics.propagate(&start.state, TAU / start.omega).unwrap();
     assert_eq!(trajectory.closed_intervals().len(), 1);

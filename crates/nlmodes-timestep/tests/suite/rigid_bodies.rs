@@ -1,10 +1,10 @@
-//! Bodies that nothing holds, thrown against a stop: closed forms of the rebound.
+//! Free bodies thrown against a stop: closed forms of the rebound.
 
 use nlmodes_linalg::{bilinear, sparse_from_triplets};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_timestep::ContactDynamics;
 
-/// Two masses and a massless tip in a row that resists bending only, `½ k (q₁ − 2 q₂ + q₃)²`, before a stop at the tip.
+/// Two masses and a massless tip in a row with bending stiffness only, `½ k (q₁ − 2 q₂ + q₃)²`, with a stop at the tip.
 struct Body {
     k: f64,
     mass: [f64; 2],
@@ -25,7 +25,7 @@ impl Body {
         MasslessContactModel::new(&model, &Drop).unwrap()
     }
 
-    /// Stiffness of the bending and the stop one behind the other, and the frequency at which the masses bounce on it.
+    /// Bending and stop stiffness in series, and the frequency at which the masses bounce on it.
     fn in_contact(&self) -> (f64, f64) {
         let k = match self.law {
             ContactLaw::Rigid => self.k,
@@ -35,8 +35,8 @@ impl Body {
     }
 }
 
-/// Free, the body does not bend and flies on. From the instant at which the tip touches at speed V on, the indentation
-/// `2 q₂ − q₁ − g` is `V/ω sin ωt` and the force `k V/ω sin ωt`; half a period later the tip leaves at speed V.
+/// The free body does not bend and moves uniformly. After the tip makes contact at speed V, the indentation `2 q₂ − q₁
+/// − g` is `V/ω sin ωt` and the force `k V/ω sin ωt`; half a period later the tip separates at speed V.
 #[test]
 fn a_free_body_rebounds_from_a_stop_as_in_the_closed_form() {
     let soft = ContactLaw::Elastic { stiffness: 7.0 };

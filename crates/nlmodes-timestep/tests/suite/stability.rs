@@ -1,4 +1,4 @@
-//! Floquet multipliers against the growth of disturbances.
+//! Floquet multipliers compared with the growth of disturbances.
 
 use crate::support;
 
@@ -22,7 +22,7 @@ fn motions(elements: usize, ratio: f64) -> (Shooting, Vec<PeriodicMotion>) {
     (shooting, motions)
 }
 
-/// Distance from the motion after each of so many periods, in the energy norm of the open structure.
+/// Distance from the motion after each of this many periods, in the energy norm of the open structure.
 fn distances(shooting: &mut Shooting, motion: &PeriodicMotion, periods: usize) -> Vec<f64> {
     let omega = shooting.dynamics().omega().to_vec();
     let mut state = motion.state.clone();

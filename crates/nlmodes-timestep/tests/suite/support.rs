@@ -58,7 +58,7 @@ pub fn dynamics(model: &StructuralModel) -> ContactDynamics {
 
 /// The motion of the rod of two elements with amplitude `A` while free.
 ///
-/// The massive node x has `m = 1/3`; free it sits on a spring of 2 about 0, and with the tip at the stop on one of 4
+/// The massive node x has `m = 1/3`; when free it has a spring of 2 about 0, and with the tip at the stop one of 4
 /// about ½. At `x = 1` both have the same strain energy 1 and the speed is continuous: `6 (A² − 1) = 12 (B² − ¼)`.
 pub struct ClosedForm {
     pub a: f64,
@@ -126,7 +126,7 @@ pub fn settle<S: ParametricSystem>(system: &mut S, mut x: Vec<f64>, p: f64) -> (
     best
 }
 
-/// Newton's method with the unknown `index` fixed at its value in `x`: unknowns with the parameter behind, and
+/// Newton's method with the unknown `index` fixed at its value in `x`: unknowns followed by the parameter, and
 /// residual.
 pub fn settle_fixing<S: ParametricSystem>(system: &mut S, x: &[f64], p: f64, index: usize) -> (Vec<f64>, f64) {
     let n = system.dim();

@@ -30,8 +30,7 @@ fn energies_at_a_frequency_are_those_known_from_elsewhere() {
     let last = branch.points.last().unwrap();
     let motion = shooting.motion(&last.x).unwrap();
     assert!((motion.omega / TAU / 0.34155 - 1.0).abs() < 1e-14);
-    // From another program. The frequency is given with its last digit exact; energies rise by 55 times its relative
-    // change.
+    // From another program. The frequency is exact to its last digit; energies change by 55 times its relative change.
     assert!((motion.total_energy / 1.630_176_961_523_382 - 1.0).abs() < 1e-12, "{}", motion.total_energy);
     assert!((motion.kinetic_energy / 0.842_186_695_352_613 - 1.0).abs() < 1e-12, "{}", motion.kinetic_energy);
     assert_eq!(motion.trajectory.closed_intervals().len(), 2);

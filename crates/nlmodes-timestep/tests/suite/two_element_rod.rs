@@ -1,5 +1,4 @@
-//! A rod of two elements in front of a stop, its tip massless: one degree of freedom with mass, and a motion in closed
-//! form.
+//! A rod of two elements with a stop and a massless tip: one degree of freedom with mass, and a motion in closed form.
 
 use crate::support;
 
@@ -42,7 +41,7 @@ fn shooting_finds_the_closed_form_to_twelve_digits() {
         let closed = ClosedForm::new(amplitude);
         let mut shooting = shooting();
         let p = (closed.kinetic() / GRAZING_ENERGY).ln();
-        // From a guess that is off by several per cent.
+        // From a guess with an error of several per cent.
         let [x, _] = closed.position(0.0);
         let start = shooting.dynamics().state(&[1.05 * x, 1.0], &[0.0; 2]).unwrap();
         let guess = shooting.unknowns(&start, 0.97 * closed.omega());
@@ -68,12 +67,12 @@ fn a_motion_that_returns_is_told_from_one_that_does_not() {
     assert!((exact.closed_share[0] - 2.0 * closed.half[0] / closed.period()).abs() < 1e-14);
     // K_NN = 2 is the stiffness of the last element: λ = 2 (x − 1).
     assert!((exact.peak_force - 2.0 * (closed.position(0.0)[0] - 1.0)).abs() < 1e-13);
-    // A period that is too long by ΔT leaves x behind by ẍ (ΔT)²/2 and ẋ by ẍ ΔT; the node stands still at the end.
+    // With a period too long by ΔT, x is off by ẍ (ΔT)²/2 and ẋ by ẍ ΔT; the velocity is zero at the end.
     let late = Verification::new(&mut rod, &start, 1.001 * closed.period()).unwrap();
     let acceleration = 12.0 * (closed.position(0.0)[0] - 0.5);
     let (late_by, speed) = (0.001 * closed.period(), 2.0 * OMEGA_FREE);
     assert!((late.velocity / (acceleration * late_by / speed) - 1.0).abs() < 1e-3, "{late:?}");
-    // Of the mass of 1/3 that speed alone, over the energy of 4: all else is of second order.
+    // Only the velocity of the mass of 1/3, relative to the energy of 4: everything else is of second order.
     let missing = (0.5 / 3.0 * (acceleration * late_by).powi(2) / 4.0).sqrt();
     assert!((late.energy_norm / missing - 1.0).abs() < 1e-2, "{late:?} {missing}");
     assert!((late.displacement / (0.5 * acceleration * late_by * late_by / 2.0) - 1.0).abs() < 1e-3, "{late:?}");
@@ -104,7 +103,7 @@ fn a_free_motion_that_just_does_not_touch_stays_free_and_one_that_just_touches_d
         // The tip is closed for 2 √(2 depth)/ω of the period.
         let expected = 2.0 * (2.0 * depth).sqrt() / OMEGA_FREE;
         let found = contact(-1.0 - depth);
-        // Rounding of the amplitude is 1e-16 of a depth of 1e-12, and the length goes like its root.
+        // Rounding of the amplitude is 1e-16 for a depth of 1e-12, and the duration scales with its square root.
         assert!((found / expected - 1.0).abs() < 1e-3, "depth {depth:e}: {found:e}, not {expected:e}");
     }
     let still = ModalState { z: vec![0.0], v: vec![0.0] };
