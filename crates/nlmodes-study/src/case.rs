@@ -14,43 +14,44 @@ use crate::study::Study;
 pub use name::hex;
 use name::id;
 
-/// A case as the table has it.
+/// A case as in the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// Number in the study, from 0.
     pub number: usize,
     /// Number of its point in the design, from 0.
     pub point: usize,
-    /// Which of the point's methods and numbers of harmonics, from 0.
+    /// Index of the method and number of harmonics of its point, from 0.
     pub part: usize,
-    /// Value of each variable; of several keys that move together, of the first one.
+    /// Value of each variable; if several keys vary together, that of the first one.
     pub values: Vec<Value>,
-    /// Method of its scene; empty where that is refused.
+    /// Method of its scene; empty if it is rejected.
     pub method: &'static str,
-    /// Number of harmonics of its scene; 0 where that is refused.
+    /// Number of harmonics of its scene; 0 if it is rejected.
     pub harmonics: usize,
-    /// Name of its directory: a hash of the resolved scene and the version of the program. Or why its scene is refused.
+    /// Name of its directory: a hash of the resolved scene and the version of the program. Or why its scene is
+    /// rejected.
     pub id: Result<String, Arc<str>>,
 }
 
-/// The scene of a case, ready to run but for its directory.
+/// The scene of a case, ready to run except for its directory.
 #[derive(Debug, Clone)]
 pub struct Resolved {
     /// With one method and one number of harmonics.
     pub file: SceneFile,
     /// As [`Case::id`].
     pub id: String,
-    /// What `--set` takes to make it of the scene of the study.
+    /// The `--set` arguments that create it from the scene of the study.
     pub set: Vec<String>,
 }
 
-/// What `--set` takes for a point of the design.
+/// The `--set` arguments for a point of the design.
 fn overrides(study: &Study, point: &[Vec<Value>]) -> Vec<String> {
     let pairs = study.variables.iter().zip(point).flat_map(|(variable, values)| variable.keys.iter().zip(values));
     pairs.map(|(key, value)| setting(key, value)).collect()
 }
 
-/// What `--set` takes for a key and its value.
+/// The `--set` argument for a key and its value.
 pub fn setting(key: &str, value: &Value) -> String {
     format!("{key}={}", toml(value))
 }
@@ -64,7 +65,7 @@ fn toml(value: &Value) -> String {
             let entries: Vec<String> = entries.iter().map(|(key, value)| format!("{key} = {}", toml(value))).collect();
             format!("{{ {} }}", entries.join(", "))
         }
-        // Texts of JSON are texts of TOML.
+        // JSON strings are TOML strings.
         other => other.to_string(),
     }
 }
@@ -72,15 +73,15 @@ fn toml(value: &Value) -> String {
 /// The scenes of a point: one for each method and number of harmonics.
 ///
 /// # Errors
-/// [`SceneError`], what is wrong with the scene that the values make.
+/// [`SceneError`], the errors of the scene with these values.
 pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, SceneError> {
     resolve_set(study, overrides(study, point))
 }
 
-/// The scenes with these values, as `--set` takes them.
+/// The scenes with these values, in the form of `--set`.
 ///
 /// # Errors
-/// [`SceneError`], what is wrong with the scene that the values make.
+/// [`SceneError`], the errors of the scene with these values.
 pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, SceneError> {
     let files = parse_each_method(&study.scene_name, &study.scene_text, &set)?;
     let mut parts = Vec::new();
@@ -99,7 +100,7 @@ pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, Sce
     Ok(parts)
 }
 
-/// All cases of a study in their order, their scenes read by so many threads.
+/// All cases of a study in their order, with their scenes read by this many threads.
 pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
     let points = Points::new(study);
     let next = AtomicUsize::new(0);

@@ -1,4 +1,4 @@
-//! From the tables of a study file to a study.
+//! Conversion of the tables of a study file to a study.
 
 mod list;
 mod quantity;
@@ -13,10 +13,10 @@ use crate::design::{MAX_DIMENSIONS, Points};
 use crate::raw::{RawDesign, RawStudy};
 use crate::study::{Design, DesignKind, Study, Variable};
 
-/// Most cases of a study.
+/// Maximum number of cases of a study.
 const MAX_CASES: usize = 10_000_000;
 
-/// The study, if nothing stands in the way; `name` is that of its file, and `scene` the text of the scene at a path.
+/// The study, if there is no error; `name` is that of its file, and `scene` the text of the scene at a path.
 pub fn study(
     raw: &RawStudy,
     name: &str,
@@ -79,7 +79,7 @@ fn design(raw: &RawDesign, diagnostics: &mut Diagnostics<'_>) -> Design {
     Design { kind, samples, seed: u64::from(raw.seed.unwrap_or(1)), sobol_indices }
 }
 
-/// Limits of what can be counted and drawn.
+/// Limits of counts and random draws.
 fn fits(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     let dimensions = study.variables.len() * if study.design.sobol_indices { 2 } else { 1 };
     if study.design.kind == DesignKind::Sobol && dimensions > MAX_DIMENSIONS {
@@ -103,7 +103,7 @@ fn fits(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     }
 }
 
-/// Columns of the table have names of their own.
+/// Columns of the table have unique names.
 fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], diagnostics: &mut Diagnostics<'_>) {
     let mut known: Vec<&str> = crate::collect::FIXED.to_vec();
     let named = variables.iter().enumerate().map(|(k, variable)| (format!("vary.{k}"), variable.name.as_str()));

@@ -1,4 +1,4 @@
-//! What there is of a study, as a table.
+//! The existing cases of a study, as a table.
 
 mod band;
 mod row;
@@ -16,19 +16,19 @@ pub use band::{Band, Drawn};
 pub use row::{Row, State};
 pub use table::{FIXED, error_column};
 
-/// Most branches that are kept for the page.
+/// Maximum number of branches kept for the page.
 const MOST_DRAWN: usize = 1500;
 
-/// How many cases are in which state.
+/// Number of cases in each state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// All.
     pub cases: usize,
-    /// Branches that ended where they were meant to.
+    /// Complete branches.
     pub complete: usize,
     /// Branches that ended early.
     pub incomplete: usize,
-    /// No branch, for a reason; the scene of the case is refused, or it cannot be computed.
+    /// No branch: the scene of the case is rejected, or it cannot be computed.
     pub failed: usize,
     /// Not computed yet.
     pub missing: usize,
@@ -36,23 +36,23 @@ pub struct Counts {
     pub damaged: usize,
 }
 
-/// What there is of a study.
+/// The existing cases of a study.
 #[derive(Debug, Clone)]
 pub struct Collected {
-    /// A row a case, in the order of the design.
+    /// One row per case, in the order of the design.
     pub table: Table,
-    /// How many cases are in which state.
+    /// Number of cases in each state.
     pub counts: Counts,
-    /// Spread and sensitivity of each quantity.
+    /// Scatter and sensitivity of each quantity.
     pub statistics: Vec<Statistics>,
-    /// Branches for the page: all, or as many as it can show.
+    /// Branches for the page: all, or the maximum number.
     pub drawn: Vec<Drawn>,
     /// Percentiles of the frequency over the energy.
     pub band: Band,
 }
 
 impl Collected {
-    /// Reads what there is. Cases that are missing have a row that says so.
+    /// Reads the existing cases. Missing cases have a row with this state.
     pub fn new(study: &Study, threads: usize) -> Self {
         let cases = cases(study, threads);
         let store = Store::new(&study.directory);
@@ -79,7 +79,7 @@ impl Counts {
     }
 }
 
-/// How many cases are in which state, without a look at their branches.
+/// How many cases are in which state, without reading their branches.
 pub fn status(study: &Study, threads: usize) -> Counts {
     let store = Store::new(&study.directory);
     let cases = cases(study, threads);

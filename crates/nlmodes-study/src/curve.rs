@@ -1,4 +1,4 @@
-//! The branch of a case as its table has it, and quantities of it.
+//! The branch of a case from its table, and quantities of it.
 
 mod between;
 mod pick;

@@ -1,4 +1,4 @@
-//! The points of a design, one for each number; the kinds of designs stand in `crate::study`.
+//! The points of a design, one for each number; the kinds of designs are in `crate::study`.
 
 mod points;
 mod random;

@@ -1,36 +1,36 @@
-//! Distributions, as maps from equally likely numbers of the unit interval.
+//! Distributions, as maps from uniform numbers in the unit interval.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// How likely values are.
+/// A probability distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
-    /// Equally likely everywhere between two limits.
+    /// Uniform between two limits.
     Uniform {
         /// Lower limit.
         low: f64,
         /// Upper limit.
         high: f64,
     },
-    /// Logarithms equally likely everywhere between those of two positive limits.
+    /// Log-uniform between two positive limits.
     LogUniform {
         /// Lower limit.
         low: f64,
         /// Upper limit.
         high: f64,
     },
-    /// Normal, cut off at limits that may be infinite.
+    /// Normal, truncated at limits that may be infinite.
     Normal {
-        /// Mean, before it is cut off.
+        /// Mean before truncation.
         mean: f64,
-        /// Standard deviation, before it is cut off.
+        /// Standard deviation before truncation.
         std: f64,
-        /// Nothing lies below.
+        /// Lower limit.
         min: f64,
-        /// Nothing lies above.
+        /// Upper limit.
         max: f64,
     },
-    /// Logarithms are normal.
+    /// Lognormal.
     LogNormal {
         /// Mean of the quantity itself.
         mean: f64,
@@ -40,8 +40,8 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// The value below which the share `u` of all values lies, `0 < u < 1`: the inverse of the cumulative distribution
-    /// function.
+    /// The value below which the fraction `u` of all values lies, `0 < u < 1`: the inverse of the cumulative
+    /// distribution function.
     pub fn quantile(self, u: f64) -> f64 {
         match self {
             Self::Uniform { low, high } => low + u * (high - low),
@@ -58,7 +58,7 @@ impl Distribution {
     }
 }
 
-/// The standard normal distribution; unit variance is always admitted.
+/// The standard normal distribution; unit variance is always valid.
 fn standard() -> Normal {
     Normal::standard()
 }
@@ -79,7 +79,7 @@ fn share_below(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Means over many quantiles at the middles of equal strata.
+    /// Means over many quantiles at the midpoints of equal strata.
     fn moments(distribution: Distribution) -> [f64; 2] {
         let n = 200_000;
         let values: Vec<f64> = (0..n).map(|k| distribution.quantile((f64::from(k) + 0.5) / f64::from(n))).collect();

@@ -1,4 +1,4 @@
-//! Why a study does not go on.
+//! Why a study cannot continue.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nlmodes_run::RunError;
 use thiserror::Error;
 
-/// Why a study does not go on. What was computed until then stays.
+/// Why a study cannot continue. Results computed so far remain.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -15,25 +15,25 @@ pub enum StudyError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         #[source]
         source: io::Error,
     },
-    /// A case cannot be written: the next one could not either.
+    /// A case cannot be written, nor could the next one.
     #[error("{}: {source}", directory.display())]
     Case {
         /// Its directory.
         directory: PathBuf,
-        /// Why not.
+        /// The reason.
         #[source]
         source: Box<RunError>,
     },
-    /// No case of the study is a scene.
+    /// No case of the study is a valid scene.
     #[error("none of the {cases} cases is a sound scene: {reason}")]
     NoCase {
-        /// How many there are.
+        /// Number of cases.
         cases: usize,
-        /// What is wrong with the first one.
+        /// The error of the first one.
         reason: String,
     },
     /// The table cannot be written as Parquet.
@@ -41,7 +41,7 @@ pub enum StudyError {
     Parquet {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         #[source]
         source: parquet::errors::ParquetError,
     },

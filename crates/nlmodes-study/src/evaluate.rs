@@ -1,4 +1,4 @@
-//! Single cases for a program that asks for them: an optimiser, a sampler.
+//! Single cases on request, for an optimiser or a sampler.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,23 +16,23 @@ use crate::run::{Done, Settings, Worker};
 use crate::store::Store;
 use crate::study::Study;
 
-/// Time between two looks at a case that another process is computing.
+/// Time between two checks of a case that another process is computing.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// What comes of a case.
+/// Result of a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
     /// How it ended: `complete`, `incomplete` or `failed`.
     pub status: &'static str,
-    /// Why it failed or ended early, or which quantity it does not have; empty where there is nothing to say.
+    /// Why it failed or ended early, or which quantity is missing; otherwise empty.
     pub reason: String,
     /// Each quantity of the study; `null` where the case does not have it.
     pub quantities: Map<String, Value>,
-    /// Name of its directory; empty where the scene is refused.
+    /// Name of its directory; empty if the scene is rejected.
     pub id: String,
 }
 
-/// Computes cases of a study when they are asked for, whatever its design. Those that are there are not computed again.
+/// Computes cases of a study on request, whatever its design. Existing cases are not computed again.
 #[derive(Debug, Clone)]
 pub struct Evaluator {
     study: Study,
@@ -42,19 +42,18 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// Of this study, in its directory.
+    /// For this study, in its directory.
     pub fn new(study: Study, settings: Settings) -> Self {
         let structures = Arc::new(Structures::within(settings.limit()));
         Self { study, settings, ended: Arc::default(), structures }
     }
 
-    /// Ends what is in progress: it goes on the next time.
+    /// Ends the case in progress, which continues the next time.
     pub fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
     }
 
-    /// The case with these values, by the names of variables or by keys that `--set` takes; nothing if an end was asked
-    /// for.
+    /// The case with these values, by the names of variables or by keys of `--set`; `None` if the end was requested.
     ///
     /// # Errors
     /// [`StudyError`] if it cannot be written.
@@ -92,7 +91,7 @@ impl Evaluator {
         Ok(Some(self.answer(&case, Row::read(&self.study, &store, &case, false))))
     }
 
-    /// What `--set` takes for a name and its value.
+    /// The `--set` argument for a name and its value.
     fn set(&self, name: &str, value: &Value) -> Vec<String> {
         let variable = self.study.variables.iter().find(|variable| variable.name == name);
         match variable {

@@ -1,4 +1,4 @@
-//! Quantities over what varies, as figures.
+//! Figures of quantities over variables.
 
 use nlmodes::report::SpreadFigure;
 
@@ -7,9 +7,9 @@ use crate::statistics::quantile;
 use crate::study::Study;
 use crate::table::Cells;
 
-/// Most figures of a study.
+/// Maximum number of figures of a study.
 const MOST: usize = 60;
-/// Most groups of neighbours, and fewest cases in each.
+/// Maximum number of groups of neighbours, and minimum number of cases in each.
 const GROUPS: usize = 24;
 const OF_GROUP: usize = 20;
 
@@ -22,7 +22,7 @@ pub struct Named {
     pub svg: String,
 }
 
-/// Each quantity over each variable that has numbers; those of which no case has anything are left out.
+/// Each quantity over each numerical variable; those without any value are omitted.
 pub fn figures(study: &Study, collected: &Collected) -> Vec<Named> {
     let numbers = |name: &str| collected.table.column(name).and_then(Cells::numbers).unwrap_or_default();
     let mut figures = Vec::new();
@@ -52,7 +52,7 @@ fn figure(title: &str, x_label: &str, y_label: &str, points: &[(f64, f64)]) -> O
     figure.render().ok().map(|figure| figure.as_svg().to_owned())
 }
 
-/// 5, 50 and 95 % of groups of neighbours; nothing where there are too few for three groups.
+/// 5, 50 and 95 % of groups of neighbours; `None` if there are too few for three groups.
 fn percentiles(points: &[(f64, f64)]) -> [Vec<(f64, f64)>; 3] {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -70,7 +70,7 @@ fn percentiles(points: &[(f64, f64)]) -> [Vec<(f64, f64)>; 3] {
     lines
 }
 
-/// A name that may be that of a file everywhere.
+/// A portable file name.
 fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }

@@ -1,25 +1,25 @@
-//! Studies: a quantity over parameters, its spread and its sensitivity, from thousands of branches.
+//! Studies: a quantity over parameters, its scatter and its sensitivity, from thousands of branches.
 //!
 //! ```text
 //! study.toml  →  Study  →  cases  →  cases/<id>/ (a run each)  →  table, statistics, page
 //! ```
 //!
 //! A case is the scene of the study with the values of one point of the design, one method and one number of harmonics.
-//! Its name is a hash of the scene that comes out and of the version of the program: what is there is not computed
-//! again, whoever computed it, and what has changed is. Nothing is printed; progress goes to a [`StudyObserver`], and
+//! Its name is a hash of the resulting scene and of the version of the program: existing cases are not computed again,
+//! whichever process computed them, but changed ones are. Nothing is printed; progress goes to a [`StudyObserver`], and
 //! results are data.
 //!
-//! | item | what it is |
+//! | item | what |
 //! | --- | --- |
 //! | [`Study`] | a study file, read and checked with its scene: [`Study::load`] |
 //! | [`cases`](case::cases) | its cases, with their names |
-//! | [`run`](run::run()), [`Settings`], [`Shard`] | computes what is not there yet, one branch a thread |
-//! | [`Collected`] | the [`Table`] of what there is, its [`Statistics`], its page |
+//! | [`run`](run::run()), [`Settings`], [`Shard`] | computes missing cases, one branch per thread |
+//! | [`Collected`] | the [`Table`] of existing cases, its [`Statistics`], its page |
 //! | [`Evaluator`] | single cases for an optimiser or sampler |
 //! | [`serve`] | the same line by line of JSON, for a program in another language |
 //! | [`slurm`] | a study as an array job |
-//! | [`status`] | how many cases are in which state |
-//! | [`StudyError`] | why a study does not go on |
+//! | [`status`] | number of cases in each state |
+//! | [`StudyError`] | why a study cannot continue |
 //!
 //! # Example
 //! ```
@@ -61,7 +61,7 @@
 //! let outcome = run(&study, &Settings::default(), &mut Silent)?;
 //! assert!(outcome.is_done() && outcome.computed == 2);
 //! let table = Collected::new(&study, 1).table;
-//! // A gap that is twice as wide scales the motion, and nothing else.
+//! // Doubling the gap scales the motion, and has no other effect.
 //! let f = table.column("f_2").and_then(|cells| cells.numbers()).ok_or("no column")?;
 //! assert!(f.iter().all(|f| f.is_some()) && (f[0].unwrap() - f[1].unwrap()).abs() < 1e-6 * f[0].unwrap());
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,4 +1,4 @@
-//! The page of a study: its contents, in the frame that all pages have.
+//! The page of a study: its contents, in the common frame of all pages.
 
 mod data;
 mod sections;
@@ -33,7 +33,7 @@ pub fn page(study: &Study, collected: &Collected) -> String {
     Page { title: &study.title, head: &head, body: &body, style: STYLE, script: SCRIPT, data: &data }.render()
 }
 
-/// Text that stands in the page.
+/// Text on the page.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

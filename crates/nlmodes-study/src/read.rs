@@ -1,4 +1,4 @@
-//! From a file or a text to a checked study.
+//! Reading a file or text to a checked study.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ impl Study {
     /// Reads and checks a study file, and the scene that it names.
     ///
     /// # Errors
-    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    /// [`SceneError`] with all errors of the study or its scene.
     pub fn load(path: &Path) -> Result<StudyFile, SceneError> {
         let name = path.display().to_string();
         with_sound_scene(load_other(path, "study", |raw: &RawStudy, diagnostics| {
@@ -28,7 +28,7 @@ impl Study {
     /// Reads and checks the text of a study; `name` stands in messages, and paths are relative to its directory.
     ///
     /// # Errors
-    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    /// [`SceneError`] with all errors of the study or its scene.
     pub fn parse(name: &str, text: &str) -> Result<StudyFile, SceneError> {
         with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, diagnostics| {
             check::study(raw, name, |scene| fs::read_to_string(scene).map_err(|error| error.to_string()), diagnostics)
@@ -38,7 +38,7 @@ impl Study {
     /// The same with the text of the scene, which is not read from a file.
     ///
     /// # Errors
-    /// [`SceneError`] with all that is wrong with the study, or with its scene.
+    /// [`SceneError`] with all errors of the study or its scene.
     pub fn parse_with_scene(name: &str, text: &str, scene: &str) -> Result<StudyFile, SceneError> {
         with_sound_scene(parse_other(name, text, "study", |raw: &RawStudy, diagnostics| {
             check::study(raw, name, |_| Ok(scene.to_owned()), diagnostics)
@@ -46,11 +46,11 @@ impl Study {
     }
 }
 
-/// Refuses the study where its scene is wrong as it is written, not only with the values of a case.
+/// Rejects the study if its scene has errors as written, not only with the values of a case.
 fn with_sound_scene(file: StudyFile) -> Result<StudyFile, SceneError> {
     let Err(refused) = case::resolve(&file.scene, &Points::new(&file.scene).get(0)) else { return Ok(file) };
     let written = |diagnostic: &nlmodes_scene::Diagnostic| {
-        // Names of arguments are not those of the file.
+        // Argument names differ from those of the file.
         let found = diagnostic.place.as_ref().map(|mark| mark.range.end <= file.scene.scene_text.len());
         diagnostic.severity == Severity::Error && found.unwrap_or(true)
     };

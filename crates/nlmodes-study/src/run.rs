@@ -1,4 +1,4 @@
-//! Computing what is not there yet, one branch a thread.
+//! Computation of missing cases, one branch per thread.
 
 mod outcome;
 mod settings;
@@ -22,17 +22,16 @@ pub use outcome::{StudyObserver, StudyOutcome, StudyProgress};
 pub use settings::{Settings, Shard};
 pub(crate) use worker::{Done, Worker};
 
-/// Time between two looks at whether an end is asked for.
+/// Time between two checks for a requested end.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Computes the cases that are not there yet.
+/// Computes the missing cases.
 ///
-/// Each case is a directory `cases/<id>` as a plain run makes it, with `case.json` as its last file. A case that fails
-/// is one with its reason; the others go on. A process that is killed loses nothing: what it was at goes on from its
-/// last step.
+/// Each case is a directory `cases/<id>` as a plain run makes it, with `case.json` as its last file. A failed case has
+/// its reason; the others continue. A killed process loses nothing: its case continues from the last step.
 ///
 /// # Errors
-/// [`StudyError`], where no case can be computed, or the disk takes no more.
+/// [`StudyError`], if no case can be computed, or the disk is full.
 pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<StudyOutcome, StudyError> {
     let all = cases(study, settings.jobs());
     if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| all.iter().all(|case| case.id.is_err())) {
@@ -84,7 +83,7 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
     }
 }
 
-/// What all workers see.
+/// Data shared by all workers.
 struct Shared<'a> {
     study: &'a Study,
     points: &'a Points<'a>,
@@ -96,7 +95,7 @@ struct Shared<'a> {
     structures: Structures,
 }
 
-/// Takes one case after the other until none is left, an end is asked for, or the disk takes no more.
+/// Computes one case after the other until none is left, the end is requested, or the disk is full.
 fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
     let _core = nlmodes::linalg::Worker::new();
     let worker = Worker {
@@ -109,11 +108,11 @@ fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option
     while !shared.ended.load(Ordering::Relaxed) {
         let Some(case) = shared.waiting.get(shared.next.fetch_add(1, Ordering::Relaxed)) else { return };
         let parts = resolve(shared.study, &shared.points.get(case.point));
-        // It was one when its name was found.
+        // It was valid when its name was computed.
         let Some(resolved) = parts.ok().and_then(|parts| parts.into_iter().nth(case.part)) else { continue };
         match worker.compute(resolved) {
             Ok(done) => {
-                // Nobody listens where the study ends.
+                // There is no receiver if the study ends.
                 let _ = sender.send(done);
             }
             Err(error) => {

@@ -1,4 +1,4 @@
-//! Cases that another program asks for: a line of JSON in, a line out.
+//! Cases requested by another program: a line of JSON in, a line out.
 
 use std::io::{self, BufRead, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
@@ -11,14 +11,14 @@ use crate::evaluate::Evaluator;
 use crate::run::Settings;
 use crate::study::Study;
 
-/// Answers line by line until there are no more, or nobody reads the answers; so many cases at a time as the settings
-/// say, in the order in which they are done.
+/// Answers line by line until there are no more requests, or the answers are no longer read; with the number of
+/// parallel cases in the settings, in order of completion.
 ///
 /// A line is `{"id": …, "set": {"gap_m": 1e-3}}`, or the values alone; names are those of the study's variables, or
-/// keys that `--set` takes. Its answer has `id`, `status`, `reason`, `quantities` and `case`.
+/// keys of `--set`. Its answer has `id`, `status`, `reason`, `quantities` and `case`.
 ///
 /// # Errors
-/// [`StudyError`] where a case cannot be written, as the next one could not either; what was computed until then stays.
+/// [`StudyError`] if a case cannot be written, since the next one could not either; earlier results remain.
 pub fn serve(
     study: &Study,
     settings: Settings,
@@ -58,7 +58,7 @@ pub fn serve(
     }
 }
 
-/// The next line, for whoever comes first.
+/// The next line, for the first free worker.
 fn next(lines: &Mutex<mpsc::Receiver<String>>) -> Option<String> {
     held(lines).recv().ok()
 }
@@ -97,7 +97,7 @@ fn write(out: &mut impl Write, answer: &Value) -> io::Result<()> {
     out.flush()
 }
 
-/// What is inside, whatever happened to whoever held it.
+/// The contents, even if a thread panicked while holding the lock.
 fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -17,23 +17,23 @@ use crate::store::Store;
 use crate::study::Study;
 use crate::told::duration;
 
-/// How much longer than the mean of what is there the cases of a shard may take.
+/// Safety factor on the mean time of the existing cases.
 const SPARE_TIME: f64 = 2.0;
-/// Shortest time that is asked for, s.
+/// Shortest requested time, s.
 const SHORTEST: f64 = 600.0;
-/// Cases that are computed to know how long one takes.
+/// Number of cases computed to estimate the time per case.
 pub const TRIED: usize = 2;
-/// Most times of cases that are looked at.
+/// Maximum number of case times considered.
 const MOST_LOOKED_AT: usize = 1000;
 
-/// What an array job asks for.
+/// Resources of an array job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrayJob {
-    /// Name of the study's file, as the program is called with it.
+    /// Path of the study's file in the call of the program.
     pub study: String,
-    /// Directory of the study, where it is not the one that the file names.
+    /// Directory of the study, if it is not the one in the file.
     pub out: Option<String>,
-    /// How the program is called.
+    /// Path of the program.
     pub program: String,
     /// Name of the job.
     pub name: String,
@@ -41,7 +41,7 @@ pub struct ArrayJob {
     pub shards: usize,
     /// Cores of each task.
     pub jobs: usize,
-    /// Partition; none asks for the cluster's default.
+    /// Partition; `None` for the cluster's default.
     pub partition: Option<String>,
     /// Time of each task.
     pub time: Duration,
@@ -52,16 +52,16 @@ pub struct ArrayJob {
 /// Time and memory that a task needs, by estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Needs {
-    /// Time of a task; nothing where no case is there that says how long one takes.
+    /// Time of a task; `None` if there is no case from which to estimate it.
     pub time: Option<Duration>,
     /// Memory of a task, bytes.
     pub memory: f64,
-    /// Number of cases that are not there yet.
+    /// Number of missing cases.
     pub missing: usize,
 }
 
-/// What a task of so many shards with so many cores needs: time from the cases that are there, memory from the estimate
-/// of the first scene.
+/// Resources of a task for this many shards and cores: time from the existing cases, memory from the estimate of the
+/// first scene.
 pub fn needs(study: &Study, shards: usize, jobs: usize) -> Needs {
     let store = Store::new(&study.directory);
     let all = cases(study, jobs);
@@ -78,10 +78,10 @@ pub fn needs(study: &Study, shards: usize, jobs: usize) -> Needs {
     Needs { time, memory: jobs as f64 * of_case.unwrap_or(0.0), missing }
 }
 
-/// Computes [`TRIED`] of the cases that are missing, spread over the study, so that [`needs`] knows how long one takes.
+/// Computes [`TRIED`] of the missing cases, spread over the study, for the time estimate of [`needs`].
 ///
 /// # Errors
-/// [`StudyError`] if they cannot be written, or no case is a scene.
+/// [`StudyError`] if they cannot be written, or no case is a valid scene.
 pub fn try_some(study: &Study, missing: usize) -> Result<(), StudyError> {
     let of = (missing / TRIED).max(1);
     let shard = Shard::new(of / 2, of).unwrap_or_default();
@@ -89,7 +89,7 @@ pub fn try_some(study: &Study, missing: usize) -> Result<(), StudyError> {
     run(study, &settings, &mut Silent).map(drop)
 }
 
-/// What the job asks for, in words.
+/// Description of the requested resources.
 impl fmt::Display for ArrayJob {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (time, memory) = (duration(self.time), megabytes(self.memory));
@@ -100,8 +100,8 @@ impl fmt::Display for ArrayJob {
 impl ArrayJob {
     /// The script for `sbatch`.
     ///
-    /// A task that is told to end (its time runs out, its node is wanted) keeps what it has and queues itself again; so
-    /// does Slurm where a node goes away.
+    /// A task that is signalled to end (its time runs out, its node is preempted) keeps its results and requeues
+    /// itself; after the loss of a node Slurm requeues it.
     pub fn script(&self) -> String {
         let Self { name, shards, jobs, .. } = self;
         let last = shards - 1;
@@ -157,7 +157,7 @@ wait "$child"
     }
 }
 
-/// A name for a shell.
+/// A name quoted for a shell.
 fn quoted(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
     if !name.is_empty() && name.chars().all(plain) {

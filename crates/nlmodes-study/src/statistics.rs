@@ -1,4 +1,4 @@
-//! Spread and sensitivity of a quantity.
+//! Scatter and sensitivity of a quantity.
 
 mod ranks;
 mod sobol;
@@ -14,20 +14,20 @@ use crate::case::Case;
 use crate::study::Study;
 use crate::table::Table;
 
-/// Spread and sensitivity of a quantity, of the cases that have it.
+/// Scatter and sensitivity of a quantity, for the cases that have it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistics {
     /// Its name.
     pub quantity: String,
     /// Number of cases that do not have it.
     pub without: usize,
-    /// Mean, deviation, quantiles; nothing where no case has it.
+    /// Mean, standard deviation, quantiles; `None` if no case has it.
     pub spread: Option<Spread>,
-    /// Rank correlation with each variable that has numbers.
+    /// Rank correlation with each numerical variable.
     pub rank_correlations: Vec<Sensitivity<Correlation>>,
-    /// Sobol' indices of each variable, where the design has the points for them.
+    /// Sobol' indices of each variable, if the design has the points for them.
     pub sobol_indices: Vec<Sensitivity<SobolIndex>>,
-    /// Blocks of the design that the indices leave out, because a case in them does not have the quantity.
+    /// Blocks of the design that are excluded from the indices, because a case in them does not have the quantity.
     pub blocks_left_out: usize,
 }
 
@@ -42,11 +42,11 @@ pub struct Sensitivity<T> {
 }
 
 impl Statistics {
-    /// Of a column of the table.
+    /// Statistics of a column of the table.
     pub fn new(study: &Study, table: &Table, cases: &[Case], quantity: &str) -> Self {
         let all = table.column(quantity).and_then(crate::table::Cells::numbers).unwrap_or_default();
         let first: Vec<bool> = cases.iter().map(|case| case.part == 0).collect();
-        // Further points of the design for Sobol' indices are no independent ones.
+        // The additional points of the design for Sobol' indices are not independent.
         let block = study.variables.len() + 2;
         let independent = |k: usize| !study.design.sobol_indices || cases[k].point % block < 2;
         let own: Vec<Option<f64>> = (0..all.len()).map(|k| all[k].filter(|_| independent(k))).collect();

@@ -1,4 +1,5 @@
-//! The directory of a study: a case is done when its `case.json` says so, and computed by whoever holds its lock.
+//! The directory of a study: a case is complete when its `case.json` exists, and is computed by the process that holds
+//! its lock.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
@@ -18,11 +19,11 @@ const LOCK: &str = ".lock";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// Its branch ended where it was meant to.
+    /// Its branch is complete.
     Complete,
-    /// Its branch ended early, and why is known.
+    /// Its branch ended early, with the reason.
     Incomplete,
-    /// There is no branch, and why is known.
+    /// There is no branch, with the reason.
     Failed,
 }
 
@@ -37,20 +38,20 @@ impl Status {
     }
 }
 
-/// What `case.json` holds: the last file of a case to be written.
+/// Contents of `case.json`, the last file of a case to be written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseRecord {
     /// Version of the program.
     pub version: String,
     /// How it ended.
     pub status: Status,
-    /// Why it ended, in words; of a complete branch too.
+    /// Why it ended, in words, also for a complete branch.
     pub reason: String,
-    /// What `--set` was given, beside the scene.
+    /// The `--set` arguments, in addition to the scene.
     pub set: Vec<String>,
-    /// Time that it took, s, of the last process that was at it.
+    /// Computation time, s, of the last process.
     pub seconds: f64,
-    /// SHA-256 of `branch.csv`; empty where there is none.
+    /// SHA-256 of `branch.csv`; empty if there is none.
     pub branch_sha256: String,
 }
 
@@ -68,7 +69,7 @@ pub struct Claim {
 }
 
 impl Store {
-    /// In this directory, which need not be there yet.
+    /// In this directory, which need not exist yet.
     pub fn new(directory: &Path) -> Self {
         Self { directory: directory.to_path_buf() }
     }
@@ -78,22 +79,22 @@ impl Store {
         &self.directory
     }
 
-    /// That of a case.
+    /// The directory of a case.
     pub fn case(&self, id: &str) -> PathBuf {
         self.directory.join(CASES).join(id)
     }
 
-    /// Where a case lies within the directory of the study, as a link of its page.
+    /// Path of a case within the directory of the study, as a link of its page.
     pub fn link(id: &str) -> String {
         format!("{CASES}/{id}")
     }
 
-    /// How a case ended; nothing if it did not yet, or its record is damaged.
+    /// How a case ended; `None` if it has not ended yet, or its record is damaged.
     pub fn record(&self, id: &str) -> Option<CaseRecord> {
         serde_json::from_slice(&fs::read(self.case(id).join(RECORD)).ok()?).ok()
     }
 
-    /// Takes the right to compute a case; nothing if another process has it.
+    /// Acquires the right to compute a case; `None` if another process has it.
     ///
     /// # Errors
     /// [`StudyError::Io`] if its directory cannot be written.
@@ -110,7 +111,7 @@ impl Store {
         }
     }
 
-    /// Says how a case ended, which ends the claim.
+    /// Records how a case ended, which releases the claim.
     ///
     /// # Errors
     /// [`StudyError::Io`] if it cannot be written.
@@ -118,12 +119,12 @@ impl Store {
         let path = self.case(id).join(RECORD);
         let text = serde_json::to_vec(record).unwrap_or_default();
         replace(&path, &text).map_err(StudyError::io(&path))?;
-        // Whoever opened the same file before finds, with the lock, that the case is done.
+        // A process that opened the same file before will find, once it has the lock, that the case is complete.
         drop(fs::remove_file(&claim.lock));
         Ok(())
     }
 
-    /// Forgets how a case ended, so that it is computed again.
+    /// Removes the record of a case, so that it is computed again.
     ///
     /// # Errors
     /// [`StudyError::Io`] if it cannot be removed.
@@ -145,12 +146,12 @@ impl Store {
     }
 }
 
-/// SHA-256 of the branch in a directory; empty where there is none.
+/// SHA-256 of the branch in a directory; empty if there is none.
 pub fn branch_sha256(directory: &Path) -> String {
     fs::read(directory.join("branch.csv")).map_or_else(|_| String::new(), |bytes| hex(&Sha256::digest(&bytes)))
 }
 
-/// Writes a file under another name and renames it, so that it is there as a whole or not at all.
+/// Writes a file under another name and renames it, so that it is either complete or absent.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let temporary = path.with_file_name(format!(".{name}.{}.nlmodes.tmp", std::process::id()));
@@ -181,7 +182,7 @@ mod tests {
         assert_eq!(store.record("a"), Some(record));
         fs::write(store.case("a").join(RECORD), "{\"version\":").unwrap();
         assert_eq!(store.record("a"), None);
-        // A process that was killed left its lock file, which nobody holds.
+        // A killed process left its lock file, which no process holds.
         assert!(store.claim("a").unwrap().is_some() && store.claim("a").unwrap().is_some());
     }
 }

@@ -12,43 +12,43 @@ use serde_json::Value;
 use crate::distribution::Distribution;
 pub use design::{Design, DesignKind};
 
-/// What stays of each case.
+/// Files kept of each case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Keep {
-    /// All that a run writes
+    /// All files of a run
     #[default]
     All,
-    /// Tables and summary: no coefficients, no participation of modes, and no steps from which it could go on with more
-    /// points
+    /// Tables and summary: no coefficients, no participation of modes, and no steps from which it could continue with
+    /// more points
     Tables,
 }
 
-/// The values that something takes.
+/// The values of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// These, each with a value for each key.
+    /// These values, each with a value for each key.
     Listed(Vec<Vec<Value>>),
     /// Drawn from a distribution, the same for all keys.
     Drawn(Distribution),
 }
 
-/// Something that varies: one key of the scene, or several that move together.
+/// A variable: one key of the scene, or several that vary together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Name of its column.
     pub name: String,
-    /// What `--set` takes.
+    /// Keys of `--set`.
     pub keys: Vec<String>,
-    /// Which values it takes.
+    /// Its values.
     pub values: Values,
 }
 
-/// Where on a branch a quantity is taken.
+/// Point of a branch at which a quantity is evaluated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
-    /// Where this column first has this value.
+    /// The first point at which this column has this value.
     Column {
         /// The column.
         name: String,
@@ -67,19 +67,19 @@ pub enum Place {
     Event(Event),
 }
 
-/// What is wanted of each case.
+/// The quantities of each case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
     /// Name of its column.
     pub name: String,
     /// Column of the branch.
     pub of: String,
-    /// Where on the branch.
+    /// Point of the branch.
     pub at: Place,
 }
 
 impl Quantity {
-    /// What stands at an axis: the name, and the column it is of, which ends with its unit.
+    /// Axis label: the name, and its column, which ends with the unit.
     pub fn label(&self) -> String {
         if self.name == self.of { self.name.clone() } else { format!("{} ({})", self.name, self.of) }
     }
@@ -94,14 +94,14 @@ pub struct Study {
     pub scene_name: String,
     /// Its text.
     pub scene_text: String,
-    /// Which cases are computed.
+    /// The cases to compute.
     pub design: Design,
-    /// What varies.
+    /// The variables.
     pub variables: Vec<Variable>,
-    /// What is wanted of each case.
+    /// The quantities of each case.
     pub quantities: Vec<Quantity>,
     /// Directory of the study.
     pub directory: PathBuf,
-    /// What stays of each case.
+    /// Files kept of each case.
     pub keep: Keep,
 }

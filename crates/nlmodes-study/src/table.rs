@@ -1,4 +1,4 @@
-//! Columns of cells, whatever they hold, and the files that they go to. Which columns a study has stands in
+//! Columns of cells of any kind, and the files to which they are written. The columns of a study are in
 //! `collect/table.rs`.
 
 mod cells;

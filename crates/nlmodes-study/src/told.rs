@@ -1,4 +1,4 @@
-//! What is said about studies, in words.
+//! Messages about studies.
 
 use std::fmt::{Display, Formatter, Result};
 use std::time::Duration;
@@ -20,7 +20,7 @@ impl Display for Counts {
     }
 }
 
-/// Spread and sensitivity of the quantity, a line each.
+/// Scatter and sensitivity of the quantity, one line each.
 impl Display for Statistics {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let name = &self.quantity;
@@ -48,7 +48,7 @@ impl Display for Statistics {
     }
 }
 
-/// What was computed, and what became of it, in a line.
+/// What was computed, and the outcome, in one line.
 impl Display for StudyOutcome {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let seconds = self.wall_time.as_secs_f64();
@@ -64,7 +64,7 @@ impl Display for StudyOutcome {
     }
 }
 
-/// How far it is, how fast it goes and when it will be done, in a line.
+/// Progress, rate and estimated end, in one line.
 impl Display for StudyProgress {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "{} of {} cases", self.there + self.computed, self.cases)?;
@@ -78,7 +78,7 @@ impl Display for StudyProgress {
     }
 }
 
-/// A time for people.
+/// A duration in readable form.
 pub fn duration(time: Duration) -> String {
     let seconds = time.as_secs();
     match seconds {

@@ -30,7 +30,7 @@ struct Summary<'a> {
 
 impl Collected {
     /// Writes `study.csv`, `study.parquet`, `study.json` (statistics), a figure of each quantity over each variable,
-    /// and `report.html` into the directory of the study. Each is replaced at once, never half.
+    /// and `report.html` into the directory of the study. Each is replaced atomically.
     ///
     /// # Errors
     /// [`StudyError`] if one cannot be written.

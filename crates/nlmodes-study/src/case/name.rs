@@ -1,4 +1,4 @@
-//! Names of cases: hashes of what their results depend on.
+//! Names of cases: hashes of everything on which their results depend.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -11,11 +11,11 @@ use nlmodes_scene::SceneFile;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-/// What a scene says that has no influence on the results of its branch.
+/// Keys of a scene without influence on the results of its branch.
 const WITHOUT_INFLUENCE: [&str; 4] = ["title", "output_directory", "warnings", "files"];
 
-/// A hash of what has an influence on the results: the scene with all its defaults, the contents of the files that it
-/// names, the version of the program.
+/// A hash of everything that influences the results: the scene with all its defaults, the contents of its files, the
+/// version of the program.
 pub fn id(file: &SceneFile) -> String {
     let mut scene = serde_json::to_value(&file.scene).unwrap_or_default();
     if let Some(scene) = scene.as_object_mut() {
@@ -60,7 +60,7 @@ fn canonical(value: &Value, text: &mut String) {
     }
 }
 
-/// Puts what is in a file in the place of its path.
+/// Replaces the path of a file by its contents.
 fn read_files(value: &mut Value) {
     match value {
         Value::Object(entries) => entries.values_mut().for_each(read_files),
@@ -74,10 +74,10 @@ fn read_files(value: &mut Value) {
     }
 }
 
-/// Digests that are known, with length and time of the file that they are of.
+/// Cached digests, with length and time of the file.
 type Known = HashMap<PathBuf, (u64, SystemTime, String)>;
 
-/// Digest of a file, which is read again only when it has changed; nothing if there is no such file.
+/// Digest of a file, which is read again only if it has changed; `None` if there is no such file.
 fn digest(path: &Path) -> Option<String> {
     static KNOWN: OnceLock<Mutex<Known>> = OnceLock::new();
     let data = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;

@@ -56,7 +56,7 @@ fn read(path: &Path) -> Result<Vec<Variable>, String> {
     Ok(header.iter().zip(columns).map(variable).collect())
 }
 
-/// A number where it is one, else text.
+/// A number if it is one, otherwise text.
 fn value(cell: &str) -> Value {
     let whole = cell.parse::<i64>().map(Value::from);
     whole.unwrap_or_else(|_| {

@@ -1,4 +1,4 @@
-//! What is wanted of each case.
+//! The quantities of each case.
 
 use nlmodes::modal::Event;
 use nlmodes::report::BRANCH_COLUMNS;
@@ -23,7 +23,7 @@ fn quantity(raw: &RawQuantity, k: usize, diagnostics: &mut Diagnostics<'_>) -> O
     Some(Quantity { name: raw.name.clone()?, of, at: at? })
 }
 
-/// Columns of numbers that a branch has.
+/// Numerical columns of a branch.
 fn columns() -> impl Iterator<Item = &'static str> {
     std::iter::once(ENERGY_RATIO).chain(BRANCH_COLUMNS.into_iter().filter(|name| has_numbers(name)))
 }

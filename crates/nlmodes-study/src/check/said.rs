@@ -1,4 +1,4 @@
-//! What a scene says of the first case, at the place of the study that it is about.
+//! Errors of the scene of the first case, at the corresponding position in the study.
 
 use nlmodes_scene::{Diagnostic, Diagnostics, Severity};
 
@@ -6,9 +6,9 @@ use crate::case;
 use crate::design::Points;
 use crate::study::Study;
 
-/// Looks whether the keys of the first case lead anywhere in the scene: those that do not make no case at all.
+/// Checks that the keys of the first case exist in the scene: otherwise no case is possible.
 ///
-/// A value that the scene refuses is another matter: another one may do, and that case says so.
+/// A value that the scene rejects is another matter: other values may be valid, and the case has the error.
 pub fn first_case(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     if diagnostics.refuse() {
         return;
@@ -37,7 +37,7 @@ pub fn first_case(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     }
 }
 
-/// Whether a key is unknown, or its path leads nowhere.
+/// Whether a key is unknown, or its path does not exist.
 fn leads_nowhere(diagnostic: &Diagnostic) -> bool {
     ["unknown key", "has no item", "is a single value"].iter().any(|sign| diagnostic.title.contains(sign))
 }

@@ -1,4 +1,4 @@
-//! What varies: keys and values.
+//! Varied keys and their values.
 
 use nlmodes_scene::{Diagnostic, Diagnostics, number};
 use serde_json::Value;
@@ -7,9 +7,9 @@ use crate::distribution::Distribution;
 use crate::raw::RawVary;
 use crate::study::{Design, DesignKind, Values, Variable};
 
-/// The ways in which a table says what values there are.
+/// The ways in which a table specifies values.
 const WAYS: [&str; 6] = ["values", "linspace", "uniform", "loguniform", "normal", "lognormal"];
-/// Most values of a `linspace`.
+/// Maximum number of values of a `linspace`.
 const MAX_VALUES: f64 = 1e6;
 
 /// The variable of the table number `k`.
@@ -27,7 +27,7 @@ pub fn variable(raw: &RawVary, k: usize, design: &Design, diagnostics: &mut Diag
     Some(Variable { name, keys, values })
 }
 
-/// A list of values side by side has one for each case.
+/// A list design has one value for each case.
 pub fn same_lengths(variables: &[Variable], design: &Design, diagnostics: &mut Diagnostics<'_>) {
     if design.kind != DesignKind::List {
         return;
@@ -92,7 +92,7 @@ fn values(raw: &RawVary, path: &str, n_keys: usize, diagnostics: &mut Diagnostic
     drawn(raw, path, diagnostics).map(Values::Drawn)
 }
 
-/// Values one by one; of several keys each may be a list.
+/// Individual values; for several keys each may be a list.
 fn listed(values: &Value, path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<Vec<Value>>> {
     let Value::Array(items) = values else {
         let diagnostic = Diagnostic::error(format!("`{path}.values` is not a list"));
@@ -127,7 +127,7 @@ fn listed(values: &Value, path: &str, n_keys: usize, diagnostics: &mut Diagnosti
     (diagnostics.count() == before).then_some(rows)
 }
 
-/// Numbers that are not finite have no place in JSON.
+/// JSON has no numbers that are not finite.
 fn has_null(value: &Value) -> bool {
     match value {
         Value::Null => true,

@@ -1,18 +1,18 @@
-//! All branches over each other, and percentiles of them.
+//! All branches overlaid, and their percentiles.
 
 use crate::statistics::quantile;
 
-/// Places at which percentiles are taken.
+/// Number of energies at which percentiles are evaluated.
 const PLACES: usize = 80;
 /// The percentiles, as shares.
 pub const SHARES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// A branch as the page draws it.
+/// A branch as drawn on the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
     /// Number of its case.
     pub case: usize,
-    /// Averaged kinetic energy over that at grazing.
+    /// Averaged kinetic energy relative to that at grazing.
     pub energy_ratio: Vec<f64>,
     /// Frequency, Hz.
     pub frequency_hz: Vec<f64>,
@@ -26,7 +26,7 @@ impl Drawn {
         Self { case, energy_ratio, frequency_hz }
     }
 
-    /// Frequency where the energy is first met.
+    /// Frequency where the energy is first reached.
     fn at(&self, ratio: f64) -> Option<f64> {
         let holds = |w: &[f64]| (w[0] <= ratio && ratio <= w[1]) || (w[1] <= ratio && ratio <= w[0]);
         let k = self.energy_ratio.windows(2).position(holds)?;
@@ -39,14 +39,14 @@ impl Drawn {
 /// Percentiles of the frequency at energies, of the branches that reach them first from below.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
-    /// Averaged kinetic energies over that at grazing.
+    /// Averaged kinetic energies relative to that at grazing.
     pub energy_ratio: Vec<f64>,
-    /// For each of the shares 5, 25, 50, 75 and 95 % the frequencies, Hz, below which so many branches lie.
+    /// For each of 5, 25, 50, 75 and 95 % the frequencies, Hz, below which this fraction of the branches is.
     pub frequency_hz: [Vec<f64>; 5],
 }
 
 impl Band {
-    /// Of these branches, as far as at least half of them go.
+    /// For these branches, as far as at least half of them extend.
     pub fn new(drawn: &[Drawn]) -> Self {
         let mut reached: Vec<f64> =
             drawn.iter().filter_map(|d| d.energy_ratio.iter().copied().reduce(f64::max)).collect();

@@ -1,4 +1,4 @@
-//! What there is of one case.
+//! State and results of one case.
 
 use super::Drawn;
 use crate::case::Case;
@@ -6,14 +6,14 @@ use crate::curve::{Curve, ENERGY_RATIO, Picked, pick};
 use crate::store::{CaseRecord, Status, Store, branch_sha256};
 use crate::study::Study;
 
-/// In which state a case is.
+/// State of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// Its branch ended where it was meant to.
+    /// Its branch is complete.
     Complete,
     /// Its branch ended early.
     Incomplete,
-    /// It has no branch, for a reason.
+    /// It has no branch; the reason is given.
     Failed,
     /// It is not computed yet.
     Missing,
@@ -48,8 +48,7 @@ impl From<Status> for State {
 #[derive(Debug, Clone)]
 pub struct Row {
     pub state: State,
-    /// Why it has no branch, why that ended early, which quantity it does not have; empty where there is nothing to
-    /// say.
+    /// Why it has no branch, why the branch ended early, or which quantity is missing; otherwise empty.
     pub reason: String,
     /// Value and estimated error of each quantity.
     pub values: Vec<Option<[f64; 2]>>,
@@ -69,7 +68,7 @@ pub fn state(store: &Store, case: &Case) -> (State, Result<CaseRecord, String>) 
 }
 
 impl Row {
-    /// Reads what there is of a case; its curve too where it is to be drawn.
+    /// Reads the results of a case, with its curve if it is to be drawn.
     pub fn read(study: &Study, store: &Store, case: &Case, drawn: bool) -> Self {
         let (state, record) = state(store, case);
         let empty = |state, reason| Self {

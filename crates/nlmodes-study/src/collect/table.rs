@@ -1,21 +1,21 @@
-//! The table of a study: a row a case.
+//! The table of a study: one row per case.
 
 use crate::case::Case;
 use crate::collect::row::Row;
 use crate::study::{Place, Study};
 use crate::table::{Cells, Table};
 
-/// Columns that every table has or may have.
+/// Fixed and optional columns of every table.
 pub const FIXED: [&str; 7] = ["case", "method", "harmonics", "points", "status", "reason", "id"];
 
-/// The table of cases with what was read of each.
+/// The table of cases with the results of each.
 pub fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
     let mut table = Table::default();
     table.push("case", Cells::Integers(cases.iter().map(|case| Some(case.number as i64)).collect()));
     for (k, variable) in study.variables.iter().enumerate() {
         table.push(&variable.name, Cells::of_values(cases.iter().filter_map(|case| case.values.get(k))));
     }
-    // One case may have no scene, and with it no method.
+    // A case may have no scene and therefore no method.
     let methods = || cases.iter().filter(|case| case.harmonics > 0);
     if methods().any(|case| case.part > 0) {
         let known = |case: &Case| case.harmonics > 0;

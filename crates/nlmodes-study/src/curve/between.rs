@@ -4,10 +4,10 @@ use nlmodes::modal::Event;
 
 use super::Curve;
 
-/// Events at which a branch has a corner: no smooth curve goes through them.
+/// Events at which a branch has a kink: no smooth curve passes through them.
 const CORNERS: [Event; 4] = [Event::Kink, Event::BranchPoint, Event::ContactChange, Event::Grazing];
 
-/// A value between points, with what a curve of lower order makes of it.
+/// A value between points, with the result of lower-order interpolation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Between {
     /// The value.
@@ -16,12 +16,12 @@ pub struct Between {
     pub error: f64,
 }
 
-/// The value of `y` where `x` first has the value `target` along the branch; nothing where it never has.
+/// The value of `y` where `x` first has the value `target` along the branch; `None` if it never has.
 ///
-/// Between points lies a cubic through four of them, over the length of the chords, that passes no corner; where that
-/// leaves its points, the chord.
+/// Interpolation by a cubic through four points, over the length of the chords, on one side of any kink; by the chord
+/// if the cubic overshoots.
 pub fn at_first(curve: &Curve, x: &[f64], y: &[f64], target: f64) -> Option<Between> {
-    // Limits are met to rounding only.
+    // Limits are reached only to rounding.
     let is_met = |value: &f64| (value - target).abs() <= 1e-12 * target.abs();
     let met = x.iter().position(is_met);
     let crossed = x.windows(2).position(|w| (w[0] < target) != (w[1] < target) && w[0].is_finite() && w[1].is_finite());
@@ -54,7 +54,7 @@ fn interpolate(curve: &Curve, x: &[f64], y: &[f64], target: f64, before: usize) 
     Some(Between { value: cubic, error })
 }
 
-/// First and last of up to four points around the interval behind `before`, none beyond a corner.
+/// First and last of up to four points around the interval after `before`, none beyond a kink.
 fn smooth_range(curve: &Curve, before: usize) -> (usize, usize) {
     let is_corner = |point: usize| curve.events()[point].iter().any(|event| CORNERS.contains(event));
     let from = if before > 0 && !is_corner(before) { before - 1 } else { before };
@@ -86,7 +86,7 @@ fn lagrange(places: &[f64], values: &[f64], s: f64) -> f64 {
     values.iter().enumerate().map(term).sum()
 }
 
-/// A zero between two places at which the signs differ, by bisection.
+/// A zero between two points with different signs, by bisection.
 fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let rises = f(low) < f(high);
     for _ in 0..200 {

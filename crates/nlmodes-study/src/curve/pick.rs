@@ -4,7 +4,7 @@ use super::Curve;
 use super::between::{Between, at_first};
 use crate::study::{Place, Quantity};
 
-/// What a quantity is on one branch.
+/// Value of a quantity on one branch.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picked {
     /// Its value, with the estimated error of interpolation.
@@ -14,11 +14,11 @@ pub enum Picked {
         /// Estimate of the error, 0 at a point of the branch.
         error: f64,
     },
-    /// The branch does not have it, and why.
+    /// The branch does not have it; the reason is given.
     Missing(String),
 }
 
-/// Takes a quantity from a branch.
+/// Evaluates a quantity on a branch.
 pub fn pick(curve: &Curve, quantity: &Quantity) -> Picked {
     let missing = |reason: String| Picked::Missing(format!("{}: {reason}", quantity.name));
     let Some(values) = curve.column(&quantity.of) else {
@@ -60,7 +60,7 @@ fn extreme(values: &[f64], is_beyond: fn(&f64, &f64) -> bool) -> Option<Between>
     found.map(|value| Between { value, error: 0.0 })
 }
 
-/// Why a value is never met.
+/// Why a value is never reached.
 fn never(x: &[f64], name: &str, value: f64) -> String {
     let [low, high] = x.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
     let number = nlmodes_scene::number;

@@ -1,4 +1,4 @@
-//! A branch as `branch.csv` and `summary.json` have it.
+//! A branch from `branch.csv` and `summary.json`.
 
 use nlmodes::modal::Event;
 use std::fs;
@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use thiserror::Error;
 
-/// Averaged kinetic energy over that at grazing: no column of the file, but of every branch.
+/// Averaged kinetic energy relative to that at grazing: not a column of the file, but defined for every branch.
 pub const ENERGY_RATIO: &str = "energy_ratio";
 const ENERGY: &str = "energy_j";
 const EVENT: &str = "event";
-/// Columns of texts.
+/// Text columns.
 const TEXTS: [&str; 3] = [EVENT, "resonance", "stable"];
 
-/// Whether a column of the branch has numbers.
+/// Whether a column of the branch is numerical.
 pub fn has_numbers(column: &str) -> bool {
     !TEXTS.contains(&column)
 }
@@ -29,15 +29,15 @@ pub enum CurveError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: io::Error,
     },
-    /// A file is not what a run writes.
+    /// A file was not written by a run.
     #[error("{} is not what a run writes: {reason}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// How that shows.
+        /// The evidence.
         reason: String,
     },
 }
@@ -56,7 +56,7 @@ impl Curve {
     /// The branch in the directory of a case.
     ///
     /// # Errors
-    /// [`CurveError`] where there is none, or it was damaged.
+    /// [`CurveError`] if there is none, or it is damaged.
     pub fn read(directory: &Path) -> Result<Self, CurveError> {
         let path = directory.join("branch.csv");
         let bytes = fs::read(&path).map_err(|source| CurveError::Io { path: path.clone(), source })?;

@@ -6,7 +6,7 @@ use super::random::{independent, latin_hypercube};
 use super::sobol::Sobol;
 use crate::study::{Design, DesignKind, Study, Values, Variable};
 
-/// The points of a study's design, made when they are asked for.
+/// The points of a study's design, computed on request.
 #[derive(Debug)]
 pub struct Points<'a> {
     study: &'a Study,
@@ -23,10 +23,10 @@ enum Unit {
 }
 
 impl<'a> Points<'a> {
-    /// Those of this study.
+    /// The points of this study.
     pub fn new(study: &'a Study) -> Self {
         let (design, variables) = (&study.design, study.variables.len());
-        // Sobol' indices take two independent points at a time.
+        // Sobol' indices use pairs of independent points.
         let dimensions = if design.sobol_indices { 2 * variables } else { variables };
         let unit = match design.kind {
             DesignKind::Grid | DesignKind::List => Unit::None,
@@ -59,7 +59,7 @@ impl<'a> Points<'a> {
         }
     }
 
-    /// A combination of values: the last variable moves first.
+    /// A combination of values: the last variable varies fastest.
     fn of_grid(&self, mut number: usize) -> Vec<Vec<Value>> {
         let mut point: Vec<Vec<Value>> = Vec::new();
         for variable in self.study.variables.iter().rev() {
@@ -106,7 +106,7 @@ fn count(study: &Study) -> usize {
     }
 }
 
-/// Number of values that are listed; 1 where they are drawn, which grid and list refuse.
+/// Number of values that are listed; 1 if they are drawn at random, which grid and list reject.
 pub fn n_listed(variable: &Variable) -> usize {
     match &variable.values {
         Values::Listed(values) => values.len().max(1),
@@ -121,7 +121,8 @@ fn listed(variable: &Variable, number: usize) -> Vec<Value> {
     }
 }
 
-/// The value at a share of all: of a distribution its quantile, of a list each item with the same share.
+/// The value at a given cumulative probability: the quantile of a distribution, or an item of a list with equal
+/// probabilities.
 fn drawn(variable: &Variable, u: f64) -> Vec<Value> {
     match &variable.values {
         Values::Drawn(distribution) => vec![Value::from(distribution.quantile(u)); variable.keys.len()],

@@ -3,18 +3,18 @@
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
-/// A number within the unit interval, neither 0 nor 1.
+/// A number in the open unit interval.
 fn inner(random: &mut Xoshiro256PlusPlus) -> f64 {
     (f64::from(random.random::<u32>()) + 0.5) / 2f64.powi(32)
 }
 
-/// Independent points. More of them begin with the same ones.
+/// Independent points. A larger number of them begins with the same ones.
 pub fn independent(count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     (0..count).map(|_| (0..dimensions).map(|_| inner(&mut random)).collect()).collect()
 }
 
-/// A Latin hypercube: in each dimension one point in each of `count` strata, at a random place in it.
+/// A Latin hypercube: in each dimension one point in each of `count` strata, at a random position in it.
 pub fn latin_hypercube(count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut points = vec![vec![0.0; dimensions]; count];

@@ -1,8 +1,8 @@
 //! Sobol' sequences with the directions of Joe and Kuo (2008), scrambled.
 //!
 //! S. Joe, F. Y. Kuo, SIAM Journal on Scientific Computing 30 (2008) 2635-2654, their table `new-joe-kuo-6`, first 256
-//! dimensions. Scrambled by random lower triangular matrices and a random shift, which keep what makes the points even
-//! (J. Matoušek, Journal of Complexity 14 (1998) 527-556).
+//! dimensions. Scrambled by random lower triangular matrices and a random shift, which preserve the uniformity of the
+//! points (J. Matoušek, Journal of Complexity 14 (1998) 527-556).
 
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -10,11 +10,11 @@ use rand::{RngExt, SeedableRng};
 /// Dimensions of the table.
 pub const MAX_DIMENSIONS: usize = 256;
 const BITS: usize = 32;
-/// A line a dimension from the second one on: degree s of the primitive polynomial, its inner coefficients a, and m_1 …
-/// m_s.
+/// One line per dimension from the second one on: degree s of the primitive polynomial, its inner coefficients a, and
+/// m_1 … m_s.
 const TABLE: &str = include_str!("joe_kuo.txt");
 
-/// Numbers whose exclusive or gives the coordinates of points, in one dimension.
+/// Direction numbers, whose exclusive or gives the coordinates of points, in one dimension.
 type Directions = [u32; BITS];
 
 /// A scrambled Sobol' sequence.
@@ -25,7 +25,7 @@ pub struct Sobol {
 }
 
 impl Sobol {
-    /// In so many dimensions, [`MAX_DIMENSIONS`] at most, scrambled by the seed.
+    /// In this many dimensions, at most [`MAX_DIMENSIONS`], scrambled by the random seed.
     pub fn new(dimensions: usize, seed: u64) -> Self {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut sequence = Self::plain(dimensions);
@@ -42,7 +42,7 @@ impl Sobol {
         sequence
     }
 
-    /// As it is in the literature, beginning with the origin.
+    /// Unscrambled as in the literature, beginning with the origin.
     fn plain(dimensions: usize) -> Self {
         let first: Directions = std::array::from_fn(|k| 1 << (BITS - 1 - k));
         let others = TABLE.lines().map(of_line);

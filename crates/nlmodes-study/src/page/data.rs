@@ -1,4 +1,4 @@
-//! What the script of the page works on.
+//! Data for the script of the page.
 
 use serde_json::{Map, Value, json};
 
@@ -7,7 +7,7 @@ use crate::store::Store;
 use crate::study::Study;
 use crate::table::{Cells, Column};
 
-/// As JSON that may stand in an element of a page.
+/// As JSON that can be embedded in an element of a page.
 pub fn json(study: &Study, collected: &Collected) -> String {
     let store = Store::new(&study.directory);
     let ids = match collected.table.column("id") {
@@ -28,7 +28,7 @@ pub fn json(study: &Study, collected: &Collected) -> String {
         "drawn": collected.drawn.iter().map(branch).collect::<Vec<_>>(),
         "band": { "x": rounded(&collected.band.energy_ratio), "y": collected.band.frequency_hz.each_ref().map(|line| rounded(line)) },
     });
-    // What ends an element cannot stand in a string.
+    // A string must not contain the end of an element.
     data.to_string().replace('<', "\\u003c").replace('&', "\\u0026")
 }
 
@@ -45,7 +45,7 @@ fn branch(drawn: &Drawn) -> Value {
     json!({ "case": drawn.case, "x": rounded(&drawn.energy_ratio), "y": rounded(&drawn.frequency_hz) })
 }
 
-/// Seven digits, which no screen shows more of.
+/// Seven digits, more than any screen shows.
 fn rounded(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| format!("{value:.6e}").parse().unwrap_or(*value)).collect()
 }

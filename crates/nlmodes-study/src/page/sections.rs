@@ -1,4 +1,4 @@
-//! Parts of the page that need no script.
+//! Parts of the page without script.
 
 use nlmodes_scene::number;
 
@@ -7,7 +7,7 @@ use crate::collect::Collected;
 use crate::statistics::Statistics;
 use crate::study::Study;
 
-/// What was computed, and how much of it is there.
+/// What was computed, and how much of it exists.
 pub fn overview(study: &Study, collected: &Collected) -> String {
     let counts = collected.counts;
     let card = |n: usize, name: &str| format!("<li><strong>{n}</strong><span>{name}</span></li>");
@@ -37,7 +37,7 @@ pub fn overview(study: &Study, collected: &Collected) -> String {
     )
 }
 
-/// Spread and sensitivity of each quantity.
+/// Scatter and sensitivity of each quantity.
 pub fn statistics(all: &[Statistics]) -> String {
     let one = |statistics: &Statistics| format!("<h3>{}</h3>\n{}", escape(&statistics.quantity), of_one(statistics));
     all.iter().map(one).collect()

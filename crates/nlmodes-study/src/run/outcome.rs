@@ -1,4 +1,4 @@
-//! How far a study is, and what came out.
+//! Progress and outcome of a study.
 
 use std::time::Duration;
 
@@ -6,42 +6,42 @@ use super::{Shard, worker::Done};
 use crate::case::Case;
 use crate::store::Status;
 
-/// How far a study is.
+/// Progress of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyProgress {
-    /// Cases of this run that are to be there at its end, each scene once.
+    /// Cases of this run, each scene once.
     pub cases: usize,
-    /// Those that were there before.
+    /// Those that existed before.
     pub there: usize,
-    /// Those that were computed now, failed ones included.
+    /// Those computed now, including failed ones.
     pub computed: usize,
-    /// Those without a branch, of before and now.
+    /// Those without a branch, including earlier ones.
     pub failed: usize,
-    /// Those whose branch ended early, of before and now.
+    /// Those whose branch ended early, including earlier ones.
     pub incomplete: usize,
     /// Time since the first one began.
     pub time: Duration,
 }
 
 impl StudyProgress {
-    /// Cases a second; nothing before the first one is done.
+    /// Cases per second; `None` before the first one is complete.
     pub fn rate(&self) -> Option<f64> {
         (self.computed > 0).then(|| self.computed as f64 / self.time.as_secs_f64().max(1e-9))
     }
 
-    /// Time to the end, if it goes on like this.
+    /// Estimated time to the end.
     pub fn rest(&self) -> Option<Duration> {
         let left = self.cases.saturating_sub(self.there + self.computed) as f64;
         Duration::try_from_secs_f64(left / self.rate()?).ok()
     }
 }
 
-/// Whoever looks on while a study is computed.
+/// Observer of the computation of a study.
 pub trait StudyObserver {
-    /// Takes note of how far it is: once at the beginning, and behind each case.
+    /// Called with the progress: once at the beginning, and after each case.
     fn progress(&mut self, progress: &StudyProgress);
 
-    /// Whether the study is to end: the cases in progress end with it, and go on the next time.
+    /// Whether the study is to end: the cases in progress end too, and continue the next time.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -51,30 +51,30 @@ impl StudyObserver for nlmodes_run::Silent {
     fn progress(&mut self, _: &StudyProgress) {}
 }
 
-/// What a run of a study came to.
+/// Outcome of a run of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyOutcome {
     /// Cases of the whole study.
     pub of_study: usize,
     /// Cases of this shard.
     pub cases: usize,
-    /// Cases of it whose scene was refused: they have a row, but nothing to compute.
+    /// Cases of it whose scene was rejected: they have a row, but nothing to compute.
     pub refused: usize,
     /// Cases of it with the scene of another one.
     pub repeated: usize,
-    /// Cases that were there before.
+    /// Cases that existed before.
     pub there: usize,
-    /// Cases that were computed now, failed ones included.
+    /// Cases computed now, including failed ones.
     pub computed: usize,
-    /// Cases without a branch, of before and now.
+    /// Cases without a branch, including earlier ones.
     pub failed: usize,
-    /// Cases whose branch ended early, of before and now.
+    /// Cases whose branch ended early, including earlier ones.
     pub incomplete: usize,
     /// Cases that another process is computing.
     pub elsewhere: usize,
-    /// Whether it was asked to end before all were done.
+    /// Whether the end was requested before all were complete.
     pub is_cut_off: bool,
-    /// From the first to the last.
+    /// Duration from the first to the last case.
     pub wall_time: Duration,
 }
 
@@ -96,7 +96,7 @@ impl StudyOutcome {
         }
     }
 
-    /// Whether every case of this shard is there, with its branch or with its reason.
+    /// Whether every case of this shard is complete, with its branch or its reason.
     pub fn is_done(&self) -> bool {
         !self.is_cut_off && self.there + self.computed == self.to_compute()
     }

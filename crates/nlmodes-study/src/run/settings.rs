@@ -1,4 +1,4 @@
-//! How a study is computed.
+//! Settings of the computation of a study.
 
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -7,29 +7,29 @@ use std::thread;
 
 use nlmodes_scene::memory::Limit;
 
-/// How a study is computed.
+/// Settings of the computation of a study.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Settings {
-    /// Cases at a time; default: as many as the machine has cores.
+    /// Number of cases at a time; default: the number of cores.
     pub jobs: Option<NonZeroUsize>,
-    /// Which share of the cases.
+    /// The shard of the cases.
     pub shard: Shard,
     /// Whether cases that failed are computed again.
     pub retry: bool,
     /// Whether figures and page of each case are drawn.
     pub drawn: bool,
-    /// Most memory of all cases that are computed at the same time; default: that of the machine.
+    /// Maximum memory of all cases computed at the same time; default: that of the machine.
     pub memory_limit: Option<Limit>,
 }
 
 impl Settings {
-    /// Cases at a time.
+    /// Number of cases at a time.
     pub fn jobs(&self) -> usize {
         let cores = || thread::available_parallelism().map_or(1, NonZeroUsize::get);
         self.jobs.map_or_else(cores, NonZeroUsize::get)
     }
 
-    /// What one case may take.
+    /// Memory limit of one case.
     pub(crate) fn limit(&self) -> Limit {
         self.memory_limit.unwrap_or_else(Limit::of_machine).shared_by(self.jobs())
     }
@@ -49,7 +49,7 @@ impl Default for Shard {
 }
 
 impl Shard {
-    /// That of a number below how many there are; nothing where it is not.
+    /// The shard with this number; `None` if it is not below their number.
     pub fn new(number: usize, of: usize) -> Option<Self> {
         (number < of).then_some(Self { number, of })
     }
@@ -59,7 +59,7 @@ impl Shard {
         case % self.of == self.number
     }
 
-    /// Whether it is everything.
+    /// Whether it includes all cases.
     pub fn is_all(self) -> bool {
         self.of == 1
     }

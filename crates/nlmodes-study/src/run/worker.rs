@@ -24,26 +24,26 @@ use crate::study::Keep;
 /// Files that a table does not need.
 const HEAVY: [&str; 5] = ["harmonics.npz", "steps.jsonl", "participation.csv", "starts.npz", "histories.npz"];
 
-/// What became of a case.
+/// Outcome of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Done {
     /// It was computed.
     Ended(Status),
-    /// Another process has done it meanwhile.
+    /// Another process has completed it meanwhile.
     There(Status),
-    /// Another process is at it.
+    /// Another process is computing it.
     Elsewhere,
-    /// It was asked to end, and goes on the next time.
+    /// The end was requested; it continues the next time.
     CutOff,
 }
 
-/// What computes cases.
+/// Computes cases.
 pub struct Worker<'a> {
     pub store: &'a Store,
     pub settings: &'a Settings,
     pub keep: Keep,
     pub ended: &'a Arc<AtomicBool>,
-    /// What cases have in common.
+    /// Data common to cases.
     pub structures: &'a Structures,
 }
 
@@ -55,13 +55,13 @@ impl Worker<'_> {
     pub fn compute(&self, case: Resolved) -> Result<Done, StudyError> {
         let Resolved { file, id, set } = case;
         let Some(claim) = self.store.claim(&id)? else { return Ok(Done::Elsewhere) };
-        // Looked at under the lock: nobody can finish it any more.
+        // Checked under the lock, so no other process can complete it.
         if let Some(record) = self.store.record(&id) {
             return Ok(Done::There(record.status));
         }
         let began = Instant::now();
         let attempt = || catch_unwind(AssertUnwindSafe(|| self.run(file.clone(), &id)));
-        // What a full disk or little memory brought about is said as that the second time; what is of the scene comes
+        // Failures due to a full disk or lack of memory are reported as such the second time; errors of the scene occur
         // again.
         let ended = attempt().or_else(|_| attempt());
         let (status, reason) = match ended {
@@ -71,7 +71,7 @@ impl Worker<'_> {
             Err(panic) => (Status::Failed, format!("the program failed: {}", message(panic.as_ref()))),
         };
         if self.keep == Keep::Tables {
-            // What cannot be removed takes room, and nothing else.
+            // A file that cannot be removed only takes space.
             HEAVY.iter().for_each(|name| drop(fs::remove_file(self.store.case(&id).join(name))));
         }
         let branch_sha256 = branch_sha256(&self.store.case(&id));
@@ -81,7 +81,7 @@ impl Worker<'_> {
         Ok(Done::Ended(status))
     }
 
-    /// How the run of the case ended; nothing if it was asked to.
+    /// How the run of the case ended; `None` if the end was requested.
     fn run(&self, mut file: SceneFile, id: &str) -> Result<Option<(Status, String)>, RunError> {
         file.scene.output_directory = self.store.case(id);
         if !self.settings.drawn {
@@ -93,7 +93,7 @@ impl Worker<'_> {
         let mut looker = Looker { ended: Arc::clone(self.ended) };
         let mut run = |over| run_sharing(scenes(), over, &mut looker, self.structures);
         let outcome = match run(Over::Resumed) {
-            // What is there cannot be gone on with: it is computed from its beginning.
+            // The existing results cannot be continued: the case is computed from the beginning.
             Err(RunError::Foreign { .. }) => run(Over::Anything),
             outcome => outcome,
         };
@@ -109,7 +109,7 @@ impl Worker<'_> {
     }
 }
 
-/// Why a case has no branch, or the error where the next one would meet it too.
+/// Why a case has no branch, or an error that would affect the next one too.
 fn failure(error: RunError) -> Result<(Status, String), RunError> {
     let reason = match error {
         RunError::Scene(said) | RunError::Failed(said) => said.sentence(),
@@ -130,7 +130,7 @@ fn was_stopped(outcome: &RunOutcome) -> bool {
     outcome.is_cut_off || ends().any(|end| end.has(EndReason::Stopped))
 }
 
-/// Whether the branches ended where they were meant to, and why.
+/// Whether the branches are complete, and why they ended.
 fn judged(outcome: RunOutcome) -> Result<(Status, String), RunError> {
     let mut reasons = Vec::new();
     let mut is_complete = true;
@@ -154,7 +154,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no reason was given")
 }
 
-/// Lets a run go on until the study is to end.
+/// Lets a run continue until the study is to end.
 struct Looker {
     ended: Arc<AtomicBool>,
 }

@@ -5,14 +5,14 @@ use serde::Serialize;
 /// A rank correlation with its interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Correlation {
-    /// Spearman's coefficient: 1 where the quantity only grows with the variable, −1 where it only falls.
+    /// Spearman's coefficient: 1 if the quantity increases monotonically with the variable, −1 if it decreases.
     pub rho: f64,
-    /// In which the coefficient of all possible cases lies with a probability of 95 %.
+    /// The 95 % confidence interval.
     pub interval: [f64; 2],
 }
 
-/// Spearman's rank correlation of pairs, equal values sharing their ranks. Nothing for fewer than four, or where one
-/// side is constant.
+/// Spearman's rank correlation of pairs, with shared ranks for equal values. `None` for fewer than four, or if one side
+/// is constant.
 ///
 /// The interval is Fisher's, with the variance (1 + ρ²/2)/(n − 3) of Bonett and Wright, Psychometrika 65 (2000) 23-28.
 pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<Correlation> {
@@ -33,7 +33,7 @@ pub fn rank_correlation(pairs: &[[f64; 2]]) -> Option<Correlation> {
     Some(Correlation { rho, interval })
 }
 
-/// Ranks from 0; equal values have the mean of theirs.
+/// Ranks from 0; equal values have their mean rank.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));

@@ -4,26 +4,26 @@ use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use serde::Serialize;
 
-/// Samples of the bootstrap.
+/// Number of bootstrap samples.
 const SAMPLES: usize = 400;
-/// Fewer blocks than these say nothing.
+/// Minimum number of blocks.
 const FEWEST: usize = 4;
 
-/// Shares of the variance that a variable is responsible for.
+/// Shares of the variance due to a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SobolIndex {
-    /// Share by itself.
+    /// First-order index.
     pub first: f64,
-    /// Standard error of it, by bootstrap over the blocks; points of a Sobol' sequence come closer.
+    /// Its standard error, by bootstrap over the blocks; smaller in fact for points of a Sobol' sequence.
     pub first_error: f64,
-    /// Share by itself and together with others.
+    /// Total index.
     pub total: f64,
-    /// Standard error of it.
+    /// Its standard error.
     pub total_error: f64,
 }
 
-/// Sobol' indices from blocks of the values at A, B, and A with one variable of B for each variable; and how many
-/// blocks were left out.
+/// Sobol' indices from blocks of the values at A, B, and A with one variable of B for each variable; and the number of
+/// excluded blocks.
 ///
 /// First-order ones by Saltelli et al., Computer Physics Communications 181 (2010) 259-270, table 2 (b); total ones by
 /// Jansen, the same (f).
@@ -55,7 +55,7 @@ pub fn sobol_indices(values: &[Option<f64>], variables: usize, seed: u64) -> (Ve
 fn indices(blocks: &[Vec<f64>], numbers: &[usize], variables: usize) -> Vec<[f64; 2]> {
     let n = numbers.len() as f64;
     let sum = |f: &dyn Fn(&[f64]) -> f64| numbers.iter().map(|k| f(&blocks[*k])).sum::<f64>() / n;
-    // Centred values have smaller products, and with them smaller errors.
+    // Centred values have smaller products and therefore smaller errors.
     let mean = sum(&|block| 0.5 * (block[0] + block[1]));
     let variance = sum(&|block| 0.5 * ((block[0] - mean).powi(2) + (block[1] - mean).powi(2)));
     let of = |k: usize| {
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn indices_of_the_g_function_come_out_and_their_errors_fall_as_theory_says() {
-        // Random points: the error is that of the bootstrap, and falls with the root of their number.
+        // Random points: the error is that of the bootstrap, and decreases with the square root of their number.
         for samples in [256, 4096] {
             let (error, said) = worst(DesignKind::Random, samples);
             assert!(error < 3.0 * said && said < 2.0 / (samples as f64).sqrt(), "{samples} {error} {said}");

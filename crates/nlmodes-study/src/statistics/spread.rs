@@ -1,19 +1,19 @@
-//! Mean, deviation and quantiles.
+//! Mean, standard deviation and quantiles.
 
 use serde::Serialize;
 
-/// Shares of all values below the quantiles that are given.
+/// Probabilities of the quantiles.
 const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 
-/// Mean, deviation and quantiles of values.
+/// Mean, standard deviation and quantiles of values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spread {
     /// Number of values.
     pub count: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard error of the mean of so many independent values; points of a Sobol' sequence or Latin hypercube come
-    /// closer.
+    /// Standard error of the mean of independent values; smaller in fact for points of a Sobol' sequence or Latin
+    /// hypercube.
     pub mean_error: f64,
     /// Standard deviation, of n − 1.
     pub std: f64,
@@ -21,17 +21,17 @@ pub struct Spread {
     pub min: f64,
     /// Largest value.
     pub max: f64,
-    /// Shares and the values below which they lie.
+    /// Probabilities and quantiles.
     pub quantiles: Vec<[f64; 2]>,
 }
 
 impl Spread {
-    /// Of these values; nothing where there is none.
+    /// Statistics of these values; `None` if there are none.
     pub fn new(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (n, min, max) = (values.len() as f64, *sorted.first()?, *sorted.last()?);
-        // About the middle of the range, so that nothing is lost where the spread is small.
+        // About the midpoint of the range, to avoid cancellation if the scatter is small.
         let middle = 0.5 * (min + max);
         let mean = middle + values.iter().map(|x| x - middle).sum::<f64>() / n;
         let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
@@ -41,8 +41,7 @@ impl Spread {
     }
 }
 
-/// The value below which a share of sorted values lies, between two of them on the line through them (type 7 of Hyndman
-/// and Fan, as NumPy).
+/// The quantile of sorted values, by linear interpolation between two of them (type 7 of Hyndman and Fan, as NumPy).
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;

@@ -1,20 +1,20 @@
-//! Which cases a study has; their points are made in `crate::design`.
+//! The cases of a study; their points are computed in `crate::design`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which cases are computed.
+/// The cases to compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum DesignKind {
     /// All combinations of values
     Grid,
-    /// Values side by side, or the rows of a CSV
+    /// Values row by row, or the rows of a CSV
     List,
     /// Points of a Sobol' sequence, scrambled by the seed
     Sobol,
-    /// Each of as many equally likely strata as there are points is met once, in each variable
+    /// Each of as many equally likely strata as there are points is sampled once, in each variable
     LatinHypercube,
     /// Independent random points
     Random,
@@ -38,15 +38,15 @@ impl DesignKind {
     }
 }
 
-/// Which cases are computed.
+/// The cases to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// Of which kind.
+    /// The kind.
     pub kind: DesignKind,
     /// Number of points that are drawn; for Sobol' indices, of base points. 0 for grid and list.
     pub samples: usize,
-    /// From which random numbers follow.
+    /// Random seed.
     pub seed: u64,
-    /// Whether each base point has the further ones from which Sobol' indices follow.
+    /// Whether each base point has the additional ones for Sobol' indices.
     pub sobol_indices: bool,
 }

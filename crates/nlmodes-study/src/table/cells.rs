@@ -30,7 +30,7 @@ pub struct Table {
 }
 
 impl Cells {
-    /// Values of a study file or a list: whole numbers where all are, else numbers where all are, else texts.
+    /// Values of a study file or a list: integers if all are, otherwise numbers if all are, otherwise text.
     pub fn of_values<'a>(values: impl Iterator<Item = &'a Value> + Clone) -> Self {
         if values.clone().all(Value::is_i64) {
             return Self::Integers(values.map(Value::as_i64).collect());
@@ -56,7 +56,7 @@ impl Cells {
         self.len() == 0
     }
 
-    /// As numbers; nothing where they are texts.
+    /// As numbers; `None` if they are text.
     pub fn numbers(&self) -> Option<Vec<Option<f64>>> {
         match self {
             Self::Numbers(cells) => Some(cells.clone()),
@@ -65,8 +65,7 @@ impl Cells {
         }
     }
 
-    /// A cell as tables of text have it: the shortest decimal that reads back as the same number, and nothing where it
-    /// is empty.
+    /// A cell in text form: the shortest decimal that reads back as the same number, or an empty string.
     pub fn text(&self, row: usize) -> String {
         let cell = match self {
             Self::Numbers(cells) => cells.get(row).copied().flatten().map(|x| format!("{x:?}")),

@@ -7,7 +7,7 @@ impl Table {
     pub fn to_csv(&self) -> Vec<u8> {
         let mut writer = ::csv::Writer::from_writer(Vec::new());
         let mut write = |record: Vec<String>| writer.write_record(record);
-        // A vector takes whatever is written.
+        // Writing to a vector cannot fail.
         let _ = write(self.columns.iter().map(|column| column.name.clone()).collect());
         for row in 0..self.n_rows() {
             let _ = write(self.columns.iter().map(|column| column.cells.text(row)).collect());

@@ -15,7 +15,7 @@ impl Table {
     /// As Parquet: doubles, 64-bit whole numbers and texts, each of which may be missing.
     ///
     /// # Errors
-    /// [`ParquetError`], which a table whose columns have different lengths meets.
+    /// [`ParquetError`], for a table whose columns have different lengths.
     pub fn to_parquet(&self) -> Result<Vec<u8>, ParquetError> {
         let fields = self.columns.iter().map(field).collect::<Result<Vec<TypePtr>, _>>()?;
         let schema = Arc::new(Type::group_type_builder("study").with_fields(fields).build()?);
@@ -66,7 +66,7 @@ fn write(cells: &Cells, writer: &mut SerializedColumnWriter<'_>) -> Result<(), P
     Ok(())
 }
 
-/// The values that are there, and for each row whether there is one.
+/// The existing values, and for each row whether there is one.
 fn present<T: Clone>(cells: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
     (cells.iter().flatten().cloned().collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
 }

@@ -1,5 +1,5 @@
 //! The oscillator with an elastic stop of Code_Aster's SDND122 over gap and stop stiffness: each frequency, mean,
-//! quantiles and Sobol' indices against the closed form.
+//! quantiles and Sobol' indices compared with the closed form.
 
 use nlmodes_run::Silent;
 use nlmodes_study::{Collected, Settings, Study, run};
@@ -93,7 +93,7 @@ fn exact() -> Exact {
 
 #[test]
 fn frequencies_spread_and_indices_are_those_of_the_closed_form() {
-    // Points of comparison of the test case, at their energies.
+    // Reference points of the test case, at their energies.
     for (energy, hz) in [(0.00650108331626, 0.6466310406398), (0.00647656819016, 0.6465124271995)] {
         assert!((frequency(0.01, 50.0, energy) - hz).abs() < 1e-12);
     }
@@ -116,17 +116,18 @@ fn frequencies_spread_and_indices_are_those_of_the_closed_form() {
     let statistics = &collected.statistics[0];
     let spread = statistics.spread.as_ref().unwrap();
     assert_eq!(spread.count, 64);
-    // Sixty-four points of a Sobol' sequence: some ten times closer than independent ones.
+    // Sixty-four points of a Sobol' sequence: some ten times more accurate than independent ones.
     assert!((spread.mean - exact.mean).abs() < 0.2 * exact.std / 8.0, "{} {}", spread.mean, exact.mean);
     assert!((spread.std / exact.std - 1.0).abs() < 0.03, "{} {}", spread.std, exact.std);
     let quantile = |share: f64| spread.quantiles.iter().find(|q| q[0] == share).unwrap()[1];
     for (share, wanted) in [0.05, 0.95].into_iter().zip(exact.quantiles) {
-        // The standard error of such a quantile of 64 independent values is about an eighth of their deviation.
+        // The standard error of such a quantile of 64 independent values is about an eighth of their standard
+        // deviation.
         assert!((quantile(share) - wanted).abs() < 0.3 * exact.std, "{share}: {} {wanted}", quantile(share));
     }
     for (found, wanted) in statistics.sobol_indices.iter().zip(exact.first) {
         assert!((found.measure.first - wanted).abs() < 0.08, "{}: {} {wanted}", found.variable, found.measure.first);
-        // Together they do next to nothing.
+        // Their interaction is negligible.
         assert!((found.measure.total - wanted).abs() < 0.08, "{}: {}", found.variable, found.measure.total);
     }
 }

@@ -58,7 +58,7 @@ fn each_line_has_its_answer_and_a_line_that_is_none_its_reason() {
         String::from_utf8(out).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(answers.len(), 6);
     assert_eq!((&answers[0]["id"], &answers[0]["status"]), (&"a".into(), &"complete".into()));
-    // A gap that is twice as wide scales the motion, and nothing else.
+    // Doubling the gap scales the motion, and has no other effect.
     let [one, two] = [0, 1].map(|k: usize| answers[k]["quantities"]["f_2"].as_f64().unwrap());
     assert!(answers[1].get("id").is_none() && (one / two - 1.0).abs() < 1e-9, "{one} {two}");
     for (answer, says) in answers[2..].iter().zip(["not JSON", "expected an object", "`set` is no object", "gapp"]) {
@@ -67,7 +67,7 @@ fn each_line_has_its_answer_and_a_line_that_is_none_its_reason() {
     }
 }
 
-/// A reader that has gone away.
+/// A closed pipe.
 struct Gone;
 
 impl Write for Gone {

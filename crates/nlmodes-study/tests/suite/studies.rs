@@ -63,7 +63,7 @@ fn csv(study: &Study) -> Vec<u8> {
     Collected::new(study, 2).table.to_csv()
 }
 
-/// Ends a study behind so many cases.
+/// Ends a study after this many cases.
 struct Ending(usize, usize);
 
 impl StudyObserver for Ending {
@@ -145,7 +145,7 @@ at = { energy_ratio = 3.0 }
     let Some(Cells::Texts(reasons)) = collected.table.column("reason") else { panic!() };
     let reason = |row: usize| reasons[row].clone().unwrap();
     assert!(reason(1).contains("node"), "{}", reason(1));
-    // The branch ends at twice the grazing energy: what is wanted lies beyond, and nothing is made up.
+    // The branch ends at twice the grazing energy: the requested value is beyond that, and is not extrapolated.
     assert!(reason(0).contains("f_3: energy_ratio goes from 1 to 2, and is never 3"), "{}", reason(0));
     assert_eq!(collected.table.column("f_3").unwrap().numbers().unwrap(), [None; 3]);
 }
@@ -216,7 +216,7 @@ fn mistakes_are_said_at_their_place() {
         nowhere.contains("error: the scene of the study cannot be read") && nowhere.contains("study.toml:2"),
         "{nowhere}"
     );
-    // What is wrong with the scene itself is said there.
+    // Errors of the scene itself are reported at their position in it.
     let refused = Study::parse_with_scene("study.toml", STUDY, &ROD.replace("gap_m", "gapm")).unwrap_err();
     assert!(refused.text(false).contains("rod.toml:13"), "{}", refused.text(false));
 }
