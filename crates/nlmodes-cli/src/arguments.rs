@@ -122,8 +122,17 @@ Exit status 1 where the motion cannot be integrated, 2 where the directory holds
         scene: SceneArguments,
     },
     /// Print the JSON schema of a scene: every key with its meaning, unit, limits and default
-    #[command(after_help = "Example:\n  nlmodes-cli schema > scene.schema.json")]
-    Schema,
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli schema > nlmodes.schema.json
+  nlmodes-cli schema study > study.schema.json
+
+Editors with TOML schemas (taplo, Even Better TOML) read it from a first line `#:schema nlmodes.schema.json`.")]
+    Schema {
+        /// The kind of file
+        #[arg(value_enum, default_value_t = SchemaOf::Scene)]
+        of: SchemaOf,
+    },
     /// Change a scene with sliders in a browser, with its branch recomputed as they move
     #[command(after_help = "\
 Examples:
@@ -160,6 +169,15 @@ They work in the next shell that is opened.")]
         /// The shell
         shell: Shell,
     },
+}
+
+// Files that have a schema.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum SchemaOf {
+    /// A scene of any kind
+    Scene,
+    /// A study
+    Study,
 }
 
 // Commands for records.

@@ -9,7 +9,7 @@ use nlmodes_run::{RunError, no_contact};
 use nlmodes_scene::outline::Outline;
 use nlmodes_scene::{self as scenes, AnyScene, SceneError, SceneFile, memory, nearest};
 
-use crate::arguments::{Command, CommandLine, Experiment, SceneArguments};
+use crate::arguments::{Command, CommandLine, Experiment, SceneArguments, SchemaOf};
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
@@ -39,7 +39,8 @@ pub fn run() -> Status {
             })
         }
         Command::Check { scene } => with(&scene, None, scenes::load_any, check),
-        Command::Schema => print(&format!("{:#}", scenes::whole_schema())),
+        Command::Schema { of: SchemaOf::Scene } => print(&format!("{:#}", scenes::whole_schema())),
+        Command::Schema { of: SchemaOf::Study } => print(&format!("{:#}", nlmodes_study::schema())),
         Command::Explore(arguments) => explore::run(&arguments),
         Command::Figures(arguments) => figures::run(&arguments),
         Command::Columns { markdown: true } => print(nlmodes::report::columns::markdown().trim_end()),
@@ -52,8 +53,9 @@ pub fn run() -> Status {
     }
 }
 
-/// For an unknown command a similar one is suggested only if it is a likely typing error: clap's own guesses go
-/// further. An unknown option is not a value either; `at` lists the quantities that it accepts.
+/// For a scene in place of a command, `run` is suggested; for an unknown command a similar one only if it is a likely
+/// typing error: clap's own guesses go further. An unknown option is not a value either; `at` lists the quantities that
+/// it accepts.
 fn said_better(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::InvalidSubcommand {
         let typed = match error.get(ContextKind::InvalidSubcommand) {
@@ -64,6 +66,11 @@ fn said_better(mut error: clap::Error) -> clap::Error {
         let meant = nearest(&typed, command.get_subcommands().map(clap::Command::get_name));
         let meant = ContextValue::Strings(meant.map(str::to_owned).into_iter().collect());
         error.remove(ContextKind::SuggestedSubcommand);
+        if Path::new(&typed).extension().is_some_and(|ending| ending == "toml") {
+            let text = format!("a scene follows a command: nlmodes-cli run {typed}");
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![text.into()]));
+            return error;
+        }
         if meant != ContextValue::Strings(Vec::new()) {
             error.insert(ContextKind::SuggestedSubcommand, meant);
         }

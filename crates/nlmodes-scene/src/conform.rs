@@ -1,23 +1,26 @@
-//! The document against the schema: unknown keys, kinds of values, limits, permitted values, missing keys.
+//! The document against the schema: unknown keys, units, kinds of values, limits, permitted values, missing keys.
 //!
-//! Whatever does not conform is reported and taken out, so that the rest can still be read and checked further.
+//! Whatever does not conform is reported and left out of what comes back: the tables in the units and with the keys of
+//! the schema, from which the types of a scene are read.
 
 mod unknown;
 mod value;
 
-use std::borrow::Cow;
+use std::ops::Range;
 
-use serde_json::Value;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::rule::{Kind, Rule, join};
+use crate::units::{Factor, Spelling, spellings};
 use crate::{Diagnostic, Diagnostics};
 
-/// Reports whatever in the table does not conform to the schema, and takes it out.
-pub fn conform(root: &mut DeTable<'_>, schema: &Value, diagnostics: &mut Diagnostics<'_>) {
+/// What of the table conforms to the schema; the rest is reported.
+pub fn conform(root: &DeTable<'_>, schema: &Value, diagnostics: &mut Diagnostics<'_>) -> Value {
     let mut walk = Walk { root: Rule(schema), diagnostics, missing: Vec::new(), missing_one: Vec::new() };
-    walk.table(root, Rule(schema), "");
+    let found = walk.table(root, Rule(schema), "");
     let Walk { mut missing, missing_one, diagnostics, .. } = walk;
     // The first of several is the one that is asked for.
     let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| diagnostics.is_meant(path)));
@@ -29,12 +32,35 @@ pub fn conform(root: &mut DeTable<'_>, schema: &Value, diagnostics: &mut Diagnos
         let diagnostic = value::missing(&path, rule);
         diagnostics.put(&path, diagnostic, value::missing_label(&path, rule));
     }
+    found
 }
 
-/// A key of a document.
-type Key<'d> = Spanned<Cow<'d, str>>;
+/// What conforms as the types of a scene, which take all that does.
+pub fn read<T: DeserializeOwned>(conforming: Value, diagnostics: &mut Diagnostics<'_>) -> Option<T> {
+    let read = serde_json::from_value(conforming);
+    read.map_err(|error| diagnostics.push(Diagnostic::error(error.to_string()))).ok()
+}
+
 /// A value of a document.
 type Item<'d> = Spanned<DeValue<'d>>;
+
+/// A key of a table: as the schema has it, and in which unit it is written.
+struct Key<'s> {
+    own: &'s str,
+    spelling: Option<Spelling>,
+}
+
+impl<'s> Key<'s> {
+    /// The key of a table that is written so.
+    fn of(written: &str, table: Rule<'s>) -> Option<Self> {
+        let spelled = |own: &'s str| {
+            let spelling = spellings(own).into_iter().find(|spelling| spelling.key == written)?;
+            Some(Self { own, spelling: Some(spelling) })
+        };
+        let own = table.keys().find(|own| *own == written).map(|own| Self { own, spelling: None });
+        own.or_else(|| table.keys().find_map(spelled))
+    }
+}
 
 struct Walk<'w, 'b, 'f> {
     root: Rule<'w>,
@@ -46,88 +72,107 @@ struct Walk<'w, 'b, 'f> {
 }
 
 impl<'w> Walk<'w, '_, '_> {
-    fn table(&mut self, table: &mut DeTable<'_>, rule: Rule<'w>, path: &str) {
-        let absent = rule.required().filter(|key| !table.contains_key(*key));
-        self.missing.extend(absent.filter_map(|key| Some((join(path, key), rule.of(key)?))));
-        let alternatives = rule.one_required();
-        if !alternatives.iter().any(|key| table.contains_key(*key)) {
-            self.missing_one
-                .push(alternatives.iter().filter_map(|key| Some((join(path, key), rule.of(key)?))).collect());
+    fn table(&mut self, table: &DeTable<'_>, rule: Rule<'w>, path: &str) -> Value {
+        let mut there: Vec<(&str, Range<usize>)> = Vec::new();
+        let mut conforming = Map::new();
+        for (written, value) in table {
+            let name = written.get_ref();
+            let Some(Key { own, spelling }) = Key::of(name, rule) else {
+                self.unknown(name, written.span(), value, rule, path);
+                continue;
+            };
+            let first = there.iter().find(|(other, _)| *other == own).map(|(_, place)| place.clone());
+            there.push((own, written.span()));
+            if let Some(first) = first {
+                self.diagnostics.push(value::twice(&join(path, own), written.span(), first));
+            } else if let Some(value) = self.entry(own, spelling, value, rule, path) {
+                conforming.insert(own.to_owned(), value);
+            }
         }
-        let written = std::mem::take(table);
-        *table = written.into_iter().filter_map(|(key, value)| self.entry(key, value, rule, path)).collect();
+        self.absent(&there, rule, path);
+        Value::Object(conforming)
     }
 
-    /// The entry, if the table has such a key and the value conforms.
-    fn entry<'d>(
-        &mut self,
-        key: Key<'d>,
-        mut value: Item<'d>,
-        table: Rule<'w>,
-        path: &str,
-    ) -> Option<(Key<'d>, Item<'d>)> {
-        let name = key.get_ref();
-        if let Some(rule) = table.of(name) {
-            return self.value(&mut value, rule, &join(path, name)).then_some((key, value));
+    /// Takes note of the keys that the table must have and has not.
+    fn absent(&mut self, there: &[(&str, Range<usize>)], rule: Rule<'w>, path: &str) {
+        let has = |key: &str| there.iter().any(|(own, _)| *own == key);
+        let at = |key: &str| Some((join(path, key), rule.of(key)?));
+        self.missing.extend(rule.required().filter(|key| !has(key)).filter_map(at));
+        let alternatives = rule.one_required();
+        if !alternatives.iter().any(|key| has(key)) {
+            self.missing_one.push(alternatives.into_iter().filter_map(at).collect());
         }
-        let guess = unknown::guess(name, path, self.root);
-        self.diagnostics.push(unknown::diagnostic(name, path, table, &guess).at(key.span(), guess.label(path)));
+    }
+
+    /// Reports a key that the table has not.
+    fn unknown(&mut self, name: &str, place: Range<usize>, value: &Item<'_>, table: Rule<'w>, path: &str) {
+        let guess = unknown::guess(name, value.get_ref().as_str(), path, self.root);
+        self.diagnostics.push(unknown::diagnostic(name, path, table, &guess).at(place, guess.label(path)));
         if let Some(meant) = guess.path(path) {
             self.diagnostics.mean(meant);
         }
-        None
     }
 
-    /// Whether the value conforms, or is a table of which the rest does.
-    fn value(&mut self, value: &mut Item<'_>, rule: Rule<'w>, path: &str) -> bool {
-        let diagnostic = match (rule.kind(), value.get_mut()) {
-            (Kind::Any, _) => None,
-            (Kind::Table, DeValue::Table(table)) => {
-                self.table(table, rule, path);
-                None
-            }
+    /// The value of a key of the table, if it conforms.
+    fn entry(
+        &mut self,
+        own: &str,
+        spelling: Option<Spelling>,
+        value: &Item<'_>,
+        table: Rule<'w>,
+        path: &str,
+    ) -> Option<Value> {
+        let (rule, full) = (table.of(own)?, join(path, own));
+        let factor = spelling.as_ref().map_or(Factor::Ten(0), |spelling| spelling.factor);
+        if let Some(spelling) = spelling {
+            self.diagnostics.spell(full.clone(), Spelling { key: join(path, &spelling.key), ..spelling });
+        }
+        self.value(value, rule, &full, factor)
+    }
+
+    /// The value, if it conforms; of a table the rest that does.
+    fn value(&mut self, item: &Item<'_>, rule: Rule<'w>, path: &str, factor: Factor) -> Option<Value> {
+        let found = match (rule.kind(), item.get_ref()) {
+            (Kind::Any, value) => Ok(any(value)),
+            (Kind::Table, DeValue::Table(table)) => return Some(self.table(table, rule, path)),
             (Kind::Array | Kind::Integers | Kind::Numbers | Kind::TextOrNumbers, DeValue::Array(items)) => {
-                return self.array(items, rule, path);
+                return self.array(items, rule, path, factor);
             }
             (
                 Kind::Number | Kind::Integer | Kind::Integers | Kind::IntegerOrText | Kind::Numbers,
-                DeValue::Integer(n),
-            ) => {
-                let exact = i64::from_str_radix(n.as_str(), n.radix()).ok();
-                let x = exact.map_or(f64::MAX, |n| n as f64);
-                (!rule.admits(x)).then(|| value::out_of_range(path, x))
-            }
-            (Kind::Boolean, DeValue::Boolean(_)) => None,
-            (Kind::Number | Kind::Numbers, DeValue::Float(x)) => {
-                let x = x.as_str().parse().unwrap_or(f64::NAN);
-                (!rule.admits(x)).then(|| value::out_of_range(path, x))
-            }
+                DeValue::Integer(_),
+            )
+            | (Kind::Number | Kind::Numbers, DeValue::Float(_)) => number(item.get_ref(), rule, path, factor),
+            (Kind::Boolean, DeValue::Boolean(value)) => Ok(Value::Bool(*value)),
             (Kind::Text | Kind::IntegerOrText | Kind::TextOrNumbers, DeValue::String(text)) => {
-                value::in_text(path, text, rule)
+                value::in_text(path, text, rule).map_or_else(|| Ok(Value::from(text.as_ref())), Err)
             }
-            (Kind::OneOf, other) => (!rule.fits(other)).then(|| value::unfit(path)),
-            (_, other) => Some(value::wrong_kind(path, other, rule)),
+            (Kind::OneOf, value) if rule.fits(value) => Ok(any(value)),
+            (Kind::OneOf, _) => Err(value::unfit(path)),
+            (_, other) => Err(value::wrong_kind(&self.diagnostics.as_written(path), other, rule)),
         };
-        let conforms = diagnostic.is_none();
-        if let Some(diagnostic) = diagnostic {
-            self.report(path, diagnostic, rule);
-        } else if matches!(rule.kind(), Kind::Integers | Kind::Numbers) {
-            wrap(value);
+        match found {
+            // A single value is a list of one where lists are taken.
+            Ok(single) if matches!(rule.kind(), Kind::Integers | Kind::Numbers) => Some(Value::Array(vec![single])),
+            Ok(value) => Some(value),
+            Err(diagnostic) => {
+                self.report(path, diagnostic, rule);
+                None
+            }
         }
-        conforms
     }
 
-    fn array(&mut self, items: &mut DeArray<'_>, rule: Rule<'w>, path: &str) -> bool {
+    fn array(&mut self, items: &DeArray<'_>, rule: Rule<'w>, path: &str, factor: Factor) -> Option<Value> {
         if !rule.admits_length(items.len()) {
             self.report(path, value::wrong_length(path, items.len()), rule);
-            return false;
+            return None;
         }
-        let Some(each) = rule.items() else { return true };
-        let mut conforms = true;
-        for (i, item) in items.iter_mut().enumerate() {
-            conforms &= self.value(item, each, &format!("{path}.{i}"));
-        }
-        conforms
+        let Some(each) = rule.items() else {
+            return Some(Value::Array(items.iter().map(|i| any(i.get_ref())).collect()));
+        };
+        let conforming: Vec<Option<Value>> =
+            items.iter().enumerate().map(|(i, item)| self.value(item, each, &format!("{path}.{i}"), factor)).collect();
+        conforming.into_iter().collect::<Option<Vec<Value>>>().map(Value::Array)
     }
 
     fn report(&mut self, path: &str, diagnostic: Diagnostic, rule: Rule<'_>) {
@@ -136,10 +181,43 @@ impl<'w> Walk<'w, '_, '_> {
     }
 }
 
-/// Makes a list of one of a single value.
-fn wrap(value: &mut Item<'_>) {
-    let span = value.span();
-    let mut list = DeArray::new();
-    list.push(std::mem::replace(value, Spanned::new(span.clone(), DeValue::Boolean(false))));
-    *value = Spanned::new(span, DeValue::Array(list));
+/// A number in the unit of the schema, if it lies between the limits.
+fn number(found: &DeValue<'_>, rule: Rule<'_>, path: &str, factor: Factor) -> Result<Value, Diagnostic> {
+    let whole = whole(found).filter(|_| factor == Factor::Ten(0));
+    let is_whole = matches!(rule.kind(), Kind::Integer | Kind::Integers | Kind::IntegerOrText);
+    let x = factor.apply(size(found));
+    match whole {
+        _ if !rule.admits(x) => Err(value::out_of_range(path, x, rule)),
+        Some(n) => Ok(Value::from(n)),
+        // More digits than a whole number of the machine has.
+        None if is_whole => Err(value::out_of_range(path, x, rule)),
+        None => Ok(Value::from(x)),
+    }
+}
+
+/// A whole number that the machine has.
+fn whole(value: &DeValue<'_>) -> Option<i64> {
+    value.as_integer().and_then(|n| i64::from_str_radix(n.as_str(), n.radix()).ok())
+}
+
+fn size(value: &DeValue<'_>) -> f64 {
+    match value {
+        DeValue::Float(x) => x.as_str().parse().unwrap_or(f64::NAN),
+        DeValue::Integer(_) => whole(value).map_or(f64::MAX, |n| n as f64),
+        _ => f64::NAN,
+    }
+}
+
+/// A value as it is written.
+fn any(value: &DeValue<'_>) -> Value {
+    match value {
+        DeValue::String(text) => Value::from(text.as_ref()),
+        DeValue::Boolean(value) => Value::Bool(*value),
+        DeValue::Datetime(time) => Value::from(time.to_string()),
+        DeValue::Array(items) => items.iter().map(|item| any(item.get_ref())).collect(),
+        DeValue::Table(table) => {
+            Value::Object(table.iter().map(|(key, value)| (key.get_ref().to_string(), any(value.get_ref()))).collect())
+        }
+        number => whole(number).map_or_else(|| Value::from(size(number)), Value::from),
+    }
 }

@@ -1,8 +1,9 @@
 //! The diagnostics of one scene, as they are found.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::units::Spelling;
 use crate::{Diagnostic, Document, Severity, diagnostic};
 
 /// The diagnostics of one scene, as they are found.
@@ -11,13 +12,14 @@ pub struct Diagnostics<'a> {
     document: &'a Document,
     diagnostics: Vec<Diagnostic>,
     meant: BTreeSet<String>,
+    spelled: BTreeMap<String, Spelling>,
     body: Option<usize>,
 }
 
 impl<'a> Diagnostics<'a> {
     /// Begins with what was found before.
     pub fn new(document: &'a Document, diagnostics: Vec<Diagnostic>) -> Self {
-        Self { document, diagnostics, meant: BTreeSet::new(), body: None }
+        Self { document, diagnostics, meant: BTreeSet::new(), spelled: BTreeMap::new(), body: None }
     }
 
     /// The texts.
@@ -36,8 +38,37 @@ impl<'a> Diagnostics<'a> {
         self.body
     }
 
+    /// The path of a key as the file writes it, where that is in another unit than the schema has.
+    pub(crate) fn as_written(&self, path: &str) -> String {
+        let item = path.rsplit_once('.').and_then(|(list, item)| Some((self.spelled.get(list)?, item)));
+        let item = item.map(|(spelling, item)| format!("{}.{item}", spelling.key));
+        self.spelled.get(path).map(|spelling| spelling.key.clone()).or(item).unwrap_or_else(|| path.to_owned())
+    }
+
+    /// The unit in which a number is written, where that is another one than the schema has.
+    fn unit(&self, path: &str) -> Option<&'static str> {
+        let list = path.rsplit_once('.').map_or(path, |(list, _)| list);
+        self.spelled.get(path).or_else(|| self.spelled.get(list)).map(|spelling| spelling.unit)
+    }
+
+    /// Takes note that a key is written in another unit than the schema has; both are paths.
+    pub(crate) fn spell(&mut self, path: String, spelling: Spelling) {
+        self.spelled.insert(path, spelling);
+    }
+
+    /// The texts, in which keys in other units are found by the names that the schema has.
+    pub(crate) fn spelled_document(&self) -> Document {
+        self.document.clone().with_spellings(self.spelled.clone())
+    }
+
     /// The path of a key in the file.
     fn in_file<'p>(&self, path: &'p str) -> Cow<'p, str> {
+        let path = self.of_body(path);
+        if self.spelled.is_empty() { path } else { Cow::Owned(self.as_written(&path)) }
+    }
+
+    /// The path of a key of the structure that is spoken of.
+    fn of_body<'p>(&self, path: &'p str) -> Cow<'p, str> {
         match (self.body, path.strip_prefix("structure")) {
             (Some(body), Some(rest)) if rest.is_empty() || rest.starts_with('.') => {
                 Cow::Owned(format!("structure.{body}{rest}"))
@@ -66,7 +97,9 @@ impl<'a> Diagnostics<'a> {
 
     /// Adds a diagnostic at the value of a key.
     pub fn put(&mut self, path: &str, diagnostic: Diagnostic, label: impl Into<String>) {
-        let diagnostic = Diagnostic { title: self.named(diagnostic.title), ..diagnostic };
+        let (own, written) = (self.of_body(path), self.in_file(path));
+        let title = self.named(diagnostic.title).replace(&format!("`{own}`"), &format!("`{written}`"));
+        let diagnostic = Diagnostic { title, ..diagnostic };
         self.diagnostics.push(self.document.put(diagnostic, &self.in_file(path), label));
     }
 
@@ -104,7 +137,8 @@ impl<'a> Diagnostics<'a> {
 
     /// The value of a key as the scene writes it.
     pub fn written(&self, path: &str) -> String {
-        self.document.written(&self.in_file(path))
+        let number = self.document.written(&self.in_file(path));
+        self.unit(&self.of_body(path)).map_or(number.clone(), |unit| format!("{number} {unit}"))
     }
 
     /// Whether the scene is refused.

@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::text::Text;
+use crate::units::Spelling;
 use crate::{Diagnostic, Sources, methods, responses, set};
 
 /// The texts of a scene, with the place of each key.
@@ -14,6 +15,7 @@ use crate::{Diagnostic, Sources, methods, responses, set};
 pub struct Document {
     sources: Sources,
     places: BTreeMap<String, KeyPlace>,
+    spelled: BTreeMap<String, Spelling>,
 }
 
 /// Where a key and its value stand, on the common axis of the [`Sources`].
@@ -51,12 +53,35 @@ impl Document {
         responses::listed(root.get_mut());
         let mut places = BTreeMap::new();
         index(root.get_ref(), "", &mut places);
-        (Self { sources, places }, text.errors.is_empty().then_some(root))
+        (Self { sources, places, spelled: BTreeMap::new() }, text.errors.is_empty().then_some(root))
     }
 
     /// Without a text: of a scene that results were left of.
     pub(crate) fn empty(name: &str) -> Self {
-        Self { sources: Sources::new(name, ""), places: BTreeMap::new() }
+        Self { sources: Sources::new(name, ""), places: BTreeMap::new(), spelled: BTreeMap::new() }
+    }
+
+    /// The same, in which keys that are written in other units are found by the names of the schema too.
+    pub(crate) fn with_spellings(mut self, spelled: BTreeMap<String, Spelling>) -> Self {
+        self.spelled = spelled;
+        self
+    }
+
+    /// The spelling of a key, or of the list that it is an item of.
+    fn spelling<'a>(&'a self, path: &'a str) -> Option<(&'a Spelling, Option<&'a str>)> {
+        let whole = self.spelled.get(path).map(|spelling| (spelling, None));
+        let item = || path.rsplit_once('.').and_then(|(list, item)| Some((self.spelled.get(list)?, Some(item))));
+        whole.or_else(item)
+    }
+
+    /// A number that is written at a key, in the unit of the schema.
+    pub fn in_schema_unit(&self, path: &str, written: f64) -> f64 {
+        self.spelling(path).map_or(written, |(spelling, _)| spelling.factor.apply(written))
+    }
+
+    /// A number in the unit of the schema as it is to be written at a key.
+    pub fn in_written_unit(&self, path: &str, value: f64) -> f64 {
+        self.spelling(path).map_or(value, |(spelling, _)| spelling.factor.undo(value))
     }
 
     /// The texts.
@@ -66,7 +91,11 @@ impl Document {
 
     /// Where the key of the path stands, as `contact.0.gap_m`.
     pub fn place(&self, path: &str) -> Option<&KeyPlace> {
-        self.places.get(path)
+        let spelled = || match self.spelling(path)? {
+            (spelling, None) => self.places.get(&spelling.key),
+            (spelling, Some(item)) => self.places.get(&format!("{}.{item}", spelling.key)),
+        };
+        self.places.get(path).or_else(spelled)
     }
 
     /// The paths of all keys that are written, as `contact.0.gap_m`.
@@ -138,12 +167,12 @@ mod tests {
 
     #[test]
     fn problems_have_the_innermost_key_and_the_line_of_the_file() {
-        let text = "[structure]\nkind = \"rod\"\n[[contact]]\ngap_mm = 1\n[[contact]]\ngap_m = \"a\"\n";
+        let text = "[structure]\nkind = \"rod\"\n[[contact]]\ngap_inch = 1\n[[contact]]\ngap_m = \"a\"\n";
         let refused = crate::parse("a.toml", text, &["method.harmonics=-1".to_owned()]).unwrap_err();
         let document = refused.document();
         let places: Vec<_> = refused.diagnostics().iter().map(|p| (document.key_of(p), document.line_of(p))).collect();
         for place in [
-            (Some("contact.0.gap_mm"), Some(4)),
+            (Some("contact.0.gap_inch"), Some(4)),
             (Some("contact.1.gap_m"), Some(6)),
             (Some("method.harmonics"), None),
             (Some("structure"), Some(1)),

@@ -35,10 +35,14 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// As a diagnostic of the scene.
-    pub fn diagnostic(&self) -> Diagnostic {
+    /// As a diagnostic of the scene of this name.
+    pub fn diagnostic(&self, name: &str) -> Diagnostic {
         let diagnostic = Diagnostic::error(self.to_string());
+        let with_ending = format!("{name}.toml");
         match self {
+            Self::Io(_) | Self::Directory if Path::new(&with_ending).is_file() => {
+                diagnostic.help(format!("`{with_ending}` is there"))
+            }
             Self::Io(error) if error.kind() == io::ErrorKind::NotFound => {
                 diagnostic.help("a path is taken from the directory where the program is started")
             }

@@ -41,11 +41,11 @@
 //! [continuation]
 //! max_energy_ratio = 10.0
 //! "#;
-//! let file = parse("rod.toml", text, &["contact.0.gap_m=2e-3".to_owned()]).map_err(|refused| refused.text(false))?;
+//! let file = parse("rod.toml", text, &["contact.0.gap_mm=2".to_owned()]).map_err(|refused| refused.text(false))?;
 //! assert_eq!(file.scene.contacts[0].gap, 2e-3);
 //! assert_eq!(structural_model(&file.scene).map_err(|error| error.to_string())?.dofs().len(), 8);
 //!
-//! let refused = parse("rod.toml", &text.replace("gap_m", "gap_mm"), &[]).unwrap_err();
+//! let refused = parse("rod.toml", &text.replace("gap_m", "gap"), &[]).unwrap_err();
 //! assert!(refused.text(false).contains("did you mean `gap_m`?"));
 //! # Ok::<(), String>(())
 //! ```
@@ -94,5 +94,5 @@ pub use rule::number;
 pub use scene::{RecordScene, Scene, TestScene};
 pub use scene_error::SceneError;
 pub use scene_file::{AnyScene, SceneFile};
-pub use schema::{schema, whole_schema};
+pub use schema::{schema, schema_for, whole_schema};
 pub use sources::{Source, Sources};

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use toml::de::Deserializer;
 
 use crate::text::Text;
 use crate::{Diagnostic, Diagnostics, Document, Mark, SceneError, SceneFile, conform, file, schema};
@@ -25,7 +23,7 @@ pub fn load_other<T: DeserializeOwned + JsonSchema, S>(
         Ok(text) => parse_other(&name, &text, what, check),
         Err(error) => {
             let (document, _) = Document::new(&Text::new(&name, ""), &[], 0, &mut Vec::new());
-            Err(SceneError::of_checks(document, vec![called(error.diagnostic(), what)]))
+            Err(SceneError::of_checks(document, vec![called(error.diagnostic(&name), what)]))
         }
     }
 }
@@ -44,15 +42,9 @@ pub fn parse_other<T: DeserializeOwned + JsonSchema, S>(
     let text = Text::new(name, text);
     let (document, root) = Document::new(&text, &[], 0, &mut diagnostics);
     let mut diagnostics = Diagnostics::new(&document, diagnostics);
-    let raw = root.and_then(|mut root| {
-        conform::conform(root.get_mut(), &schema::schema_of::<T>(), &mut diagnostics);
-        match <T as Deserialize>::deserialize(Deserializer::from(root)) {
-            Ok(raw) => Some(raw),
-            Err(error) => {
-                diagnostics.push(Diagnostic::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
-                None
-            }
-        }
+    let raw: Option<T> = root.and_then(|root| {
+        let conforming = conform::conform(root.get_ref(), &schema::schema_of::<T>(), &mut diagnostics);
+        conform::read(conforming, &mut diagnostics)
     });
     diagnostics.reword(|diagnostic| called(diagnostic, what));
     let made = raw.and_then(|raw| check(&raw, &mut diagnostics));

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
-use toml::de::{DeTable, Deserializer};
+use toml::de::DeTable;
 
 use crate::text::Text;
 use crate::{
@@ -115,7 +115,7 @@ fn content(path: &Path) -> Result<(String, String), SceneError> {
 
 fn refuse_file(name: &str, error: &FileError) -> SceneError {
     let (document, _) = Document::new(&Text::new(name, ""), &[], 0, &mut Vec::new());
-    SceneError::of_checks(document, vec![error.diagnostic()])
+    SceneError::of_checks(document, vec![error.diagnostic(name)])
 }
 
 /// A text with its overrides and one of its methods: what there is before its kind is known.
@@ -199,8 +199,8 @@ fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, SceneError> {
 }
 
 /// The raw tables, unless the scene is one of another kind.
-fn tables<'de, T: Deserialize<'de>>(
-    mut root: Spanned<DeTable<'de>>,
+fn tables<T: DeserializeOwned>(
+    root: Spanned<DeTable<'_>>,
     other: Option<Diagnostic>,
     schema: &serde_json::Value,
     diagnostics: &mut Diagnostics<'_>,
@@ -209,18 +209,12 @@ fn tables<'de, T: Deserialize<'de>>(
         diagnostics.push(diagnostic);
         return None;
     }
-    conform::conform(root.get_mut(), schema, diagnostics);
-    match T::deserialize(Deserializer::from(root)) {
-        Ok(raw) => Some(raw),
-        Err(error) => {
-            diagnostics.push(Diagnostic::error(error.message()).at(error.span().unwrap_or(0..0), "in this place"));
-            None
-        }
-    }
+    let conforming = conform::conform(root.get_ref(), schema, diagnostics);
+    conform::read(conforming, diagnostics)
 }
 
 fn finish<S>(scene: Option<S>, diagnostics: Diagnostics<'_>) -> Result<SceneFile<S>, SceneError> {
-    let document = diagnostics.document().clone();
+    let document = diagnostics.spelled_document();
     match scene {
         Some(scene) if !diagnostics.refuse() => Ok(SceneFile { scene, document, warnings: diagnostics.into_sorted() }),
         _ => Err(SceneError::of_checks(document, diagnostics.into_sorted())),

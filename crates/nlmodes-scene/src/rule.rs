@@ -96,7 +96,7 @@ impl<'a> Rule<'a> {
             .and_then(Value::as_str)
             .and_then(|pattern| pattern.strip_prefix('^')?.strip_suffix('$'));
         let constants = listed("oneOf").filter_map(|branch| branch.get("const"));
-        constants.chain(listed("enum")).filter_map(Value::as_str).chain(word).collect()
+        constants.chain(listed("enum")).chain(listed("enum_of_text")).filter_map(Value::as_str).chain(word).collect()
     }
 
     /// First line of the description.
@@ -248,6 +248,11 @@ pub fn number(x: f64) -> String {
     let decimals = if magnitude == 0.0 { 0 } else { (8 - magnitude.log10().floor() as i32).max(0) as usize };
     let text = format!("{x:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// `1 node`, `2 nodes`.
+pub fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// The path of a key in a table.

@@ -1,5 +1,7 @@
 //! JSON schema of a scene: what `nlmodes-cli schema` prints, and what scenes are checked against.
 
+mod whole;
+
 use std::sync::OnceLock;
 
 use schemars::JsonSchema;
@@ -45,45 +47,39 @@ pub fn of_test() -> &'static Value {
 
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let (mut schema, records, tests, matrices) = (schema(), of_records(), of_test(), of_matrices());
-    let kinds =
-        [&schema, matrices, records, tests].map(|kind| json!({ "title": kind["title"], "required": kind["required"] }));
-    for other in [records, tests] {
-        if let (Some(all), Some(more)) = (schema["properties"].as_object_mut(), other["properties"].as_object()) {
-            for (key, rule) in more {
-                all.entry(key).or_insert_with(|| rule.clone());
-            }
-        }
+    let mut schema = whole::joined(&[of_structure(), of_bodies(), of_matrices(), of_records(), of_test()]);
+    schema["title"] = json!("nlmodes scene");
+    schema["$schema"] = of_structure()["$schema"].clone();
+    for table in ["method", "response"] {
+        under_one_or_two_brackets(&mut schema["properties"][table]);
     }
-    for table in ["structure", "contact"] {
-        join_tables(&mut schema["properties"][table], &matrices["properties"][table]);
-    }
-    if let Some(root) = schema.as_object_mut() {
-        root.remove("required");
-        root.insert("oneOf".into(), json!(kinds));
-    }
-    schema
+    let demands = schema["anyOf"].as_array_mut().into_iter().flatten();
+    demands.for_each(without_an_end);
+    whole::published(schema)
 }
 
-/// A table, or the items of a list of tables, with the keys of both of two, and what each of them demands.
-fn join_tables(one: &mut Value, other: &Value) {
-    let (one, other) = if one.get("items").is_some() { (&mut one["items"], &other["items"]) } else { (one, other) };
-    if let (Some(all), Some(more)) = (one["properties"].as_object_mut(), other["properties"].as_object()) {
-        for (key, rule) in more {
-            let choices = rule.get("oneOf").and_then(Value::as_array);
-            match (all.get_mut(key).and_then(|own| own.get_mut("oneOf")).and_then(Value::as_array_mut), choices) {
-                (Some(own), Some(choices)) => {
-                    let new: Vec<Value> = choices.iter().filter(|choice| !own.contains(choice)).cloned().collect();
-                    own.extend(new);
-                }
-                _ => _ = all.entry(key).or_insert_with(|| rule.clone()),
-            }
-        }
-    }
-    let demands = json!([{ "required": one["required"] }, { "required": other["required"] }]);
-    if let Some(table) = one.as_object_mut() {
-        table.remove("required");
-        table.insert("oneOf".into(), demands);
+/// JSON schema of files of another kind, as studies, in words that every program understands.
+pub fn schema_for<T: JsonSchema>() -> Value {
+    whole::published(schema_of::<T>())
+}
+
+/// A table of which there may be several: `[method]` or `[[method]]`.
+fn under_one_or_two_brackets(rule: &mut Value) {
+    let written = rule.take();
+    let kinds = match written.get("items") {
+        Some(table) => json!([table, written]),
+        None => json!([written, { "type": "array", "minItems": 1, "items": written }]),
+    };
+    *rule = json!({ "description": written["description"], "anyOf": kinds });
+}
+
+/// A scene with responses need not say where a branch ends.
+fn without_an_end(demand: &mut Value) {
+    let Some(required) = demand["required"].as_array_mut() else { return };
+    let before = required.len();
+    required.retain(|key| key != "continuation");
+    if required.len() < before {
+        demand["oneRequired"] = json!(["continuation", "response"]);
     }
 }
 
@@ -139,10 +135,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_null_and_no_choice_is_left_open() {
+    fn nothing_is_null_and_no_word_is_ours() {
         let text = whole_schema().to_string();
         assert!(!text.contains("null"), "{text}");
-        assert!(!text.contains("anyOf"), "{text}");
+        assert!(!text.contains("oneRequired"), "{text}");
         assert!(!text.contains("$ref"), "{text}");
     }
 }

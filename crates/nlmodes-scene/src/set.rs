@@ -6,6 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
+use crate::units::is_same_quantity;
 use crate::{Diagnostic, Sources};
 
 /// What stands in front of the argument where it is shown.
@@ -75,7 +76,10 @@ fn insert<'a>(table: &mut DeTable<'a>, path: &[Segment<'a>], depth: usize, value
     let Some((name, range)) = path.get(depth) else { return Ok(()) };
     let key = Spanned::new(range.clone(), Cow::Borrowed(*name));
     if depth + 1 == path.len() {
-        table.remove(*name);
+        // The same in another unit is replaced too.
+        let others = table.keys().map(|other| other.get_ref().to_string());
+        let replaced: Vec<String> = others.filter(|other| other == name || is_same_quantity(name, other)).collect();
+        replaced.iter().for_each(|other| _ = table.remove(other.as_str()));
         table.insert(key, value);
         return Ok(());
     }

@@ -97,7 +97,7 @@ pub use design::Points;
 pub use distribution::Distribution;
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
-pub use read::StudyFile;
+pub use read::{StudyFile, schema};
 pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
 pub use serve::serve;
 pub use statistics::{

@@ -3,12 +3,18 @@
 use std::fs;
 use std::path::Path;
 
-use nlmodes_scene::{SceneError, SceneFile, Severity, load_other, parse_other};
+use nlmodes_scene::{SceneError, SceneFile, Severity, load_other, parse_other, schema_for};
+use serde_json::Value;
 
 use crate::design::Points;
 use crate::raw::RawStudy;
 use crate::study::Study;
 use crate::{case, check};
+
+/// JSON schema of a study file (draft 2020-12).
+pub fn schema() -> Value {
+    schema_for::<RawStudy>()
+}
 
 /// A study with the text it was read from.
 pub type StudyFile = SceneFile<Study>;

@@ -162,8 +162,28 @@ fn messages_have_no_colours_where_nobody_sees_them() -> Outcome {
 }
 
 #[test]
+fn a_scene_without_command_or_without_ending_is_told_what_to_write() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let scene = folder.path().join("bar.toml");
+    let scene = scene.to_str().ok_or("a path that is no text")?;
+    call(&["new", "rod", scene])?;
+    let said = |arguments: &[&str]| -> Result<String, Box<dyn Error>> {
+        let output = call(arguments)?;
+        assert_eq!(output.status.code(), Some(2));
+        Ok(String::from_utf8(output.stderr)?)
+    };
+    let without_command = said(&[scene])?;
+    assert!(without_command.contains(&format!("nlmodes-cli run {scene}")), "{without_command}");
+    let without_ending = said(&["check", scene.trim_end_matches(".toml")])?;
+    assert!(without_ending.contains(&format!("`{scene}` is there")), "{without_ending}");
+    Ok(())
+}
+
+#[test]
 fn schema_is_json_and_knows_each_key() -> Outcome {
     let schema: serde_json::Value = serde_json::from_slice(&call(&["schema"])?.stdout)?;
+    let study: serde_json::Value = serde_json::from_slice(&call(&["schema", "study"])?.stdout)?;
+    assert!(study.pointer("/properties/vary/items/properties/key").is_some(), "{study}");
     let keys = [
         ("", "title structure contact method continuation output recording channel linear_modes extraction stop"),
         ("/properties/recording", "files sample_rate_hz time_column"),
@@ -171,12 +191,12 @@ fn schema_is_json_and_knows_each_key() -> Outcome {
         ("/properties/linear_modes", "frequencies_hz damping_ratios positions_m shapes"),
         ("/properties/extraction", "mode periods harmonics pbmif_harmonics frequency_hz"),
         ("/properties/stop", "position_m gap_m side"),
-        ("/properties/structure", "kind length_m elements grading mass_matrix start end material section"),
-        ("/properties/structure/properties/material", "youngs_modulus_pa density_kg_m3 poissons_ratio"),
-        ("/properties/structure/properties/section", "area_m2 second_moment_m4 width_m height_m shear_factor"),
+        ("/properties/structure/anyOf/0", "kind length_m elements grading mass_matrix start end material section"),
+        ("/properties/structure/anyOf/0/properties/material", "youngs_modulus_pa density_kg_m3 poissons_ratio"),
+        ("/properties/structure/anyOf/0/properties/section", "area_m2 second_moment_m4 width_m height_m shear_factor"),
         ("/properties/contact/items", "at_m direction side gap_m"),
         (
-            "/properties/method",
+            "/properties/method/anyOf/0",
             "kind mode harmonics switching samples mass_redistribution contact_solver contact_stiffness_n_m symmetry held_modes",
         ),
         ("/properties/continuation", "max_energy_ratio frequency_hz max_points start_frequency_hz direction"),

@@ -16,7 +16,7 @@ pub enum ExtractionError {
         others: Vec<Finding>,
     },
     /// No frequency near the first guess makes the record periodic.
-    #[error("no fundamental frequency is found near {guess_hz} Hz in channel \"{channel}\"; give a first guess")]
+    #[error("no fundamental frequency is found near {guess_hz:.6} Hz in channel \"{channel}\"; give a first guess")]
     NoFrequency {
         /// The first guess, Hz.
         guess_hz: f64,
@@ -24,7 +24,7 @@ pub enum ExtractionError {
         channel: String,
     },
     /// The harmonics cannot be told apart.
-    #[error("{harmonics} harmonics of {frequency_hz} Hz cannot be told apart in {samples} samples")]
+    #[error("{harmonics} harmonics of {frequency_hz:.6} Hz cannot be told apart in {samples} samples")]
     Harmonics {
         /// Number of harmonics.
         harmonics: usize,

@@ -39,7 +39,7 @@ fn with_values(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Resul
     let mut places: Vec<(Range<usize>, f64)> = Vec::new();
     for (key, value) in values {
         let place = file.document.place(key).ok_or_else(|| format!("`{key}` does not stand in the scene"))?;
-        places.push((place.value.clone(), *value));
+        places.push((place.value.clone(), file.document.in_written_unit(key, *value)));
     }
     // From behind, so that places stay where they are.
     places.sort_by_key(|(place, _)| std::cmp::Reverse(place.start));

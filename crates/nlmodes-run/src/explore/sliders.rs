@@ -105,7 +105,8 @@ fn written(file: &SceneFile, key: &str) -> Option<f64> {
     if source.name != file.document.sources().file().name {
         return None;
     }
-    source.text.get(range)?.trim().replace('_', "").parse::<f64>().ok().filter(|value| value.is_finite())
+    let written = source.text.get(range)?.trim().replace('_', "").parse::<f64>().ok()?;
+    Some(file.document.in_schema_unit(key, written)).filter(|value| value.is_finite())
 }
 
 fn positive(

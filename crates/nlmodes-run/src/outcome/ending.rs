@@ -46,7 +46,12 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
         return None;
     }
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;
-    Some(format!(", on the tongue {resonance} (continuation.internal_resonance = \"skip\" leaves it out)"))
+    // Advice that was taken already is not given.
+    let advice = match computed.skips_internal_resonances() {
+        true => "",
+        false => " (continuation.internal_resonance = \"skip\" leaves it out)",
+    };
+    Some(format!(", on the tongue {resonance}{advice}"))
 }
 
 /// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.

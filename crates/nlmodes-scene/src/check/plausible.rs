@@ -1,5 +1,6 @@
 //! Values that are possible, but look like slips: of units mostly.
 
+mod masses;
 mod material;
 mod section;
 mod stop;
@@ -11,13 +12,13 @@ pub use test::{damping, warn as warn_of_test};
 use nlmodes_io::GapChoice;
 
 use crate::rule::number;
-use crate::scene::{Scene, Section, SpringDirection, Structure, StructureKind, Support};
+use crate::scene::{ModeDamping, Scene, Section, SpringDirection, Structure, StructureKind, Support};
 use crate::{Diagnostic, Diagnostics};
 
 /// Structures that are longer are rare, m.
 const LONG: f64 = 100.0;
 
-/// What is to be said of stops of any structure.
+/// What is to be said of stops and damping of any structure.
 pub fn stops(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     let files = scene.structure.matrices().map(|files| files.contacts.as_slice()).unwrap_or_default();
     let given = files.iter().map(|contact| match contact.gap {
@@ -27,6 +28,9 @@ pub fn stops(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     let gaps = scene.contacts.iter().map(|contact| contact.gap).chain(given);
     for (i, gap) in gaps.enumerate() {
         stop::pressed(&format!("contact.{i}.gap_m"), gap, diagnostics);
+    }
+    if let Some(ModeDamping::Ratios(ratios)) = scene.damping.as_ref().map(|damping| &damping.modes) {
+        damping(if diagnostics.has("damping.ratio") { "damping.ratio" } else { "damping.ratios" }, ratios, diagnostics);
     }
 }
 
@@ -49,9 +53,14 @@ pub fn structure(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     rigid_body(structure, diagnostics);
     let ratios = structure.modes.as_ref().and_then(|modes| modes.damping_ratios.as_deref());
     damping("structure.modes.damping_ratios", ratios.unwrap_or_default(), diagnostics);
+    if let Some(ModeDamping::Ratios(ratios)) = &structure.damping {
+        let path = ["structure.damping.ratio", "structure.damping.ratios"];
+        damping(path[usize::from(!diagnostics.has(path[0]))], ratios, diagnostics);
+    }
     if is_dimensionless(structure) {
         return;
     }
+    masses::warn(structure, diagnostics);
     material::warn(structure, diagnostics);
     if !section::warn(structure, diagnostics) {
         slenderness(structure, diagnostics);

@@ -11,12 +11,39 @@ pub enum Guess {
     Key(String),
     /// This key, of the table at this path.
     Elsewhere(String, String),
+    /// Something that the program does not compute, by its name.
+    Absent(&'static str),
     /// No idea.
     Nothing,
 }
 
-/// What the key, written in the table at `path`, was probably meant to be.
-pub fn guess(key: &str, path: &str, root: Rule<'_>) -> Guess {
+/// What people look for and the program does not compute, by the words that stand in its keys and values.
+const ABSENT: [(&str, &[&str]); 6] = [
+    ("friction", &["friction", "coulomb", "mu", "stick", "slip"]),
+    ("gravity", &["gravity", "gravitation", "weight"]),
+    ("an annular stop", &["annular", "annulus", "circular", "ring"]),
+    ("temperature", &["temperature", "temperatures", "thermal"]),
+    ("a restitution coefficient", &["restitution"]),
+    ("a nonlinear material", &["plastic", "plasticity", "hyperelastic", "yield"]),
+];
+
+/// What is meant by a key or a word that the program has not.
+pub fn absent(text: &str) -> Option<&'static str> {
+    let text = text.to_lowercase();
+    let parts = || text.split(['_', '-', ' ']);
+    ABSENT.iter().find(|(_, words)| parts().any(|part| words.contains(&part))).map(|(name, _)| *name)
+}
+
+/// Adds where it stands what else is not in the program.
+pub fn with_absent(diagnostic: Diagnostic, what: &str) -> Diagnostic {
+    diagnostic.help(format!("{what} is not in this program; see \"What it does not do\" in README.md"))
+}
+
+/// What the key, written in the table at `path` with a value that may be a text, was probably meant to be.
+pub fn guess(key: &str, text: Option<&str>, path: &str, root: Rule<'_>) -> Guess {
+    if let Some(what) = absent(key).or_else(|| absent(text?)) {
+        return Guess::Absent(what);
+    }
     let mut tables = Vec::new();
     collect(root, String::new(), &mut tables);
     let here = without_numbers(path);
@@ -60,6 +87,7 @@ impl Guess {
     pub fn label(&self, path: &str) -> String {
         match self {
             Self::Key(key) => format!("did you mean `{key}`?"),
+            Self::Absent(_) => "not in this program".into(),
             Self::Elsewhere(..) | Self::Nothing if path.is_empty() => "a scene has no such key here".into(),
             Self::Elsewhere(..) | Self::Nothing => format!("not a key of {}", heading(path)),
         }
@@ -70,7 +98,7 @@ impl Guess {
         match self {
             Self::Key(key) => Some(join(path, key)),
             Self::Elsewhere(key, table) => Some(join(table, key)),
-            Self::Nothing => None,
+            Self::Absent(_) | Self::Nothing => None,
         }
     }
 }
@@ -80,6 +108,7 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
     let diagnostic = Diagnostic::error(format!("unknown key `{}`", join(path, key)));
     match guess {
         Guess::Key(_) => diagnostic,
+        Guess::Absent(what) => with_absent(diagnostic, what),
         Guess::Elsewhere(key, other) if other.is_empty() => {
             diagnostic.help(format!("`{key}` stands at the top of the file, before the first heading in brackets"))
         }

@@ -1,17 +1,32 @@
 //! What is wrong with single values, in words.
 
+use std::ops::Range;
+
 use toml::de::DeValue;
 
-use super::unknown::heading;
+use super::unknown::{absent, heading, with_absent};
 use crate::Diagnostic;
 use crate::nearest::nearest;
-use crate::rule::{Kind, Rule};
+use crate::rule::{Kind, Rule, number};
 use crate::units::converted;
 
 /// A number outside the limits, or one that is not finite.
-pub fn out_of_range(path: &str, x: f64) -> Diagnostic {
+pub fn out_of_range(path: &str, x: f64, rule: Rule<'_>) -> Diagnostic {
     let what = if x.is_finite() { "out of range" } else { "not a finite number" };
-    Diagnostic::error(format!("`{path}` is {what}"))
+    let diagnostic = Diagnostic::error(format!("`{path}` is {what}"));
+    let key = path.split('.').rfind(|part| part.parse::<usize>().is_err()).unwrap_or_default();
+    let is_ratio = key.ends_with("ratio") || key.ends_with("ratios");
+    if is_ratio && (1.0..100.0).contains(&x) && rule.admits(1e-2 * x) {
+        let (percent, part) = (number(x), number(1e-2 * x));
+        return diagnostic.help(format!("a ratio is a fraction: {percent} % is {part}"));
+    }
+    diagnostic
+}
+
+/// A key that stands in the table already, in another unit.
+pub fn twice(path: &str, place: Range<usize>, first: Range<usize>) -> Diagnostic {
+    let diagnostic = Diagnostic::error(format!("`{path}` is given twice, in two units"));
+    diagnostic.at(place, "expected one of the two").with(first, "the first one")
 }
 
 /// An array with too few or too many items.
@@ -30,6 +45,9 @@ pub fn in_text(path: &str, text: &str, rule: Rule<'_>) -> Option<Diagnostic> {
         return None;
     }
     let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"{text}\""));
+    if let Some(what) = absent(text) {
+        return Some(with_absent(diagnostic, what));
+    }
     Some(match nearest(text, choices) {
         Some(choice) => diagnostic.help(format!("did you mean \"{choice}\"?")),
         None => match elsewhere(text, &rule.choices()) {

@@ -10,6 +10,7 @@ use crate::assemble::OpenStructure;
 use crate::doubts::unplaced_unknowns;
 use crate::memory::Effort;
 use crate::number;
+use crate::rule::counted;
 use crate::scene::{Matrices, Scene};
 use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
@@ -61,7 +62,7 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
         row("stiffness", format!("{}, {} entries in a triangle", files.stiffness, model.stiffness.n_entries())),
         row("mass", format!("{}, {} entries in a triangle", files.mass, model.mass.n_entries())),
         row("units", units),
-        row("unknowns", format!("{} degrees of freedom of {nodes} nodes{within}", model.n_dofs())),
+        row("unknowns", format!("{} degrees of freedom of {}{within}", model.n_dofs(), counted(nodes, "node"))),
         row("fixed", fixed(model)),
         row("free mass", free_mass(matrices, model)),
     ];
@@ -71,7 +72,10 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
             number(rounded(values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)))
         };
         let size = format!("{} × {} × {} m", side(0), side(1), side(2));
-        row("mesh", format!("{} nodes, {} elements, {size}", mesh.numbers.len(), mesh.elements.len()))
+        row(
+            "mesh",
+            format!("{}, {}, {size}", counted(mesh.numbers.len(), "node"), counted(mesh.elements.len(), "element")),
+        )
     }));
     lines
 }
@@ -87,9 +91,11 @@ fn fixed(model: &FeModel) -> String {
     match (model.fixed.len(), missing) {
         (0, Some(0)) => "each node of the mesh has rows, and `fixed` holds none".into(),
         (0, Some(n)) => format!(
-            "{n} nodes of the mesh have no rows: the files hold them, or they depend on others; none by `fixed`"
+            "{} of the mesh without rows: held by the files, or dependent on others; none by `fixed`",
+            counted(n, "node")
         ),
         (0, None) => "none by `fixed`; what the program eliminated before it wrote the files has no rows".into(),
+        (1, _) => "1 degree of freedom, by `fixed` or the files".into(),
         (n, _) => format!("{n} degrees of freedom, by `fixed` or the files"),
     }
 }

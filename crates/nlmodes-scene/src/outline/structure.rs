@@ -3,6 +3,7 @@
 use super::{Row, law, list, matrices, responses, row};
 use crate::assemble::OpenStructure;
 use crate::number;
+use crate::rule::counted;
 use crate::scene::{
     AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment, Start,
     Structure, Updating,
@@ -98,7 +99,8 @@ fn mesh(structure: &Structure) -> String {
     };
     let dofs = structure.free_dofs();
     let refined = structure.refined.as_ref().map_or_else(String::new, |refined| {
-        format!(", but {} times shorter beside {} nodes with stops", number(refined.factor), refined.beside.len())
+        let nodes = counted(refined.beside.len(), "node");
+        format!(", but {} times shorter beside {nodes} with stops", number(refined.factor))
     });
     format!("{elements} {grading}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
 }

@@ -61,7 +61,7 @@ pub enum RawDirection {
 fn word_or_vector(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": ["string", "array"],
-        "enum": ["axial", "transverse"],
+        "enum_of_text": ["axial", "transverse"],
         "items": { "type": "number" },
         "minItems": 3,
         "maxItems": 3,

@@ -3,4 +3,6 @@
 mod files;
 mod hostile;
 mod parts;
+mod schemas;
 mod shared;
+mod units;

@@ -10,7 +10,7 @@ use nlmodes_timestep::ModeShooting;
 use super::beyond::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
-use super::{AccuracyReached, BranchError, BranchMethod, BranchSettings};
+use super::{AccuracyReached, BranchError, BranchMethod, BranchSettings, ResonanceRule};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -70,6 +70,11 @@ pub enum BranchProgress<'a> {
 }
 
 impl ComputedBranch {
+    /// Whether branches of internal resonances were to be left out.
+    pub fn skips_internal_resonances(&self) -> bool {
+        self.settings.internal_resonance == ResonanceRule::Skip
+    }
+
     /// Motion and force of contact `contact` over one period of point `point`.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use crate::rule::number;
 use crate::scene::TestScene;
 use crate::{Diagnostic, Diagnostics};
 
-/// Structures with more damping have no modes worth the name.
+/// With this much damping a structure has no modes worth the name.
 const DAMPED: f64 = 0.1;
 /// Amplitudes of the voltage of a shaker's amplifier are below this, V.
 const HIGH_VOLTAGE: f64 = 200.0;
@@ -24,9 +24,9 @@ pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     levels(scene, diagnostics);
 }
 
-/// Damping ratios that look like per cent.
+/// Damping ratios that look like per cent; `path` is of the list, or of a single one.
 pub fn damping(path: &str, ratios: &[f64], diagnostics: &mut Diagnostics<'_>) {
-    let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio > DAMPED) else { return };
+    let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio >= DAMPED) else { return };
     let diagnostic = Diagnostic::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));
     let diagnostic = diagnostic.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 is 1 %");
     diagnostics.put(&format!("{path}.{i}"), diagnostic, format!("a damping ratio of {}", number(*ratio)));

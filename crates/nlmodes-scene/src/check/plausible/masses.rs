@@ -1,0 +1,54 @@
+use super::meant;
+use crate::rule::number;
+use crate::scene::{Section, Structure};
+use crate::{Diagnostic, Diagnostics};
+
+/// Point masses and added masses beyond so many times that of the structure look like a slip of the unit.
+const HEAVY: f64 = 100.0;
+
+/// Warns of masses that no such structure carries.
+pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
+    let own = own_mass(structure);
+    for (i, point) in structure.mass_points.iter().enumerate().filter(|(_, point)| point.mass > HEAVY * own) {
+        let path = format!("structure.mass_point.{i}.mass_kg");
+        let label = format!("{} kg, on a structure of {} kg", number(point.mass), short(own));
+        let diagnostic =
+            Diagnostic::warning(format!("`{path}` is {} times the mass of the structure", short(point.mass / own)));
+        diagnostics.put(&path, diagnostic.help(meant(point.mass, "g", 1e-3)), label);
+    }
+    let segments = structure.segments.iter().enumerate();
+    let of_segments =
+        segments.map(|(i, s)| (format!("structure.segment.{i}"), s.added_mass, s.density * area(s.section)));
+    let whole = ("structure".to_owned(), structure.added_mass, structure.density * area(structure.section));
+    for (table, added, own) in std::iter::once(whole).chain(of_segments) {
+        let path = format!("{table}.added_mass_kg_m");
+        if added > HEAVY * own && diagnostics.has(&path) {
+            let label = format!("{} kg/m, beside {} kg/m of the section", number(added), short(own));
+            let diagnostic =
+                Diagnostic::warning(format!("`{path}` is {} times that of the section", short(added / own)));
+            diagnostics.put(&path, diagnostic.help(meant(added, "g/m", 1e-3)), label);
+        }
+    }
+}
+
+/// Mass of the sections, kg.
+fn own_mass(structure: &Structure) -> f64 {
+    let mut from = 0.0;
+    let mut mass = 0.0;
+    for segment in &structure.segments {
+        mass += segment.density * area(segment.section) * (segment.to - from);
+        from = segment.to;
+    }
+    mass + structure.density * area(structure.section) * (structure.length - from)
+}
+
+fn area(section: Section) -> f64 {
+    match section {
+        Section::Rod { area } | Section::Beam { area, .. } => area,
+    }
+}
+
+/// Two digits.
+fn short(x: f64) -> String {
+    number(format!("{x:.1e}").parse().unwrap_or(x))
+}
